@@ -226,7 +226,7 @@ def neighborhood(contours: Contours) -> PathTree:
     return PathTree([contour.path for contour in contours])
 
 
-_ON = 0.01
+_BRIDGE_ON_CONTOUR = 0.01
 """Distance from a contour up to which a bridge is part of it [px]: its vertices are also those of the contour."""
 
 
@@ -235,5 +235,5 @@ def bridges_on(bridges: Sequence[Bridge], contours: Contours) -> tuple[Bridge, .
     if not bridges or not contours:
         return ()
     middles = np.array([bridge.points[len(bridge.points) // 2] for bridge in bridges])
-    there = set(neighborhood(contours).pairs(middles, _ON)[0].tolist())
+    there = set(neighborhood(contours).pairs(middles, _BRIDGE_ON_CONTOUR)[0].tolist())
     return tuple(bridge for number, bridge in enumerate(bridges) if number in there)

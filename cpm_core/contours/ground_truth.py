@@ -21,11 +21,11 @@ from cpm_core.parameters.quotation import counted, described, sized
 
 Labels = NDArray[np.int32]
 
-_MOST_CHANGES = 0.5
-"""Fraction of neighboring pixels that may differ in a mask; in a noisy image nearly all do."""
+_MAX_CHANGING_NEIGHBORS = 0.5
+"""Largest fraction of neighboring pixels that may differ in a mask; in a noisy image nearly all do."""
 
-_CLEAR = 0.125
-"""Greatest distance from black or white, as a fraction of the range, in a mask from a lossy format."""
+_BLACK_WHITE_TOLERANCE = 0.125
+"""Largest distance from black or white, as a fraction of the range, in a mask from a lossy format."""
 
 
 class _Labeled:
@@ -137,14 +137,14 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
     return Truth(labels, _between(labels), source)
 
 
-_FEW_LEVELS = 2**16
-"""Range of whole gray levels that are counted, not sorted."""
+_MAX_COUNTED_RANGE = 2**16
+"""Largest range of whole gray levels that are counted rather than sorted."""
 
 
 def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
     low, high = float(values.min()), float(values.max())
-    if high - low <= _FEW_LEVELS and not (values % 1).any():  # sorting a volume would take seconds
+    if high - low <= _MAX_COUNTED_RANGE and not (values % 1).any():  # sorting a volume would take seconds
         shifted = np.subtract(values, low).astype(np.int32)
         there = np.bincount(shifted.ravel()) > 0
         levels, labels = low + np.flatnonzero(there), (np.cumsum(there) - 1).astype(np.int32)[shifted]
@@ -153,14 +153,14 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
         labels = index.reshape(values.shape).astype(np.int32)
     if len(levels) > 8:
         span = (np.asarray(values, float) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
-        if np.minimum(span, 1.0 - span).max() < _CLEAR:  # black and white from a lossy format
+        if np.minimum(span, 1.0 - span).max() < _BLACK_WHITE_TOLERANCE:  # black and white from a lossy format
             labels = (span > 0.5).astype(np.int32)
     if len(levels) < 2:
         raise ValueError(f"{source} has one gray level everywhere, so it shows no object: choose another mask.")
     changes = np.mean(
         [(np.diff(labels, axis=axis) != 0).mean() for axis in range(labels.ndim) if labels.shape[axis] > 1]
     )
-    if len(levels) > 2 and changes > _MOST_CHANGES:
+    if len(levels) > 2 and changes > _MAX_CHANGING_NEIGHBORS:
         raise ValueError(
             f"{source} has {len(levels)} gray levels that change from pixel to pixel, so it is an image, not a mask: "
             "choose an image with one gray level for the background and one for each object."

@@ -24,23 +24,25 @@ from cpm_core.numerics.types import Array, Integers, Line, Position, frozen
 Kind = Literal["cut", "deletion", "redrawing", "join", "extension", "line", "outline"]
 """What an edit does, by what it removes and adds."""
 
-_CLOSEST = (1.0, 2.0, REACH)
-"""Distances within which a stretch that was removed is looked for, the first one that finds any [px]."""
+_SEARCH_DISTANCES = (1.0, 2.0, REACH)
+"""Distances within which a removed stretch is searched, the first one that finds any [px]."""
 
-_FARTHER = 3.0 * REACH
+_JOINING_DISTANCE = 3.0 * REACH
 """Distance from a piece up to which the end of its contour is joined to it after another run [px]."""
 
-_COVERED = 1.5
+_ALREADY_JOINED_DISTANCE = 1.5
 """Distance from a contour within which a piece is already part of it [px]."""
 
-_LEAST_SHARE = 0.5
-"""Least length of a stretch found again that is removed, as a fraction of the one that was."""
+_LEAST_SHARE_FOUND = 0.5
+"""Least length of a rediscovered stretch that is removed, as a fraction of the original length."""
 
-_ALONG, _SHORTEST = 1.5, 4.0
-"""Distance from an outline within which an open contour runs along it, and least length of what is taken away or left
-of it [px]."""
+_OUTLINE_COVER_DISTANCE = 1.5
+"""Distance from an outline within which an open contour runs along it [px]."""
 
-_FINE = 0.5
+_SHORTEST_REMAINDER = 4.0
+"""Least length of what is removed from a contour or left of it [px]."""
+
+_OUTLINE_SAMPLING = 0.5
 """Distance between samples along a line that is compared with an outline [px]."""
 
 
@@ -101,7 +103,7 @@ def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour,
         done = not edit.removed
         if len(edit.removed) == 1:
             lines, done = _cut(lines, edit.removed[0])
-        for reach in _CLOSEST:
+        for reach in _SEARCH_DISTANCES:
             if not done and len(edit.removed) > 1:
                 lines, done = _without(lines, np.array(edit.removed), reach)
         if edit.added:
@@ -136,9 +138,9 @@ def _without(lines: list[PolygonalLine], path: Array, reach: float) -> tuple[lis
             near = (line.nearest(path[0]), line.nearest(path[-1]))
             pieces[number] = line.parts(along for along, away in near if away <= reach)
     found = [(n, k) for n, some in pieces.items() for k, piece in enumerate(some) if piece.follows(path, reach)]
-    if found and reach > _CLOSEST[0]:  # the contour has moved: others may lie as near
+    if found and reach > _SEARCH_DISTANCES[0]:  # the contour has moved: others may lie as near
         longest = max(found, key=lambda one: pieces[one[0]][one[1]].length)
-        enough = pieces[longest[0]][longest[1]].length >= _LEAST_SHARE * polyline.length(path)
+        enough = pieces[longest[0]][longest[1]].length >= _LEAST_SHARE_FOUND * polyline.length(path)
         found = [longest] if enough else []
     touched = {n for n, _ in found}
     for n in touched:
@@ -189,18 +191,23 @@ def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLi
 
 def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
     """What is left of a line where an outline takes its place: an open one without what runs along the outline."""
-    apart = (line.box[1] < outline.box[0] - _ALONG).any() or (line.box[0] > outline.box[1] + _ALONG).any()
-    if line.closed or apart or line.length < _SHORTEST:
+    apart = (line.box[1] < outline.box[0] - _OUTLINE_COVER_DISTANCE).any() or (
+        line.box[0] > outline.box[1] + _OUTLINE_COVER_DISTANCE
+    ).any()
+    if line.closed or apart or line.length < _SHORTEST_REMAINDER:
         return [line]
-    count = max(1, int(np.ceil(line.length / _FINE)))
-    near = polyline.distances(outline.path, polyline.middles(line.path, count)) <= _ALONG
+    count = max(1, int(np.ceil(line.length / _OUTLINE_SAMPLING)))
+    near = polyline.distances(outline.path, polyline.middles(line.path, count)) <= _OUTLINE_COVER_DISTANCE
     step, bounds = line.length / count, [0, *(np.flatnonzero(np.diff(near)) + 1).tolist(), count]
-    stretches = [(a, b) for a, b in pairwise(bounds) if near[a] and (b - a) * step >= _SHORTEST]
+    stretches = [(a, b) for a, b in pairwise(bounds) if near[a] and (b - a) * step >= _SHORTEST_REMAINDER]
     cuts = [end * step for stretch in stretches for end in stretch]
     if not cuts:
         return [line]
     return [
-        rest for rest in line.parts(cuts) if rest.length >= _SHORTEST and not rest.follows(outline.path, _ALONG + _FINE)
+        rest
+        for rest in line.parts(cuts)
+        if rest.length >= _SHORTEST_REMAINDER
+        and not rest.follows(outline.path, _OUTLINE_COVER_DISTANCE + _OUTLINE_SAMPLING)
     ]
 
 
@@ -230,7 +237,7 @@ def _tie(lines: list[PolygonalLine], piece: Array, behind: Line) -> _Tie | None:
             found.append((off + aside, _Tie(index, at_last, begin + overlap)))
         elif aside <= REACH and line.part(*sorted((along, line.length if along > back else 0.0))).follows(piece, REACH):
             found.append((off + aside, _Tie(index, along > back, along)))
-        elif min(away) <= _FARTHER:
+        elif min(away) <= _JOINING_DISTANCE:
             last = away[1] < away[0]
             found.append((off + min(away), _Tie(index, last, line.length if last else 0.0)))
     return min(found)[1] if found else None
@@ -242,9 +249,9 @@ def _holds(line: PolygonalLine, piece: PolygonalLine, edit: HandEdit) -> bool:
         return False
     begin, end = sorted(line.nearest(behind)[0] for behind in (*edit.before, *edit.after))
     between = [line.part(begin, end), *([line.part(end, begin + line.length)] if line.closed else [])]
-    return any(piece.follows(part.path, _COVERED) for part in between)
+    return any(piece.follows(part.path, _ALREADY_JOINED_DISTANCE) for part in between)
 
 
 def _meets_side(lines: list[PolygonalLine], place: Array) -> bool:
     row, col = place.tolist()
-    return any(line.passes((row, col), _CLOSEST[0]) for line in lines)
+    return any(line.passes((row, col), _SEARCH_DISTANCES[0]) for line in lines)

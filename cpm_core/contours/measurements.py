@@ -12,14 +12,14 @@ from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Integers, Position, frozen
 from cpm_core.parameters.quotation import described, shown
 
-_SAME = 1.0
-"""Distance up to which the outline of an object may be that of a hole, both of one boundary [px]."""
+_SAME_OUTLINE_DISTANCE = 1.0
+"""Distance up to which the outline of an object may coincide with that of a hole [px]."""
 
-_PROBES = 16
+_CONTAINMENT_SAMPLES = 16
 """Samples along a contour that are tested for containment; the majority decides where contours touch."""
 
-_MARGIN = 1.0
-"""How far a contour may extend beyond the one around it, since contours may share a stretch of edge [px]."""
+_CONTAINMENT_MARGIN = 1.0
+"""Distance by which a contour may exceed the one around it [px], since contours may share a stretch of edge."""
 
 
 @frozen
@@ -178,7 +178,7 @@ def centroid(contour: Contour) -> Position:
         area, *first = moments(path)[:3].tolist()
         row, col = first[0] / area, first[1] / area
     else:
-        row, col = middles(path, _PROBES * len(path)).mean(axis=0).tolist()
+        row, col = middles(path, _CONTAINMENT_SAMPLES * len(path)).mean(axis=0).tolist()
     return row, col
 
 
@@ -211,7 +211,9 @@ def _net_areas(contours: Contours, around: Sequence[int | None]) -> Array:
             if its == outer and other.closed and not other.hole and other.area > contour.area
         )
         # another object in the same one may reach beyond a hole on all sides and take its area, too
-        covered = any(inside(other.points, middles(contour.path, _PROBES)).mean() > 0.5 for other in larger)
+        covered = any(
+            inside(other.points, middles(contour.path, _CONTAINMENT_SAMPLES)).mean() > 0.5 for other in larger
+        )
         if outer is not None and not covered:
             net[outer] -= contour.area
     net[[contour.hole for contour in contours]] = 0.0
@@ -222,9 +224,9 @@ def _net_areas(contours: Contours, around: Sequence[int | None]) -> Array:
 def containment(contours: Contours) -> tuple[int | None, ...]:
     """Find for each contour the innermost closed one that it lies in.
 
-    A contour lies in another when most of `_PROBES` samples along it do, so that contours which share a junction or a
-    stretch of edge are classified correctly; a closed one lies only in larger ones. A hole lies in an outline of its
-    own object alone, and what fills a hole lies in the hole, even where it is larger by a fraction of a pixel.
+    A contour lies in another when most of the samples along it do, so that contours which share a junction or a stretch
+    of edge are classified correctly; a closed one lies only in larger ones. A hole lies only in an outline of its own
+    object, and an object that fills a hole lies in the hole, even where it is larger by a fraction of a pixel.
 
     Parameters
     ----------
@@ -250,7 +252,9 @@ def containment(contours: Contours) -> tuple[int | None, ...]:
     closed = np.array([contour.closed and len(contour.points) > 2 for contour in contours])
     # which boxes contain which: rows are contours, columns are candidates around them, the smallest first
     order = np.flatnonzero(closed)[np.argsort(area[closed], kind="stable")]
-    fits = (low[:, None] >= low[order] - _MARGIN).all(axis=2) & (high[:, None] <= high[order] + _MARGIN).all(axis=2)
+    fits = (low[:, None] >= low[order] - _CONTAINMENT_MARGIN).all(axis=2) & (
+        high[:, None] <= high[order] + _CONTAINMENT_MARGIN
+    ).all(axis=2)
     fits &= area[:, None] < area[order]  # an open contour has no area
     hole = np.array([contour.hole for contour in contours])
     group = np.array([contour.group for contour in contours])
@@ -258,12 +262,14 @@ def containment(contours: Contours) -> tuple[int | None, ...]:
     found: list[int | None] = []
     for index, (contour, row) in enumerate(zip(contours, fits, strict=True)):
         filled = hole & ((group != group[index]) | (group == 0)) & closed[index] & ~hole[index]
-        filled &= (np.abs(low - low[index]) <= _SAME).all(axis=1) & (np.abs(high - high[index]) <= _SAME).all(axis=1)
-        filled &= np.abs(area - area[index]) <= 0.5 * _SAME * contour.length
+        filled &= (np.abs(low - low[index]) <= _SAME_OUTLINE_DISTANCE).all(axis=1) & (
+            np.abs(high - high[index]) <= _SAME_OUTLINE_DISTANCE
+        ).all(axis=1)
+        filled &= np.abs(area - area[index]) <= 0.5 * _SAME_OUTLINE_DISTANCE * contour.length
         if filled.any():
             found.append(int(np.argmax(filled)))
             continue
-        probes = middles(contour.path, _PROBES)
+        probes = middles(contour.path, _CONTAINMENT_SAMPLES)
         inner = (other for other in order[row].tolist() if inside(contours[other].points, probes).mean() > 0.5)
         found.append(next(inner, None))
     return tuple(found)

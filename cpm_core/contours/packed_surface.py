@@ -23,30 +23,30 @@ from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import ends, zero_surface
 from cpm_core.numerics.types import Array, Index, Integers, Mask, Numbers, Pixels, Place, frozen
 
-_LARGEST = 256 * 2**20
-"""Most bytes of an array that is read."""
+_MAX_ARRAY_BYTES = 256 * 2**20
+"""Largest array that is read [bytes]."""
 
 Corner = Sequence[int] | Index
 """A voxel, or the sides of a box, (plane, row, col)."""
 
 MOST_VOXELS = 2**28
-"""Most voxels of the box around a surface, whose inside takes a byte for each and more while it is found."""
+"""Largest box around a surface [voxels]; filling it takes at least one byte per voxel."""
 
-_FAST = 1
-"""Level of compression: bits of positions hardly become fewer, however long one tries."""
+_COMPRESSION_LEVEL = 1
+"""Level of zlib: higher ones hardly shrink coordinates further, however long they take."""
 
 
 def packed(array: Numbers) -> str:
     """The bytes of an array of numbers, low ones first, as text."""
     data = np.ascontiguousarray(array).astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
-    return base64.b64encode(zlib.compress(data, _FAST)).decode()
+    return base64.b64encode(zlib.compress(data, _COMPRESSION_LEVEL)).decode()
 
 
 def unpacked(text: object, dtype: DTypeLike, count: int | None, where: str) -> Numbers:
     """So many numbers of this type, None for any number of them; else ValueError, which names `where`."""
     kind = np.dtype(dtype).newbyteorder("<")
-    size = _LARGEST if count is None else count * kind.itemsize
-    if not isinstance(text, str) or size > _LARGEST:
+    size = _MAX_ARRAY_BYTES if count is None else count * kind.itemsize
+    if not isinstance(text, str) or size > _MAX_ARRAY_BYTES:
         raise ValueError(f"{where} holds no array that can be read.")
     try:
         unpacking = zlib.decompressobj()
@@ -139,22 +139,26 @@ class PackedSurface:
         return PackedSurface.of(replace(self.surface, vertices=self.surface.vertices + np.array(by)))
 
 
-_BYTE = 8
+_BITS_PER_BYTE = 8
+"""Number of voxels packed into a byte."""
 
-_SMOOTH, _MARGIN = 0.8, 3
-"""Standard deviation by which the steps between voxels are smoothed for a surface, and what is around it [voxels]."""
+_VOXEL_SMOOTHING = 0.8
+"""Standard deviation that smooths the steps between voxels for a surface [voxels]."""
 
-_LEAST = 0.15
+_SURFACE_MARGIN = 3
+"""Empty voxels added on all sides before a surface is built [voxels]."""
+
+_LEAST_LEVEL_OFFSET = 0.15
 """Least difference of a smoothed voxel from the level of the surface, so that it stays on its side."""
 
-_PLANES = 16
-"""Planes of a surface that are made at once: while triangles are made nothing else can be done."""
+_PLANES_PER_PIECE = 16
+"""Planes of a surface that are built at once: meanwhile the interpreter does nothing else."""
 
-_WEIGHTS = np.array([1.0, math.e, math.pi])
-"""Of the coordinates of a place in a sum that no other place has."""
+_VERTEX_KEY_WEIGHTS = np.array([1.0, math.e, math.pi])
+"""Weights of the coordinates in a sum that identifies a vertex."""
 
-_MOST_KEPT = 32
-"""Bodies of voxels of which surfaces and shells are kept: documents that can be undone hold many versions of each."""
+_CACHED_BODIES = 32
+"""Number of bodies whose surfaces and shells are cached: an undo stack holds many versions of each."""
 
 
 @frozen
@@ -193,7 +197,7 @@ class PackedVoxels:
     @property
     def shape(self) -> tuple[int, int, int]:
         """Planes, rows and columns of the box."""
-        return len(self.planes), len(self.planes[0]) // self.width, _BYTE * self.width
+        return len(self.planes), len(self.planes[0]) // self.width, _BITS_PER_BYTE * self.width
 
     def part(self, begin: Corner, shape: Corner) -> Mask:
         """Which voxels of another box, given its first voxel and its shape, are among them."""
@@ -201,18 +205,18 @@ class PackedVoxels:
         low, high = np.maximum(begin, self.first), np.minimum(np.add(begin, shape), np.add(self.first, self.shape))
         if (low < high).all():
             (plane, row, col), (planes, rows, cols) = low - self.first, high - low
-            width = slice(col // _BYTE, -(-(col + cols) // _BYTE))
+            width = slice(col // _BITS_PER_BYTE, -(-(col + cols) // _BITS_PER_BYTE))
             raw = np.stack([self._rows(at)[row : row + rows, width] for at in range(plane, plane + planes)])
             bits = np.unpackbits(raw, axis=2).view(np.bool_)
-            found[_window(low, high, begin)] = bits[:, :, col % _BYTE :][:, :, :cols]
+            found[_window(low, high, begin)] = bits[:, :, col % _BITS_PER_BYTE :][:, :, :cols]
         return found
 
     def with_part(self, begin: Corner, mask: Mask) -> PackedVoxels | None:
         """These with a mask instead of what is in its box, which begins at a voxel; None without any voxel."""
         low, high = np.array(begin), np.add(begin, mask.shape)
         first, last = np.minimum(self.first, low), np.maximum(np.add(self.first, self.shape), high)
-        first[2] -= (first[2] - self.first[2]) % _BYTE
-        last[2] += (first[2] - last[2]) % _BYTE
+        first[2] -= (first[2] - self.first[2]) % _BITS_PER_BYTE
+        last[2] += (first[2] - last[2]) % _BITS_PER_BYTE
         (_, rows, cols), planes = last - first, []
         same = (rows, cols) == self.shape[1:]
         for at in range(first[0], last[0]):
@@ -224,7 +228,7 @@ class PackedVoxels:
             if changed:
                 bits[_window(low[1:], high[1:], first[1:])] = mask[at - low[0]]
             planes.append(np.packbits(bits, axis=1).tobytes())
-        return PackedVoxels(tuple(first.tolist()), cols // _BYTE, tuple(planes)) if _any(planes) else None
+        return PackedVoxels(tuple(first.tolist()), cols // _BITS_PER_BYTE, tuple(planes)) if _any(planes) else None
 
     @property
     def voxels(self) -> Voxels:
@@ -277,22 +281,22 @@ def _window(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
     return tuple(map(slice, low - begin, high - begin))
 
 
-@lru_cache(maxsize=_MOST_KEPT)
+@lru_cache(maxsize=_CACHED_BODIES)
 def _shell_of(voxels: Voxels) -> Voxels:
     return Voxels(voxels.mask & ~scipy.ndimage.binary_erosion(voxels.mask), voxels.first)
 
 
-@lru_cache(maxsize=_MOST_KEPT)
+@lru_cache(maxsize=_CACHED_BODIES)
 def _surface(body: PackedVoxels) -> Surface:
-    inside = np.pad(body.voxels.mask, _MARGIN)
-    level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _SMOOTH) - np.float32(0.5)
-    level = np.where(inside, np.maximum(level, _LEAST), np.minimum(level, -_LEAST))
+    inside = np.pad(body.voxels.mask, _SURFACE_MARGIN)
+    level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _VOXEL_SMOOTHING) - np.float32(0.5)
+    level = np.where(inside, np.maximum(level, _LEAST_LEVEL_OFFSET), np.minimum(level, -_LEAST_LEVEL_OFFSET))
     # a few planes at a time, between which the window has its turn; corners on the planes between are the same twice
-    ends = pairwise([*range(0, len(level) - 1, _PLANES), len(level) - 1])
+    ends = pairwise([*range(0, len(level) - 1, _PLANES_PER_PIECE), len(level) - 1])
     inner = [(0, side) for side in level.shape[1:]]
     parts = [zero_surface(level, ((first, last + 1), *inner)) for first, last in ends]
     counts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
     vertices = np.concatenate([part for part, _ in parts])
-    _, kept, numbers = np.unique((vertices * _WEIGHTS).sum(axis=1), return_index=True, return_inverse=True)
+    _, kept, numbers = np.unique((vertices * _VERTEX_KEY_WEIGHTS).sum(axis=1), return_index=True, return_inverse=True)
     faces = numbers[np.concatenate([part + count for (_, part), count in zip(parts, counts, strict=False)])]
-    return Surface(vertices[kept] + np.array(body.first) - _MARGIN, faces)
+    return Surface(vertices[kept] + np.array(body.first) - _SURFACE_MARGIN, faces)

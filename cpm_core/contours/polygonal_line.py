@@ -14,10 +14,10 @@ from cpm_core.contours.contour import Contour, Curve
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Position, record
 
-_TINY = 1e-6
-"""Length under which a part of a line is none [px]."""
+_LENGTH_TOLERANCE = 1e-6
+"""Length below which a part of a line counts as empty [px]."""
 
-_FINE = 0.5
+_PATH_SAMPLING = 0.5
 """Distance between the samples along a line that are compared with a path [px]."""
 
 
@@ -89,12 +89,12 @@ class PolygonalLine(Curve):
             path = np.concatenate([path, path[1:]])
             drawn = np.concatenate([drawn, drawn])
             lengths = np.concatenate([lengths, lengths[1:] + self.length])
-        inner = lengths[(lengths > first + _TINY) & (lengths < last - _TINY)]
+        inner = lengths[(lengths > first + _LENGTH_TOLERANCE) & (lengths < last - _LENGTH_TOLERANCE)]
         at = np.concatenate([[first], inner, [last]])
         points = np.stack([np.interp(at, lengths, axis) for axis in path.T], axis=1)
         segment = np.searchsorted(lengths, 0.5 * (at[1:] + at[:-1]), side="right") - 1
         whole = not self.closed
-        begins, ends = whole and first <= _TINY, whole and last >= self.length - _TINY
+        begins, ends = whole and first <= _LENGTH_TOLERANCE, whole and last >= self.length - _LENGTH_TOLERANCE
         junctions = (begins and self.junctions[0], ends and self.junctions[1])
         return PolygonalLine(points, False, drawn[np.clip(segment, 0, len(drawn) - 1)], junctions)
 
@@ -104,15 +104,15 @@ class PolygonalLine(Curve):
         if self.closed:
             ends = [*at, *(cut + self.length for cut in at[:1])]
         else:
-            ends = [0.0, *(cut for cut in at if _TINY < cut < self.length - _TINY), self.length]
+            ends = [0.0, *(cut for cut in at if _LENGTH_TOLERANCE < cut < self.length - _LENGTH_TOLERANCE), self.length]
             if len(ends) == 2:
                 return [self]
-        found = [self.part(a, b) for a, b in pairwise(ends) if b - a > _TINY]
+        found = [self.part(a, b) for a, b in pairwise(ends) if b - a > _LENGTH_TOLERANCE]
         return found or [self]
 
     def follows(self, path: Array, reach: float) -> bool:
         """Whether all of the line lies within reach of a path, shape (K, 2) [px]."""
-        samples = np.concatenate([self.path[[0, -1]], polyline.sampled(self.path, _FINE)])
+        samples = np.concatenate([self.path[[0, -1]], polyline.sampled(self.path, _PATH_SAMPLING)])
         return bool((polyline.distances(path, samples) <= reach).all())
 
     def reversed(self) -> PolygonalLine:
@@ -146,4 +146,4 @@ def ring(line: PolygonalLine) -> PolygonalLine:
 
 
 def _touch(a: Array, b: Array) -> bool:
-    return float(np.linalg.norm(a - b)) <= _TINY
+    return float(np.linalg.norm(a - b)) <= _LENGTH_TOLERANCE

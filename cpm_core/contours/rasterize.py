@@ -17,9 +17,9 @@ from cpm_core.parameters.quotation import shown
 Labels = NDArray[np.unsignedinteger]
 
 MOST_LABELS = 65535
-"""Labels that 16 bits can hold."""
+"""Largest number of labels that 16 bits can hold."""
 
-_NEAR = 1e-9
+_ON_EDGE_DISTANCE = 1e-9
 """Distance from an edge up to which a pixel lies on it [px]."""
 
 
@@ -78,7 +78,9 @@ def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     crossed = np.concatenate(places, axis=1)
     crossed = crossed[:, (crossed[2] >= 0) & (crossed[2] < shape[0])]
     crossed = crossed[:, np.lexsort(crossed[::-1])]
-    ends = np.clip([np.ceil(crossed[3, ::2] - _NEAR), np.floor(crossed[3, 1::2] + _NEAR) + 1], 0, shape[1])
+    ends = np.clip(
+        [np.ceil(crossed[3, ::2] - _ON_EDGE_DISTANCE), np.floor(crossed[3, 1::2] + _ON_EDGE_DISTANCE) + 1], 0, shape[1]
+    )
     return np.stack([crossed[0, ::2], crossed[2, ::2], *ends], axis=1).astype(int).tolist()
 
 

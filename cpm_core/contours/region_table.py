@@ -65,10 +65,13 @@ class Table(dict[str, Column]):
         return described("Table", counted(self.rows, "row"), *self)
 
 
-_LENGTHS = (
+_LENGTH_COLUMNS = (
     "perimeter", "axis_major_length", "axis_minor_length", "equivalent_diameter_area", "centroid", "box"
 )  # fmt: skip
-_AREAS = ("area", "area_filled", "area_convex")
+"""Prefixes of the columns that hold lengths."""
+
+_AREA_COLUMNS = ("area", "area_filled", "area_convex")
+"""Columns that hold areas."""
 
 
 def region_table(
@@ -159,8 +162,8 @@ def _ellipse(net: Array, center: Array) -> dict[str, object]:
     }
 
 
-_LEVELS = {"mean": "mean", "std": "standard_deviation", "min": "minimum", "max": "maximum"}
-"""Names of columns of gray levels, and of the functions of scipy.ndimage that measure them."""
+_GRAY_STATISTICS = {"mean": "mean", "std": "standard_deviation", "min": "minimum", "max": "maximum"}
+"""Suffix of each gray-level column -> function of scipy.ndimage that measures it."""
 
 
 def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | None) -> dict[str, Column]:
@@ -168,14 +171,14 @@ def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | Non
     if gray is None or not len(numbers):
         return {}
     there = np.isin(numbers, labels)
-    columns = {f"intensity_{name}": np.full(len(numbers), np.nan) for name in _LEVELS}
+    columns = {f"intensity_{name}": np.full(len(numbers), np.nan) for name in _GRAY_STATISTICS}
     with np.errstate(invalid="ignore"):  # scipy divides by the size of labels that are not asked for, too
-        for name, measure in _LEVELS.items():
+        for name, measure in _GRAY_STATISTICS.items():
             columns[f"intensity_{name}"][there] = getattr(scipy.ndimage, measure)(gray, labels, numbers[there])
     return columns
 
 
 def _units(columns: dict[str, Column], unit: str, power: str) -> dict[str, str]:
     """Unit of each column of lengths and areas."""
-    found = {name: unit for name in columns if name.startswith(_LENGTHS)}
-    return {**found, **dict.fromkeys(_AREAS, f"{unit}{power}"), "orientation": "rad"}
+    found = {name: unit for name in columns if name.startswith(_LENGTH_COLUMNS)}
+    return {**found, **dict.fromkeys(_AREA_COLUMNS, f"{unit}{power}"), "orientation": "rad"}

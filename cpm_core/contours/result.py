@@ -22,8 +22,8 @@ from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
-_MOST_NAMES = 400
-"""Labels that are written into a picture."""
+_MAX_DRAWN_LABELS = 400
+"""Largest number of labels written into a picture."""
 
 
 @record
@@ -179,7 +179,7 @@ class Result(drawing.Pictured):
             drawing.show_particles(ax, self.particles)
         if labels:
             labeled = zip(self.contours, contour_labels(self.contours), strict=True)
-            for contour, label in [one for one in labeled if one[1]][:_MOST_NAMES]:
+            for contour, label in [one for one in labeled if one[1]][:_MAX_DRAWN_LABELS]:
                 row, col = centroid(contour)
                 name = contour.name or str(label)
                 ax.text(col, row, name, color="#ffffff", ha="center", va="center", size=8, bbox=drawing.BOX, zorder=7)

@@ -24,10 +24,10 @@ Verdict = Literal["", "kept", "rejected"]
 REACH = 4.0
 """Greatest distance of a contour from an anchor that belongs to it [px]."""
 
-_PLACES = 24
-"""Number of positions along a contour among which its anchor is chosen."""
+_ANCHOR_CANDIDATES = 24
+"""Number of positions along a contour among which its anchor is selected."""
 
-_ALONE = 3.0 * REACH
+_ISOLATED_DISTANCE = 3.0 * REACH
 """Distance from all other contours beyond which positions are equally good [px]."""
 
 
@@ -170,15 +170,15 @@ def anchors(contours: Contours, indices: Sequence[int]) -> list[Position]:
     """For each index a position (row, col) on its contour, far from the other contours and from its own ends [px]."""
     if not indices:
         return []
-    share = (np.arange(_PLACES) + 0.5) / _PLACES
+    share = (np.arange(_ANCHOR_CANDIDATES) + 0.5) / _ANCHOR_CANDIDATES
     order = np.argsort(np.abs(share - 0.5), kind="stable")  # the middle has priority among equals
     low, high = np.concatenate([one.box for one in contours]).reshape(-1, 2, 2).swapaxes(0, 1)
     found: list[Position] = []
-    along = polyline.middles_of([contours[index].path for index in indices], _PLACES)[:, order]
+    along = polyline.middles_of([contours[index].path for index in indices], _ANCHOR_CANDIDATES)[:, order]
     for index, places in zip(indices, along, strict=True):
-        clear = np.full(_PLACES, _ALONE)
+        clear = np.full(_ANCHOR_CANDIDATES, _ISOLATED_DISTANCE)
         apart = np.maximum(low - high[index], low[index] - high).max(axis=1)
-        for other in np.flatnonzero(apart < _ALONE).tolist():
+        for other in np.flatnonzero(apart < _ISOLATED_DISTANCE).tolist():
             if other != index:
                 clear = np.minimum(clear, polyline.distances(contours[other].path, places))
         row, col = places[int(np.argmax(clear))].tolist()
@@ -186,13 +186,13 @@ def anchors(contours: Contours, indices: Sequence[int]) -> list[Position]:
     return found
 
 
-_SAME = 2.0
+_SAME_EDGE_DISTANCE = 2.0
 """Distance up to which two contours run along the same edge [px]."""
 
-_MOST = 0.8
+_SAME_CONTOUR_SHARE = 0.8
 """Share of a contour that has to run along another one to be it, or a part of it."""
 
-_SAMPLES = 24
+_OVERLAP_SAMPLES = 24
 """Number of places along a contour that are compared."""
 
 
@@ -242,7 +242,7 @@ def outline_of(contour: Contour) -> Outline:
 def _runs_along(contour: Contour, other: Contour) -> bool:
     """Whether a contour runs along another one for most of its length."""
     low, high = other.box
-    if (contour.box[0] > high + _SAME).any() or (contour.box[1] < low - _SAME).any():
+    if (contour.box[0] > high + _SAME_EDGE_DISTANCE).any() or (contour.box[1] < low - _SAME_EDGE_DISTANCE).any():
         return False
-    away = polyline.distances(other.path, polyline.middles(contour.path, _SAMPLES))
-    return bool((away <= _SAME).mean() >= _MOST)
+    away = polyline.distances(other.path, polyline.middles(contour.path, _OVERLAP_SAMPLES))
+    return bool((away <= _SAME_EDGE_DISTANCE).mean() >= _SAME_CONTOUR_SHARE)

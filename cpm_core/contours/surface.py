@@ -201,13 +201,13 @@ def rows_of_three(name: str, values: ArrayLike) -> Array:
     return rows
 
 
-_BESIDE = (1.3e-6, 2.9e-6)
-"""How far beside the voxel centers lines run, so that they pass through no vertex of a surface on the grid [voxels]."""
+_LINE_OFFSET = (1.3e-6, 2.9e-6)
+"""Offset of the probing lines from the voxel centers [voxels], so that they hit no vertex of a surface on the grid."""
 
 
 def inside_of(surface: Surface, shape: Extent) -> Mask:
     """Voxels of a volume of that shape whose center lies inside a closed surface; hollows are outside."""
-    corners = surface.vertices[surface.faces] - (*_BESIDE, 0.0)
+    corners = surface.vertices[surface.faces] - (*_LINE_OFFSET, 0.0)
     low = np.clip(np.ceil(corners.min(axis=1)), 0, shape).astype(np.int64)
     high = np.clip(np.floor(corners.max(axis=1)) + 1, 0, shape).astype(np.int64)
     found = np.zeros(shape, bool)
@@ -264,8 +264,8 @@ def _mark_crossings(corners: Array, low: Index, high: Index, first: Index, cross
                         crossed[p - first[0], r - first[1], col] ^= True
 
 
-_ROOM = 1
-"""Voxels around an object in which its surface lies."""
+_LABEL_MARGIN = 1
+"""Margin around an object in which its surface lies [voxels]."""
 
 
 def surface_of_labels(
@@ -281,8 +281,8 @@ def surface_of_labels(
     for number, part in enumerate(parts, start=1):
         if part is None:
             continue
-        inside = np.pad(labels[part] == number, _ROOM)
-        begin = np.array([side.start - _ROOM for side in part])
+        inside = np.pad(labels[part] == number, _LABEL_MARGIN)
+        begin = np.array([side.start - _LABEL_MARGIN for side in part])
         within = np.clip([begin, begin + inside.shape], 0, labels.shape) - begin
         vertices, faces = zero_surface(
             inside.astype(np.float32) - np.float32(0.5), tuple(map(tuple, within.T.tolist())) if open_border else None

@@ -28,17 +28,17 @@ from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters.quotation import described
 
-_CANDIDATES = 16
-"""Triangles with the nearest centers that are tried for a point."""
+_CANDIDATE_TRIANGLES = 16
+"""Number of triangles, by nearest centers, that are tried for each point."""
 
-_AT_A_TIME = 20_000
-"""Points whose distances are taken at a time, so that they take little memory."""
+_POINTS_PER_BATCH = 20_000
+"""Number of points whose distances are computed at once, to bound the memory."""
 
-_LONGEST = 1.5
-"""Length of a side above which a triangle is divided, in smallest sides of a voxel; marching cubes make none above."""
+_MAX_TRIANGLE_SIDE = 1.5
+"""Side above which a triangle is divided [smallest sides of a voxel]; marching cubes make no longer ones."""
 
-_HALVINGS = 6
-"""How often the sides of a triangle are halved at most."""
+_MAX_TRIANGLE_HALVINGS = 6
+"""Largest number of times that the sides of a triangle are halved."""
 
 
 @record
@@ -73,9 +73,9 @@ class Triangles:
         found = np.full(len(points), np.inf)
         if not len(self.corners):
             return found
-        count = min(_CANDIDATES, len(self.corners))
-        for first in range(0, len(points), _AT_A_TIME):
-            some = slice(first, first + _AT_A_TIME)
+        count = min(_CANDIDATE_TRIANGLES, len(self.corners))
+        for first in range(0, len(points), _POINTS_PER_BATCH):
+            some = slice(first, first + _POINTS_PER_BATCH)
             near = np.asarray(self._tree.query(points[some], k=np.arange(1, count + 1))[1], np.int64)
             # from the nearest place of each triangle: over its inside, or on its rim
             corners = self.corners[near]
@@ -100,9 +100,9 @@ def triangles_of(surface: Surface, shape: Extent) -> Triangles:
     """
     sides = np.array(surface.spacing)
     corners = (surface.vertices * sides)[surface.faces]
-    for _ in range(_HALVINGS):
+    for _ in range(_MAX_TRIANGLE_HALVINGS):
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0)
-        large = longest > _LONGEST * sides.min()
+        large = longest > _MAX_TRIANGLE_SIDE * sides.min()
         a, b, c = corners[large].swapaxes(0, 1)
         halves = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
         four = (a, halves[0], halves[2]), (halves[0], b, halves[1]), (halves[2], halves[1], c), halves

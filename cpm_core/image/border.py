@@ -14,23 +14,22 @@ import scipy
 from cpm_core.numerics.grids import Window, around, relative, tiles
 from cpm_core.numerics.types import Array, Mask
 
-_FAINT = 0.1
+_LEAST_BORDER_STRENGTH = 0.1
 """Least strength of the edge of a border, as a fraction of the largest edge strength."""
 
-_ALONG = 0.94
-"""Cosine of the angle between the image gradient and the normal of the side, above which an edge runs along the
-side."""
+_ALONG_SIDE_COSINE = 0.94
+"""Cosine of the angle between the image gradient and the normal of the side, above which an edge follows it."""
 
-_STRAIGHT = 0.02
+_MAX_BORDER_DEVIATION = 0.02
 """Largest deviation of the edge of a border from a line, as a fraction of the shorter side."""
 
-_COVER = 0.5
+_LEAST_VISIBLE_SHARE = 0.5
 """Fraction of a side along which its edge must be visible."""
 
-_TILE = 512
-"""Side of the parts in which distances are measured, where any are asked for [px]."""
+_DISTANCE_TILE = 512
+"""Side of the tiles in which distances are measured [px]."""
 
-_FLANK = 3.0
+_FLANK_WIDTH = 3.0
 """Width of an edge's flank, in sigma."""
 
 
@@ -45,7 +44,7 @@ def inside_border(slopes: Callable[[Window], Array], strength: Array, smoothing:
     reach = int(widest * min(shape))
     if reach < 1:
         return inside
-    faint = _FAINT * strength.max()
+    faint = _LEAST_BORDER_STRENGTH * strength.max()
     for axis, along in enumerate(shape):
         for reverse in (False, True):
             side = slice(max(along - reach - 2, 0), along) if reverse else slice(0, reach + 2)
@@ -54,10 +53,10 @@ def inside_border(slopes: Callable[[Window], Array], strength: Array, smoothing:
             rim, slope, length = (np.moveaxis(values, axis, 0) for values in parts)
             if reverse:
                 rim, slope, length = rim[::-1], slope[::-1], length[::-1]
-            edge = np.where((length >= faint) & (np.abs(slope) >= _ALONG * length), slope, 0.0)
-            depth = _edge_of_border(edge, int(_STRAIGHT * min(shape)) + 1)
+            edge = np.where((length >= faint) & (np.abs(slope) >= _ALONG_SIDE_COSINE * length), slope, 0.0)
+            depth = _edge_of_border(edge, int(_MAX_BORDER_DEVIATION * min(shape)) + 1)
             if depth >= 0:
-                rim[: depth + 1 + int(_FLANK * max(smoothing, 1.0))] = False
+                rim[: depth + 1 + int(_FLANK_WIDTH * max(smoothing, 1.0))] = False
     return inside
 
 
@@ -69,7 +68,7 @@ def _edge_of_border(edge: Array, stray: int) -> int:
     for sign in (-1.0, 1.0):
         on = (ridge & (edge[1:-1] * sign > 0.0)).view(np.uint8)
         near = scipy.ndimage.maximum_filter1d(on, 2 * stray + 1, axis=0, mode="nearest")
-        lines = np.flatnonzero(near.reshape(len(near), -1).mean(axis=1) > _COVER)
+        lines = np.flatnonzero(near.reshape(len(near), -1).mean(axis=1) > _LEAST_VISIBLE_SHARE)
         if len(lines):
             farthest = max(farthest, int(lines[-1]) + 1)
     return farthest
@@ -78,7 +77,7 @@ def _edge_of_border(edge: Array, stray: int) -> int:
 def within(inside: Mask, reach: int) -> Mask:
     r"""Pixels whose centers are at most `reach` px from the center of a pixel of the mask `inside`, shape (\*shape)."""
     found = inside.copy()
-    for tile in tiles(inside.shape, _TILE):
+    for tile in tiles(inside.shape, _DISTANCE_TILE):
         outer = around(tile, reach, inside.shape)
         if inside[outer].any() and not inside[tile].all():
             near = scipy.ndimage.distance_transform_edt(~inside[outer]) <= reach

@@ -11,22 +11,28 @@ from cpm_core.numerics.types import Array, Numbers, Pixels, Texts, record
 from cpm_core.parameters.choices import CHOICES, check_choice
 from cpm_core.parameters.quotation import shown
 
-_PRIMARIES = ("red", "green", "blue")
+_PRIMARY_COLORS = ("red", "green", "blue")
+"""Names of the channels of a color image."""
+
 WEIGHTS = (0.2125, 0.7154, 0.0721)
 """Share of red, green and blue in the luminance (ITU-R BT.709)."""
 
 LUMINANCE_NOTE = "Color was turned into luminance."
+"""Note on an image whose colors were reduced to luminance."""
+
 LUMINANCE = "luminance"
+"""Choice of the luminance in `COLORS`, and name of that channel."""
 
 CONTRAST = "contrast"
-"""What is asked for in place of the name of a channel when that shall be taken whose gray levels vary the most."""
+"""Choice of the channel whose gray levels vary the most, in place of the name of a channel."""
 
-COLORS = (LUMINANCE, *_PRIMARIES, CONTRAST)
+COLORS = (LUMINANCE, *_PRIMARY_COLORS, CONTRAST)
 """What gray levels can be made of colors."""
 
-_STAINS = ("hematoxylin", "eosin", "dab")
+_STAIN_NAMES = ("hematoxylin", "eosin", "dab")
+"""Names of the channels of `skimage.color.rgb2hed`."""
 
-_DARKEST = 1e-6
+_LEAST_LIGHT = 1e-6
 """Least light that `rgb2hed` distinguishes; it measures stains in units of its logarithm."""
 
 
@@ -71,11 +77,11 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
     check_choice(CHOICES["channel"], channel)
     if colors is None or channel == "luminance":
         return luminance
-    if channel in _PRIMARIES:
-        return np.multiply(colors.samples[..., _PRIMARIES.index(channel)], colors.white / 255.0, dtype=np.float64)
+    if channel in _PRIMARY_COLORS:
+        return np.multiply(colors.samples[..., _PRIMARY_COLORS.index(channel)], colors.white / 255.0, dtype=np.float64)
     light = np.empty(colors.samples.shape[:2])
     for row, line in zip(light, colors.samples, strict=True):  # without three more images of eight bytes a sample
-        row[:] = colors.white * _DARKEST ** skimage.color.rgb2hed(line)[..., _STAINS.index(channel)]
+        row[:] = colors.white * _LEAST_LIGHT ** skimage.color.rgb2hed(line)[..., _STAIN_NAMES.index(channel)]
     return light
 
 
@@ -173,8 +179,8 @@ def in_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Array, str
         return luminance, LUMINANCE_NOTE
     varies = ""
     if color == CONTRAST:
-        spread = [float(colors.samples[..., place].std(dtype=np.float64)) for place in range(len(_PRIMARIES))]
-        color, varies = _PRIMARIES[int(np.argmax(spread))], ", which varies the most"
+        spread = [float(colors.samples[..., place].std(dtype=np.float64)) for place in range(len(_PRIMARY_COLORS))]
+        color, varies = _PRIMARY_COLORS[int(np.argmax(spread))], ", which varies the most"
     return channel_of(luminance, colors, color), f"The channel {color} of its colors was taken{varies}."
 
 

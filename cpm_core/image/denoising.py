@@ -20,38 +20,55 @@ import scipy
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Single
 
-_FIRST, _FURTHER = 1.5, 1.0
-"""Weight of the total variation of the data, and of averages along edges, in standard deviations of the noise."""
+_FIRST_TV_WEIGHT = 1.5
+"""Weight of the total variation of the data [standard deviations of the noise]."""
 
-_ROUNDS = 3
+_FURTHER_TV_WEIGHT = 1.0
+"""Weight of the total variation of averages along edges [standard deviations of the noise]."""
+
+_DENOISING_ROUNDS = 3
 """Number of rounds: edges are found, and the data averaged along them."""
 
-_SHORTEST, _LONGEST, _GROWTH = 4.0, 14.0, 0.8
-"""Averages along edges: least and largest standard deviation [px], and power of noise over contrast between them."""
+_SHORTEST_AVERAGE = 4.0
+"""Least standard deviation of averages along edges [px]."""
 
-_COARSE = 8.0
-"""With averages longer than this, all rounds but the last are done at half size, in an eighth of the time [px]."""
+_LONGEST_AVERAGE = 14.0
+"""Largest standard deviation of averages along edges [px]."""
+
+_AVERAGE_GROWTH = 0.8
+"""Power of noise over contrast by which the averages lengthen between the two."""
+
+_HALF_SIZE_LENGTH = 8.0
+"""Length of averages from which all rounds but the last are done at half size, in an eighth of the time [px]."""
 
 _REGRESSION_GAIN = 1.5
 """Factor by which the regression must reduce the noise against the edges to be used."""
 
-_SHARPEST, _SLENDERNESS = 1.5, 0.21
-"""Gaussian for the edges of the result: at least [px], and as a fraction of the length of the averages."""
+_LEAST_RESULT_SIGMA = 1.5
+"""Least Gaussian for the edges of the result [px]."""
 
-_FINEST = 0.75
+_EDGE_SLENDERNESS = 0.21
+"""Gaussian for the edges of the result, as a fraction of the length of the averages."""
+
+_LEAST_DIRECTION_SIGMA = 0.75
 """Least Gaussian before the directions of edges are computed [px]."""
 
-_AGREEING = 0.9
+_DIRECTION_AVERAGING = 0.9
 """Gaussian over which the directions of edges are averaged, as a fraction of the length of the averages."""
 
-_PIXELS = 0.7
+_PIXEL_SMOOTHING = 0.7
 """Gaussian that makes the pixels a smooth surface, for averages along any line [px]."""
 
-_REMAINING, _LEAST_REMAINING, _MOST_REMAINING = 0.2, 0.12, 0.35
-"""Steps that may remain of the noise: in its standard deviations, and least and largest fraction of the largest
-step."""
+_REMAINING_STEP = 0.2
+"""Height of the steps that may remain of the noise [standard deviations of the noise]."""
 
-_STEP = float(np.sqrt(2.0 * np.pi))
+_LEAST_REMAINING_STEP = 0.12
+"""Least height of these steps, as a fraction of the largest step."""
+
+_MAX_REMAINING_STEP = 0.35
+"""Largest height of these steps, as a fraction of the largest step."""
+
+_STEP_PER_SLOPE = float(np.sqrt(2.0 * np.pi))
 """Height of a step over its slope, in widths of the Gaussian that smoothed it."""
 
 
@@ -80,19 +97,23 @@ def clean(values: Array) -> Cleaned:
     within the length of the averages.
     """
     seen = _estimate(values)
-    length = np.clip(_SHORTEST * seen.ratio**_GROWTH, _SHORTEST, _LONGEST)
-    if length < _COARSE:
-        image = _regions(values, total_variation(values, _FIRST * seen.noise), seen.noise, length, _ROUNDS)
+    length = np.clip(_SHORTEST_AVERAGE * seen.ratio**_AVERAGE_GROWTH, _SHORTEST_AVERAGE, _LONGEST_AVERAGE)
+    if length < _HALF_SIZE_LENGTH:
+        image = _regions(
+            values, total_variation(values, _FIRST_TV_WEIGHT * seen.noise), seen.noise, length, _DENOISING_ROUNDS
+        )
     else:
         regression = _estimate(expected(values, _doubled(seen.rough, values.shape)))
         if _REGRESSION_GAIN * regression.ratio < seen.ratio:
             seen = regression
-        image = _regions(seen.halved, seen.rough, 0.5 * seen.noise, 0.5 * length, _ROUNDS - 1)
+        image = _regions(seen.halved, seen.rough, 0.5 * seen.noise, 0.5 * length, _DENOISING_ROUNDS - 1)
         image = _regions(seen.values, _doubled(image, values.shape), seen.noise, length, 1)
-    width = max(_SHARPEST, _SLENDERNESS * length)
-    step = _STEP * width * float(scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
-    remaining = _REMAINING * seen.noise / step if step > 0.0 else 0.0
-    return Cleaned(image, width, min(max(remaining, _LEAST_REMAINING), _MOST_REMAINING))
+    width = max(_LEAST_RESULT_SIGMA, _EDGE_SLENDERNESS * length)
+    step = (
+        _STEP_PER_SLOPE * width * float(scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
+    )
+    remaining = _REMAINING_STEP * seen.noise / step if step > 0.0 else 0.0
+    return Cleaned(image, width, min(max(remaining, _LEAST_REMAINING_STEP), _MAX_REMAINING_STEP))
 
 
 class _Estimate(NamedTuple):
@@ -110,22 +131,22 @@ def _estimate(values: Array) -> _Estimate:
     halved = _halved(values)
     # halving the size halves white noise, but leaves more than half of correlated noise and of texture
     noise = max(2.0 * noise_level(halved), 4.0 * noise_level(_halved(halved)))
-    rough = total_variation(halved, 0.5 * _FIRST * noise)
+    rough = total_variation(halved, 0.5 * _FIRST_TV_WEIGHT * noise)
     # mean height of the steps, with most weight on the high and the long ones [gray levels]
     width, contrast = 2.0, 0.0
     slope = scipy.ndimage.gaussian_gradient_magnitude(rough, width, mode="nearest")
     if square := (slope**2).sum():
         # across a smoothed step, cubes over squares of the slopes give sqrt(2/3) of the largest slope
-        contrast = _STEP * width * np.sqrt(1.5) * (slope**3).sum() / square
+        contrast = _STEP_PER_SLOPE * width * np.sqrt(1.5) * (slope**3).sum() / square
     return _Estimate(values, halved, noise, rough, noise / max(contrast, 1e-6 * noise, 1e-300))
 
 
 def _regions(values: Array, image: Array, noise: float, length: float, rounds: int) -> Array:
     """Regions of an image, by averages along the edges of `image`, which is computed again in every round."""
-    surface = scipy.ndimage.gaussian_filter(values, _PIXELS, mode="nearest")
+    surface = scipy.ndimage.gaussian_filter(values, _PIXEL_SMOOTHING, mode="nearest")
     for _ in range(rounds):
-        way = directions(image, max(_FINEST, _SLENDERNESS * length), _AGREEING * length)
-        image = total_variation(averaged_along(surface, way, length), _FURTHER * noise)
+        way = directions(image, max(_LEAST_DIRECTION_SIGMA, _EDGE_SLENDERNESS * length), _DIRECTION_AVERAGING * length)
+        image = total_variation(averaged_along(surface, way, length), _FURTHER_TV_WEIGHT * noise)
     return image
 
 
@@ -143,10 +164,11 @@ def _doubled(values: Array, shape: Extent) -> Array:
     return scipy.ndimage.map_coordinates(values, np.stack(grid), order=1, mode="nearest")
 
 
-_ITERATIONS = 400
+_TV_ITERATIONS = 400
+"""Number of iterations of the primal-dual algorithm."""
 
-_CURVATURE = np.array([1.0, -2.0, 1.0])
-"""Second difference; its product along all axes ignores what is straight along one of them. Norm sqrt(6)."""
+_SECOND_DIFFERENCE = np.array([1.0, -2.0, 1.0])
+"""Second difference; its product along all axes ignores structure that is straight along one of them. Norm sqrt(6)."""
 
 
 def noise_level(values: Array) -> float:
@@ -155,7 +177,7 @@ def noise_level(values: Array) -> float:
     It follows, after Immerkaer (1996, doi:10.1006/cviu.1996.0060), from the mean square of the response of a mask that
     ignores smooth structure, for noise of any distribution. Corners add a little to it.
     """
-    mask = reduce(np.multiply.outer, [_CURVATURE] * values.ndim)
+    mask = reduce(np.multiply.outer, [_SECOND_DIFFERENCE] * values.ndim)
     response = scipy.ndimage.convolve(values, mask, mode="nearest")
     return float(np.sqrt(np.mean(response**2)) / np.linalg.norm(mask))
 
@@ -172,7 +194,7 @@ def total_variation(values: Array, weight: float) -> Array:
     if weight <= 0.0:
         return values.copy()
     data = values.astype(np.float32)
-    return _primal_dual(data, np.pad(data, ((0, 1), (0, 1)), mode="edge"), weight, _ITERATIONS).astype(float)
+    return _primal_dual(data, np.pad(data, ((0, 1), (0, 1)), mode="edge"), weight, _TV_ITERATIONS).astype(float)
 
 
 @compiled
@@ -214,13 +236,13 @@ def _primal_dual(data: Single, ahead: Single, weight: float, iterations: int) ->
     return image
 
 
-_REACH = 3.0
-"""Where the Gaussian along a line ends, in its standard deviations."""
+_LINE_GAUSSIAN_CUTOFF = 3.0
+"""Distance at which the Gaussian along a line ends, in its standard deviations."""
 
-_DOUBT = 5.0
+_COHERENCE_POWER = 5.0
 """Power of the coherence that remains of a weight after one standard deviation along the line."""
 
-_LEAST_WEIGHT = 0.02
+_LEAST_LINE_WEIGHT = 0.02
 """Fraction of a weight below which a line is not followed any further."""
 
 
@@ -266,9 +288,9 @@ def averaged_along(values: Array, way: Directions, length: float) -> Array:
     `length` is the standard deviation of the Gaussian along a line [px]. The average is shorter where directions are
     uncertain, so that it does not pass corners.
     """
-    steps = np.arange(1 + int(_REACH * length))
+    steps = np.arange(1 + int(_LINE_GAUSSIAN_CUTOFF * length))
     weights = np.exp(-0.5 * (steps / max(length, 1e-9)) ** 2)
-    trust = way.coherence ** (_DOUBT / max(length, 1e-9))
+    trust = way.coherence ** (_COHERENCE_POWER / max(length, 1e-9))
     return _follow(np.ascontiguousarray(values), way.row, way.col, trust, weights)
 
 
@@ -289,7 +311,7 @@ def _follow(values: Array, down: Array, right: Array, trust: Array, weights: Arr
                         to_y, to_x = -to_y, -to_x
                     last_y, last_x = to_y, to_x
                     y, x, left = y + to_y, x + to_x, left * trust[near_y, near_x]
-                    if left < _LEAST_WEIGHT or y < 0.0 or x < 0.0 or y > rows - 1.0 or x > cols - 1.0:
+                    if left < _LEAST_LINE_WEIGHT or y < 0.0 or x < 0.0 or y > rows - 1.0 or x > cols - 1.0:
                         break
                     r, c = min(int(y), rows - 2), min(int(x), cols - 2)
                     v, u = y - r, x - c
@@ -302,10 +324,10 @@ def _follow(values: Array, down: Array, right: Array, trust: Array, weights: Arr
     return out
 
 
-_LEVELS = 256
-"""Classes of gray levels."""
+_GRAY_CLASSES = 256
+"""Number of classes of gray levels."""
 
-_PRIOR = 16.0
+_PRIOR_PIXELS = 16.0
 """Pixels of the mean gray level that are added to each class."""
 
 
@@ -316,11 +338,11 @@ def expected(values: Array, estimate: Array) -> Array:
     constant. The result is scaled so that the steps between regions keep their height.
     """
     low, high = values.min(), values.max()
-    classes = np.rint((values - low) * ((_LEVELS - 1) / (high - low))).astype(np.intp)
+    classes = np.rint((values - low) * ((_GRAY_CLASSES - 1) / (high - low))).astype(np.intp)
     mean = estimate.mean()
-    count = np.bincount(classes.ravel(), minlength=_LEVELS)
-    total = np.bincount(classes.ravel(), estimate.ravel() - mean, _LEVELS)
-    fitted = (total / (count + _PRIOR))[classes]
+    count = np.bincount(classes.ravel(), minlength=_GRAY_CLASSES)
+    total = np.bincount(classes.ravel(), estimate.ravel() - mean, _GRAY_CLASSES)
+    fitted = (total / (count + _PRIOR_PIXELS))[classes]
     fitted -= fitted.mean()
     steps = (fitted * estimate).sum()
     if steps <= 0.0:

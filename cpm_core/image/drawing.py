@@ -17,28 +17,43 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes  # noqa: PLC0414 - for the annotations of other modules
     from matplotlib.figure import Figure
 
-# The colors are those of the window, hues of Okabe and Ito that color-blind people can tell apart.
-PARTICLE, CLOSED, OPEN = "#f0e442", "#56b4e9", "#ff9d1e"
+PARTICLE = "#f0e442"
+"""Color of particles, as in the window: a hue of Okabe and Ito that color-blind people can tell from the others."""
+
+CLOSED = "#56b4e9"
+"""Color of closed curves."""
+
+OPEN = "#ff9d1e"
+"""Color of open curves."""
+
 HALO = "#101216"
-"""What surrounds lines and dots, so that they can be seen on any gray."""
+"""Color around lines and dots, so that they can be seen on any gray."""
 
-DARKEST, BRIGHTEST = 0.1, 0.86
-"""Brightness of the extreme gray levels, on which lines and their halos must be visible."""
+DARKEST_SHOWN = 0.1
+"""Brightness at which the lowest gray levels are shown, so that lines and their halos are visible on them."""
 
-EXTREMES = (0.2, 99.8)
+BRIGHTEST_SHOWN = 0.86
+"""Brightness at which the highest gray levels are shown."""
+
+EXTREME_PERCENTILES = (0.2, 99.8)
 """Percentiles of the gray levels that count as their extremes."""
 
-_DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
+_DOT_SIZES = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
 """Largest number of particles on a picture, and area of their dots [pt²]; the smallest dots have no halo."""
 
-_LONGEST_BAR = 0.3
+_MAX_BAR_SHARE = 0.3
 """Largest length of a scale bar, as a share of the width of the image."""
 
 BOX = {"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5}
 """What lies behind texts, so that they can be read on any gray; with outlines they would be no texts in SVG."""
 
-_DPI, _NOTEBOOK_DPI = 200, 80
-_LARGEST = 6.0
+_FIGURE_DPI = 200
+"""Resolution of the figure of a file [dots per inch]."""
+
+_NOTEBOOK_DPI = 80
+"""Resolution of the figure in a notebook [dots per inch]."""
+
+_FIGURE_SIDE = 6.0
 """Longer side of the figure of a file [inches]."""
 
 FIGURES = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
@@ -96,9 +111,9 @@ def show_image(ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), c
 
 def gray_limits(values: Array) -> tuple[float, float]:
     """The gray levels that are shown as black and as white."""
-    low, high = np.percentile(values, EXTREMES)
-    unit = max(high - low, 1e-300) / (BRIGHTEST - DARKEST)
-    return low - DARKEST * unit, high + (1.0 - BRIGHTEST) * unit
+    low, high = np.percentile(values, EXTREME_PERCENTILES)
+    unit = max(high - low, 1e-300) / (BRIGHTEST_SHOWN - DARKEST_SHOWN)
+    return low - DARKEST_SHOWN * unit, high + (1.0 - BRIGHTEST_SHOWN) * unit
 
 
 def frame(ax: Axes, shape: Extent, spacing: Sequence[float] = (1.0, 1.0)) -> None:
@@ -122,8 +137,8 @@ def show_curves(ax: Axes, curves: Sequence[Curve]) -> None:
 def show_particles(ax: Axes, places: Array) -> None:
     """Particles, shape (N, 2) [px]."""
     row, col = places.T
-    size = next(size for most, size in _DOTS if len(places) <= most)
-    if size > _DOTS[-1][1]:
+    size = next(size for most, size in _DOT_SIZES if len(places) <= most)
+    if size > _DOT_SIZES[-1][1]:
         ax.scatter(col, row, s=2.4 * size, c=HALO, linewidths=0.0, zorder=5)
     ax.scatter(col, row, s=size, c=PARTICLE, linewidths=0.0, zorder=6)
 
@@ -133,7 +148,7 @@ def show_scale_bar(ax: Axes, shape: Extent, spacing: Sequence[float], unit: str 
     from matplotlib.patheffects import withStroke
 
     rows, cols = shape
-    bar = longest_bar(_LONGEST_BAR * cols, float(spacing[1]), unit)
+    bar = longest_bar(_MAX_BAR_SHARE * cols, float(spacing[1]), unit)
     left, down = 0.04 * cols, rows - 0.06 * rows
     halo = [withStroke(linewidth=5.0, foreground=HALO)]
     ax.plot(
@@ -152,15 +167,15 @@ def new_figure(shape: Extent | None, spacing: Sequence[float] = (1.0, 1.0)) -> t
     from matplotlib.figure import Figure
 
     if shape is None:
-        figure = Figure(figsize=(_LARGEST, _LARGEST))
+        figure = Figure(figsize=(_FIGURE_SIDE, _FIGURE_SIDE))
         return figure, figure.add_subplot(projection="3d")
     tall, wide = shape[0] * float(spacing[0]), shape[1] * float(spacing[1])
     longer = max(tall, wide)
-    figure = Figure(figsize=(max(_LARGEST * wide / longer, 0.5), max(_LARGEST * tall / longer, 0.5)))
+    figure = Figure(figsize=(max(_FIGURE_SIDE * wide / longer, 0.5), max(_FIGURE_SIDE * tall / longer, 0.5)))
     return figure, figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
 
-def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _DPI) -> bytes:
+def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _FIGURE_DPI) -> bytes:
     """A figure as the bytes of a file that tell what it shows and no time, so that equal figures are equal files."""
     import matplotlib as mpl
 

@@ -21,14 +21,14 @@ CONVENTIONS = ("LPS", "RAS")
 
 Triple = tuple[float, float, float]
 
-_FLIP = np.array([-1.0, -1.0, 1.0])
-"""Turns coordinates of one convention into those of the other."""
+_LPS_TO_RAS = np.array([-1.0, -1.0, 1.0])
+"""Signs that turn coordinates of one convention into those of the other."""
 
-_FLAT = 1e-6
-"""Directions that span less than this, of 1, lie in one plane."""
+_COPLANAR_VOLUME = 1e-6
+"""Volume spanned by three unit vectors under which they count as coplanar."""
 
-_ENDS = (("L", "R"), ("P", "A"), ("S", "I"))
-"""Where each coordinate of LPS grows, and where it falls."""
+_PATIENT_DIRECTIONS = (("L", "R"), ("P", "A"), ("S", "I"))
+"""Patient directions in which each coordinate of LPS grows and falls."""
 
 
 @frozen
@@ -80,7 +80,7 @@ class Geometry:
         if directions.shape != (3, 3) or not np.isfinite(directions).all():
             raise ValueError(f"The directions are {shown(self.directions)} but must be three vectors (x, y, z).")
         lengths = np.linalg.norm(directions, axis=1)
-        if not lengths.all() or abs(np.linalg.det(directions / lengths[:, None])) < _FLAT:
+        if not lengths.all() or abs(np.linalg.det(directions / lengths[:, None])) < _COPLANAR_VOLUME:
             raise ValueError(
                 f"The directions are {shown(self.directions)} and lie in one plane: give three that do not."
             )
@@ -113,7 +113,7 @@ class Geometry:
         if convention is not None:
             _check_convention(convention)
         if convention not in (None, self.convention):
-            matrix[:3] *= _FLIP[:, None]
+            matrix[:3] *= _LPS_TO_RAS[:, None]
         return matrix
 
     def moved(self, voxels: ArrayLike, spacing: Sides) -> Geometry:
@@ -133,20 +133,20 @@ class Geometry:
 
         Each axis has another one, the axis first that is nearest to one, also where two are nearest to the same.
         """
-        flip = _FLIP if self.convention == "RAS" else np.ones(3)
+        flip = _LPS_TO_RAS if self.convention == "RAS" else np.ones(3)
         left, _, right = np.linalg.svd((np.array(self.directions) * flip)[::-1])
         upright = left @ right  # the nearest axes at right angles
         found = ["", "", ""]
         for axis in np.argsort(-np.max(upright**2, axis=1), kind="stable"):
             end = np.abs(upright[axis]).argmax()
-            found[2 - axis] = _ENDS[end][int(upright[axis, end] < 0.0)]
+            found[2 - axis] = _PATIENT_DIRECTIONS[end][int(upright[axis, end] < 0.0)]
             upright[:, end] = 0.0
         return found[0], found[1], found[2]
 
     @property
     def ends(self) -> tuple[tuple[str, str], tuple[str, str], tuple[str, str]]:
         """Where each axis (plane, row, col) begins and ends, by the letters of `letters`."""
-        other = {one: end for pair in _ENDS for one, end in (pair, pair[::-1])}
+        other = {one: end for pair in _PATIENT_DIRECTIONS for one, end in (pair, pair[::-1])}
         plane, row, col = ((other[letter], letter) for letter in self.letters)
         return plane, row, col
 

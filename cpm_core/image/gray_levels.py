@@ -13,19 +13,19 @@ from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.types import Array, Mask, Numbers
 
 NO_DATA = float(np.finfo(np.float64).min)
-"""What a reader puts where a file says that there is no data."""
+"""Gray level with which a reader marks pixels without data."""
 
 _LEAST_NO_DATA = 9e36
 """Size from which a value that occurs often, far from all others, stands for no data: 9.97e36, 3.4e38, 1.8e308."""
 
-_FAR = 1e-6
-"""Largest gray level next to such values, as a fraction of `_LEAST_NO_DATA`."""
+_MAX_LEVEL_WITH_NO_DATA = 1e-6
+"""Largest gray level of an image with such values, as a fraction of `_LEAST_NO_DATA`."""
 
-_MOST_SPAN = 1e15
-"""Largest span of gray levels, and the inverse of the smallest, that fields of single precision are made of."""
+_MAX_SPAN = 1e15
+"""Largest span of gray levels, and the inverse of the smallest, that fields of single precision allow."""
 
-_BESIDE = 2
-"""Widths of a pixel up to which a known pixel lies next to an unknown one."""
+_KNOWN_RIM = 2
+"""Number of pixels up to which a known pixel lies next to an unknown one."""
 
 
 def usable(values: Array, ends: tuple[float, float]) -> tuple[Array, tuple[str, ...]]:
@@ -43,7 +43,7 @@ def usable(values: Array, ends: tuple[float, float]) -> tuple[Array, tuple[str, 
         notes.append(no_data_note(int(absent.sum())))
         low, high = float(values.min()), float(values.max())
     half = high / 2.0 - low / 2.0
-    if half > 0.0 and not 1.0 / _MOST_SPAN <= 2.0 * half <= _MOST_SPAN:
+    if half > 0.0 and not 1.0 / _MAX_SPAN <= 2.0 * half <= _MAX_SPAN:
         power = min(max(math.floor(math.log10(half)), -300), 307)
         values = values / 10.0**power
         notes.append(f"Its gray levels were divided by 1e{power:+d}, because they span {2.0 * half:.3g}."
@@ -62,7 +62,7 @@ def _absent(values: Array) -> Mask | None:
     absent = np.abs(values) >= _LEAST_NO_DATA
     others = values[~absent]
     kinds = np.unique(values[absent])
-    if len(kinds) != 1 or not others.size or np.abs(others).max() > _FAR * _LEAST_NO_DATA:
+    if len(kinds) != 1 or not others.size or np.abs(others).max() > _MAX_LEVEL_WITH_NO_DATA * _LEAST_NO_DATA:
         return None
     if np.ptp(others) == 0.0 and kinds[0] != NO_DATA:
         return None
@@ -74,7 +74,7 @@ def _filled(values: Array, known: Mask) -> Array:
 
     Known ones beyond would put the brightness of an object at some distance next to the background around it.
     """
-    beside = known & scipy.ndimage.binary_dilation(~known, iterations=_BESIDE)
+    beside = known & scipy.ndimage.binary_dilation(~known, iterations=_KNOWN_RIM)
     return np.where(known, values, _spread(np.where(beside, values, 0.0), beside))
 
 
@@ -89,16 +89,23 @@ def _spread(values: Array, known: Mask) -> Array:
     return np.where(known, values, between)
 
 
-_DARKEST, _BRIGHTEST = 0.1, 99.9
-"""Percentiles that count as the ends of the gray levels, so that a few specks do not move them."""
+_LOW_PERCENTILE = 0.1
+"""Percentile that counts as the lowest gray level, so that a few specks do not move it."""
 
-_MIDDLE, _END = 0.2, 0.35
-"""Distances of the median from the middle of the gray levels, as fractions of their range: up to the first one nothing
-is changed, from the second one on the image counts as objects on a background."""
+_HIGH_PERCENTILE = 99.9
+"""Percentile that counts as the highest gray level."""
 
-_ON_DARK, _ON_BRIGHT = 0.5, 0.7
-"""Exponents on a dark background, where the square root gives counted photons the same noise everywhere, and on a
-bright one."""
+_CENTRAL_MEDIAN = 0.2
+"""Distance of the median from the middle of the range of gray levels, as a fraction of it, without any change."""
+
+_OFF_CENTER_MEDIAN = 0.35
+"""Distance of the median from the middle from which on the image counts as objects on a background."""
+
+_GAMMA_ON_DARK = 0.5
+"""Exponent on a dark background, where the square root gives counted photons the same noise everywhere."""
+
+_GAMMA_ON_BRIGHT = 0.7
+"""Exponent on a bright background."""
 
 
 def automatic_gamma(values: Array) -> float:
@@ -108,13 +115,13 @@ def automatic_gamma(values: Array) -> float:
     background. Their brightness differs by factors, and the exponent is 1/2 on a dark background, 0.7 on a bright one.
     Where the median is in the middle of the gray levels, the exponent is 1.
     """
-    ends = (_DARKEST, 50.0, _BRIGHTEST)
+    ends = (_LOW_PERCENTILE, 50.0, _HIGH_PERCENTILE)
     low, median, high = (float(level) for level in np.percentile(values, ends))
     if high <= low:
         return 1.0
     aside = (median - low) / (high - low) - 0.5
-    share = min(max((abs(aside) - _MIDDLE) / (_END - _MIDDLE), 0.0), 1.0)
-    return 1.0 - (1.0 - (_ON_DARK if aside < 0.0 else _ON_BRIGHT)) * share
+    share = min(max((abs(aside) - _CENTRAL_MEDIAN) / (_OFF_CENTER_MEDIAN - _CENTRAL_MEDIAN), 0.0), 1.0)
+    return 1.0 - (1.0 - (_GAMMA_ON_DARK if aside < 0.0 else _GAMMA_ON_BRIGHT)) * share
 
 
 def toned(values: Array, gamma: float | Literal["auto"]) -> Array:

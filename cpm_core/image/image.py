@@ -24,17 +24,18 @@ from cpm_core.parameters.quotation import described, shown, sized
 MINIMUM_SIDE = 8
 """Least number of pixels along each axis [px]: in smaller images the edges cannot be separated from the border."""
 
-_BYTES_A_VOXEL = 40
+_BYTES_PER_VOXEL = 40
 """Memory that a run on a volume takes for each voxel [bytes]."""
 
-_FEW_BYTES = 2
-"""Bytes of a gray level up to which an image keeps them until `values` is asked for."""
+_MAX_STORED_BYTES = 2
+"""Bytes of a gray level up to which an image keeps the stored type until `values` is asked for."""
 
-_COUNTS = {2: "two", 3: "three"}
+_AXIS_COUNTS = {2: "two", 3: "three"}
+"""Number of axes -> word for it."""
 
 
-_AIR = (-3072.0, -900.0)
-"""Between which the least gray level of a CT lies that its file does not name one."""
+_CT_AIR_RANGE = (-3072.0, -900.0)
+"""Range of the least gray level of a CT image whose file does not name one."""
 
 
 @record
@@ -131,9 +132,9 @@ class Image(drawing.Pictured):
                 f"{self.source} is {sized(given.shape)}, but an image needs at least {MINIMUM_SIDE} px along each side."
             )
         if given.ndim == 3:
-            check_room(given.shape, _BYTES_A_VOXEL, self.source)
+            check_room(given.shape, _BYTES_PER_VOXEL, self.source)
         known, whole = vars(self), masked is np.ma.nomask
-        small = given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _FEW_BYTES and whole
+        small = given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _MAX_STORED_BYTES and whole
         precision = given.dtype if small else np.float64
         owner = given if given.base is None else given.base
         fits = given.dtype == np.float64 and type(owner) is np.ndarray and given.flags.c_contiguous
@@ -255,7 +256,7 @@ class Image(drawing.Pictured):
         """
         if self.hounsfield is not None or self.geometry is None or self.colors is not None:
             return bool(self.hounsfield)
-        lowest, highest = _AIR
+        lowest, highest = _CT_AIR_RANGE
         return lowest <= self.gray_range[0] <= highest
 
     def sized(self, spacing: Sides, unit: str | None, factor: float = 1.0) -> Image:
@@ -308,7 +309,9 @@ def _sizes(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:
     """Size of a pixel along each axis, 1 where none is given; ValueError when it is not valid."""
     sizes = tuple(np.ravel(real_numbers(spacing)).tolist()) or (1.0,) * ndim
     if len(sizes) != ndim or not all(math.isfinite(size) and size > 0 for size in sizes):
-        raise ValueError(f"The spacing of {source} is {shown(spacing)}, but must be {_COUNTS[ndim]} positive numbers.")
+        raise ValueError(
+            f"The spacing of {source} is {shown(spacing)}, but must be {_AXIS_COUNTS[ndim]} positive numbers."
+        )
     if ndim == 3:
         voxel_sides(f"The spacing of {source}", sizes)
     return sizes

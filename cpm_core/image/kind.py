@@ -16,14 +16,16 @@ from cpm_core.numerics.types import Array
 
 Kind = Literal["line art", "fluorescence", "angiogram", "ultrasound"]
 
-_SIDE = 512
-"""Largest side of the image that is looked at [px]; a larger one is reduced."""
+_MAX_EXAMINED_SIDE = 512
+"""Largest side of the image that is examined [px]; a larger one is reduced."""
 
-_BLOCK = 16
+_BLOCK_SIDE = 16
 """Side of the blocks whose brightness and structure are compared [px]."""
 
 _LEAST_BLOCKS = 6
-_ENDS = 0.06
+"""Least number of blocks of an image whose kind is guessed."""
+
+_EXTREME_SHARE = 0.06
 """Part of the range of gray levels at either end that counts as dark or bright."""
 
 
@@ -34,18 +36,18 @@ def guessed_kind(values: Array) -> Kind | None:
     """
     if values.ndim != 2:
         return None
-    step = math.ceil(max(values.shape) / _SIDE)
+    step = math.ceil(max(values.shape) / _MAX_EXAMINED_SIDE)
     rows, cols = (side // step * step for side in values.shape)
     reduced = skimage.measure.block_reduce(values[:rows, :cols], step, np.mean)  # type: ignore[no-untyped-call]
     low, high = np.percentile(reduced, [0.5, 99.5])
     if not high > low:
         low, high = reduced.min(), reduced.max()
-    blocks = min(reduced.shape) // _BLOCK
+    blocks = min(reduced.shape) // _BLOCK_SIDE
     if blocks * blocks < _LEAST_BLOCKS or not high > low:
         return None
     levels = np.clip((reduced - low) / (high - low), 0.0, 1.0)
     smooth = scipy.ndimage.gaussian_filter
-    dark, bright = (levels < _ENDS).mean(), (levels > 1.0 - _ENDS).mean()
+    dark, bright = (levels < _EXTREME_SHARE).mean(), (levels > 1.0 - _EXTREME_SHARE).mean()
     between = 1.0 - dark - bright
     if between < 0.15 and min(dark, bright) > 2.0 * between:  # except for blurred edges, two gray levels alone
         return "line art"
@@ -75,5 +77,7 @@ def guessed_kind(values: Array) -> Kind | None:
 
 def _blocks(levels: Array) -> Array:
     """The pixels of each block, shape (blocks, pixels)."""
-    rows, cols = (side // _BLOCK * _BLOCK for side in levels.shape)
-    return skimage.util.view_as_blocks(levels[:rows, :cols], (_BLOCK, _BLOCK)).reshape(-1, _BLOCK * _BLOCK)  # type: ignore[no-untyped-call]
+    rows, cols = (side // _BLOCK_SIDE * _BLOCK_SIDE for side in levels.shape)
+    return skimage.util.view_as_blocks(levels[:rows, :cols], (_BLOCK_SIDE, _BLOCK_SIDE)).reshape(
+        -1, _BLOCK_SIDE * _BLOCK_SIDE
+    )  # type: ignore[no-untyped-call]

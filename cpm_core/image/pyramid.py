@@ -15,7 +15,7 @@ from cpm_core.numerics.grids import in_bands, smoothed_rows
 from cpm_core.numerics.types import Array, Arrays, Extent
 
 LEAST_SIDE = 8
-"""Pixels that the shortest side of the coarsest scale must have."""
+"""Least side of the coarsest scale [px]."""
 
 _REDUCTION_SMOOTHING = 1.0
 """Gaussian before every second pixel is taken [px]; about that of the standard 5-tap kernel."""

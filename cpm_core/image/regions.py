@@ -18,11 +18,11 @@ from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments
 from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
-_OFF = 1e-6
+_ON_LINE_DISTANCE = 1e-6
 """Distance within which a position counts as on a line [px]."""
 
-_KEPT = 8
-"""Polygons whose pixels and boundaries are cached: while a barrier is dragged they are needed again and again."""
+_CACHED_POLYGONS = 8
+"""Number of polygons whose pixels and boundaries are cached: while a barrier is dragged they are needed repeatedly."""
 
 
 @frozen
@@ -97,7 +97,7 @@ class Regions:
         """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""
         lines = np.concatenate([self.rims(), self.lines()])
         away = nearest_distances(np.ascontiguousarray(points, float), lines)
-        return self.contains(points) & (away >= _OFF)
+        return self.contains(points) & (away >= _ON_LINE_DISTANCE)
 
     def pixels(self, shape: Extent) -> Mask:
         """Which pixels of an image of this shape have their center in a region of interest."""
@@ -141,26 +141,26 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
     return tuple(checked)
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHED_POLYGONS)
 def pixels_in(polygon: Line, shape: Extent) -> Mask:
     """Which pixels of an image of this shape have their center in a polygon."""
     places = np.indices(shape).reshape(2, -1).T.astype(float)
     return polyline.inside(polygon, places).reshape(shape)
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHED_POLYGONS)
 def _rims(interest: tuple[Line, ...]) -> Array:
     """Rim of the union of polygons; see `Regions.rims`."""
     return rim_of([polyline.corners_of(polygon) for polygon in interest])
 
 
-_SAMPLING = 0.5
+_BARRIER_SAMPLING = 0.5
 """Distance of the points along a barrier that mark its pixels [px]."""
 
-_FAR = 12
+_MAX_CLEARANCE = 12
 """Largest distance that is measured [px]: few moves are as long."""
 
-_ROUNDING = 2.0
+_CLEARANCE_ERROR = 2.0
 """Largest error of a distance that is measured between pixels instead of points: half a diagonal twice, and half the
 sampling [px]."""
 
@@ -202,14 +202,16 @@ def build_barrier_map(regions: Regions, shape: Extent) -> BarrierMap:
         return NO_BARRIERS
     import shapely  # noqa: PLC0415 - needed for regions and barriers only
 
-    sides = shapely.segmentize(shapely.linestrings(segments.reshape(-1, 2, 2)), _SAMPLING)
+    sides = shapely.segmentize(shapely.linestrings(segments.reshape(-1, 2, 2)), _BARRIER_SAMPLING)
     pixels = np.rint(shapely.get_coordinates(sides)).astype(int)
     pixels = pixels[((pixels >= -1) & (pixels <= shape)).all(axis=1)]
     free = np.ones(shape, bool)
     free[tuple(np.clip(pixels, 0, np.array(shape) - 1).T)] = False
     # along the axis on which it is longer: never more than the distance itself
-    clearance = np.full(shape, _FAR) if free.all() else scipy.ndimage.distance_transform_cdt(free, "chessboard")
-    return BarrierMap(segments, np.minimum(clearance, _FAR) - _ROUNDING)
+    clearance = (
+        np.full(shape, _MAX_CLEARANCE) if free.all() else scipy.ndimage.distance_transform_cdt(free, "chessboard")
+    )
+    return BarrierMap(segments, np.minimum(clearance, _MAX_CLEARANCE) - _CLEARANCE_ERROR)
 
 
 @compiled

@@ -15,27 +15,29 @@ import skimage
 
 from cpm_core.numerics.types import Array, Mask
 
-_SIGMAS = (1.0, 2.0, 4.0)
-"""Widths of the Gaussians whose second derivatives are taken [px]; a vessel answers most to a third of its width."""
+_VESSEL_SIGMAS = (1.0, 2.0, 4.0)
+"""Widths of the Gaussians whose second derivatives are taken [px]; a vessel responds most at a third of its width."""
 
 _NORMALIZATION = 1.5
-"""Power of sigma that a curvature is multiplied by: with 2 all widths would answer alike, and a wide vessel would hide
+"""Power of sigma by which a curvature is multiplied: at 2 all widths would respond alike, and a wide vessel would hide
 thin ones."""
 
-_BESIDE = 2.0
-"""Distance to both sides at which a line must differ from what is beside it, in sigmas."""
+_SIDE_DISTANCE = 2.0
+"""Distance on both sides at which a line must differ from its surroundings, in sigmas."""
 
-_CHANCE, _FAINT = 0.98, 0.5
-"""Quantile of the contrast of lines of the other kind, which an image of vessels has by chance alone, that a vessel
-exceeds somewhere; and everywhere, as a fraction of it."""
+_CHANCE_QUANTILE = 0.98
+"""Quantile of the contrast of lines of the other kind, found by chance alone, that a vessel exceeds somewhere."""
 
-_LEAST = 0.02
+_FAINT_VESSEL_SHARE = 0.5
+"""Fraction of that contrast that a vessel exceeds everywhere."""
+
+_LEAST_CHANCE_CONTRAST = 0.02
 """Least such contrast, as a fraction of the largest curvature: without noise, pixels alone make edges uneven."""
 
-_MARGIN = 5.0
+_REFLECTED_MARGIN = 5.0
 """Distance beyond the border to which the image is continued, in the largest sigma."""
 
-_RIM = 0.1
+_IGNORED_FRAME = 0.1
 """Border that does not decide whether vessels are dark or bright, as a fraction of each side: frames are there."""
 
 
@@ -56,8 +58,10 @@ class Lines(NamedTuple):
 
     def above_chance(self, other: Lines) -> Mask:
         """Pixels, shape (H, W), of lines with more contrast than lines of the other kind have by chance."""
-        level = max(float(np.quantile(other.contrast, _CHANCE)), _LEAST * float(self.curvature.max()))
-        return skimage.filters.apply_hysteresis_threshold(self.contrast, _FAINT * level, level)  # type: ignore[no-untyped-call]
+        level = max(
+            float(np.quantile(other.contrast, _CHANCE_QUANTILE)), _LEAST_CHANCE_CONTRAST * float(self.curvature.max())
+        )
+        return skimage.filters.apply_hysteresis_threshold(self.contrast, _FAINT_VESSEL_SHARE * level, level)  # type: ignore[no-untyped-call]
 
 
 def vesselness(values: Array) -> Array:
@@ -65,7 +69,7 @@ def vesselness(values: Array) -> Array:
 
     Vessels are the dark or the bright lines, whichever cover more of the image above chance.
     """
-    middle = tuple(slice(int(_RIM * n), n - int(_RIM * n)) for n in values.shape)
+    middle = tuple(slice(int(_IGNORED_FRAME * n), n - int(_IGNORED_FRAME * n)) for n in values.shape)
     dark, bright = lines(values)
     found = [(kind.above_chance(other), kind.curvature) for kind, other in ((dark, bright), (bright, dark))]
     mask, curvature = max(found, key=lambda pair: np.count_nonzero(pair[0][middle]))
@@ -74,18 +78,18 @@ def vesselness(values: Array) -> Array:
 
 def lines(values: Array) -> tuple[Lines, Lines]:
     """The dark and the bright lines of an image, shape (H, W)."""
-    margin = round(_MARGIN * _SIGMAS[-1])
+    margin = round(_REFLECTED_MARGIN * _VESSEL_SIGMAS[-1])
     wider = np.pad(values, margin, mode="reflect", reflect_type="odd")  # a slope of light continues beyond the border
     place = np.indices(wider.shape, np.float64)
     dark, bright = (Lines(np.zeros_like(wider), np.zeros_like(wider)) for _ in range(2))
-    for sigma in _SIGMAS:
+    for sigma in _VESSEL_SIGMAS:
         smooth = scipy.ndimage.gaussian_filter(wider, sigma, mode="nearest")
         down, right = (scipy.ndimage.correlate1d(smooth, (1.0, -2.0, 1.0), axis, mode="nearest") for axis in (0, 1))
         slope = scipy.ndimage.correlate1d(smooth, (-0.5, 0.0, 0.5), 0, mode="nearest")
         mixed = scipy.ndimage.correlate1d(slope, (-0.5, 0.0, 0.5), 1, mode="nearest")
         half = 0.5 * (down - right)
         apart, angle = np.hypot(half, mixed), 0.5 * np.arctan2(mixed, half)
-        step = _BESIDE * sigma * np.stack([np.cos(angle), np.sin(angle)])
+        step = _SIDE_DISTANCE * sigma * np.stack([np.cos(angle), np.sin(angle)])
         for sign, across, kind in ((1.0, step, dark), (-1.0, step[::-1] * [[[-1.0]], [[1.0]]], bright)):
             np.maximum(
                 kind.curvature, sigma**_NORMALIZATION * (0.5 * sign * (down + right) + apart), out=kind.curvature

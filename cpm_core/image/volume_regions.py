@@ -30,7 +30,7 @@ from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, 
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
-OFF = 1e-6
+WALL_CONTACT_DISTANCE = 1e-6
 """Distance from a wall within which a position touches it [voxels]."""
 
 
@@ -108,8 +108,8 @@ def _crossed(closed: Mask, start: Array, end: Array, out: Mask) -> None:
         a, b = row_of(start, n), row_of(end, n)
         for axis in range(3):
             last = closed.shape[axis] - 1
-            low[axis] = min(max(int(np.floor(min(a[axis], b[axis]) + 0.5 - OFF)), 0), last)
-            high[axis] = min(max(int(np.floor(max(a[axis], b[axis]) + 0.5 + OFF)), 0), last)
+            low[axis] = min(max(int(np.floor(min(a[axis], b[axis]) + 0.5 - WALL_CONTACT_DISTANCE)), 0), last)
+            high[axis] = min(max(int(np.floor(max(a[axis], b[axis]) + 0.5 + WALL_CONTACT_DISTANCE)), 0), last)
         for i in range(low[0], high[0] + 1):
             for j in range(low[1], high[1] + 1):
                 for k in range(low[2], high[2] + 1):
@@ -124,10 +124,10 @@ def _enters(a: Vector, b: Vector, center: Vector) -> bool:
     for axis in range(3):
         way, off = b[axis] - a[axis], a[axis] - center[axis]
         if abs(way) < 1e-300:
-            if abs(off) > 0.5 + OFF:
+            if abs(off) > 0.5 + WALL_CONTACT_DISTANCE:
                 return False
             continue
-        one, other = (-0.5 - OFF - off) / way, (0.5 + OFF - off) / way
+        one, other = (-0.5 - WALL_CONTACT_DISTANCE - off) / way, (0.5 + WALL_CONTACT_DISTANCE - off) / way
         begin, end = max(begin, min(one, other)), min(end, max(one, other))
     return begin <= end
 
@@ -135,11 +135,11 @@ def _enters(a: Vector, b: Vector, center: Vector) -> bool:
 Pair = tuple[Voxel, Voxel]
 """Two opposite corners of a box; a point of a plane and a direction across it."""
 
-_KEPT = 2
-"""Regions whose walls are cached: several scales and steps ask for the same."""
+_CACHED_REGIONS = 2
+"""Number of regions whose walls are cached: several scales and steps ask for the same ones."""
 
-_FINE = 0.25
-"""Distance between places on a line by which the voxels that it passes through are found [voxels]."""
+_LINE_SAMPLING = 0.25
+"""Distance between the places on a line by which the voxels it passes through are found [voxels]."""
 
 
 @record
@@ -231,10 +231,10 @@ class Extrusion:
         return described("Extrusion", counted(len(self.line), "corner"), slices, "closed" if self.closed else "open")
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHED_REGIONS)
 def _pixels_on(line: Line, shape: Extent) -> Mask:
     """The pixels of a slice that a line passes through."""
-    pixels = np.rint(polyline.resampled(polyline.corners_of(line), _FINE)).astype(np.int64)
+    pixels = np.rint(polyline.resampled(polyline.corners_of(line), _LINE_SAMPLING)).astype(np.int64)
     pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
     filled = np.zeros(shape, bool)
     filled[tuple(pixels.T)] = True
@@ -323,7 +323,9 @@ class VolumeRegions:
         allowed = np.ones(len(points), bool)
         last = np.maximum(np.rint(points.max(axis=0, initial=0.0)), 0.0).astype(np.int64) + 1
         closed = self.walls(tuple((last + 1).tolist())).closed
-        for corner in product((-OFF, OFF), repeat=3):  # on the faces between two voxels it must be allowed in both
+        for corner in product(
+            (-WALL_CONTACT_DISTANCE, WALL_CONTACT_DISTANCE), repeat=3
+        ):  # on the faces between two voxels it must be allowed in both
             voxels = np.clip(np.rint(points + corner).astype(np.int64), 0, last)
             allowed &= ~closed[tuple(voxels.T)]
         return allowed
@@ -344,7 +346,7 @@ class VolumeRegions:
 AnyRegions = Regions | VolumeRegions
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHED_REGIONS)
 def _walls(regions: VolumeRegions, shape: Extent) -> Walls:
     closed = _filled(regions.barriers, shape, _fill_plane)
     interest = regions.voxels(shape)

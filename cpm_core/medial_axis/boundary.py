@@ -15,23 +15,28 @@ from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 
-_SPACING = 1.0
+_BOUNDARY_SPACING = 1.0
 """Spacing of the points that contours pass through [px]: less than half the width of the thinnest line."""
 
-_STRIDE = 0.5
+_BOUNDARY_STRIDE = 0.5
 """Distance of neighboring points along the boundary [px]."""
 
-_NEAR, _TANGENT, _OUTWARD = 3.0, 6, 0.3
-"""A contour that ends within this distance [px] of the image border is continued beyond it: in the direction of this
-many last points if its component toward the border is at least this large, else perpendicular to the border."""
+_BORDER_DISTANCE = 3.0
+"""Distance from the image border up to which a contour that ends is continued beyond the border [px]."""
 
-_ROOM = 0.67
+_TANGENT_POINTS = 6
+"""Number of last points that give the direction of the continuation."""
+
+_LEAST_OUTWARD = 0.3
+"""Least component toward the border of that direction; under it the continuation is perpendicular to the border."""
+
+_LOOSE_NEIGHBORHOOD = 0.67
 """Distance in which a loose contour needs another one for closing something off, in lengths of the loose one."""
 
-_ON_BORDER = 0.75
+_ON_BORDER_DISTANCE = 0.75
 """Distance from the sides of the image up to which an outline follows its border [px]."""
 
-_SHORTEST = 8.0
+_LEAST_BOUNDARY_LENGTH = 8.0
 """Least length of a boundary [px]."""
 
 
@@ -68,8 +73,8 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     of the image, so that an object cut off by the border has no edge there.
     """
     pixels = np.argwhere(scale_field.edge_map >= scale_field.floor).astype(float)
-    shortest = max(parameters.min_length, _SHORTEST)
-    dense = replace(parameters, d_min=_SPACING, d_max=_SPACING, min_length=shortest)
+    shortest = max(parameters.min_length, _LEAST_BOUNDARY_LENGTH)
+    dense = replace(parameters, d_min=_BOUNDARY_SPACING, d_max=_BOUNDARY_SPACING, min_length=shortest)
     found, shape, contours = find_contours(pixels, scale_field, dense)[0], scale_field.shape, []
     tree = scipy.spatial.cKDTree(vertices_of(found))
     owner = polyline.owners([len(contour.points) for contour in found])
@@ -77,7 +82,11 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
         # a loose piece with more room on all sides than it is long closes nothing off, as where the shade in an object
         # changes, but would part the axis of this object
         loose = len(found) > 1 and not any(contour.junctions) and _loose_ends(contour, shape).all()
-        near = tree.query_ball_point(polyline.middles(contour.path, 1)[0], _ROOM * contour.length) if loose else []
+        near = (
+            tree.query_ball_point(polyline.middles(contour.path, 1)[0], _LOOSE_NEIGHBORHOOD * contour.length)
+            if loose
+            else []
+        )
         if not loose or (owner[near] != number).any():
             contours.append(contour)
     return _joined(contours, [_continued(_evenly(contour), shape) for contour in contours], scale_field)
@@ -119,14 +128,14 @@ def _joined(contours: Contours, paths: list[tuple[Array, slice]], scale_field: S
 def _loose_ends(contour: Contour, shape: Extent) -> Mask:
     """Which of both ends of a contour lie in the image and are no junctions, shape (2,)."""
     size = np.array(shape, float) - 1.0
-    inside = np.minimum(contour.points, size - contour.points)[[0, -1]].min(axis=1) > _NEAR
+    inside = np.minimum(contour.points, size - contour.points)[[0, -1]].min(axis=1) > _BORDER_DISTANCE
     return inside & ~np.array(contour.junctions) & (not contour.closed)
 
 
 def _without_border(path: Array, shape: Extent) -> list[Array]:
     """Pieces of a closed path that do not follow the image border; the whole path if none of it does."""
     size = np.array(shape, float)
-    away = np.minimum(path + 0.5, size - 0.5 - path).min(axis=1) > _ON_BORDER
+    away = np.minimum(path + 0.5, size - 0.5 - path).min(axis=1) > _ON_BORDER_DISTANCE
     if away.all():
         return [path]
     turn = np.argmin(away)
@@ -138,7 +147,7 @@ def _without_border(path: Array, shape: Extent) -> list[Array]:
 def _evenly(contour: Contour) -> Array:
     """Points along a contour, including its vertices; of a closed one the first is repeated at the end."""
     path = contour.path
-    counts = np.maximum(np.ceil(np.linalg.norm(np.diff(path, axis=0), axis=1) / _STRIDE), 1).astype(int)
+    counts = np.maximum(np.ceil(np.linalg.norm(np.diff(path, axis=0), axis=1) / _BOUNDARY_STRIDE), 1).astype(int)
     at = np.concatenate([[0.0], *(k + np.arange(1, count + 1) / count for k, count in enumerate(counts.tolist()))])
     return np.stack([np.interp(at, np.arange(len(path)), axis) for axis in path.T], axis=1)
 
@@ -157,11 +166,11 @@ def _continuation(path: Array, shape: Extent) -> Array:
     end = path[-1]
     beyond = np.concatenate([end, size - 1.0 - end])
     side = np.argmin(beyond)
-    if beyond[side] > _NEAR:
+    if beyond[side] > _BORDER_DISTANCE:
         return path[:0]
     outwards = np.zeros(2)
     outwards[side % 2] = -1.0 if side < 2 else 1.0
-    along = end - path[-min(len(path), _TANGENT)]
+    along = end - path[-min(len(path), _TANGENT_POINTS)]
     along = along / max(float(np.linalg.norm(along)), 1e-300)
-    direction = along if along @ outwards >= _OUTWARD else outwards
-    return end + direction * np.arange(_STRIDE, size.max(), _STRIDE)[:, None]
+    direction = along if along @ outwards >= _LEAST_OUTWARD else outwards
+    return end + direction * np.arange(_BOUNDARY_STRIDE, size.max(), _BOUNDARY_STRIDE)[:, None]

@@ -25,23 +25,25 @@ from cpm_core.numerics.voxel_graph import Chain, chains_of, thinned
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
-_SMOOTHING = 1.5
+_CENTERLINE_SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
 
-_SALIENT = 4.0
-"""Least distance by which the ball around the tip of a branch sticks out of that at its junction [smallest sides]: the
-constant in the radius of the ball that TEASAR clears around a line (Sato et al. 2000, 10.1109/PCCGA.2000.883951)."""
+_LEAST_PROTRUSION = 4.0
+"""Least distance by which the ball around the tip of a branch protrudes from the one at its junction [smallest sides]:
+the constant in the radius of the ball that TEASAR clears around a line (Sato et al. 2000,
+10.1109/PCCGA.2000.883951)."""
 
-_BEYOND = 0.2
-"""How far the nearest wall around a line lies beyond the surface: 0 where tubes run askew, 0.5 along axes [sides]."""
+_WALL_OFFSET = 0.2
+"""Distance of the nearest wall around a line beyond the surface: 0 where tubes run askew, 0.5 along axes [sides]."""
 
-_AS_DEEP = 0.1
+_DEPTH_TOLERANCE = 0.1
 """Voxels whose depth differs by less are about as deep [smallest sides of a voxel]."""
 
-_WINDOW = np.stack(np.meshgrid(*[np.arange(-1, 2)] * 3, indexing="ij"), -1).reshape(-1, 3)
+_NEIGHBORHOOD_OFFSETS = np.stack(np.meshgrid(*[np.arange(-1, 2)] * 3, indexing="ij"), -1).reshape(-1, 3)
+"""Offsets of the 27 voxels in and around a voxel, shape (27, 3)."""
 
-_MARGIN = 8
-"""Voxels by which a branch continues beyond its ends when it is smoothed."""
+_SMOOTHING_MARGIN = 8
+"""Number of voxels by which a branch continues beyond its ends when it is smoothed."""
 
 
 @record
@@ -193,7 +195,7 @@ def centerlines(
         reach = pruning * float(depth[tuple(np.rint(points[0]).astype(int))])
         length = polyline.length(points * size)
         away = np.linalg.norm((points[-1] - points[0]) * size)
-        salient = away + depth[tuple(tip)] > reach + _SALIENT * size.min()
+        salient = away + depth[tuple(tip)] > reach + _LEAST_PROTRUSION * size.min()
         return bool(length <= reach or (pruning > 0.0 and not salient))
 
     # short chains that end in the open are taken away, again and again
@@ -213,15 +215,20 @@ def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array
 
     Its ends are kept; `walls` are the voxels around the inside.
     """
-    voxels = np.rint(chain.points).astype(int)[:, None] + _WINDOW
+    voxels = np.rint(chain.points).astype(int)[:, None] + _NEIGHBORHOOD_OFFSETS
     depths = depth[tuple(np.clip(voxels, 0, np.array(depth.shape) - 1).transpose(2, 0, 1))]
-    deepest = depths >= depths.max(1, keepdims=True) - _AS_DEEP
+    deepest = depths >= depths.max(1, keepdims=True) - _DEPTH_TOLERANCE
     points = (voxels * deepest[..., None]).sum(1) / deepest.sum(1, keepdims=True)
     if chain.nodes[0] == chain.nodes[1]:
         points[-1] = points[0]
     if len(points) > 2:
         straight = points[0] + np.linspace(0.0, 1.0, len(points))[:, None] * (points[-1] - points[0])
-        bent = np.pad(points - straight, ((_MARGIN, _MARGIN), (0, 0)), "reflect", reflect_type="odd")
-        points = straight + scipy.ndimage.gaussian_filter1d(bent, _SMOOTHING, axis=0)[_MARGIN:-_MARGIN]
+        bent = np.pad(
+            points - straight, ((_SMOOTHING_MARGIN, _SMOOTHING_MARGIN), (0, 0)), "reflect", reflect_type="odd"
+        )
+        points = (
+            straight
+            + scipy.ndimage.gaussian_filter1d(bent, _CENTERLINE_SMOOTHING, axis=0)[_SMOOTHING_MARGIN:-_SMOOTHING_MARGIN]
+        )
     distances = walls.query(points * size)[0]
-    return Branch(points + begin, np.maximum(distances - _BEYOND * size.min(), 0.0), chain.nodes)
+    return Branch(points + begin, np.maximum(distances - _WALL_OFFSET * size.min(), 0.0), chain.nodes)

@@ -18,13 +18,13 @@ from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.numerics.grids import parts_joined
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 
-_FAR = 8.0
+_BOUNDING_DISTANCE = 8.0
 """Distance, in sizes of the image, of the additional points that keep all Voronoi cells bounded."""
 
-_AROUND = 0.5
+_AXIS_MARGIN = 0.5
 """Margin around the image in which the axis is kept, in sizes of the image."""
 
-_LONGEST = 1.0
+_MAX_AXIS_EDGE = 1.0
 """Greatest length of the edges of an axis [px]."""
 
 
@@ -122,7 +122,7 @@ def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
     """
     size = np.array(shape, float)
     middle, widest = 0.5 * (size - 1.0), float(size.max())
-    corners = middle + _FAR * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
+    corners = middle + _BOUNDING_DISTANCE * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     if len(boundary.points) < 2:
         return Axis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
     diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
@@ -134,7 +134,7 @@ def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
     crossing = np.isin(sites[:, 0] * key + sites[:, 1], follow[:, 0] * key + follow[:, 1])
     kept = ~crossing & (sites[:, 1] < count) & (edges >= 0).all(axis=1)
     tree = scipy.spatial.cKDTree(boundary.points)
-    reach = 0.5 * size + _AROUND * widest
+    reach = 0.5 * size + _AXIS_MARGIN * widest
     whole = _measured(diagram.vertices, edges[kept], sites[kept], tree)
     rough = whole.chosen(np.ones(len(whole.edges), bool)).within(middle - reach, middle + reach)
     return _measured(*_divided(rough.points, rough.edges, rough.sides), tree)
@@ -149,7 +149,7 @@ def _measured(points: Array, edges: Index, sides: Index, tree: scipy.spatial.cKD
 def _divided(points: Array, edges: Index, sides: Index) -> tuple[Array, Index, Index]:
     """Points, edges and their sides, long edges divided: along these the radius does not change linearly."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
-    pieces = np.maximum(np.ceil(np.linalg.norm(b - a, axis=1) / _LONGEST), 1).astype(np.int64)
+    pieces = np.maximum(np.ceil(np.linalg.norm(b - a, axis=1) / _MAX_AXIS_EDGE), 1).astype(np.int64)
     edge = np.repeat(np.arange(len(edges)), pieces - 1)
     step = np.arange(len(edge)) - np.repeat(np.cumsum(pieces - 1) - (pieces - 1), pieces - 1) + 1
     between = a[edge] + (b - a)[edge] * (step / pieces[edge])[:, None]
@@ -163,7 +163,7 @@ def _divided(points: Array, edges: Index, sides: Index) -> tuple[Array, Index, I
     return np.concatenate([points, between]), divided, np.concatenate(parts)
 
 
-_SHORTEST = 1.0
+_LEAST_BRANCH_LENGTH = 1.0
 """Least length of a branch, and of a path between two junctions [px]."""
 
 
@@ -193,8 +193,8 @@ def prune(axis: Axis, pruning: float) -> Axis:
         return covered
 
     graph = Graph(axis.points, without_tips(axis, is_covered, frozenset(roots.tolist())))
-    graph.drop_spurs(_SHORTEST)
-    graph.merge_junctions(_SHORTEST, axis.radius)
+    graph.drop_spurs(_LEAST_BRANCH_LENGTH)
+    graph.merge_junctions(_LEAST_BRANCH_LENGTH, axis.radius)
     edges = graph.edges()
     return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
 

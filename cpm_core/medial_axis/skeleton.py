@@ -30,13 +30,13 @@ from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, record
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
-_THICK = 95.0
+_THICKNESS_PERCENTILE = 95.0
 """Percentile of the length that `Skeleton.thickness` covers."""
 
-_STRIDE = 0.25
+_DISK_STRIDE = 0.25
 """Distance of the disks along an axis [px]: between two disks of radius 1.5 px the outline dips by 0.005 px."""
 
-_RIM = 0.005
+_RADIUS_TOLERANCE = 0.005
 """Tolerance of a disk's radius [px], so that rounding errors have no effect."""
 
 
@@ -105,7 +105,7 @@ class Skeleton(drawing.Pictured):
         radii = [radius for radius, contour in zip(self.radii, self.contours, strict=True) if contour.length > 0.0]
         if not radii:
             return 2.0 * max((float(radius.max()) for radius in self.radii), default=0.0)
-        return 2.0 * float(np.percentile(np.concatenate(radii), _THICK))
+        return 2.0 * float(np.percentile(np.concatenate(radii), _THICKNESS_PERCENTILE))
 
     @cached_property
     def length(self) -> float:
@@ -170,7 +170,7 @@ def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Con
 def along(points: Array, radii: Array) -> Array:
     """Disks (row, col, radius), shape (M, 3), along a path, shape (K, 2), with interpolated radii, shape (K,) [px]."""
     way = lengths_along(points)
-    at = np.union1d(way, np.arange(0.0, way[-1], _STRIDE))
+    at = np.union1d(way, np.arange(0.0, way[-1], _DISK_STRIDE))
     return np.column_stack([np.interp(at, way, values) for values in (*points.T, radii)])
 
 
@@ -178,5 +178,5 @@ def covered(disks: Array, shape: Extent) -> Mask:
     """Pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px]."""
     found = np.zeros(shape, bool)
     for row, col, radius in disks.tolist():
-        found[skimage.draw.disk((row, col), radius + _RIM, shape=shape)] = True  # type: ignore[no-untyped-call]
+        found[skimage.draw.disk((row, col), radius + _RADIUS_TOLERANCE, shape=shape)] = True  # type: ignore[no-untyped-call]
     return found

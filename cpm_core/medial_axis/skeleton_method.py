@@ -43,10 +43,11 @@ Within = Contours | ArrayLike
 OF_CENTERLINES = ("smoothing", "gamma", "edge_floor", "polarity", "pruning")
 """Parameters that the center lines of gray levels in a volume depend on."""
 
-_MOST_SHOWN = 20_000
-"""Voxels of the boundary that are shown at most."""
+_MAX_SHOWN_VOXELS = 20_000
+"""Largest number of voxels of the boundary that are shown."""
 
-_POLARITIES = {"dark": -1.0, "light": 1.0, "auto": 0.0}
+_POLARITY_CHOICES = {"dark": -1.0, "light": 1.0, "auto": 0.0}
+"""Values of the argument `of` -> values of `Parameters.polarity`."""
 
 
 @record
@@ -333,7 +334,7 @@ def _in_plane(regions: AnyRegions | None) -> Regions | None:
 def _shown(inside: Mask) -> Array:
     """Voxels at the boundary of what is inside, shape (N, 3), evenly fewer of them where there are very many."""
     places = np.argwhere(inside & ~scipy.ndimage.binary_erosion(inside)).astype(float)
-    return places[:: -(-max(len(places), 1) // _MOST_SHOWN)]
+    return places[:: -(-max(len(places), 1) // _MAX_SHOWN_VOXELS)]
 
 
 def _nothing(found: Structure) -> str:
@@ -396,12 +397,12 @@ def skeleton(
     (1, True, 7)
     """
     image = as_image(values)
-    if of is not None and not (isinstance(of, str) and of in _POLARITIES):
-        raise ValueError(f"of is {shown(of)} but must be one of {', '.join(_POLARITIES)}.")
+    if of is not None and not (isinstance(of, str) and of in _POLARITY_CHOICES):
+        raise ValueError(f"of is {shown(of)} but must be one of {', '.join(_POLARITY_CHOICES)}.")
     params = params or PRESETS["noisy" if image.ndim == 2 else "volume"]
     params = replace(
         params,
-        polarity=params.polarity if of is None else _POLARITIES[of],
+        polarity=params.polarity if of is None else _POLARITY_CHOICES[of],
         max_width=params.max_width if max_width is None else max_width,
         pruning=params.pruning if pruning is None else pruning,
     )

@@ -22,16 +22,19 @@ from cpm_core.medial_axis.medial_axis import Axis, medial_axis, parts, prune, wi
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters import Parameters
 
-_WIDENED = 1.0 / 3.0 + 1.0 / 12.0
+_PIXEL_VARIANCE = 1.0 / 3.0 + 1.0 / 12.0
 """Variance that central differences, and the area of the pixels, add to that of the Gaussian [px²]."""
 
-_FINEST, _ISOLATED = 0.05, 6.0
-"""Half widths between which lines are corrected, in widths of the smoothed step: wider ones need no correction."""
+_LEAST_HALF_WIDTH = 0.05
+"""Least half width of lines that are corrected, in widths of the smoothed step."""
+
+_LARGEST_HALF_WIDTH = 6.0
+"""Largest half width of lines that are corrected, in widths of the smoothed step: wider ones need no correction."""
 
 
 def step_width(smoothing: float) -> float:
     """Width of a smoothed step: the standard deviation of its slope, including pixels and differences [px]."""
-    return float(np.sqrt(smoothing**2 + _WIDENED))
+    return float(np.sqrt(smoothing**2 + _PIXEL_VARIANCE))
 
 
 def half_width(distance: Array, smoothing: float) -> Array:
@@ -41,7 +44,7 @@ def half_width(distance: Array, smoothing: float) -> Array:
     at h from the center line lies at d where ``(d - h) / (d + h) = exp(-2 d h / s²)``: for a line of 3 px and the usual
     smoothing of 1 px that is 0.12 px too far out; from 5 px on the difference is negligible.
     """
-    half = np.geomspace(_FINEST, _ISOLATED, 400)
+    half = np.geomspace(_LEAST_HALF_WIDTH, _LARGEST_HALF_WIDTH, 400)
     low, high = half.copy(), half + 1.5
     for _ in range(40):  # the ridge lies above the root of an increasing function
         middle = 0.5 * (low + high)
@@ -52,15 +55,21 @@ def half_width(distance: Array, smoothing: float) -> Array:
     return np.where(distance < scale * high[-1], np.minimum(corrected, distance), distance)
 
 
-DARK, LIGHT = -1, 1
-"""Polarity of what is darker, and of what is lighter, than its surroundings; 0 stands for neither."""
+DARK = -1
+"""Polarity of what is darker than its surroundings; 0 stands for neither."""
 
-_TURNED = 0.3
+LIGHT = 1
+"""Polarity of what is lighter than its surroundings."""
+
+_LEAST_GRADIENT_COSINE = 0.3
 """Least cosine of the angle between the image gradient at an edge and the direction from the axis to it."""
 
-_CLEAR, _PURE = 0.8, 0.05
-"""Share of the objects' length that must have the same polarity, and largest share of all lengths that may lie between
-a darker and a lighter side, or in a region of the other polarity, for an image to have one."""
+_COMMON_POLARITY_SHARE = 0.8
+"""Share of the objects' length that must have the same polarity for an image to have one."""
+
+_MAX_MIXED_SHARE = 0.05
+"""Largest share of all lengths that may lie between a darker and a lighter side, or in a region of the other polarity,
+for an image to have one."""
 
 
 def polarities(axis: Axis, boundary: Boundary) -> NDArray[np.int8]:
@@ -69,7 +78,7 @@ def polarities(axis: Axis, boundary: Boundary) -> NDArray[np.int8]:
     gradient = boundary.normals[axis.sides]
     size = np.linalg.norm(outward, axis=2) * np.linalg.norm(gradient, axis=2)
     rise = np.einsum("msk,msk->ms", outward, gradient) / np.maximum(size, 1e-300)
-    dark, light = (rise > _TURNED).all(axis=1), (rise < -_TURNED).all(axis=1)
+    dark, light = (rise > _LEAST_GRADIENT_COSINE).all(axis=1), (rise < -_LEAST_GRADIENT_COSINE).all(axis=1)
     return np.where(dark, DARK, np.where(light, LIGHT, 0)).astype(np.int8)
 
 
@@ -82,7 +91,7 @@ def of_polarity(axis: Axis, polarity: NDArray[np.int8], sign: int) -> Axis:
     count, part = parts(axis)
     of_part = part[axis.edges[:, 0]]
     same = polarity == sign
-    whole = np.bincount(of_part, length * same, count) >= (1.0 - _PURE) * np.bincount(of_part, length, count)
+    whole = np.bincount(of_part, length * same, count) >= (1.0 - _MAX_MIXED_SHARE) * np.bincount(of_part, length, count)
     return axis.chosen(same | whole[of_part])
 
 
@@ -116,22 +125,24 @@ def common_polarity(
     of_part = part[axis.edges[:, 0]]
     dark, light, mixed = (np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK, LIGHT, 0))
     whole = length.sum()
-    if mixed.sum() > _PURE * whole or np.minimum(dark, light).sum() > _PURE * whole:
+    if mixed.sum() > _MAX_MIXED_SHARE * whole or np.minimum(dark, light).sum() > _MAX_MIXED_SHARE * whole:
         return 0
     shares = [length[objects & (polarity == sign)].sum() for sign in (DARK, LIGHT)]
-    if max(shares) <= _CLEAR * sum(shares):
+    if max(shares) <= _COMMON_POLARITY_SHARE * sum(shares):
         return 0
     return DARK if shares[0] > shares[1] else LIGHT
 
 
-_AWAY, _MIDDLE = 2.5, 0.5
-"""Distance from an edge at which gray levels are compared, in widths of its smoothed step; in narrower parts, the
-fraction of the largest radius."""
+_COMPARISON_DISTANCE = 2.5
+"""Distance from an edge at which gray levels are compared, in widths of its smoothed step."""
 
-_DIFFERENT = 0.25
+_COMPARISON_RADIUS_SHARE = 0.5
+"""In narrower parts, the fraction of the largest radius at which gray levels are compared."""
+
+_LEAST_DIFFERENCE = 0.25
 """Fraction of an edge's contrast by which an object must differ from the background."""
 
-_LEAST_SMOOTHING = 1.0
+_LEAST_GRAY_SMOOTHING = 1.0
 """Least smoothing of the compared gray levels [px]."""
 
 
@@ -158,14 +169,14 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     """
     if not len(axis.edges):
         return np.zeros(0, bool)
-    clear = _AWAY * step_width(smoothing)
+    clear = _COMPARISON_DISTANCE * step_width(smoothing)
     # two positions are compared: the vertex itself and one just next to the edge, since beyond a sharp tip the object
     # is still visible for some distance, and far away there may be something else without edges
     share = np.minimum(clear / np.maximum(axis.radius, clear), 1.0)
     edge = boundary.points[axis.nearest]
     places = edge + share[:, None] * (axis.points - edge)
     border = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
-    smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING), mode="nearest")
+    smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_GRAY_SMOOTHING), mode="nearest")
     gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
     contrast = boundary.strength[axis.nearest] * np.sqrt(2.0 * np.pi) * step_width(smoothing)  # height of the steps
@@ -173,24 +184,29 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     count, part = parts(axis)
     every = np.arange(count)
     largest = scipy.ndimage.maximum(np.where(inside, axis.radius, 0.0), part, every)
-    reliable = inside & (axis.radius >= np.minimum(clear, _MIDDLE * largest[part]))
+    reliable = inside & (axis.radius >= np.minimum(clear, _COMPARISON_RADIUS_SHARE * largest[part]))
     seen = np.isin(every, part[reliable])
     difference, height = np.zeros(count), np.ones(count)
     difference[seen] = scipy.ndimage.median(away[reliable], part[reliable], every[seen])
     height[seen] = scipy.ndimage.median(contrast[reliable], part[reliable], every[seen])
-    return (difference > _DIFFERENT * height)[part[axis.edges[:, 0]]]
+    return (difference > _LEAST_DIFFERENCE * height)[part[axis.edges[:, 0]]]
 
 
-_OPPOSITE = 0.5
+_MAX_RADIUS_CHANGE = 0.5
 """Greatest change of the radius along the axis, per length, between edges that count as opposite: the cosine of the
 angle between the axis and the directions to the two sides."""
 
-_LONG, _MOSTLY = 3.0, 0.3
-"""Least length between opposite sure edges, in mean widths of a part of the axis, and its least share of the part."""
+_LEAST_STRIP_LENGTH = 3.0
+"""Least length between opposite sure edges, in mean widths of a part of the axis."""
 
-_NEARLY_ALL, _ROOM = 0.95, 1.5
-"""Fraction of the strips, by length and strength, that the image's own width exceeds, and by what factor: forks are
-wider than their arms."""
+_LEAST_OPPOSITE_SHARE = 0.3
+"""Least share of a part of the axis that lies between opposite edges."""
+
+_STRIP_WIDTH_QUANTILE = 0.95
+"""Fraction of the strips, by length and strength, that the image's own width exceeds."""
+
+_STRIP_WIDTH_FACTOR = 1.5
+"""Factor by which the image's own width exceeds them: forks are wider than their arms."""
 
 
 def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
@@ -212,7 +228,7 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
     def is_mouth(tip: int, following: int) -> bool:
         """Whether a tip widens into an open region."""
         away = np.linalg.norm(thin.points[tip] - thin.points[following])
-        return bool(thin.radius[tip] - thin.radius[following] > _OPPOSITE * away)
+        return bool(thin.radius[tip] - thin.radius[following] > _MAX_RADIUS_CHANGE * away)
 
     cut = thin.only(without_tips(thin, is_mouth))
     if not len(cut.edges):
@@ -220,7 +236,7 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
     count, part = parts(cut)
     of_part, length = part[cut.edges[:, 0]], cut.lengths
     change = np.abs(np.diff(cut.radius[cut.edges], axis=1)[:, 0])
-    opposite = change / np.maximum(length, 1e-300) <= _OPPOSITE
+    opposite = change / np.maximum(length, 1e-300) <= _MAX_RADIUS_CHANGE
     strong = boundary.strength[cut.nearest[cut.edges]].mean(axis=1) >= sure
     total, between, certain, area = (
         np.bincount(of_part, weights, count)
@@ -231,7 +247,7 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
             length * cut.widths,
         )
     )
-    kept = (certain * total >= _LONG * area) & (between >= _MOSTLY * total)
+    kept = (certain * total >= _LEAST_STRIP_LENGTH * area) & (between >= _LEAST_OPPOSITE_SHARE * total)
     return cut.only(cut.edges[kept[of_part]])
 
 
@@ -245,7 +261,9 @@ def own_width(found: Axis, boundary: Boundary) -> float:
     if not len(found.edges):
         return 0.0
     weights = _weights(found, boundary)
-    return _ROOM * float(np.quantile(found.widths, _NEARLY_ALL, weights=weights, method="inverted_cdf"))
+    return _STRIP_WIDTH_FACTOR * float(
+        np.quantile(found.widths, _STRIP_WIDTH_QUANTILE, weights=weights, method="inverted_cdf")
+    )
 
 
 def _weights(found: Axis, boundary: Boundary) -> Array:
@@ -253,18 +271,26 @@ def _weights(found: Axis, boundary: Boundary) -> Array:
     return found.lengths * boundary.strength[found.nearest[found.edges]].mean(axis=1)
 
 
-_MOSTLY_LOOSE = 0.5
+_MAX_LOOSE_SHARE = 0.5
 """Share of loose contours above which the outlines of an image do not count as closed."""
 
-_WIDEST, _USUAL = 0.125, 0.5
-"""Largest width considered for strips when none is given, as a fraction of the shorter side of the image, and what
-fraction of it is usual."""
+_MAX_STRIP_WIDTH = 0.125
+"""Largest width considered for strips when none is given, as a fraction of the shorter side of the image."""
 
-_WIDTH_PER_SIGMA, _LEAST_SIGMA = 15.0, 1.0
-"""Width of strips per sigma of the smoothing that keeps their two edges apart, and least such sigma [px]."""
+_USUAL_WIDTH_SHARE = 0.5
+"""Usual width of strips, as a fraction of the largest."""
 
-_FAINT, _LEAST = 0.5, 0.04
-"""Floor for the edges of strips as a fraction of the background, and least background as one of the strongest edge."""
+_STRIP_WIDTH_PER_SIGMA = 15.0
+"""Width of strips per sigma of the smoothing that keeps their two edges apart."""
+
+_LEAST_STRIP_SIGMA = 1.0
+"""Least sigma of the smoothing for strips [px]."""
+
+_STRIP_EDGE_FLOOR = 0.5
+"""Floor for the edges of strips, as a fraction of the background."""
+
+_LEAST_BACKGROUND = 0.04
+"""Least background, as a fraction of the strongest edge."""
 
 
 @record
@@ -310,10 +336,12 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
     width, polarity = parameters.max_width, int(np.sign(parameters.polarity))
     if not width:
         boundary = find_boundary(usual, parameters)
-        if boundary.loose <= _MOSTLY_LOOSE:
+        if boundary.loose <= _MAX_LOOSE_SHARE:
             return Structure(boundary, usual.smoothing, polarity, 0.0)
-        width = _WIDEST * min(usual.shape)
-    finest = max(_LEAST_SIGMA, (1.0 if parameters.max_width else _USUAL) * width / _WIDTH_PER_SIGMA)
+        width = _MAX_STRIP_WIDTH * min(usual.shape)
+    finest = max(
+        _LEAST_STRIP_SIGMA, (1.0 if parameters.max_width else _USUAL_WIDTH_SHARE) * width / _STRIP_WIDTH_PER_SIGMA
+    )
     if parameters.smoothing == "auto" and usual.smoothing > finest:
         usual = field_of(replace(parameters, smoothing=finest))
     strongest, strength = usual.strongest, usual.edge_map
@@ -321,8 +349,8 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
         faint = parameters.edge_floor * strongest
         sure = max(parameters.edge_floor, parameters.sure_edge) * strongest
     else:
-        background = max(background_strength(strength[strength > 0.0]), _LEAST * strongest)
-        faint, sure = _FAINT * background, parameters.sure_edge * strongest or background
+        background = max(background_strength(strength[strength > 0.0]), _LEAST_BACKGROUND * strongest)
+        faint, sure = _STRIP_EDGE_FLOOR * background, parameters.sure_edge * strongest or background
     boundary = find_boundary(replace(usual, floor=faint), replace(parameters, sure_edge=0.0))
     return Structure(boundary, usual.smoothing, polarity, width, sure)
 

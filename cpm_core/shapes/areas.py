@@ -14,14 +14,23 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, frozen
 from cpm_core.shapes.path import ClosedPath, check_number
 
-FINEST, COARSEST = 2.0, 64.0
-"""Least and largest distance between two particles of a grid [px]."""
+LEAST_GRID_SPACING = 2.0
+"""Least distance between two particles of a grid [px]."""
 
-MOST_PLACES = 2**23
-"""Particles that a grid may have; their places are counted before memory is taken for them."""
+LARGEST_GRID_SPACING = 64.0
+"""Largest distance between two particles of a grid [px]."""
 
-LOWEST, HIGHEST, STEP = 0.02, 0.98, 0.02
-"""Bounds of the fraction of a threshold, and how much it changes at a time."""
+MAX_GRID_PARTICLES = 2**23
+"""Largest number of particles of a grid; they are counted before memory is taken for them."""
+
+LEAST_THRESHOLD_FRACTION = 0.02
+"""Least fraction of a threshold."""
+
+LARGEST_THRESHOLD_FRACTION = 0.98
+"""Largest fraction of a threshold."""
+
+THRESHOLD_FRACTION_STEP = 0.02
+"""Change of the fraction of a threshold at a time."""
 
 
 class Spaced:
@@ -35,8 +44,8 @@ class Spaced:
 
     def resized(self, by: float) -> Self:
         """The same shape with the spacing changed by so much, as far as particles may be as dense and as sparse."""
-        finest = max(FINEST, finest_spacing(self._lengths))
-        spacing = min(max(self.spacing + by, finest), max(COARSEST, finest))
+        finest = max(LEAST_GRID_SPACING, finest_spacing(self._lengths))
+        spacing = min(max(self.spacing + by, finest), max(LARGEST_GRID_SPACING, finest))
         return replace(self, spacing=spacing)  # type: ignore[type-var]
 
 
@@ -50,7 +59,12 @@ class OnStrongEdges:
 
     def resized(self, by: float) -> Self:
         """The same shape with the threshold raised by so many steps of 0.02."""
-        fraction = round(min(max(self.fraction + STEP * by, LOWEST), HIGHEST), 6)
+        fraction = round(
+            min(
+                max(self.fraction + THRESHOLD_FRACTION_STEP * by, LEAST_THRESHOLD_FRACTION), LARGEST_THRESHOLD_FRACTION
+            ),
+            6,
+        )
         return replace(self, fraction=fraction)  # type: ignore[type-var]
 
 
@@ -119,16 +133,16 @@ def check_spacing(spacing: float, lengths: Sequence[float]) -> None:
     """Check that a grid in a box of these lengths has no more particles than are allowed, else raise ValueError."""
     check_number("spacing", spacing)
     places = math.prod(length / spacing + 1.0 for length in lengths)
-    if not places <= MOST_PLACES:
+    if not places <= MAX_GRID_PARTICLES:
         raise ValueError(
             f"spacing is {spacing:g}, which gives {places:.3g} particles in the box around the grid, but there may be "
-            f"{MOST_PLACES} at most: make the spacing wider or the box smaller."
+            f"{MAX_GRID_PARTICLES} at most: make the spacing wider or the box smaller."
         )
 
 
 def finest_spacing(lengths: Sequence[float]) -> int:
     """The least spacing at which a box of these lengths has no more particles than are allowed."""
-    side = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / len(lengths))
+    side = (2.0 * math.prod(length + 1.0 for length in lengths) / MAX_GRID_PARTICLES) ** (1.0 / len(lengths))
     return math.ceil(side)
 
 

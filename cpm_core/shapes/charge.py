@@ -9,8 +9,11 @@ from cpm_core.field.placed_charges import STRONGEST, PlacedCharge
 from cpm_core.numerics.types import Place, frozen
 from cpm_core.shapes.path import WithoutOutline, check_number
 
-WEAKEST, _STEP = 0.5, 0.5
-"""Least absolute strength, and how much it changes at a time."""
+LEAST_CHARGE_STRENGTH = 0.5
+"""Least absolute strength."""
+
+_CHARGE_STRENGTH_STEP = 0.5
+"""Change of the absolute strength at a time."""
 
 
 @frozen
@@ -47,7 +50,7 @@ class Charge(WithoutOutline):
 
     def resized(self, by: float) -> Charge:
         """The charge with its absolute strength raised by so many steps of a half."""
-        size = min(max(abs(self.strength) + _STEP * by, WEAKEST), STRONGEST)
+        size = min(max(abs(self.strength) + _CHARGE_STRENGTH_STEP * by, LEAST_CHARGE_STRENGTH), STRONGEST)
         return Charge(self.position, math.copysign(size, self.strength))
 
     def distance(self, position: Place) -> float:

@@ -20,9 +20,14 @@ from cpm_core.shapes.shape import Shape, Start
 from cpm_core.shapes.solids import BoxRegion, Cuboid, Sphere
 from cpm_core.shapes.volume_limits import Enclosed, EnclosedRegion, EnclosingWall, Extruded, PrismRegion, Wall
 
-_KINDS = {2: "images", 3: "volumes"}
-_ONE = {2: "an image", 3: "a volume"}
-_PARTS = {2: "pixels", 3: "voxels"}
+_IMAGE_KINDS = {2: "images", 3: "volumes"}
+"""Number of axes -> kind of image, plural."""
+
+_ONE_IMAGE = {2: "an image", 3: "a volume"}
+"""Number of axes -> kind of image, with its article."""
+
+_IMAGE_ELEMENTS = {2: "pixels", 3: "voxels"}
+"""Number of axes -> word for the elements."""
 
 
 def axes_of(shape: Shape) -> int | None:
@@ -54,11 +59,14 @@ def check_axes(shapes: Iterable[Shape], size: Extent = (), image: str = "the ima
             continue
         if size and own != axes:
             raise ValueError(
-                f"{this} is for {_KINDS[own]}, but {image} is taken as {_ONE[axes]} of {' x '.join(map(str, size))} "
-                f"{_PARTS[axes]}: choose an image of the kind that the shapes were drawn in."
+                f"{this} is for {_IMAGE_KINDS[own]}, but {image} is taken as {_ONE_IMAGE[axes]} of "
+                f"{' x '.join(map(str, size))} {_IMAGE_ELEMENTS[axes]}: choose an image of the kind that "
+                "the shapes were drawn in."
             )
         if axes and own != axes:
-            raise ValueError(f"{this} is for {_KINDS[own]}, but {first} is for {_KINDS[axes]}: keep those of one kind.")
+            raise ValueError(
+                f"{this} is for {_IMAGE_KINDS[own]}, but {first} is for {_IMAGE_KINDS[axes]}: keep those of one kind."
+            )
         axes, first = own, first or this
 
 

@@ -18,7 +18,8 @@ from cpm_core.shapes.path import LARGEST, check_number
 SMALLEST_RADIUS = 1.0
 """Radius under which a drawn circle or sphere is taken for an accidental click [px, sides of the smallest voxel]."""
 
-_CORNERS = 180
+_OUTLINE_CORNERS = 180
+"""Number of vertices of the outline of a circle or an ellipse."""
 
 
 class Centered:
@@ -87,7 +88,7 @@ class Circle(Round):
     @property
     def outline(self) -> Array:
         """Vertices of the line, shape (K, 2), the first repeated at the end."""
-        angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
+        angle = np.linspace(0.0, 2.0 * np.pi, _OUTLINE_CORNERS)
         return np.array(self.center) + self.radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
 
     def handles(self) -> Line:
@@ -96,8 +97,11 @@ class Circle(Round):
         return ((row - radius, col), (row, col + radius), (row + radius, col), (row, col - radius))
 
 
-_ARM, _OUT = 1.25, 4.0
-"""Distance of the rotation handle from the center: a multiple of the first radius, plus a number of px."""
+_ROTATION_ARM = 1.25
+"""Distance of the rotation handle from the center, in first radii, before `_ROTATION_OFFSET`."""
+
+_ROTATION_OFFSET = 4.0
+"""Additional distance of the rotation handle [px]."""
 
 
 @frozen
@@ -131,7 +135,7 @@ class Ellipse(Centered):
     @property
     def outline(self) -> Array:
         """Vertices of the line, shape (K, 2), the first repeated at the end."""
-        turn = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
+        turn = np.linspace(0.0, 2.0 * np.pi, _OUTLINE_CORNERS)
         (along, across), (first, second) = self._axes, self.radii
         return np.array(self.center) + first * np.cos(turn)[:, None] * along + second * np.sin(turn)[:, None] * across
 
@@ -142,7 +146,7 @@ class Ellipse(Centered):
     def handles(self) -> Line:
         """The four ends of the axes, for resizing, and one beyond the first, for rotation."""
         first, second = np.array(self.radii)[:, None] * self._axes
-        beyond = (_ARM * self.radii[0] + _OUT) * self._axes[0]
+        beyond = (_ROTATION_ARM * self.radii[0] + _ROTATION_OFFSET) * self._axes[0]
         return as_line(np.array([first, second, -first, -second, beyond]) + self.center)
 
     def with_handle_at(self, handle: Position, to: Position) -> Ellipse:

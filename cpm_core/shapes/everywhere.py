@@ -17,11 +17,12 @@ Kind = Literal["grid", "gradient", "centers"]
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
-_TITLES = {
+_SEEDING_TITLES = {
     "grid": "start everywhere",
     "gradient": "start on strong edges",
     "centers": "start at centers",
 }
+"""Kind of seeding -> name for the user."""
 
 
 @frozen
@@ -39,7 +40,7 @@ class Everywhere(WithoutOutline):
     @property
     def title(self) -> str:
         """Name for the user."""
-        return _TITLES[self.kind]
+        return _SEEDING_TITLES[self.kind]
 
     @property
     def follows_smoothing(self) -> bool:

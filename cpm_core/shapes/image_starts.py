@@ -23,8 +23,8 @@ ImageSeeds = Mapping[ImageStart, Array]
 NO_SEEDS: ImageSeeds = {}
 
 
-_KEPT = 16
-"""Starts whose seeds are kept: those of a document, some of them switched off and on."""
+_CACHED_STARTS = 16
+"""Number of starts whose seeds are cached: those of a document, some of them switched off and on."""
 
 
 class SeedCache:
@@ -41,7 +41,7 @@ class SeedCache:
         def edges(sigma: float, channel: str) -> Array:
             return strength_of(image, sigma) if volume else edge_map(gray(channel), sigma)
 
-        @lru_cache(_KEPT)
+        @lru_cache(_CACHED_STARTS)
         def seeds(start: ImageStart, sigma: float, channel: str) -> Array:
             if isinstance(start, Everywhere) and volume:
                 return start.seeds_in(image, sigma)

@@ -16,8 +16,8 @@ from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.lines import Points, Polygon, Stroke
 from cpm_core.shapes.shape import Shape
 
-APART = 2.0
-"""Distance of the particles that a surface gives, as of those along a stroke [smallest sides of a voxel]."""
+SURFACE_START_SPACING = 2.0
+"""Distance of the particles of a start on a surface, equal to that along a stroke [smallest sides of a voxel]."""
 
 
 def outlines_of(shapes: Iterable[Shape]) -> Arrays:
@@ -38,9 +38,9 @@ def starts_along(contours: Contours, places: Array | None = None) -> tuple[Polyg
 
 
 def start_on_surface(surface: Surface) -> Points:
-    """A start on a surface: of its vertices one in each cube whose side is `APART`."""
+    """A start on a surface: of its vertices one in each cube whose side is `SURFACE_START_SPACING`."""
     used = surface.vertices[np.unique(surface.faces)]
-    cubes = np.floor(used * surface.spacing / (APART * min(surface.spacing))).astype(np.int64)
+    cubes = np.floor(used * surface.spacing / (SURFACE_START_SPACING * min(surface.spacing))).astype(np.int64)
     first = np.sort(np.unique(cubes, axis=0, return_index=True)[1])
     return Points(as_line(used[first]))
 

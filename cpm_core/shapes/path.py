@@ -12,8 +12,11 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import MOST_HANDLES
 from cpm_core.numerics.types import Array, Line, Place, frozen
 
-SMALLEST, LARGEST = 0.5, 1e5
-"""Bounds of radii and of distances between particles [px]."""
+SMALLEST = 0.5
+"""Least radius, and distance between particles [px]."""
+
+LARGEST = 1e5
+"""Largest radius, and distance between particles [px]."""
 
 
 def check_number(name: str, value: float, low: float = SMALLEST, high: float = LARGEST) -> None:

@@ -22,14 +22,17 @@ from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
 SMALLEST = 1.0
 """Least side of a box [voxels], and radius of a sphere [sides of the smallest voxel]."""
 
-_APART, _MOST = 2.0, 10_000
-"""Least distance between particles on the faces [voxels], and about how many there are on a large box."""
+_LEAST_FACE_SPACING = 2.0
+"""Least distance between particles on the faces [voxels]."""
 
-_SAME = 1e-6
+_MAX_FACE_PARTICLES = 10_000
+"""Approximate number of particles on a large box."""
+
+_ON_FACE_DISTANCE = 1e-6
 """Distance within which a handle lies on a face [voxels]."""
 
-_CORNERS = np.array(list(product((False, True), repeat=3)))
-"""Which corners of a box lie on the last face across each axis."""
+_BOX_CORNERS = np.array(list(product((False, True), repeat=3)))
+"""Whether each corner of a box lies on the last face across each axis, shape (8, 3)."""
 
 
 def sides_of(spacing: Sequence[float]) -> Sides:
@@ -54,7 +57,7 @@ class Cuboid(WithoutOutline):
         low, high = np.sort([self.first, self.last], axis=0).tolist()
         if not all(math.isfinite(end) and abs(end) <= LARGEST for end in (*low, *high)):
             raise ValueError(f"the corners of the box are {self.first} and {self.last} but must be in the volume.")
-        if min(map(operator.sub, high, low)) < SMALLEST - _SAME:
+        if min(map(operator.sub, high, low)) < SMALLEST - _ON_FACE_DISTANCE:
             raise ValueError(
                 f"the corners of the box are {self.first} and {self.last} but must be a voxel apart along every axis."
             )
@@ -69,7 +72,7 @@ class Cuboid(WithoutOutline):
     @property
     def outline(self) -> Array:
         """The corners, shape (8, 3)."""
-        return np.where(_CORNERS, self.last, self.first)
+        return np.where(_BOX_CORNERS, self.last, self.first)
 
     def moved(self, by: Place) -> Self:
         """The same box displaced by so much along each axis."""
@@ -85,9 +88,9 @@ class Cuboid(WithoutOutline):
         """The box with the faces that a handle lies on moved to a position; none becomes too thin."""
         low, high = [*self.first], [*self.last]
         for axis, (at, end) in enumerate(zip(handle, to, strict=True)):
-            if abs(at - low[axis]) <= _SAME:
+            if abs(at - low[axis]) <= _ON_FACE_DISTANCE:
                 low[axis] = _off(end, high[axis])
-            elif abs(at - high[axis]) <= _SAME:
+            elif abs(at - high[axis]) <= _ON_FACE_DISTANCE:
                 high[axis] = _off(end, low[axis])
         return self._between(low, high)
 
@@ -124,7 +127,7 @@ class Box(Cuboid):
         """Distance between particles [voxels]: larger on a large box."""
         down, along, across = map(operator.sub, self.last, self.first)
         area = 2.0 * (down * along + along * across + across * down)
-        return max(_APART, math.sqrt(area / _MOST))
+        return max(_LEAST_FACE_SPACING, math.sqrt(area / _MAX_FACE_PARTICLES))
 
 
 @frozen

@@ -14,7 +14,7 @@ from cpm_core.numerics.types import Array, Line, Place, Position, frozen
 from cpm_core.shapes.lines import Barrier, Region
 from cpm_core.shapes.path import WithoutOutline
 
-_SAME = 1e-6
+_ON_CORNER_DISTANCE = 1e-6
 """Distance within which a handle is a corner [voxels]."""
 
 
@@ -69,7 +69,9 @@ class Extruded(WithoutOutline):
     def with_handle_at(self, handle: Place, to: Place) -> Self:
         """The shape with a corner moved in its slice, or with the nearer end of its range moved."""
         at, flat = self.within(handle), self.flat(self.points)
-        if handle[self.axis] == to[self.axis] and any(math.dist(at, corner) <= _SAME for corner in self.points):
+        if handle[self.axis] == to[self.axis] and any(
+            math.dist(at, corner) <= _ON_CORNER_DISTANCE for corner in self.points
+        ):
             return self._with(flat.with_handle_at(at, self.within(to)).points, self.first, self.last)
         end = to[self.axis]
         if abs(handle[self.axis] - self.first) <= abs(handle[self.axis] - self.last):

@@ -16,35 +16,31 @@ import skimage
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Position
-from cpm_core.reconstruction.curve.gap_bridging import smoothed
+from cpm_core.reconstruction.curve.gap_bridging import (
+    BLOCKED_COST,
+    EXTRA_COST_OFF_EDGE,
+    UNBLOCKED_RADIUS,
+    smoothed,
+)
 from cpm_core.reconstruction.curve.subpixel import ridge_points
 
-_EASE = 20.0
-"""Ratio, less one, of the costs of a step without an edge and on a strong edge."""
-
-_BLOCKED = 30.0
-"""Additional cost of a step on a line that is to be avoided."""
-
-_SPARED = 2.0
-"""Distance from the places that are to be joined within which nothing is avoided [px]."""
-
-_STRONG = 90.0
+_STRONG_EDGE_PERCENTILE = 90.0
 """Percentile of the edge strength above the floor that counts as a strong edge."""
 
-_MARGIN = 24
+_SEARCH_MARGIN = 24
 """Distance beyond its two places within which the path is searched [px]."""
 
-_AHEAD = 64
-"""The same when the search is extended because the pointer has left it [px]."""
+_EXTENDED_SEARCH_MARGIN = 64
+"""Margin of the search when the pointer has left the searched box [px]."""
 
-_FARTHEST = 2.0
+_MAX_SNAP_DISTANCE = 2.0
 """Greatest distance by which the path is moved onto the ridge [px]."""
 
-_SPACING = 1.0
+_PATH_SPACING = 1.0
 """Largest distance between the vertices of the path [px]."""
 
-_CALM = 2.0
-"""Sigma, in vertices, by which the moves of vertices onto the ridge are smoothed where some have none."""
+_MOVE_SMOOTHING = 2.0
+"""Sigma, in vertices, by which the moves onto the ridge are smoothed where some vertices have none."""
 
 
 class LiveWire:
@@ -71,16 +67,16 @@ class LiveWire:
     ) -> None:
         self._field, self._start = scale_field, start
         self._avoided, self._spared = avoided, np.array([start, *spared], float)
-        self._low, self._high = self._around(self._pixel(start), _MARGIN)
+        self._low, self._high = self._around(self._pixel(start), _SEARCH_MARGIN)
         self._search: skimage.graph.MCP_Geometric | None = None
 
     def to(self, place: Position) -> Array:
         """The path from the start to another place, both included, shape (K, 2) [px]."""
         ends = np.array([self._start, place], float)
-        if np.linalg.norm(ends[1] - ends[0]) < _SPACING:
+        if np.linalg.norm(ends[1] - ends[0]) < _PATH_SPACING:
             return ends
         goal = self._pixel(place)
-        low, high = self._around(goal, _MARGIN)
+        low, high = self._around(goal, _SEARCH_MARGIN)
         if self._search is None or (low < self._low).any() or (high > self._high).any():
             self._search = self._look_around(goal)
         pixels = (np.array(self._search.traceback(tuple(goal - self._low))) + self._low).astype(float)
@@ -95,18 +91,20 @@ class LiveWire:
 
     def _look_around(self, goal: Index) -> skimage.graph.MCP_Geometric:
         """The costs of all pixels around the start and the goal, and around what was searched before."""
-        low, high = self._around(goal, _AHEAD)
+        low, high = self._around(goal, _EXTENDED_SEARCH_MARGIN)
         self._low, self._high = np.minimum(self._low, low), np.maximum(self._high, high)
         window = tuple(slice(a, b + 1) for a, b in zip(self._low.tolist(), self._high.tolist(), strict=True))
         strength = self._field.edge_map[window]
         above = strength[strength >= self._field.floor]
-        strong = float(np.percentile(above, _STRONG)) if above.size else max(self._field.strongest, 1e-300)
-        costs = 1.0 / (1.0 + _EASE * np.minimum(strength / strong, 1.0))
+        strong = (
+            float(np.percentile(above, _STRONG_EDGE_PERCENTILE)) if above.size else max(self._field.strongest, 1e-300)
+        )
+        costs = 1.0 / (1.0 + EXTRA_COST_OFF_EDGE * np.minimum(strength / strong, 1.0))
         avoided = np.concatenate([np.empty((0, 2)), *(polyline.sampled(line, 0.25) for line in self._avoided)])
         away = np.linalg.norm(avoided[:, None] - self._spared, axis=2).min(axis=1)
-        pixels = np.rint(avoided[away > _SPARED]).astype(np.int64) - self._low
+        pixels = np.rint(avoided[away > UNBLOCKED_RADIUS]).astype(np.int64) - self._low
         pixels = pixels[((pixels >= 0) & (pixels < costs.shape)).all(axis=1)]
-        costs[tuple(np.unique(pixels, axis=0).T)] += _BLOCKED
+        costs[tuple(np.unique(pixels, axis=0).T)] += BLOCKED_COST
         search = skimage.graph.MCP_Geometric(costs)
         search.find_costs([tuple(self._pixel(self._start) - self._low)])
         return search
@@ -117,22 +115,22 @@ def on_ridge(path: Array, scale_field: ScaleField) -> Array:
 
     Where there is no edge near enough, it stays as well, and in between it fades from one to the other.
     """
-    path = polyline.resampled(path, _SPACING)
+    path = polyline.resampled(path, _PATH_SPACING)
     inner = path[1:-1]
     if not len(inner):
         return path
     ridge, found = ridge_points(inner, scale_field)
-    found &= np.linalg.norm(ridge - inner, axis=1) <= _FARTHEST
+    found &= np.linalg.norm(ridge - inner, axis=1) <= _MAX_SNAP_DISTANCE
     found &= scale_field.strength(ridge) >= FAINTEST * scale_field.floor
     move = np.where(found[:, None], ridge - inner, 0.0)
-    calm = scipy.ndimage.gaussian_filter1d(move, _CALM, axis=0, mode="nearest")
+    calm = scipy.ndimage.gaussian_filter1d(move, _MOVE_SMOOTHING, axis=0, mode="nearest")
     alone = scipy.ndimage.minimum_filter1d(found, 5, mode="nearest") == 0
     place = np.where(alone[:, None], inner + calm, ridge)
     moved = np.concatenate([path[:1], place, path[-1:]])
     kept = [0]  # the vertices at which it does not turn back
     for n in range(1, len(moved) - 1):
         along = moved[n] - moved[kept[-1]]
-        if along @ (moved[n + 1] - moved[n - 1]) > 0.0 and np.linalg.norm(along) > 0.1 * _SPACING:
+        if along @ (moved[n + 1] - moved[n - 1]) > 0.0 and np.linalg.norm(along) > 0.1 * _PATH_SPACING:
             kept.append(n)
     return moved[[*kept, len(moved) - 1]]
 

@@ -22,20 +22,23 @@ from cpm_core.numerics.types import Array, Integers, Line, Position, record
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge
 from cpm_core.reconstruction.curve.hysteresis import measured
 
-_BEHIND = 8.0
-"""Length along a contour from the end of a piece to the place by which the contour is found again [px]."""
+_ANCHOR_DISTANCE = 8.0
+"""Length along a contour from the end of a piece to the place that identifies the contour later [px]."""
 
-_DECIMALS = 3
+_PLACE_DECIMALS = 3
 """Decimals of the places of an edit [px]; contours are accurate to about a tenth."""
 
-_AT_END = 1e-3
+_END_TOLERANCE = 1e-3
 """Distance from an end of a contour up to which a place on it is that end [px]."""
 
-_LEAST_HOLD, _HOLD = 8.0, 1.5
-"""Length of contour that is pulled on both sides of the place held: at least in px, and in lengths of the pull."""
+_LEAST_PULLED_LENGTH = 8.0
+"""Least length of contour that is pulled on both sides of the held place [px]."""
 
-_SNAP = 4.0
-"""Distance from an edge within which what is pulled snaps to it [px]."""
+_PULLED_LENGTH = 1.5
+"""Length of contour that is pulled on both sides of the held place, in lengths of the pull."""
+
+_PULL_SNAP_DISTANCE = 4.0
+"""Distance from an edge within which a pulled stretch snaps to it [px]."""
 
 
 @record
@@ -65,17 +68,17 @@ class Contact:
     @property
     def at_last(self) -> bool:
         """Whether it is the last end of an open contour."""
-        return not self.line.closed and self.along >= self.line.length - _AT_END
+        return not self.line.closed and self.along >= self.line.length - _END_TOLERANCE
 
     @property
     def at_end(self) -> bool:
         """Whether it is an end of an open contour."""
-        return self.at_last or (not self.line.closed and self.along <= _AT_END)
+        return self.at_last or (not self.line.closed and self.along <= _END_TOLERANCE)
 
     @property
     def behind(self) -> Line:
         """Of an end, the place by which its contour is found again; of any other place none."""
-        return (self.off(-_BEHIND if self.at_last else _BEHIND),) if self.at_end else ()
+        return (self.off(-_ANCHOR_DISTANCE if self.at_last else _ANCHOR_DISTANCE),) if self.at_end else ()
 
     def off(self, by: float) -> Position:
         """The place so far along the contour from here, on an open one at most halfway to its other end [px]."""
@@ -134,7 +137,7 @@ def connect(path: Array, begin: Contact | None = None, end: Contact | None = Non
         if not end.at_end:
             begin, end, path = end, begin, path[::-1]
         if not begin.at_end:
-            inward = min(_BEHIND, 0.5 * abs(end.along - begin.along))
+            inward = min(_ANCHOR_DISTANCE, 0.5 * abs(end.along - begin.along))
             behind = begin.off(inward if end.at_last else -inward)
             return HandEdit(removed=(_rounded(begin.place),)), HandEdit((), places(path), False, (behind,), end.behind)
     before = begin.behind if begin is not None else ()
@@ -189,7 +192,7 @@ def pull(held: Contact, to: Position, scale_field: ScaleField | None = None) -> 
     """
     line = held.line
     far = math.dist(to, held.place)
-    hold = min(max(_LEAST_HOLD, _HOLD * far), 0.4 * line.length)
+    hold = min(max(_LEAST_PULLED_LENGTH, _PULLED_LENGTH * far), 0.4 * line.length)
     first, last = held.along - hold, held.along + hold
     if line.closed:
         first, last = first % line.length, first % line.length + 2.0 * hold
@@ -202,7 +205,7 @@ def pull(held: Contact, to: Position, scale_field: ScaleField | None = None) -> 
         share = np.linspace(-1.0, 1.0, len(path))[:, None]
         path = path + (0.5 + 0.5 * np.cos(np.pi * share)) * np.subtract(to, held.place)
     else:
-        target = nearest_ridge(to, scale_field, _SNAP)
+        target = nearest_ridge(to, scale_field, _PULL_SNAP_DISTANCE)
         wire = LiveWire(scale_field, target, [stretch.points], [begin.place, end.place])
         path = np.concatenate([wire.to(begin.place)[::-1], wire.to(end.place)[1:]])
     return _instead(stretch, path, begin, end)
@@ -217,10 +220,10 @@ def places(path: Array) -> Line:
 
 def _instead(stretch: PolygonalLine, path: Array, begin: Contact, end: Contact) -> HandEdit:
     """A path in place of a stretch of a contour, which continues before its beginning and behind its end."""
-    before = () if begin.at_end else (begin.off(-_BEHIND),)
-    after = () if end.at_end else (end.off(_BEHIND),)
+    before = () if begin.at_end else (begin.off(-_ANCHOR_DISTANCE),)
+    after = () if end.at_end else (end.off(_ANCHOR_DISTANCE),)
     return HandEdit(places(stretch.points), places(path), False, before, after)
 
 
 def _rounded(place: Sequence[float]) -> Position:
-    return round(place[0], _DECIMALS), round(place[1], _DECIMALS)
+    return round(place[0], _PLACE_DECIMALS), round(place[1], _PLACE_DECIMALS)

@@ -16,15 +16,16 @@ from cpm_core.contours.graph import Graph
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index
 
-_LEAST_POINTS = 4
+_LEAST_TRIANGULATED_POINTS = 4
+"""Least number of points that have a triangulation with a crust."""
 
-_FLATTEST = 1e12
+_COTANGENT_OF_ZERO = 1e12
 """Cotangent used for an angle of 0."""
 
 
 def crust(points: Array) -> Index:
     """Edges of the one-step crust of distinct points, shape (N, 2): sorted pairs of indices, shape (E, 2)."""
-    if len(points) < _LEAST_POINTS:
+    if len(points) < _LEAST_TRIANGULATED_POINTS:
         return np.zeros((0, 2), np.int64)
     try:
         triangulation = scipy.spatial.Delaunay(points)
@@ -40,7 +41,7 @@ def crust(points: Array) -> Index:
         one = np.flatnonzero((cotangent[:, k] > 0.0) & ((beyond < 0) | (number < beyond)))
         beyond = beyond[one]
         facing = np.argmax(neighbors[beyond] == one[:, None], axis=1)
-        other = np.where(beyond < 0, _FLATTEST, cotangent[beyond, facing])  # beyond the hull: angle 0
+        other = np.where(beyond < 0, _COTANGENT_OF_ZERO, cotangent[beyond, facing])  # beyond the hull: angle 0
         # the angles sum to at most a right angle: both acute, and the product of their cotangents at least one
         kept = one[(other > 0.0) & (cotangent[one, k] * other >= 1.0)]
         edges.append(np.sort(triangles[kept][:, [(k + 1) % 3, (k + 2) % 3]], axis=1))
@@ -55,7 +56,7 @@ def _cotangents(triangles: Array) -> Array:
         u, v = triangles[:, (k + 1) % 3] - triangles[:, k], triangles[:, (k + 2) % 3] - triangles[:, k]
         cross = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
         out[:, k] = (u[:, 0] * v[:, 0] + u[:, 1] * v[:, 1]) / np.maximum(cross, 1e-300)
-    return np.clip(out, -_FLATTEST, _FLATTEST)
+    return np.clip(out, -_COTANGENT_OF_ZERO, _COTANGENT_OF_ZERO)
 
 
 def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:

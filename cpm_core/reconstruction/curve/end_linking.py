@@ -8,14 +8,14 @@ import scipy
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 
-_DETOUR = 3.0
+_LEAST_LOOP_LENGTH = 3.0
 """Least length of the path along a curve, in lengths of the gap, for an end to be joined to its own curve."""
 
-_SIDE = 1.5
-"""How many times nearer than an end the side of a curve must be to have priority: joining two ends closes a curve,
+_SIDE_DISTANCE_FACTOR = 1.5
+"""Factor by which the side of a curve must be nearer than an end to have priority: joining two ends closes a curve,
 joining a side makes a junction."""
 
-_SAMPLES = 7
+_GAP_SAMPLES = 7
 """Number of samples of the edge map across a gap."""
 
 
@@ -33,15 +33,15 @@ def close_gaps(graph: Graph, scale_field: ScaleField, reach: float) -> None:
     end = np.repeat(ends, [len(some) for some in near])
     other = used[np.concatenate([np.array(some, np.int64) for some in near])]
     gap = np.linalg.norm(graph.points[end] - graph.points[other], axis=1)
-    open_ = (graph.way_between(end, other) > _DETOUR * gap) & (end != other)
+    open_ = (graph.way_between(end, other) > _LEAST_LOOP_LENGTH * gap) & (end != other)
     end, other, gap = end[open_], other[open_], gap[open_]
     a, b = graph.points[end], graph.points[other]
-    along = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, _SAMPLES)[:, None]
-    strength = scale_field.strength(along.reshape(-1, 2)).reshape(-1, _SAMPLES)
+    along = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, _GAP_SAMPLES)[:, None]
+    strength = scale_field.strength(along.reshape(-1, 2)).reshape(-1, _GAP_SAMPLES)
     held = strength.min(axis=1) >= FAINTEST * np.minimum(strength[:, 0], strength[:, -1])
     held &= ~scale_field.barrier_map.crossed(a, b)
     end, other, gap = end[held], other[held], gap[held]
-    cost = np.where(graph.degrees[other] == 1, gap, _SIDE * gap)
+    cost = np.where(graph.degrees[other] == 1, gap, _SIDE_DISTANCE_FACTOR * gap)
     order = np.lexsort((other, end, cost))
     for one, another in zip(end[order].tolist(), other[order].tolist(), strict=True):
         if graph.degree(one) == 1:

@@ -20,33 +20,46 @@ from cpm_core.numerics.polyline import length, lengths_along, resampled
 from cpm_core.numerics.segments import first_crossing
 from cpm_core.numerics.types import Array, Index, Integers, Mask, record
 
-_EASE = 20.0
-"""Ratio, less one, of the costs of a step without an edge and on an edge as strong as at the ends."""
+EXTRA_COST_OFF_EDGE = 20.0
+"""Cost of a step without an edge, relative to that on a clear edge, less one."""
 
-_LEAVING, _BLOCKED = 0.04, 30.0
-"""Additional cost of a step for each pixel of distance from the smooth continuation, and on contours and barriers."""
+_LEAVING_COST = 0.04
+"""Additional cost of a step for each pixel of distance from the smooth continuation."""
 
-_SPARED = 2.0
-"""Distance from the ends of a bridge within which nothing is avoided [px]."""
+BLOCKED_COST = 30.0
+"""Additional cost of a step on a contour or barrier."""
 
-_BACK, _BACK_STRENGTH = 6.0, 12.0
-"""Lengths of the last stretch of a contour that give its direction and its strength [px]."""
+UNBLOCKED_RADIUS = 2.0
+"""Distance from the ends of a path within which nothing is avoided [px]."""
 
-_TURN, _SIDE_TURN, _INCIDENCE = 0.26, 0.87, 0.82
-"""Cosines: the least between the direction of an end and that to another end (75 degrees) or to the side of a contour
-(30), and the largest between a bridge and the side that it meets (35), so that parallel lines are not joined."""
+_DIRECTION_LENGTH = 6.0
+"""Length of the last stretch of a contour that gives its direction [px]."""
 
-_DETOUR, _ROUND = 1.6, 3.0
-"""In lengths of the gap: the greatest length of a bridge, and the least length of the path along a contour between two
-of its vertices that may be joined."""
+_STRENGTH_LENGTH = 12.0
+"""Length of the last stretch of a contour that gives its strength [px]."""
 
-_SIDE = 1.5
-"""How many times cheaper than an end the side of a contour must be to have priority."""
+_END_TURN_COSINE = 0.26
+"""Least cosine between the direction of an end and that to another end (75 degrees)."""
 
-_AHEAD = 0.5
+_SIDE_TURN_COSINE = 0.87
+"""Least cosine between the direction of an end and that to the side of a contour (30 degrees)."""
+
+_INCIDENCE_COSINE = 0.82
+"""Largest cosine between a bridge and the side that it meets (35 degrees), so that parallel lines are not joined."""
+
+_MAX_BRIDGE_DETOUR = 1.6
+"""Greatest length of a bridge, in lengths of the gap."""
+
+_LEAST_PATH_AROUND = 3.0
+"""Least length of the path along a contour between two of its vertices that may be joined, in lengths of the gap."""
+
+_SIDE_COST_FACTOR = 1.5
+"""Factor by which the side of a contour must be cheaper than an end to have priority."""
+
+_BARRIER_LOOKAHEAD = 0.5
 """Distance ahead, as a fraction of the shortest curve, within which a barrier counts as the reason for an end."""
 
-_SMOOTHINGS = 6
+_SMOOTHING_PASSES = 6
 """Number of smoothing passes over a pixel path."""
 
 
@@ -115,7 +128,7 @@ class _Site:
 
     def strength(self, end: int) -> float:
         """Edge strength near a loose end, at least the floor."""
-        stretch = last_stretch(self.graph.points[self.graph.branch(end)], _BACK_STRENGTH)
+        stretch = last_stretch(self.graph.points[self.graph.branch(end)], _STRENGTH_LENGTH)
         return max(float(self.scale_field.strength(stretch).max()), self.scale_field.floor)
 
     def crossing(self, path: Array, spared: Integers) -> tuple[int, tuple[int, int]] | None:
@@ -148,10 +161,10 @@ def _between_ends(graph: Graph, site: _Site, ends: dict[int, Array], longest: fl
     around = graph.way_between(*pairs.T)
     for (a, b), apart in zip(pairs.tolist(), around.tolist(), strict=True):
         gap = graph.distance(a, b)
-        if apart <= _ROUND * gap:
+        if apart <= _LEAST_PATH_AROUND * gap:
             continue
         across = (graph.points[b] - graph.points[a]) / max(gap, 1e-300)
-        if min(ends[a] @ across, -(ends[b] @ across)) < _TURN:
+        if min(ends[a] @ across, -(ends[b] @ across)) < _END_TURN_COSINE:
             continue
         strength = min(site.strength(a), site.strength(b))
         way = way_across(
@@ -172,8 +185,8 @@ def _to_sides(graph: Graph, site: _Site, ends: dict[int, Array], longest: float)
         near = sides[tree.query_ball_point(place, longest)]
         away = graph.points[near] - place
         distance = np.linalg.norm(away, axis=1)
-        ahead = away @ direction >= _SIDE_TURN * distance
-        apart = graph.way_between(np.full(len(near), end), near) > _ROUND * distance
+        ahead = away @ direction >= _SIDE_TURN_COSINE * distance
+        apart = graph.way_between(np.full(len(near), end), near) > _LEAST_PATH_AROUND * distance
         near = near[ahead & apart]
         if not len(near):
             continue
@@ -182,13 +195,13 @@ def _to_sides(graph: Graph, site: _Site, ends: dict[int, Array], longest: float)
         away = places - place
         forward = away @ direction
         off = np.linalg.norm(away - forward[..., None] * direction, axis=-1)
-        costs += _LEAVING * off + _BLOCKED * (forward < -1.0)
+        costs += _LEAVING_COST * off + BLOCKED_COST * (forward < -1.0)
         total, path = _cheapest(costs, places[0, 0], place, graph.points[near])
         goal = np.argmin(np.linalg.norm(graph.points[near] - path[-1], axis=1))
         way = _stopped(graph, site, end, smoothed(path, place, graph.points[near[goal]]))
         gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther away
-        if way is not None and gap <= longest and length(way.path) <= _DETOUR * gap:
-            yield _Way(_SIDE * total, end, way.other, way.path)
+        if way is not None and gap <= longest and length(way.path) <= _MAX_BRIDGE_DETOUR * gap:
+            yield _Way(_SIDE_COST_FACTOR * total, end, way.other, way.path)
 
 
 def _stopped(graph: Graph, site: _Site, end: int, path: Array) -> _Way | None:
@@ -204,7 +217,7 @@ def _stopped(graph: Graph, site: _Site, end: int, path: Array) -> _Way | None:
         return None
     across, side = path[-1] - path[0], graph.points[edge[0]] - graph.points[edge[1]]
     cosine = abs(float(across @ side)) / max(float(np.linalg.norm(across) * np.linalg.norm(side)), 1e-300)
-    return _Way(0.0, end, other, path) if cosine <= _INCIDENCE else None
+    return _Way(0.0, end, other, path) if cosine <= _INCIDENCE_COSINE else None
 
 
 def way_across(
@@ -226,13 +239,13 @@ def way_across(
     (a, b), gap = ends, float(np.linalg.norm(ends[1] - ends[0]))
     guide = continuation(a, directions[0], b, directions[1])
     costs, places = _costs(edges, strength, guide, 0.5 * gap + 3.0)
-    costs += _LEAVING * scipy.spatial.cKDTree(guide).query(places)[0]
+    costs += _LEAVING_COST * scipy.spatial.cKDTree(guide).query(places)[0]
     if blocked is not None:
-        around = np.linalg.norm(places[..., None, :] - ends, axis=-1).min(axis=-1) <= _SPARED
-        costs += _BLOCKED * (blocked[tuple(np.moveaxis(places, -1, 0))] & ~around)
+        around = np.linalg.norm(places[..., None, :] - ends, axis=-1).min(axis=-1) <= UNBLOCKED_RADIUS
+        costs += BLOCKED_COST * (blocked[tuple(np.moveaxis(places, -1, 0))] & ~around)
     total, path = _cheapest(costs, places[0, 0], a, b[None])
     path = smoothed(path, a, b)
-    return (total, path) if length(path) <= _DETOUR * gap else None
+    return (total, path) if length(path) <= _MAX_BRIDGE_DETOUR * gap else None
 
 
 def _costs(edges: Array, strength: float, points: Array, margin: float) -> tuple[Array, Index]:
@@ -241,7 +254,7 @@ def _costs(edges: Array, strength: float, points: Array, margin: float) -> tuple
     low = np.clip(np.floor(points.min(axis=0) - margin), 0, last).astype(np.int64)
     high = np.clip(np.ceil(points.max(axis=0) + margin), 0, last).astype(np.int64)
     window = edges[low[0] : high[0] + 1, low[1] : high[1] + 1]
-    return 1.0 / (1.0 + _EASE * window / strength), np.moveaxis(np.indices(window.shape), 0, -1) + low
+    return 1.0 / (1.0 + EXTRA_COST_OFF_EDGE * window / strength), np.moveaxis(np.indices(window.shape), 0, -1) + low
 
 
 def _cheapest(costs: Array, low: Index, start: Array, goals: Array) -> tuple[float, Array]:
@@ -258,7 +271,7 @@ def smoothed(path: Array, start: Array, end: Array) -> Array:
     """A pixel path as a smooth curve between two positions."""
     inner = path[(np.linalg.norm(path - start, axis=1) > 1.0) & (np.linalg.norm(path - end, axis=1) > 1.0)]
     smooth = np.concatenate([start[None], inner, end[None]])
-    for _ in range(_SMOOTHINGS):
+    for _ in range(_SMOOTHING_PASSES):
         smooth[1:-1] = 0.25 * (smooth[:-2] + 2.0 * smooth[1:-1] + smooth[2:])
     return smooth
 
@@ -279,7 +292,7 @@ def _ends(graph: Graph, scale_field: ScaleField, least: float) -> dict[int, Arra
     ends = np.intersect1d(graph.ends(), np.concatenate([ways.first[long], ways.last[long]]))
     direction = np.array([direction_at_end(graph.points[graph.branch(end)]) for end in ends.tolist()]).reshape(-1, 2)
     place = graph.points[ends]
-    blocked = scale_field.barrier_map.crossed(place, place + _AHEAD * least * direction)
+    blocked = scale_field.barrier_map.crossed(place, place + _BARRIER_LOOKAHEAD * least * direction)
     return dict(zip(ends[~blocked].tolist(), direction[~blocked], strict=True))
 
 
@@ -290,6 +303,6 @@ def last_stretch(points: Array, back: float) -> Array:
 
 def direction_at_end(points: Array) -> Array:
     """Unit vector in which a curve, shape (K, 2), leaves its first vertex."""
-    stretch = last_stretch(points, _BACK)
+    stretch = last_stretch(points, _DIRECTION_LENGTH)
     way = stretch[0] - stretch[-1]
     return way / max(float(np.linalg.norm(way)), 1e-300)

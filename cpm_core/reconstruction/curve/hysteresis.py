@@ -21,11 +21,13 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters import Parameters
 
-LEAST_LENGTH, _LEAST_IN_SIGMA = 4.0, 8.0
-"""Least length of a contour, in d_min and in sigma: smaller objects do not survive the smoothing. A closed contour must
-also enclose the area of a square of side d_min."""
+LEAST_LENGTH = 4.0
+"""Least length of a contour, in d_min. A closed one must also enclose the area of a square of side d_min."""
 
-_STRETCH = 9
+_LEAST_LENGTH_IN_SIGMA = 8.0
+"""Least length of a contour, in sigma: smaller objects do not survive the smoothing."""
+
+_RATED_VERTICES = 9
 """Number of vertices over which ratings are averaged, so that shorter weak parts do not cut a contour."""
 
 
@@ -66,8 +68,8 @@ def ratings(graph: Graph, measure: Callable[[Array], Array]) -> tuple[Index, Arr
     rating = mean[way]
     loose = ~ways.closed & (np.minimum(graph.degrees[ways.first], graph.degrees[ways.last]) == 1)
     start = np.searchsorted(way, np.arange(len(ways)))
-    for n in np.flatnonzero(loose & (counts > _STRETCH)).tolist():
-        along = scipy.ndimage.uniform_filter1d(values[ways.path(n)], _STRETCH, mode="nearest")
+    for n in np.flatnonzero(loose & (counts > _RATED_VERTICES)).tolist():
+        along = scipy.ndimage.uniform_filter1d(values[ways.path(n)], _RATED_VERTICES, mode="nearest")
         rating[start[n] : start[n] + len(along) - 1] = 0.5 * (along[:-1] + along[1:])
     return edges, rating
 
@@ -85,7 +87,7 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
 
 def shortest(smoothing: float, parameters: Parameters) -> float:
     """Least length of a contour for any value of `min_length`, after a Gaussian of `smoothing` px [px]."""
-    return max(LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * smoothing)
+    return max(LEAST_LENGTH * parameters.d_min, _LEAST_LENGTH_IN_SIGMA * smoothing)
 
 
 def choose(contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters) -> tuple[Contour, ...]:

@@ -15,13 +15,16 @@ from cpm_core.reconstruction.curve.hysteresis import LEAST_LENGTH, choose, drop_
 from cpm_core.reconstruction.curve.ridge_tracing import trace
 from cpm_core.reconstruction.curve.subpixel import ridge_points
 
-_LEAST_REACH = 2.5
+_LEAST_JOINING_REACH = 2.5
 """Distance, in d_min, up to which two points may be joined for any insertion range."""
 
-_SPECK, _SPUR = 2.0, 3.0
-"""Greatest length, in d_min, of isolated pieces and of loose branches that are removed as artifacts."""
+_LONGEST_SPECK = 2.0
+"""Greatest length, in d_min, of isolated pieces that are removed as artifacts."""
 
-_MERGED = 1.0
+_LONGEST_SPUR = 3.0
+"""Greatest length, in d_min, of loose branches that are removed as artifacts."""
+
+_JUNCTION_MERGE_DISTANCE = 1.0
 """Distance up to which junctions are merged, at least sigma [px]; the mouths of slits are wider."""
 
 _BRIDGE_SPACING = 2.0
@@ -55,18 +58,18 @@ def find_contours(
     points, found = ridge_points(on_edge, scale_field)
     points = points[found & ~scale_field.barrier_map.crossed(on_edge, points)]
     kept = deletion(points, scale_field.strength(points), parameters.d_min)
-    reach = max(parameters.d_min + parameters.d_max, _LEAST_REACH * parameters.d_min)
+    reach = max(parameters.d_min + parameters.d_max, _LEAST_JOINING_REACH * parameters.d_min)
     graph = Graph(*trace(points[kept], scale_field, parameters.d_min, at_rest))
     if scale_field.reached is not None:
         drop_unreached(graph, scale_field.reached)
-    graph.drop_specks(_SPECK * parameters.d_min)
+    graph.drop_specks(_LONGEST_SPECK * parameters.d_min)
     close_gaps(graph, scale_field, reach)
-    graph.drop_spurs(_SPUR * parameters.d_min)
-    graph.merge_junctions(max(_MERGED, scale_field.smoothing))
+    graph.drop_spurs(_LONGEST_SPUR * parameters.d_min)
+    graph.merge_junctions(max(_JUNCTION_MERGE_DISTANCE, scale_field.smoothing))
     _cut(graph, scale_field.barrier_map)
     if max(parameters.min_strength, parameters.sure_edge, parameters.min_contrast) > 0.0:
         drop_weak(graph, scale_field, parameters)
-        graph.drop_spurs(_SPUR * parameters.d_min)
+        graph.drop_spurs(_LONGEST_SPUR * parameters.d_min)
     if parameters.max_gap == 0.0:  # else a short branch may be one side of a gap
         graph.drop_spurs(max(shortest(scale_field.smoothing, parameters), parameters.min_length))
     graph.drop_ties(shortest(scale_field.smoothing, parameters))

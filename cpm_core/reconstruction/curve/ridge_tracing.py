@@ -18,23 +18,29 @@ from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, ridge_of
 from cpm_core.reconstruction.curve.ridge_tracing_kernels import Reach, Seeds, place_on_ridge, walk
 
-_STEP, _STEP_OF_SPACING = 0.4, 0.2
-"""Greatest length of a step, in px and in spacings."""
+_MAX_STEP = 0.4
+"""Greatest length of a step [px]."""
 
-_LONGEST, _LOOSE = 10.0, 5.0
-"""Greatest length, in d_min, of the ridge between two points, and beyond a last one."""
+_MAX_STEP_IN_SPACINGS = 0.2
+"""Greatest length of a step, in spacings."""
 
-_LONGEST_AT_REST = 50.0
-"""The first of these at the end of a run: along a limb of two pixels the electric field has one equilibrium for both
-sides, and one of them stays without particles."""
+_LONGEST_BETWEEN_POINTS = 10.0
+"""Greatest length of the ridge between two points, in d_min."""
 
-_DIP = 2.5
+_LONGEST_LOOSE_END = 5.0
+"""Greatest length of the ridge beyond a last point, in d_min."""
+
+_LONGEST_BETWEEN_POINTS_AT_REST = 50.0
+"""Greatest length of the ridge between two points at the end of a run, in d_min: along a limb of two pixels the
+electric field has one equilibrium for both sides, and one of them stays without particles."""
+
+_LONGEST_DIP = 2.5
 """Greatest length, in d_min, over which the ridge between two points may be under the edge floor."""
 
-_SHARE = 300
+_LEAST_SEEDS_PER_THREAD = 300
 """Least number of seeds for a thread."""
 
-_FADING = 1.6
+_FADING_LENGTH = 1.6
 """Length over which an edge must not fade to less than `FAINTEST`, in d_min / 2; twice as much for a loose end, as an
 abrupt end is blurred."""
 
@@ -62,11 +68,11 @@ def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = 
         Pairs of vertices.
     """
     reach = Reach(
-        step=min(_STEP, _STEP_OF_SPACING * d_min),
-        longest=(_LONGEST_AT_REST if at_rest else _LONGEST) * d_min,
-        loose=_LOOSE * d_min,
-        dip=_DIP * d_min,
-        fading=0.5 * _FADING * d_min,
+        step=min(_MAX_STEP, _MAX_STEP_IN_SPACINGS * d_min),
+        longest=(_LONGEST_BETWEEN_POINTS_AT_REST if at_rest else _LONGEST_BETWEEN_POINTS) * d_min,
+        loose=_LONGEST_LOOSE_END * d_min,
+        dip=_LONGEST_DIP * d_min,
+        fading=0.5 * _FADING_LENGTH * d_min,
         floor=scale_field.floor,
         faintest=FAINTEST * scale_field.floor,
     )
@@ -88,7 +94,11 @@ def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
     """Points as seeds, moved exactly onto the ridge."""
     place = np.array(points, dtype=float)
     ahead = np.zeros_like(place)
-    share(lambda first, last: place_on_ridge(ridge, place, ahead, reach.step, first, last), len(place), _SHARE)
+    share(
+        lambda first, last: place_on_ridge(ridge, place, ahead, reach.step, first, last),
+        len(place),
+        _LEAST_SEEDS_PER_THREAD,
+    )
     shape = ridge.strength.shape
     np.clip(place, 0.0, np.array(shape) - 1.0, out=place)
     row, col = (place + 0.5).astype(np.int64).T
@@ -127,7 +137,7 @@ class _Walks:
                 first, added, joined = walk(*self._walked, seeds, met, sign, loose, first, last, way, vertices, edges)
                 own.append((vertices[:added], edges[:joined]))
 
-        share(work, len(seeds), _SHARE)
+        share(work, len(seeds), _LEAST_SEEDS_PER_THREAD)
         for first in sorted(found):
             for vertices, edges in found[first]:
                 self._vertices.append(vertices)

@@ -16,25 +16,28 @@ from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, height, slope, uphill
 
-_HALVINGS = 4
-"""How often a step may be halved where the ridge bends."""
+_MAX_STEP_HALVINGS = 4
+"""Largest number of times that a step is halved where the ridge bends."""
 
-_DEVIATION = 0.03
+_MAX_CHORD_DEVIATION = 0.03
 """Greatest distance of the sides of a contour from the traced ridge [px]."""
 
-_DIFFERENCE = 0.05
+_SLOPE_DIFFERENCE = 0.05
 """Half the distance of the finite difference of the slope [px]."""
 
-_ITERATIONS, _DONE = 8, 1e-4
-"""Greatest number of corrections of a position onto the ridge, and their tolerance [px]."""
+_MAX_CORRECTIONS = 8
+"""Greatest number of corrections of a position onto the ridge."""
 
-_SIDEWAYS = 0.7
+_CORRECTION_TOLERANCE = 1e-4
+"""Move under which a position counts as on the ridge [px]."""
+
+_MAX_SIDEWAYS = 0.7
 """Greatest correction to the side, in steps."""
 
-_TURN = 0.7
+_TRACING_TURN_COSINE = 0.7
 """Cosine of the largest turn from one step to the next (45 degrees)."""
 
-_MEETING = 0.6
+_MEETING_DISTANCE = 0.6
 """Distance from a point at which it counts as reached, in steps."""
 
 
@@ -72,7 +75,7 @@ class Seeds(NamedTuple):
 @compiled
 def place_on_ridge(ridge: Ridge, place: Array, ahead: Array, step: float, first: int, last: int) -> None:
     """Move some seeds onto the ridge, and write its direction there."""
-    farthest = _SIDEWAYS * step
+    farthest = _MAX_SIDEWAYS * step
     for i in range(first, last):
         down, right = uphill(ridge, place[i, 0], place[i, 1])
         found, place[i, 0], place[i, 1] = _correct(ridge, place[i, 0], place[i, 1], down, right, farthest)
@@ -135,7 +138,7 @@ def _straight_to(way: Array, first: int, last: int) -> int:
         for k in range(first + 1, end):
             a, b = way[k, 0] - way[first, 0], way[k, 1] - way[first, 1]
             t = min(max((a * down + b * right) / squared, 0.0), 1.0)
-            if (a - t * down) ** 2 + (b - t * right) ** 2 > _DEVIATION**2:
+            if (a - t * down) ** 2 + (b - t * right) ** 2 > _MAX_CHORD_DEVIATION**2:
                 return end - 1
     return last
 
@@ -189,7 +192,7 @@ def _meets(
     seeds: Seeds, i: int, sign: float, row: float, col: float, down: float, right: float, length: float, step: float
 ) -> int:
     """Seed near a position on the path with the same direction; -1 for none."""
-    near = _MEETING * step
+    near = _MEETING_DISTANCE * step
     best, nearest = -1, near * near
     for k in range(int(max(row - near, 0.0) + 0.5), int(min(row + near, seeds.head.shape[0] - 1.0) + 0.5) + 1):
         for m in range(int(max(col - near, 0.0) + 0.5), int(min(col + near, seeds.head.shape[1] - 1.0) + 0.5) + 1):
@@ -212,16 +215,23 @@ def _advance(
     Returns whether the ridge continues, whether it leaves the image (the position is then at the image border), the
     position, and the direction there.
     """
-    for _ in range(_HALVINGS + 1):
+    for _ in range(_MAX_STEP_HALVINGS + 1):
         to_row, to_col = row + step * down, col + step * right
         part = _part_inside(ridge.strength, row, col, to_row, to_col)
         if part < 1.0:
             to_row, to_col = _cut(ridge.strength, row, col, to_row, to_col, part)
-            return (to_row - row) ** 2 + (to_col - col) ** 2 > _DONE**2, True, to_row, to_col, down, right
-        found, to_row, to_col = _correct(ridge, to_row, to_col, -right, down, _SIDEWAYS * step)
+            return (
+                (to_row - row) ** 2 + (to_col - col) ** 2 > _CORRECTION_TOLERANCE**2,
+                True,
+                to_row,
+                to_col,
+                down,
+                right,
+            )
+        found, to_row, to_col = _correct(ridge, to_row, to_col, -right, down, _MAX_SIDEWAYS * step)
         if found:
             found, turned_down, turned_right = _direction(ridge, to_row, to_col)
-            if found and sign * (turned_down * down + turned_right * right) >= _TURN:
+            if found and sign * (turned_down * down + turned_right * right) >= _TRACING_TURN_COSINE:
                 part = _part_inside(ridge.strength, row, col, to_row, to_col)
                 to_row, to_col = _cut(ridge.strength, row, col, to_row, to_col, part)
                 return True, part < 1.0, to_row, to_col, sign * turned_down, sign * turned_right
@@ -257,8 +267,8 @@ def _correct(
 ) -> tuple[bool, float, float]:
     """Move a position along a direction to zero slope; also returns whether this exists within `farthest` [px]."""
     moved = 0.0
-    e = _DIFFERENCE
-    for _ in range(_ITERATIONS):
+    e = _SLOPE_DIFFERENCE
+    for _ in range(_MAX_CORRECTIONS):
         before, here = slope(ridge, row - e * down, col - e * right), slope(ridge, row, col)
         after = slope(ridge, row + e * down, col + e * right)
         change = (after - before) / (2.0 * e)
@@ -270,7 +280,7 @@ def _correct(
         col += move * right
         if abs(moved) > farthest:
             break
-        if abs(move) < _DONE:
+        if abs(move) < _CORRECTION_TOLERANCE:
             return True, row, col
     return False, row, col
 
@@ -278,7 +288,7 @@ def _correct(
 @compiled
 def _direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float]:
     """Direction of the ridge at a position, with the brighter side always on the same hand; False off a ridge."""
-    e = _DIFFERENCE
+    e = _SLOPE_DIFFERENCE
     down = slope(ridge, row - e, col) - slope(ridge, row + e, col)
     right = slope(ridge, row, col - e) - slope(ridge, row, col + e)
     size = np.sqrt(down * down + right * right)

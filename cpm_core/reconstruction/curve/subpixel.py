@@ -13,14 +13,19 @@ from cpm_core.reconstruction.curve.ridge import PROBE, Ridge, ridge_of, spline_h
 FARTHEST = 2.5
 """Greatest distance of a particle from the ridge that it belongs to [px]."""
 
-_ITERATIONS = 8
-_LONGEST_MOVE = 0.4
-_DONE = 1e-4
+_MAX_REFINEMENTS = 8
+"""Largest number of moves of a point."""
 
-_STILL = 1e-12
-"""Move under which a point is final [px]."""
+_MAX_REFINEMENT_MOVE = 0.4
+"""Longest move of a point in one iteration [px]."""
 
-_SHARE = 500
+_REFINEMENT_TOLERANCE = 1e-4
+"""Move under which all points are final [px]."""
+
+_NO_MOVE = 1e-12
+"""Move under which a single point is final [px]."""
+
+_LEAST_POINTS_PER_THREAD = 500
 """Least number of points for a thread."""
 
 
@@ -47,9 +52,9 @@ def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask
     ridge = ridge_of(scale_field)
     place = np.array(positions, dtype=float)
     move, bend = np.full(len(place), np.inf), np.zeros(len(place))
-    for _ in range(_ITERATIONS):
-        share(lambda first, last: _climb(ridge, place, move, bend, first, last), len(place), _SHARE)
-        if np.abs(move).max(initial=0.0) < _DONE:
+    for _ in range(_MAX_REFINEMENTS):
+        share(lambda first, last: _climb(ridge, place, move, bend, first, last), len(place), _LEAST_POINTS_PER_THREAD)
+        if np.abs(move).max(initial=0.0) < _REFINEMENT_TOLERANCE:
             break
     inside = ((place >= 0.0) & (place <= np.array(scale_field.shape) - 1.0)).all(axis=1)
     near = np.linalg.norm(place - positions, axis=1) < FARTHEST
@@ -60,7 +65,7 @@ def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask
 def _climb(ridge: Ridge, place: Array, move: Array, bend: Array, first: int, last: int) -> None:
     """Move some points once, to the vertex of the parabola, or uphill where it has no maximum."""
     for i in range(first, last):
-        if abs(move[i]) < _STILL:
+        if abs(move[i]) < _NO_MOVE:
             continue
         row, col = place[i, 0], place[i, 1]
         down, right = uphill(ridge, row, col)
@@ -69,7 +74,7 @@ def _climb(ridge: Ridge, place: Array, move: Array, bend: Array, first: int, las
         ahead = spline_height(ridge.spline, row + PROBE * down, col + PROBE * right)
         bend[i] = ahead - 2.0 * middle + behind
         rise = ahead - behind
-        step = -0.5 * PROBE * rise / bend[i] if bend[i] < 0.0 else np.sign(rise) * _LONGEST_MOVE
-        move[i] = min(max(step, -_LONGEST_MOVE), _LONGEST_MOVE)
+        step = -0.5 * PROBE * rise / bend[i] if bend[i] < 0.0 else np.sign(rise) * _MAX_REFINEMENT_MOVE
+        move[i] = min(max(step, -_MAX_REFINEMENT_MOVE), _MAX_REFINEMENT_MOVE)
         place[i, 0] = row + move[i] * down
         place[i, 1] = col + move[i] * right

@@ -10,13 +10,18 @@ from cpm_core.numerics.grids import Labels, Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Sides, Single
 
-_APART = 4
-"""The distance to this neighbor is about that between points, in regular patterns and at random."""
+_NEIGHBOR_RANK = 4
+"""Rank of the neighbor whose distance is about that between points, in regular patterns and at random."""
 
 
-_FEWEST, _SHARE, _SUPPORTED = 12, 0.003, 0.25
-"""A component stays if it has so many particles, and so many as a share of those of the component with most of them,
-and if this share of its vertices has a particle near."""
+_LEAST_COMPONENT_PARTICLES = 12
+"""Least number of particles of a component that stays."""
+
+_LEAST_PARTICLE_SHARE = 0.003
+"""Least number of particles of a component that stays, as a share of those of the component with most of them."""
+
+_LEAST_SUPPORTED_SHARE = 0.25
+"""Least share of the vertices of a component that have a particle near, for it to stay."""
 
 
 def support(vertices: Array, points: Array, distance: float) -> Mask:
@@ -53,7 +58,9 @@ def well_supported(
 
 def is_borne_out(particles: Index, share: Array) -> Mask:
     """Which components stay, by the number of their particles and the share of vertices that have one near."""
-    return (particles >= max(_FEWEST, _SHARE * particles.max(initial=0))) & (share >= _SUPPORTED)
+    return (particles >= max(_LEAST_COMPONENT_PARTICLES, _LEAST_PARTICLE_SHARE * particles.max(initial=0))) & (
+        share >= _LEAST_SUPPORTED_SHARE
+    )
 
 
 def typical_distance(places: Array) -> float:
@@ -63,11 +70,11 @@ def typical_distance(places: Array) -> float:
 
 def distances_between(places: Array) -> Array:
     """Distance of each of places, shape (N, 3), from about its nearest neighbors, in their unit."""
-    return np.asarray(scipy.spatial.KDTree(places).query(places, [min(_APART, len(places) - 1) + 1])[0])[:, 0]
+    return np.asarray(scipy.spatial.KDTree(places).query(places, [min(_NEIGHBOR_RANK, len(places) - 1) + 1])[0])[:, 0]
 
 
 FAR = 4.0
-"""Height inside, and less than zero outside, of voxels away from all particles."""
+"""Height of voxels inside, and its negative for those outside, away from all particles."""
 
 
 def fill_regions(height: Single) -> None:

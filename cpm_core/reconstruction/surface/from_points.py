@@ -17,13 +17,16 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.components import fill_regions, set_border, support, typical_distance
 
-_STEPS = 2.0
+_STEPS_PER_POINT = 2.0
 """Steps of the grid between neighboring points."""
 
-_WIDTH, _BAND = 1.5, 3.5
-"""Width of the Gaussian, and how far from a point the height is known [steps of the grid]."""
+_HEIGHT_GAUSSIAN_WIDTH = 1.5
+"""Width of the Gaussian that weights heights [steps of the grid]."""
 
-_MOST = 400_000_000
+_KNOWN_BAND = 3.5
+"""Distance from a point up to which the height is known [steps of the grid]."""
+
+_MAX_GRID_STEPS = 400_000_000
 """Largest number of steps of the grid: more need too much memory."""
 
 
@@ -33,10 +36,10 @@ def implicit_surface(points: Array, normals: Array, apart: float) -> tuple[Array
     `apart` is the typical distance between the points, in their unit. ValueError when they are strewn so far apart
     that the grid would not fit into memory.
     """
-    step = apart / _STEPS
-    begin = points.min(0) - step * (_BAND + 2.0)
-    shape = np.ceil((points.max(0) - begin) / step + _BAND + 2.0)
-    if not shape.prod() < _MOST:
+    step = apart / _STEPS_PER_POINT
+    begin = points.min(0) - step * (_KNOWN_BAND + 2.0)
+    shape = np.ceil((points.max(0) - begin) / step + _KNOWN_BAND + 2.0)
+    if not shape.prod() < _MAX_GRID_STEPS:
         raise ValueError(
             f"The points are {apart:g} apart, but spread over {np.ptp(points, axis=0).max():g}: a grid for them would "
             "not fit into memory. Leave out points far from the others, or give fewer."
@@ -54,7 +57,7 @@ def implicit_surface(points: Array, normals: Array, apart: float) -> tuple[Array
 @compiled
 def _add(height: Single, weight: Single, points: Array, normals: Array) -> None:
     """Add up the weighted heights below the planes of all points, and the weights."""
-    reach = int(_BAND) + 1
+    reach = int(_KNOWN_BAND) + 1
     for i in range(len(points)):
         a, b, c = int(points[i, 0]), int(points[i, 1]), int(points[i, 2])
         for p in range(a - reach + 1, a + reach + 1):
@@ -64,20 +67,23 @@ def _add(height: Single, weight: Single, points: Array, normals: Array) -> None:
                 for s in range(c - reach + 1, c + reach + 1):
                     z = s - points[i, 2]
                     off = x * x + y * y + z * z
-                    if off <= _BAND * _BAND:
-                        part = np.exp(-0.5 * off / _WIDTH**2)
+                    if off <= _KNOWN_BAND * _KNOWN_BAND:
+                        part = np.exp(-0.5 * off / _HEIGHT_GAUSSIAN_WIDTH**2)
                         height[p, r, s] -= part * (x * normals[i, 0] + y * normals[i, 1] + z * normals[i, 2])
                         weight[p, r, s] += part
 
 
-_NEIGHBORS = 12
-"""Points that tell a normal: the two rings around a point in a hexagonal pattern, less the farthest."""
+_NORMAL_NEIGHBORS = 12
+"""Number of neighbors that determine a normal: two rings around a point in a hexagonal pattern, less the farthest."""
 
-_LINKS, _FARTHEST = 10, 2.5
-"""Neighbors through which the direction spreads, and their largest distance [typical distances]."""
+_SIGN_LINKS = 10
+"""Number of neighbors through which the sign of a normal spreads."""
 
-_LEAST_PRICE = 1e-6
-"""A price of zero would be no link."""
+_MAX_SIGN_LINK = 2.5
+"""Largest distance over which the sign of a normal spreads [typical distances]."""
+
+_LEAST_LINK_COST = 1e-6
+"""Least cost of a link: sparse graphs drop links of cost zero."""
 
 
 def estimated_normals(points: Array, apart: float) -> Array:
@@ -88,16 +94,16 @@ def estimated_normals(points: Array, apart: float) -> Array:
     like the inner wall of a shell, is the surface of a hollow, and points inward.
     """
     tree = scipy.spatial.KDTree(points)
-    near = np.asarray(tree.query(points, min(_NEIGHBORS, len(points) - 1) + 1)[1])
+    near = np.asarray(tree.query(points, min(_NORMAL_NEIGHBORS, len(points) - 1) + 1)[1])
     spread = points[near] - points[near].mean(1, keepdims=True)
     normals = np.linalg.eigh(np.einsum("nki,nkj->nij", spread, spread))[1][:, :, 0]
-    distances, links = map(np.asarray, tree.query(points, min(_LINKS, len(points) - 1) + 1))
+    distances, links = map(np.asarray, tree.query(points, min(_SIGN_LINKS, len(points) - 1) + 1))
     # the only indices of graphs that all releases of SciPy take
     one = np.repeat(np.arange(len(points), dtype=np.int32), links.shape[1])
     other = links.ravel().astype(np.int32)
-    close = (distances.ravel() <= _FARTHEST * apart) & (one != other)
+    close = (distances.ravel() <= _MAX_SIGN_LINK * apart) & (one != other)
     one, other = one[close], other[close]
-    price = 1.0 - np.abs((normals[one] * normals[other]).sum(1)) + _LEAST_PRICE
+    price = 1.0 - np.abs((normals[one] * normals[other]).sum(1)) + _LEAST_LINK_COST
     graph = scipy.sparse.csr_array((price, (one, other)), shape=(len(points), len(points)))
     part = parts_joined((one, other), len(points))
     forest = scipy.sparse.csgraph.minimum_spanning_tree(graph)
@@ -129,11 +135,17 @@ def hollow(points: Array, normals: Array, part: Index) -> Mask:
     return within % 2 == 1
 
 
-_FEWEST, _FEWEST_FOR_NORMALS = 4, 13
-"""Least number of points, and the least from which normals are estimated."""
+_LEAST_SURFACE_POINTS = 4
+"""Least number of points that span a surface."""
 
-_SMALLEST, _LARGEST = 1e-100, 1e100
-"""Least and largest extent of the points: its cube is still a number."""
+_LEAST_POINTS_FOR_NORMALS = 13
+"""Least number of points from which normals are estimated."""
+
+_LEAST_EXTENT = 1e-100
+"""Least extent of the points: its cube is still a number."""
+
+_MAX_EXTENT = 1e100
+"""Largest extent of the points: its cube is still a number."""
 
 
 def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> Surface:
@@ -171,9 +183,13 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
     places = rows_of_three("points", points)
     places = np.unique(places, axis=0) if normals is None else places
     extent = float(np.abs(places - places[:1]).max()) if len(places) else 0.0
-    if extent and not _SMALLEST < extent < _LARGEST:
+    if extent and not _LEAST_EXTENT < extent < _MAX_EXTENT:
         raise ValueError(f"The points spread over {extent:g}: give them in another unit.")
-    if len(places) < _FEWEST or not extent or np.linalg.matrix_rank((places - places.mean(0)) / extent, tol=1e-9) < 3:
+    if (
+        len(places) < _LEAST_SURFACE_POINTS
+        or not extent
+        or np.linalg.matrix_rank((places - places.mean(0)) / extent, tol=1e-9) < 3
+    ):
         raise ValueError(f"A surface needs points that span a volume, but these {len(places)} lie in a plane.")
     apart = typical_distance(places)
     if normals is not None:
@@ -184,10 +200,10 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
         if not (lengths > 0.0).all():
             raise ValueError("A normal of length zero has no direction: leave its point out.")
         outward = outward / lengths[:, None]
-    elif len(places) < _FEWEST_FOR_NORMALS:
+    elif len(places) < _LEAST_POINTS_FOR_NORMALS:
         raise ValueError(
-            f"{len(places)} different points are too few to estimate normals: give {_FEWEST_FOR_NORMALS} or more, or "
-            "their normals."
+            f"{len(places)} different points are too few to estimate normals: give {_LEAST_POINTS_FOR_NORMALS} or "
+            "more, or their normals."
         )
     else:
         outward = estimated_normals(places, apart)

@@ -31,22 +31,25 @@ from cpm_core.reconstruction.surface.components import FAR
 from cpm_core.reconstruction.surface.sharpened import gray_at
 
 DEEPEST = 1.5
-"""How far a saddle may lie below the threshold at most [steps of the slope of the edges around]."""
+"""Largest depth of a saddle below the threshold [steps of the slope of the edges around]."""
 
-_SHALLOW = 0.85
-"""The same where no ridge marks a neck."""
+_MAX_DEPTH_WITHOUT_RIDGE = 0.85
+"""Largest depth of a saddle where no ridge marks a neck [steps of the slope of the edges around]."""
 
-_RIDGE, _STEEP = 0.7, 0.2
-"""Least curvature across a neck: as a share of that along it, and of the slope of the edges around [1 / side]."""
+_LEAST_NECK_CURVATURE = 0.7
+"""Least curvature across a neck, as a share of that along it."""
 
-_FACING = 0.55
-"""Cosine of the angle between a way and the normals on both banks above which it crosses a gap."""
+_LEAST_NECK_STEEPNESS = 0.2
+"""Least curvature across a neck, as a share of the slope of the edges around [1 / side]."""
 
-_AROUND = 3.0
-"""Distance from a saddle up to which particles tell of it [smallest sides of a voxel]."""
+_FACING_COSINE = 0.55
+"""Cosine of the angle between a path and the normals on both banks above which it crosses a gap."""
 
-_BANK = 0.3
-"""How far beyond a saddle the particles of a bank may lie, likewise."""
+_SADDLE_RADIUS = 3.0
+"""Distance from a saddle up to which particles are considered [smallest sides of a voxel]."""
+
+_BANK_OVERLAP = 0.3
+"""Distance beyond a saddle up to which particles still belong to a bank [smallest sides of a voxel]."""
 
 
 @record
@@ -74,21 +77,21 @@ class Surroundings:
         The curvature is the mean over its voxels without both ends, which lie inside. At the saddle alone noise
         decides, and where a thin vessel ends in a thick one the saddle lies on the flank of the thick one.
         """
-        near = self._places.query_ball_point(saddle * self.size, _AROUND)
+        near = self._places.query_ball_point(saddle * self.size, _SADDLE_RADIUS)
         if not near:
             return False
         curvature = np.mean([self._second_derivatives(voxel) for voxel in way[1:-1]], axis=0)
         _, middle, most = np.linalg.eigvalsh(self.sign * curvature)
-        return bool(-middle >= max(_RIDGE * most, _STEEP * self.slopes[near].mean()))
+        return bool(-middle >= max(_LEAST_NECK_CURVATURE * most, _LEAST_NECK_STEEPNESS * self.slopes[near].mean()))
 
     def faces_across(self, way: Index, saddle: Index) -> bool:
         """Whether edges face each other across a way, shape (K, 3), at its lowest voxel."""
         at, across = saddle * self.size, (way[-1] - way[0]) * self.size
         across = across / np.linalg.norm(across)
-        near = self._places.query_ball_point(at, _AROUND)
+        near = self._places.query_ball_point(at, _SADDLE_RADIUS)
         along, toward = (self._places.data[near] - at) @ across, self.normals[near] @ across
-        one_bank, other_bank = toward[along < _BANK], -toward[along > -_BANK]
-        return bool((one_bank > _FACING).any() and (other_bank > _FACING).any())
+        one_bank, other_bank = toward[along < _BANK_OVERLAP], -toward[along > -_BANK_OVERLAP]
+        return bool((one_bank > _FACING_COSINE).any() and (other_bank > _FACING_COSINE).any())
 
     def _second_derivatives(self, at: Index) -> Array:
         found, steps = np.empty((3, 3)), np.eye(3)
@@ -100,17 +103,17 @@ class Surroundings:
         return found
 
 
-_APART = 3
-"""Distance between saddles of the same two parts that are looked at [voxels]."""
+_NECKS_APART = 3
+"""Distance between saddles of the same two parts that are examined [voxels]."""
 
-_WINDOW = 6
-"""Voxels around a saddle in which the way is sought."""
+_NECK_SEARCH_RADIUS = 6
+"""Distance from a saddle up to which the path through it is searched [voxels]."""
 
 RAISED = 0.25
-"""Height of the voxels on a way: just inside."""
+"""Height given to the voxels of a path: just inside."""
 
-_MOST_MEETINGS = 4
-"""Parts that may meet another one in a voxel."""
+_MAX_MEETINGS = 4
+"""Largest number of parts that may meet another one in a voxel."""
 
 
 def join(height: Single, begin: Index, surroundings: Surroundings) -> list[Index]:
@@ -124,9 +127,11 @@ def join(height: Single, begin: Index, surroundings: Surroundings) -> list[Index
     def is_neck(way: Index, saddle: Index) -> bool:
         depth = -float(height[tuple(saddle)])
         there = way + begin, saddle + begin
-        return surroundings.on_a_ridge(*there) or (depth < _SHALLOW and not surroundings.faces_across(*there))
+        return surroundings.on_a_ridge(*there) or (
+            depth < _MAX_DEPTH_WITHOUT_RIDGE and not surroundings.faces_across(*there)
+        )
 
-    ways = ways_over_saddles(height, passable, parts, every, _APART, _WINDOW, is_neck)
+    ways = ways_over_saddles(height, passable, parts, every, _NECKS_APART, _NECK_SEARCH_RADIUS, is_neck)
     return [_raise(height, way) + begin for way in ways]
 
 
@@ -176,7 +181,7 @@ def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> I
     number = np.where(wanted, np.arange(parts.count) + 1, 0).astype(np.int32)
     labels = parts.fill(number, np.zeros(values.shape, np.int32))
     basin = np.arange(parts.count + len(low) + 1)
-    found = np.empty((_MOST_MEETINGS * len(low), 5), np.int64)
+    found = np.empty((_MAX_MEETINGS * len(low), 5), np.int64)
     return found[: _descend(values, labels, low, parts.count, basin, found)]
 
 
@@ -213,7 +218,7 @@ def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, 
         for k in range(many):
             if seen[k] > count:
                 basin[seen[k]] = mine
-            elif seen[k] != mine and noted < _MOST_MEETINGS:
+            elif seen[k] != mine and noted < _MAX_MEETINGS:
                 found[met, 0], found[met, 1], found[met, 2] = p, r, c
                 found[met, 3], found[met, 4] = mine - 1, seen[k] - 1
                 noted += 1
@@ -242,44 +247,51 @@ def way_between(values: Single, parts: Parts, saddle: Index, one: int, other: in
     return np.concatenate([halves[0][::-1], halves[1][1:]])
 
 
-_FEWEST = 12
-"""Least number of particles on a part that a thread begins at."""
+_LEAST_PARTICLES_ON_PART = 12
+"""Least number of particles on a part at which a thin vessel begins."""
 
-_QUARTILE = 0.6744897501960817
-"""Distance from the mean [standard deviations] within which half of normal noise lies."""
+_NORMAL_QUARTILE = 0.6744897501960817
+"""Distance from the mean within which half of normal noise lies [standard deviations]."""
 
-_SIGNIFICANT = 3.0
-"""Least contrast of a thread, in standard deviations of the noise, everywhere along it."""
+_LEAST_VESSEL_CONTRAST = 3.0
+"""Least contrast of a thin vessel everywhere along it [standard deviations of the noise]."""
 
-_SHARE = 0.2
-"""The same, as a share of the contrast at which the edges of the two parts lie."""
+_LEAST_CONTRAST_SHARE = 0.2
+"""Least contrast of a thin vessel, as a share of the contrast at which the edges of the two parts lie."""
 
-_SHORTEST, _LONGEST = 3.5, 18.0
-"""Length of a thread [widths of a smoothed step]: the blur of two edges farther apart adds up to less than `_SHARE`."""
+_SHORTEST_VESSEL = 3.5
+"""Least length of a thin vessel [widths of a smoothed step]: the blur of two edges farther apart adds up to less than
+`_LEAST_CONTRAST_SHARE`."""
 
-_RING, _DIRECTIONS = 2.5, 8
-"""Distance at which one looks around a thread [widths of a smoothed step], and in how many directions."""
+_LONGEST_VESSEL = 18.0
+"""Largest length of a thin vessel [widths of a smoothed step]."""
 
-_ASKEW = 1e-3
-"""Sine of the angle from which two directions differ."""
+_RING_RADIUS = 2.5
+"""Distance at which gray levels around a thin vessel are sampled [widths of a smoothed step]."""
 
-_FALLS = 0.5
-"""Least fall of the gray level in each direction, as a share of the mean of all."""
+_RING_DIRECTIONS = 8
+"""Number of directions in which gray levels around a thin vessel are sampled."""
 
-_ALONG = 3
-"""Voxels along a way over which its contrast is averaged."""
+_PARALLEL_SINE = 1e-3
+"""Sine of the angle under which two directions count as parallel."""
 
-_SADDLES_APART = 6
-"""Distance between saddles of the same two parts that are looked at [voxels]."""
+_LEAST_FALL_SHARE = 0.5
+"""Least fall of the gray level in each direction, as a share of the mean fall."""
 
-_SAMPLE = 200_000
-"""Voxels of the background from which the noise is estimated."""
+_AVERAGED_VOXELS = 3
+"""Number of voxels along a path over which its contrast is averaged."""
 
-_FAINT = 0.05
-"""Share of the particles that lie on edges so faint that no thread is sought for them alone."""
+_VESSEL_SADDLES_APART = 6
+"""Distance between saddles of the same two parts that are examined for thin vessels [voxels]."""
 
-_NEAR = 4.0
-"""Distance from the ends of a way within which particles tell the gray level of the edges [smallest sides]."""
+_BACKGROUND_SAMPLES = 200_000
+"""Number of voxels of the background from which the noise is estimated."""
+
+_FAINT_EDGE_QUANTILE = 0.05
+"""Share of the particles on edges so faint that no vessel is searched for them alone."""
+
+_PATH_END_RADIUS = 4.0
+"""Distance from the ends of a path within which particles give the gray level of the edges [smallest sides]."""
 
 
 def spin(height: Single, begin: Index, surroundings: Surroundings, width: float) -> list[Index]:
@@ -292,35 +304,43 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
     just_inside = surroundings.points - surroundings.normals / surroundings.size
     voxels = np.clip(np.rint(just_inside).astype(np.int64) - low, 0, np.array(inner.shape) - 1)
     part = parts.part_at(voxels)
-    wanted = np.bincount(part[part >= 0], minlength=parts.count) >= _FEWEST
+    wanted = np.bincount(part[part >= 0], minlength=parts.count) >= _LEAST_PARTICLES_ON_PART
     gray = surroundings.volume[tuple(slice(a, a + n) for a, n in zip(low, inner.shape, strict=True))]
     gray = gray if surroundings.sign > 0.0 else -gray
     background, noise = _level_and_noise(gray, inner <= -FAR)
     edges = surroundings.sign * gray_at(surroundings.volume, surroundings.points)
-    floor = background + max(_SIGNIFICANT * noise, _SHARE * (float(np.quantile(edges, _FAINT)) - background))
+    floor = background + max(
+        _LEAST_VESSEL_CONTRAST * noise,
+        _LEAST_CONTRAST_SHARE * (float(np.quantile(edges, _FAINT_EDGE_QUANTILE)) - background),
+    )
 
     def is_thread(way: Index, _: Index) -> bool:
         """Whether gray levels fall to all sides of a way, shape (K, 3), all along, by more than noise would."""
         outside, size = way[parts.part_at(way) < 0] + low.astype(float), surroundings.size
         steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
-        if len(outside) <= _ALONG or not _SHORTEST * width <= steps.sum() <= _LONGEST * width:
+        if len(outside) <= _AVERAGED_VOXELS or not _SHORTEST_VESSEL * width <= steps.sum() <= _LONGEST_VESSEL * width:
             return False
         falls = surroundings.sign * falls_around(outside, surroundings, width)
-        near = np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0]) < _NEAR
+        near = (
+            np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0])
+            < _PATH_END_RADIUS
+        )
         if not near.any():
             return False
-        contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _ALONG)[_ALONG // 2 : -(_ALONG // 2)]
-        least = max(_SIGNIFICANT * noise, _SHARE * (edges[near].mean() - background))
-        return bool(contrast.min() >= least and (falls.mean(0) >= _FALLS * falls.mean()).all())
+        contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _AVERAGED_VOXELS)[
+            _AVERAGED_VOXELS // 2 : -(_AVERAGED_VOXELS // 2)
+        ]
+        least = max(_LEAST_VESSEL_CONTRAST * noise, _LEAST_CONTRAST_SHARE * (edges[near].mean() - background))
+        return bool(contrast.min() >= least and (falls.mean(0) >= _LEAST_FALL_SHARE * falls.mean()).all())
 
-    reach = int(np.ceil(_LONGEST * width / 2.0 / surroundings.size.min())) + 2
-    ways = ways_over_saddles(gray, gray > floor, parts, wanted, _SADDLES_APART, reach, is_thread)
+    reach = int(np.ceil(_LONGEST_VESSEL * width / 2.0 / surroundings.size.min())) + 2
+    ways = ways_over_saddles(gray, gray > floor, parts, wanted, _VESSEL_SADDLES_APART, reach, is_thread)
     return [_raise(inner, way) + low for way in ways]
 
 
 def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:
     """Typical gray level of the background, and the standard deviation of its noise; outliers do not count."""
-    every, seen, samples = max(int(np.count_nonzero(background)) // _SAMPLE, 1), 0, []
+    every, seen, samples = max(int(np.count_nonzero(background)) // _BACKGROUND_SAMPLES, 1), 0, []
     for plane, here in zip(gray, background, strict=True):
         levels = plane[here]
         samples.append(levels[-seen % every :: every])
@@ -329,23 +349,25 @@ def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:
     if not len(some):
         return 0.0, np.inf
     level = float(np.median(some))
-    return level, float(np.median(np.abs(some - np.median(some))) / _QUARTILE)
+    return level, float(np.median(np.abs(some - np.median(some))) / _NORMAL_QUARTILE)
 
 
 def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:
     """How much higher the volume is on a way, shape (K, 3), than around it, shape (K, directions)."""
     size = surroundings.size
     places = way * size
-    along = scipy.ndimage.uniform_filter1d(np.gradient(places, axis=0), _ALONG, axis=0)
+    along = scipy.ndimage.uniform_filter1d(np.gradient(places, axis=0), _AVERAGED_VOXELS, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
     helper = np.eye(3)[np.abs(places[-1] - places[0]).argmin()]
     one = np.cross(along, helper)
-    askew = np.linalg.norm(one, axis=1) < _ASKEW  # a bend of the way runs along the axis that the whole way avoids
+    askew = (
+        np.linalg.norm(one, axis=1) < _PARALLEL_SINE
+    )  # a bend of the way runs along the axis that the whole way avoids
     one[askew] = np.cross(along[askew], np.roll(helper, 1))
     one /= np.linalg.norm(one, axis=1)[:, None]
     other = np.cross(along, one)
-    angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    angles = 2.0 * np.pi * np.arange(_RING_DIRECTIONS) / _RING_DIRECTIONS
     away = np.cos(angles)[:, None] * one[:, None] + np.sin(angles)[:, None] * other[:, None]
-    around = (places[:, None] + _RING * width * away) / size
+    around = (places[:, None] + _RING_RADIUS * width * away) / size
     values = gray_at(surroundings.volume, np.concatenate([way, around.reshape(-1, 3)]))
-    return values[: len(way), None] - values[len(way) :].reshape(len(way), _DIRECTIONS)
+    return values[: len(way), None] - values[len(way) :].reshape(len(way), _RING_DIRECTIONS)

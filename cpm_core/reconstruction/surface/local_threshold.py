@@ -16,13 +16,13 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Single, record
 
-_LEAST_PLANES = 4
-"""Planes that one thread takes at least."""
+_LEAST_PLANES_PER_THREAD = 4
+"""Least number of planes for a thread."""
 
-_TAIL = 3.0
-"""Widths of the Gaussian beyond which a particle is not felt."""
+_GAUSSIAN_CUTOFF = 3.0
+"""Widths of the Gaussian beyond which a particle has no influence."""
 
-_THICKEST = 2.0
+_LEAST_BAND_RADIUS = 2.0
 """Least half thickness of the band around the particles [voxels]: it holds voxels on both sides of every edge."""
 
 
@@ -54,8 +54,8 @@ def height(volume: Single, box: Box, levels: Levels, size: Array, width: float, 
     that of the Gaussian, and `band` a distance, all in the same unit.
     """
     found = np.full(box.shape, np.nan, np.float32)
-    radii = np.maximum(band / size, _THICKEST)
-    reach = max(_TAIL * width, float((radii * size).max()))
+    radii = np.maximum(band / size, _LEAST_BAND_RADIUS)
+    reach = max(_GAUSSIAN_CUTOFF * width, float((radii * size).max()))
     places = levels.points - box.begin
     order, begin, cells = _in_cells(places * size, np.array(box.shape) * size, reach)
     points, thresholds, slopes = places[order], levels.thresholds[order], levels.slopes[order]
@@ -65,7 +65,7 @@ def height(volume: Single, box: Box, levels: Levels, size: Array, width: float, 
     def work(first: int, last: int) -> None:
         _height(volume, box.begin, found, points, thresholds, slopes, begin, cells, size, reach, weight, first, last)
 
-    share(work, len(found), _LEAST_PLANES)
+    share(work, len(found), _LEAST_PLANES_PER_THREAD)
     return found
 
 

@@ -26,16 +26,22 @@ from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, s
 from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
 from cpm_core.reconstruction.surface.sharpened import levels_at, step_width
 
-_WIDTH, _LEAST_WIDTH = 0.75, 1.5
-"""Width of the Gaussian that spreads the thresholds: in distances between particles, and at least [smallest sides]."""
+_THRESHOLD_SPREAD = 0.75
+"""Width of the Gaussian that spreads the thresholds [distances between particles]."""
 
-_BAND, _LEAST_BAND = 1.6, 3.0
-"""Thickness of the band around the particles on each side, likewise."""
+_LEAST_THRESHOLD_SPREAD = 1.5
+"""Least width of the Gaussian that spreads the thresholds [smallest sides of a voxel]."""
 
-_ROUNDS = 6
-"""Steps to the ridge."""
+_BAND_THICKNESS = 1.6
+"""Thickness of the band around the particles on each side [distances between particles]."""
 
-_FEWEST = 4
+_LEAST_BAND_THICKNESS = 3.0
+"""Least thickness of the band around the particles on each side [smallest sides of a voxel]."""
+
+_RIDGE_STEPS = 6
+"""Number of steps of particles to the ridge."""
+
+_LEAST_PARTICLES = 4
 """Least number of particles: fewer span no volume."""
 
 
@@ -56,7 +62,7 @@ def find_surface(
     there are fewer than four particles.
     """
     size = np.array(pitch_of(spacing))
-    if len(points) < _FEWEST:
+    if len(points) < _LEAST_PARTICLES:
         return Surface(np.empty(0), np.empty(0, np.int64), spacing, unit)
     levels, normals = levels_of(volume, edges, points, size, smoothing)
     points = levels.points
@@ -91,14 +97,14 @@ def levels_of(volume: Single, edges: Edges, points: Array, size: Array, smoothin
     The arguments are those of `find_surface`, and `size` holds the sides of a voxel.
     """
     pitch = tuple(size.tolist())
-    places = on_ridges(volume, edges, pitch, points * size, _ROUNDS) / size
+    places = on_ridges(volume, edges, pitch, points * size, _RIDGE_STEPS) / size
     places = np.clip(places, 0.0, np.array(volume.shape) - 1.0)
     return levels_at(volume, edges, places, size, step_width(smoothing))
 
 
 def width_and_band(apart: float) -> tuple[float, float]:
     """Width of the Gaussian and thickness of the band, from the typical distance between particles."""
-    return max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
+    return max(_THRESHOLD_SPREAD * apart, _LEAST_THRESHOLD_SPREAD), max(_BAND_THICKNESS * apart, _LEAST_BAND_THICKNESS)
 
 
 def _settle(found: Single, left_out: Mask | None) -> float:

@@ -16,10 +16,10 @@ from cpm_core.field.volume_edges import Edges
 from cpm_core.numerics.types import Array, Single
 from cpm_core.reconstruction.surface.local_threshold import Levels
 
-_WIDENED = 0.3
+_VOXEL_VARIANCE = 0.3
 """Variance that the area of the voxels, interpolation and differences add to that of the Gaussian [voxels²]."""
 
-_FARTHEST = 1.0
+_MAX_EDGE_SHIFT = 1.0
 """Largest movement that is undone, in widths of the smoothed step."""
 
 
@@ -30,7 +30,7 @@ def gray_at(volume: Single, points: Array) -> Array:
 
 def step_width(smoothing: float) -> float:
     """Width of the Gaussian as which a sharp edge is seen after one of width `smoothing` [smallest sides]."""
-    return float(np.sqrt(smoothing**2 + _WIDENED))
+    return float(np.sqrt(smoothing**2 + _VOXEL_VARIANCE))
 
 
 def levels_at(volume: Single, edges: Edges, points: Array, size: Array, width: float) -> tuple[Levels, Array]:
@@ -82,4 +82,4 @@ def _shift_of_tubes() -> tuple[Array, Array]:
         bend = slope[k - 1] - 2.0 * slope[k] + slope[k + 1]
         ridges.append(around[k] - 0.5 * (slope[k + 1] - slope[k - 1]) / bend * (around[1] - around[0]))
     found = np.array(ridges)
-    return np.concatenate([[0.0], 1.0 / found]), np.concatenate([[0.0], np.maximum(radii - found, -_FARTHEST)])
+    return np.concatenate([[0.0], 1.0 / found]), np.concatenate([[0.0], np.maximum(radii - found, -_MAX_EDGE_SHIFT)])
