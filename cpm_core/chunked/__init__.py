@@ -1,1 +1,1 @@
-"""An image larger than memory: chunk by chunk with overlap, and what is found joined across the seams."""
+"""Images larger than memory: run chunk by chunk with overlap, with results joined across the seams."""

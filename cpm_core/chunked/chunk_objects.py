@@ -1,4 +1,4 @@
-"""The objects everywhere in one chunk, judged as those of the whole image."""
+"""All objects of one chunk, evaluated as those of the whole image."""
 
 from __future__ import annotations
 
@@ -16,27 +16,33 @@ from cpm_core.objects.everywhere import Parts, found_among
 from cpm_core.objects.partition import Frame, Partition
 
 MARGINS = 128, 384, 1024
-"""How far a chunk looks beyond its core, until it sees all of what touches the core [px]: multiples of 32, so that the
-pyramids of neighbors have the same pixels."""
+"""Margins by which a chunk looks beyond its core, in turn, until it sees all that touches the core [px].
+
+They are multiples of 32, so that the pyramids of neighbors have the same pixels.
+"""
 
 LONGEST = 800.0
-"""Longest side of the box of an object that each chunk sees as a whole, with what the prior sees around it [px]."""
+"""Longest side of the box of an object that each chunk sees as a whole, with its surroundings for the network [px]."""
 
-_CLEAR = 16
+_CLEAR_MARGIN = 16
 """Distance from the ends of what a chunk sees within which a closed contour is not seen as a whole [px]."""
 
 
 def objects_in(
     source: Source, near: Callable[[Window], Sequence[Contour]], chunk: Chunk, frame: Frame
 ) -> Iterator[tuple[Array, list[Contour]]]:
-    """The boxes and the boundaries of the objects whose middle is in the core of a chunk, in px of the image.
+    """Find the objects whose middle is in the core of a chunk, each with its box and its contours.
 
-    `near` gives the contours of the image that reach into a window, of all chunks, so that neighbors see the same.
+    `find_contours_near` gives all contours of the image that reach into a window, so that neighbors see the same ones.
+    Yields the box, shape (2, 2), and the closed contours of each object, in px of the image.
     """
     for margin in MARGINS:
         window = around(chunk.core, margin, frame.shape)
         low, high = np.array([[side.start, side.stop] for side in window]).T
-        first, end = np.where(low > 0, low + _CLEAR, -1), np.where(high < frame.shape, high - _CLEAR, high + 1)
+        first, end = (
+            np.where(low > 0, low + _CLEAR_MARGIN, -1),
+            np.where(high < frame.shape, high - _CLEAR_MARGIN, high + 1),
+        )
         contours = near(window)
         whole = [one.closed and bool((one.box[0] >= first).all() and (one.box[1] < end).all()) for one in contours]
         cut = (one for one, seen in zip(contours, whole, strict=True) if one.closed and not seen)

@@ -1,4 +1,4 @@
-"""The run in one chunk, in fields that are measured as those of the whole image."""
+"""The run in one chunk, in fields that are scaled as those of the whole image."""
 
 from __future__ import annotations
 
@@ -16,18 +16,20 @@ from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution
 
 KINDS = ("grid", "gradient")
-"""Automatic seeding that looks at no more than the surroundings of a place and the strongest edge."""
+"""Kinds of automatic seeding that depend only on the surroundings of a point and on the strongest edge."""
 
 
-_THINNED = 2
-"""Distance of the seeds on strong edges along both axes [px]: nearer ones would be deleted in the first steps, and take
-three times the memory and time."""
+_SEED_SPACING = 2
+"""Distance of the seeds on strong edges along both axes [px].
+
+Nearer ones would be deleted in the first steps, and take three times the memory and time.
+"""
 
 
 def contours_in(
     source: Source, chunk: Chunk, whole: Whole, parameters: Parameters, kind: str, max_steps: int | None
 ) -> tuple[Contour, ...]:
-    """The contours that a run from everywhere finds in what a chunk sees, in px of the image."""
+    """Find the contours of a run from everywhere in what a chunk sees, in px of the image."""
     values = whole.tone.apply(source.gray(chunk.padded))
     own = whole.tone.parameters(parameters)
     if values.min() == values.max():
@@ -50,11 +52,11 @@ def contours_in(
 
 
 def _seeds(field: ScaleField, kind: str) -> Array:
-    """Where particles start, shape (N, 2) [px of the chunk]; nowhere in a chunk without an edge that counts."""
+    """Place the seeds of a chunk, shape (N, 2) [px of the chunk]; none where no edge is strong enough."""
     strength = field.edge_map
     if strength.max() < field.floor:
         return np.empty((0, 2))
     if kind == "grid":
         return uniform_grid(field.shape)
     seeds = above(strength, STRONG, field.strongest)
-    return seeds[(seeds % _THINNED == 0.0).all(axis=1)]
+    return seeds[(seeds % _SEED_SPACING == 0.0).all(axis=1)]

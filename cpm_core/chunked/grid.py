@@ -1,4 +1,4 @@
-"""The grid of chunks: each owns the pixels of its core, and sees those around it as well."""
+"""The grid of chunks: each owns the pixels of its core, and sees a margin around it as well."""
 
 from __future__ import annotations
 
@@ -20,24 +20,27 @@ from cpm_core.numerics.types import Array, Extent, frozen
 from cpm_core.parameters import Parameters
 
 SIDE = 1024
-"""Side of a core [px]: a run on it with what is around takes less than 1.5 GB."""
+"""Side of a core [px]: a run on it with its margin takes less than 1.5 GB."""
 
 _OVERLAP = 128
 """Least number of pixels that a chunk sees around its core: objects of up to about 100 px are seen as a whole."""
 
-_DISTURBED, _IN_SIGMA = 16, 8.0
-"""Distance from the border of what a chunk sees in which contours may differ: in px, and in addition in sigma."""
+_DISTURBED_PIXELS = 16
+"""Distance from the border of what a chunk sees within which contours may differ [px]."""
+
+_DISTURBED_SIGMAS = 8.0
+"""What is added to that distance, in sigmas of the smoothing."""
 
 UNSURE = 1.0
-"""Distance from the border of a core in which the middle of a box may be in another one for the neighbor [px]."""
+"""Distance from the border of a core within which a neighbor may place the middle of a box in its own core [px]."""
 
-_STEP = 32
-"""What the overlap is a multiple of, so that the pyramids of neighbors have the same pixels [px]."""
+_OVERLAP_MULTIPLE = 32
+"""The overlap is a multiple of this, so that the pyramids of neighbors have the same pixels [px]."""
 
 
 @frozen
 class Source:
-    """A plane of an image in a folder of Zarr, or with three axes a volume; each process opens it by itself."""
+    """A plane of an image, or a volume, in a Zarr folder; each process opens it by itself."""
 
     path: Path
     reading: Reading
@@ -45,25 +48,26 @@ class Source:
 
     @property
     def levels(self) -> Levels:
-        """The image, of which nothing has been read."""
+        """Levels of the image, opened but not read."""
         return _opened(self.path, self.reading)
 
     @property
     def shape(self) -> Extent:
-        """Its shape."""
+        """Shape of the image."""
         return tuple(self.levels.count(axis) for axis in self.axes)
 
     def gray(self, window: Window) -> Array:
-        """Gray levels in a window, shape (H, W) or (P, H, W)."""
+        """Read gray levels in a window, shape (H, W) or (P, H, W), as float64."""
         return self.values(window).astype(float)
 
     def values(self, window: Window) -> NDArray[Any]:
-        """The same as they are stored."""
+        """Read values in a window, shape (H, W) or (P, H, W), in the type that they are stored in."""
         return self.levels.part(window, self.reading)
 
 
 @lru_cache(2)
 def _opened(path: Path, reading: Reading) -> Levels:
+    """Open the levels of an image once in each process."""
     return open_levels(path, reading)
 
 
@@ -76,7 +80,7 @@ class Chunk:
     number : int
         From 0, plane by plane and row by row.
     core, padded : Window
-        The pixels that it owns, and those that it sees.
+        The pixels that it owns, and the pixels that it sees.
     """
 
     number: int
@@ -84,18 +88,18 @@ class Chunk:
     padded: Window
 
     def may_own(self, middle: Array) -> bool:
-        """Whether it is the chunk of a contour with this middle, or a neighbor takes it for that."""
+        """Return whether the chunk, or its neighbor, owns a contour whose box has this middle, shape (D,) [px]."""
         low, high = limits(self.core)
         return bool(((middle >= low - UNSURE) & (middle < high + UNSURE)).all())
 
 
 def limits(window: Window) -> Array:
-    """Where a window begins, and where it ends, shape (2, D) [px]; centers of pixels are whole numbers."""
+    """Return where a window begins and ends, shape (2, D) [px]; centers of pixels are whole numbers."""
     return np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
 
 
 def touches(contour: Contour, window: Window) -> bool:
-    """Whether the box of a contour has pixels in a window."""
+    """Return whether the box of a contour has pixels in a window."""
     low, high = limits(window)
     return bool((contour.box[1] >= low).all() and (contour.box[0] <= high).all())
 
@@ -109,9 +113,9 @@ class Grid:
     shape : tuple of int
         Shape of the image.
     side, overlap : int
-        Side of the cores, and how far a chunk sees beyond [px].
+        Side of the cores, and width of the margin that a chunk sees around its core [px].
     whole : float
-        Longest side of the box of a contour that each chunk whose core it touches sees as a whole, undisturbed [px].
+        Longest side of the box of a contour that all chunks whose cores it touches see as a whole, undisturbed [px].
     """
 
     shape: Extent
@@ -131,12 +135,12 @@ class Grid:
         return tuple(-(-n // self.side) for n in self.shape)
 
     def chunk_at(self, places: Array) -> Array:
-        """Number of the chunk in whose core each of places lies, shape (N,); beyond the border the nearest one."""
+        """Find the chunks, shape (N,), whose cores hold points, shape (N, D) [px], or are nearest to them."""
         at = np.clip(np.floor((places + 0.5) / self.side).astype(int), 0, np.array(self.counts) - 1)
         return np.ravel_multi_index(tuple(at.T), self.counts)
 
     def within(self, window: Window) -> Iterator[tuple[int, Window]]:
-        """Numbers of the chunks whose cores reach into a window, and these parts of it."""
+        """Split a window into its parts in the cores of chunks, each with the number of the chunk."""
         for at in product(*(range(part.start // self.side, -(-part.stop // self.side)) for part in window)):
             core = tuple(
                 slice(max(k * self.side, part.start), min((k + 1) * self.side, part.stop))
@@ -145,29 +149,29 @@ class Grid:
             yield int(np.ravel_multi_index(at, self.counts)), core
 
     def sees(self, contour: Contour) -> bool:
-        """Whether each chunk whose core a contour touches sees it as a whole, undisturbed."""
+        """Return whether each chunk whose core a contour touches sees all of it, undisturbed."""
         return bool((contour.box[1] - contour.box[0]).max() <= self.whole)
 
     def around(self, number: int) -> list[int]:
-        """Numbers of a chunk and its neighbors."""
+        """Find the numbers of a chunk and of its neighbors."""
         at = np.array(np.unravel_index(number, self.counts)).tolist()
         near = np.ix_(*(range(max(k - 1, 0), min(k + 2, n)) for k, n in zip(at, self.counts, strict=True)))
         found: list[int] = np.ravel_multi_index(near, self.counts).ravel().tolist()
         return found
 
     def near(self, window: Window) -> list[int]:
-        """Numbers of the chunks that contours with pixels in a window may belong to, if they see them as a whole."""
+        """Find the chunks that may own a contour with pixels in a window, if they see all of it."""
         wide = around(window, math.ceil(0.5 * self.whole + UNSURE) + 1, self.shape)
         return [number for number, _ in self.within(wide)]
 
 
 def disturbed(smoothing: float) -> int:
-    """Distance from the border of what a chunk sees in which what is found may differ, after a Gaussian [px]."""
-    return _DISTURBED + math.ceil(_IN_SIGMA * smoothing)
+    """Compute how far from the end of what a chunk sees results may differ, after a Gaussian of this sigma [px]."""
+    return _DISTURBED_PIXELS + math.ceil(_DISTURBED_SIGMAS * smoothing)
 
 
 def grid_for(shape: Extent, parameters: Parameters, smoothing: float, side: int = SIDE) -> Grid:
-    """The grid for a run with these parameters and a Gaussian of `smoothing` px."""
+    """Build the grid for a run with these parameters and a Gaussian of `smoothing` px."""
     needed = disturbed(smoothing) + max(parameters.min_length, parameters.max_gap)
-    overlap = -(-max(_OVERLAP, math.ceil(needed)) // _STEP) * _STEP
+    overlap = -(-max(_OVERLAP, math.ceil(needed)) // _OVERLAP_MULTIPLE) * _OVERLAP_MULTIPLE
     return Grid(shape, side, overlap, float(overlap - disturbed(smoothing)))

@@ -1,4 +1,4 @@
-"""Files of what has been found chunk by chunk: a label image, tiles of GeoJSON, and a table."""
+"""Files of the results of a run chunk by chunk: a label image, tiles of GeoJSON, and a table."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ WRITABLE = {
 
 
 def write(found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]) -> list[str]:
-    """Write files by their suffixes, and give the name of each that was written, or of all tiles.
+    """Write files by their suffixes, and return the name of each file, or of all its tiles.
 
-    Writers take what was found, a path, where to write until all is written, and how jobs are done.
+    Writers take what was found, a path, a draft to write to until all is written, and how jobs are computed.
     """
     written = []
     for path in map(Path, paths):
@@ -55,7 +55,7 @@ def write(found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[s
 
 @contextmanager
 def _draft(path: Path) -> Iterator[Path]:
-    """A place next to a file or a folder, which it replaces at the end."""
+    """Open a place next to a file or a folder, which it replaces at the end."""
     draft = path.with_name(f".cpm-{path.name}.part")
     shutil.rmtree(draft, ignore_errors=True)
     yield draft
@@ -72,7 +72,7 @@ def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> str
 
 
 def label_image(source: Source, grid: Grid, path: Path, paint: Callable[[Chunk], None], compute: Compute) -> None:
-    """Make a label image in levels of resolution, the finest of which `paint` writes in the core of each chunk."""
+    """Write a label image in levels of resolution, the finest of which `paint` writes in the core of each chunk."""
     more = {"image-label": {"version": "0.5"}}
     count = create_levels(path, grid.shape, np.uint32, grid.side, source.levels.spacing, source.levels.unit, more)
     _done(compute(paint, grid.chunks, "labels"))
@@ -90,13 +90,13 @@ def _paint(found: Found, path: Path, chunk: Chunk) -> None:
 
 
 def _numbers(contours: Sequence[Contour]) -> list[int]:
-    """The number of each label that `paint` gives to contours."""
+    """Return the number of each label that `paint` gives to contours."""
     known = {label: one.group or one.number for one, label in zip(contours, contour_labels(contours), strict=True)}
     return [known[label] for label in sorted(known) if label]
 
 
 def _moved(contours: Sequence[Contour], window: Window) -> list[Contour]:
-    """Contours in px of a window."""
+    """Shift contours to px of a window."""
     corner = np.array([side.start for side in window])
     return [Contour(one.points - corner, one.closed, group=one.group, hole=one.hole) for one in contours]
 
@@ -108,7 +108,7 @@ def write_tiles(found: Found, path: Path, _: Path, compute: Compute) -> str:
 
 
 def _tile(found: Found, path: Path, chunk: Chunk) -> bool:
-    """Write the contours of a chunk; whether there are any."""
+    """Write the contours of a chunk, and return whether there are any."""
     own = found.contours(chunk.number)
     if not own:
         return False
@@ -120,13 +120,13 @@ def _tile(found: Found, path: Path, chunk: Chunk) -> bool:
 
 
 def _with_inner(found: Found, chunk: Chunk, own: Sequence[Contour]) -> list[Contour]:
-    """Contours of a chunk, and those of others that may lie in one of them."""
+    """Add the contours of other chunks that may lie in one of a chunk."""
     mine = {one.group or one.number for one in own}
     return [*own, *(one for one in found.near(_window(found, chunk, own)) if (one.group or one.number) not in mine)]
 
 
 def _window(found: Found, chunk: Chunk, contours: Sequence[Contour]) -> Window:
-    """The pixels around contours of a chunk, as far as it has neighbors."""
+    """Find the pixels around contours of a chunk, as far as it has neighbors."""
     boxes, limits = np.array([one.box for one in contours]), around(chunk.core, found.grid.side, found.grid.shape)
     low, high = np.floor(boxes[:, 0].min(axis=0)).astype(int), np.ceil(boxes[:, 1].max(axis=0)).astype(int) + 1
     ends = zip(low.tolist(), high.tolist(), limits, strict=True)
@@ -134,7 +134,7 @@ def _window(found: Found, chunk: Chunk, contours: Sequence[Contour]) -> Window:
 
 
 def _result(found: Found, contours: Sequence[Contour]) -> Result:
-    """Some contours as a result, for writers."""
+    """Build a result of some contours, for writers."""
     task, levels = found.task, found.task.source.levels
     made = provenance_of(task)
     return Result(
@@ -144,7 +144,7 @@ def _result(found: Found, contours: Sequence[Contour]) -> Result:
 
 
 def provenance_of(task: Task) -> Provenance:
-    """How what a task finds is found."""
+    """Build the provenance of what a task finds."""
     return Provenance("cpm", taken(task.parameters, Engine.parameters), None, plain_shapes([Everywhere(task.kind)]), 0)
 
 
@@ -169,7 +169,7 @@ def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> str:
 
 
 def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
-    """Columns on what the closed contours of a chunk enclose, lengths in the unit of the image where it has one.
+    """Build columns on what the closed contours of a chunk enclose, lengths in the unit of the image if it has one.
 
     Of contours that no single chunk sees, the area includes what lies inside, and gray levels are not measured.
     """
@@ -186,7 +186,7 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
             contours = [one for one in _with_inner(found, chunk, some) if one.closed]
             labels, gray = paint(_moved(contours, window), sides_of(window)), source.gray(window)
         table = region_table(contours, labels, gray, levels.spacing[1:], levels.unit)
-        for name in dict.fromkeys((*table, *_GRAY)):
+        for name in dict.fromkeys((*table, *_GRAY_COLUMNS)):
             if name not in ("label", "name"):
                 values = table[name][:count] if name in table else np.full(count, np.nan)
                 unit = in_ascii(table.units.get(name), "")
@@ -194,7 +194,7 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
     return {name: np.concatenate(parts) for name, parts in columns.items()}
 
 
-_GRAY = ("intensity_mean", "intensity_std", "intensity_min", "intensity_max")
+_GRAY_COLUMNS = ("intensity_mean", "intensity_std", "intensity_min", "intensity_max")
 
 
 def _done(results: Iterable[object]) -> None:

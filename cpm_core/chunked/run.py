@@ -1,4 +1,4 @@
-"""A run on an image larger than memory: look at the whole, run in each chunk, join what crosses seams, find objects."""
+"""A run on an image larger than memory: survey it, run in each chunk, join what crosses seams, find objects."""
 
 from __future__ import annotations
 
@@ -25,33 +25,36 @@ from cpm_core.reconstruction.curve.hysteresis import shortest
 from cpm_core.shapes.everywhere import Kind
 
 Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[int, Any]]]
-"""Applies a function to each of some jobs, in any order and on any workers, under a title: gives index and result."""
+"""Applies a function to jobs, in any order and on any workers, under a title; yields the index and result of each."""
 
 WHOLE = "whole.npz"
-"""The file of what depends on the whole image."""
+"""Name of the file of what depends on the whole image."""
 
-CONTOURS, OBJECTS = "contours", "objects"
-"""What is found in chunks; also the names of the files that hold it."""
+CONTOURS = "contours"
+"""Kind of the files that hold the contours of chunks."""
+
+OBJECTS = "objects"
+"""Kind of the files that hold the objects of chunks."""
 
 
 @frozen
 class Task:
-    """What is to be found, and where it is stored.
+    """A run to be done, and where its results are stored.
 
     Attributes
     ----------
     source : Source
         The image.
     parameters : Parameters
-        Of the run.
+        Parameters of the run.
     kind : str
-        Automatic seeding, one of `chunk_run.KINDS`.
+        Kind of automatic seeding, one of `chunk_run.KINDS`.
     store : Store
-        Where results are put.
+        Where results are stored.
     max_steps : int or None
         Greatest number of steps in each chunk.
     objects : bool
-        Whether the objects between the contours are to be found in their place.
+        Whether objects between the contours are found instead of contours.
     """
 
     source: Source
@@ -63,7 +66,7 @@ class Task:
 
     @property
     def settings(self) -> Entries:
-        """All that the result depends on, but the image."""
+        """All settings that the result depends on, besides the image."""
         return {"image": str(self.source.path.absolute()), "reading": asdict(self.source.reading), "start": self.kind,
                 "parameters": asdict(self.parameters), "steps": self.max_steps, "objects": self.objects,
                 "version": VERSION}  # fmt: skip
@@ -71,16 +74,16 @@ class Task:
 
 @frozen
 class Found:
-    """What has been found, of which each chunk can be read by itself.
+    """Results of a run, which can be read chunk by chunk.
 
     Attributes
     ----------
     task : Task
-        What was to be found.
+        The run.
     grid : Grid
         The chunks.
     whole : Whole
-        What the fields were measured by.
+        What the fields depend on in the whole image.
     counts : tuple of int
         Number of contours, or of objects, of each chunk.
     kind : str
@@ -94,7 +97,7 @@ class Found:
     kind: str = CONTOURS
 
     def contours(self, chunk: int) -> list[Contour]:
-        """The contours of a chunk, numbered through the image; last those that no chunk sees as a whole."""
+        """Read the contours of a chunk, numbered through the image; last those that no chunk sees as a whole."""
         store, own = self.task.store, self.task.store.load(of_chunk(self.kind, chunk))
         known = store.load(f"{self.kind}.npz", "twice_chunk", "twice_at")
         again = known["twice_at"][known["twice_chunk"] == chunk]
@@ -111,7 +114,7 @@ class Found:
         return sum(self.counts)
 
     def near(self, window: Window) -> list[Contour]:
-        """The contours that reach into a window."""
+        """Read the contours that reach into a window."""
         numbers = self.grid.near(window)
         found = [one for at in numbers for one in self.contours(at)]
         low, high = limits(window)
@@ -121,7 +124,7 @@ class Found:
         return [one for one in found if touches(one, window)]
 
     def _long(self, chunk: int) -> list[Contour]:
-        """The contours of a chunk that none sees as a whole."""
+        """Read the contours of a chunk that no chunk sees as a whole."""
         name = of_chunk("long", chunk)
         if self.kind == OBJECTS or not self.task.store.has(name):
             return []
@@ -131,14 +134,14 @@ class Found:
 
 
 def _numbered(contour: Contour, number: int, kind: str) -> Contour:
-    """A contour with its number, or with that of its object."""
+    """Give a contour its number, or that of its object."""
     if kind == OBJECTS:
         return replace(contour, group=number, name=f"object {number}")
     return replace(contour, number=number)
 
 
 def run(task: Task, compute: Compute, side: int) -> Found:
-    """Find all contours, or objects; what is in the store from an earlier run with the same settings stays."""
+    """Find all contours or objects; what the store holds of a run with the same settings is not found again."""
     task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
     grid, whole = surveyed(task, compute, side)
     in_each(compute, partial(find, task, grid, whole), task.store, grid.chunks, CONTOURS)
@@ -154,14 +157,14 @@ def run(task: Task, compute: Compute, side: int) -> Found:
 def in_each(
     compute: Compute, work: Callable[[Chunk], None], store: Store, chunks: Iterable[Chunk], kind: str, title: str = ""
 ) -> None:
-    """Do some work in each of some chunks that has no file of a kind yet."""
+    """Process each of some chunks that has no file of a kind yet."""
     todo = [chunk for chunk in chunks if not store.has(of_chunk(kind, chunk.number))]
     for _ in compute(work, todo, title or kind):
         pass
 
 
 def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whole]:
-    """The chunks of an image, and what depends on all of it."""
+    """Measure what depends on the whole image, and divide the image into chunks."""
     source, parameters, shape = task.source, task.parameters, task.source.shape
     if task.store.has(WHOLE):
         whole = survey.Whole.of(task.store.load(WHOLE), shape)
@@ -180,12 +183,12 @@ def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whol
 
 
 def in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
-    """Results in the order of their jobs."""
+    """Sort results by the order of their jobs."""
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 
 
 def find(task: Task, grid: Grid, whole: survey.Whole, chunk: Chunk) -> None:
-    """Find the contours of a chunk and store what it keeps of them, unless a worker that died has done so."""
+    """Find the contours of a chunk and store those that it keeps, unless a worker that died has done so."""
     if task.store.has(of_chunk(CONTOURS, chunk.number)):
         return
     found = contours_in(task.source, chunk, whole, task.parameters, task.kind, task.max_steps)
@@ -208,19 +211,19 @@ def find_objects(found: Found, frame: Frame, chunk: Chunk) -> None:
 def _save(
     store: Store, kind: str, chunk: Chunk, boxes: Sequence[Array], items: Sequence[int], **pieces: Sequence[Piece]
 ) -> None:
-    """Store boxes of what a chunk keeps, its contours with the numbers of their boxes, and pieces of others."""
+    """Store the boxes of what a chunk keeps, its contours with the numbers of their boxes, and pieces of others."""
     arrays = {f"{prefix}_{key}": values for prefix, some in pieces.items() for key, values in packed(some).items()}
     where = np.array(boxes, float).reshape(-1, 2, 2)
     store.save(of_chunk(kind, chunk.number), boxes=where, item=np.array(items, np.int64), **arrays)
 
 
 def of_chunk(kind: str, number: int) -> str:
-    """Name of the file of a chunk with what is of a kind."""
+    """Return the name of the file of a chunk that holds results of a kind."""
     return f"{kind}_{number}.npz"
 
 
 def _join(store: Store, grid: Grid, least: float, kind: str) -> Integers:
-    """Join what crosses seams to contours of some length, store it, and give the number of what each chunk has."""
+    """Join what crosses seams to contours of at least a length, store them, and return the count of each chunk."""
     boxes: list[Array] = []
     pieces: list[Piece] = []
     of_piece: list[int] = []

@@ -1,9 +1,9 @@
 """Seams: which chunk a contour belongs to, and contours joined across the borders of chunks.
 
-A closed contour whose box is at most `Grid.whole` long belongs to the chunk with the middle of its box, which sees all
-of it undisturbed, as do all chunks whose cores it touches: none asks another. Of others each chunk keeps what lies in
-its core and a little beyond, so that pieces of neighbors overlap; there they are joined, and what one
-contour shares with another at its ends is kept once.
+A closed contour whose box is at most `Grid.whole` long belongs to the chunk with the middle of its box. That chunk sees
+all of it undisturbed, and so do all chunks whose cores it touches: no chunk asks another. Of longer contours each chunk
+keeps the pieces in its core and a little beyond, so that pieces of neighbors overlap; there they are joined, and
+stretches that a contour shares with another at its ends are kept once.
 """
 
 from __future__ import annotations
@@ -20,29 +20,29 @@ from cpm_core.chunked.store import Piece
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array, Index, Mask
 
-_BEYOND = 6.0
+_PIECE_MARGIN = 6.0
 """Distance beyond its core up to which a chunk keeps long contours [px]."""
 
-_SAME = 0.5
-"""Distance up to which two chunks see the same boundary [px]; they differ by some thousandths."""
+_SAME_BOUNDARY_DISTANCE = 0.5
+"""Distance up to which two chunks see the same boundary [px]; in fact they differ by some thousandths."""
 
 
 def owned(contours: Sequence[Contour], chunk: Chunk, grid: Grid) -> tuple[list[Piece], list[Piece]]:
-    """What a chunk keeps of the contours that it sees: those that it owns, and pieces of long ones."""
+    """Select the contours that a chunk owns, and cut pieces of long ones."""
     low, high = limits(chunk.core)
     low, high = np.where(low < 0.0, -np.inf, low), np.where(high > np.array(grid.shape) - 1.0, np.inf, high)
     whole: list[Piece] = []
     pieces: list[Piece] = []
     for one in contours:
         if not one.closed or not grid.sees(one):
-            pieces += _clipped(one, low - _BEYOND, high + _BEYOND)
+            pieces += _clipped(one, low - _PIECE_MARGIN, high + _PIECE_MARGIN)
         elif chunk.may_own(one.box.mean(axis=0)):
             whole.append(Piece(one))
     return whole, pieces
 
 
 def _clipped(contour: Contour, low: Array, high: Array) -> Iterator[Piece]:
-    """The stretches of a contour within limits, with one vertex beyond."""
+    """Cut the stretches of a contour within limits, each with one vertex beyond."""
     points = contour.points
     inside = ((points >= low) & (points <= high)).all(axis=1)
     if inside.all():
@@ -61,16 +61,18 @@ def _clipped(contour: Contour, low: Array, high: Array) -> Iterator[Piece]:
 
 
 def twice(boxes: Array, chunks: Index, grid: Grid) -> Mask:
-    """Which contours that chunks own are in another one as well, of which one stays; shape (N,).
+    """Find the contours that two chunks own, of which all but one are duplicates; shape (N,).
 
-    `boxes`, shape (N, 2, 2), are those of the contours of all chunks, and `chunks`, shape (N,), the chunks.
+    `boxes`, shape (N, 2, 2) [px], and `chunks`, shape (N,), are those of all contours.
     """
     middle = boxes.mean(axis=1)
     edge = (middle + 0.5) % grid.side
-    near = np.flatnonzero((np.minimum(edge, grid.side - edge) <= UNSURE + _SAME).any(axis=1))
+    near = np.flatnonzero((np.minimum(edge, grid.side - edge) <= UNSURE + _SAME_BOUNDARY_DISTANCE).any(axis=1))
     found = np.zeros(len(boxes), bool)
     if len(near):
-        pairs = scipy.spatial.KDTree(boxes[near].reshape(-1, 4)).query_pairs(_SAME, p=np.inf, output_type="ndarray")
+        pairs = scipy.spatial.KDTree(boxes[near].reshape(-1, 4)).query_pairs(
+            _SAME_BOUNDARY_DISTANCE, p=np.inf, output_type="ndarray"
+        )
         one, other = near[pairs].T
         apart = chunks[one] != chunks[other]
         found[np.maximum(one, other)[apart]] = True
@@ -78,7 +80,7 @@ def twice(boxes: Array, chunks: Index, grid: Grid) -> Mask:
 
 
 class _End(NamedTuple):
-    """The other piece at an end of a piece: which it is, which of its ends lies here, and where it is continued."""
+    """The piece that continues another one: its index, which of its ends lies here, and the vertex to continue at."""
 
     piece: int
     end: int
@@ -86,24 +88,24 @@ class _End(NamedTuple):
 
 
 def joined(pieces: list[Piece], chunks: Sequence[int], least: float) -> list[Contour]:
-    """Whole contours from the pieces of all chunks, of at least this length; `chunks` has the chunk of each."""
+    """Join the pieces of all chunks to contours of at least this length; `chunks` holds the chunk of each piece."""
     import shapely
 
     lines = [shapely.LineString(piece.contour.path) for piece in pieces]
     tree = shapely.STRtree(lines)
     order = sorted(range(len(pieces)), key=lambda n: (lines[n].length, n))
     gone: set[int] = set()
-    for n in order:  # what lies all on pieces of other chunks
-        near = tree.query(lines[n], "dwithin", _SAME).tolist()
+    for n in order:  # drop pieces that lie entirely on pieces of other chunks
+        near = tree.query(lines[n], "dwithin", _SAME_BOUNDARY_DISTANCE).tolist()
         others = [lines[m] for m in near if chunks[m] != chunks[n] and m not in gone]
-        if others and shapely.union_all(others).buffer(_SAME).covers(lines[n]):
+        if others and shapely.union_all(others).buffer(_SAME_BOUNDARY_DISTANCE).covers(lines[n]):
             gone.add(n)
     ends: dict[tuple[int, int], _End] = {}
     for n in (n for n in order if n not in gone):
         for end in (0, 1):
             if pieces[n].cut[end] and (n, end) not in ends:
                 points = pieces[n].contour.points[:: -1 if end == 0 else 1]
-                near = tree.query(shapely.Point(points[-1]), "dwithin", _SAME).tolist()
+                near = tree.query(shapely.Point(points[-1]), "dwithin", _SAME_BOUNDARY_DISTANCE).tolist()
                 others = [m for m in near if m != n and m not in gone and chunks[m] != chunks[n]]
                 for m in sorted(others, key=lambda m: lines[m].distance(shapely.Point(points[-1]))):
                     known = _continued(points, pieces[m].contour.points)
@@ -117,15 +119,23 @@ def joined(pieces: list[Piece], chunks: Sequence[int], least: float) -> list[Con
 
 
 def _once(contours: list[Contour]) -> Iterator[Contour]:
-    """Contours without the stretches at their ends that lie on others, the shortest first."""
+    """Cut off the stretches at the ends of contours that lie on others, the shortest contour first."""
     import shapely
 
     contours = sorted(contours, key=lambda one: one.length)
     lines = [shapely.LineString(one.path) for one in contours]
     tree = shapely.STRtree(lines)
     for n, one in enumerate(contours):
-        near = [] if one.closed else [lines[m] for m in tree.query(lines[n], "dwithin", _SAME).tolist() if m != n]
-        own = ~shapely.dwithin(shapely.points(one.points), shapely.union_all(near), _SAME) if near else np.ones(1, bool)
+        near = (
+            []
+            if one.closed
+            else [lines[m] for m in tree.query(lines[n], "dwithin", _SAME_BOUNDARY_DISTANCE).tolist() if m != n]
+        )
+        own = (
+            ~shapely.dwithin(shapely.points(one.points), shapely.union_all(near), _SAME_BOUNDARY_DISTANCE)
+            if near
+            else np.ones(1, bool)
+        )
         first, end = (max(int(way.argmax()) - 1, 0) for way in (own, own[::-1]))  # with a vertex where they meet
         kept = one.points[first : len(one.points) - end] if own.any() else one.points[:0]
         lines[n] = shapely.LineString(kept) if len(kept) < len(one.points) else lines[n]
@@ -134,7 +144,7 @@ def _once(contours: list[Contour]) -> Iterator[Contour]:
 
 
 def _continued(points: Array, other: Array) -> tuple[int, int]:
-    """The end of another line that a line runs over before its last point, and the vertex after that point."""
+    """Find the end of another line that a line runs over before its last point, and the vertex after that point."""
     back = points[max(len(points) - 3, 0)]
     here, before = (int(np.argmin(((other - at) ** 2).sum(axis=1))) for at in (points[-1], back))
     if here == before:  # the line is shorter than the step between vertices
@@ -144,7 +154,7 @@ def _continued(points: Array, other: Array) -> tuple[int, int]:
 
 
 def _chains(pieces: Sequence[Piece], left: Sequence[int], ends: dict[tuple[int, int], _End]) -> list[Contour]:
-    """Contours along pieces that are connected at their ends, from the loose ones on, then around."""
+    """Chain pieces that are connected at their ends, from loose ends on, then those that run around."""
     found, used = [], set[int]()
     loose = [(n, end) for n in left for end in (0, 1) if (n, end) not in ends]
     for first, begun in (*loose, *((n, 0) for n in left)):

@@ -1,4 +1,4 @@
-"""The folder of a run chunk by chunk: what has been found so far, so that a run that was ended is continued."""
+"""The folder of a run chunk by chunk: the results so far, so that a run that was interrupted continues."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.atomic import write_together
 from cpm_core.numerics.types import Entries, frozen, record
 
-_SETTINGS = "settings.json"
+_SETTINGS_FILE = "settings.json"
 
 
 @record
 class Piece:
-    """A contour that a chunk sees as a whole, or what it owns of a longer one.
+    """A contour that a chunk sees as a whole, or the piece of a longer one in a chunk.
 
     Attributes
     ----------
@@ -36,13 +36,13 @@ class Piece:
 
 @frozen
 class Store:
-    """Files of a run, each written next to its place and then put there: it is whole, or absent."""
+    """Files of a run, each written atomically: a file is complete or absent."""
 
     folder: Path
 
     def begin(self, settings: Entries) -> bool:
-        """Prepare the folder for a run with these settings; whether it holds files of the same."""
-        known = self.folder / _SETTINGS
+        """Prepare the folder for a run, and return whether it holds files of a run with the same settings."""
+        known = self.folder / _SETTINGS_FILE
         text = json.dumps(settings, sort_keys=True).encode()
         if known.is_file() and known.read_bytes() == text:
             return True
@@ -53,7 +53,7 @@ class Store:
         return False
 
     def has(self, name: str) -> bool:
-        """Whether a file is there."""
+        """Return whether a file exists."""
         return (self.folder / name).is_file()
 
     def save(self, name: str, **arrays: Any) -> None:
@@ -73,7 +73,7 @@ class Store:
 
 
 def packed(pieces: Sequence[Piece]) -> Entries:
-    """Pieces as arrays."""
+    """Pack pieces into arrays."""
     contours = [piece.contour for piece in pieces]
     return {
         "points": np.concatenate([np.empty((0, 2)), *(one.points for one in contours)]),
@@ -87,7 +87,7 @@ def packed(pieces: Sequence[Piece]) -> Entries:
 
 
 def unpacked(arrays: Entries, prefix: str = "") -> list[Piece]:
-    """The pieces of arrays."""
+    """Unpack the pieces of arrays whose names have a prefix."""
     known = {key.removeprefix(prefix): values for key, values in arrays.items() if key.startswith(prefix)}
     points = np.split(known["points"], np.cumsum(known["counts"])[:-1]) if len(known["counts"]) else []
     rows = zip(

@@ -1,4 +1,4 @@
-"""What depends on the whole image, found once and given to each chunk: without it, seams would be seen."""
+"""Statistics of the whole image, measured once and given to each chunk: without them, seams would show."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from cpm_core.objects.prior.windows import gray_range, sample_step
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_part
 
-_SAMPLES = 2**22
+_STATISTICS_SAMPLES = 2**22
 """Pixels of the whole image whose gray levels and edge strengths decide what is usual in it."""
 
-_MARGIN = 4
-"""Distance beyond the image border up to which the edge map is kept, as in a run in one piece [px]."""
+_EDGE_MAP_MARGIN = 4
+"""Distance beyond the image border up to which the edge map is kept, as in a run on the whole image [px]."""
 
-_COARSEST = 2048
-"""Longest side of the coarse image in which the image border and the strongest edge are looked for [px]."""
+_MAX_COARSE_SIDE = 2048
+"""Longest side of the coarse image in which the border and the strongest edge are looked for [px]."""
 
 
 class GrayLevels(NamedTuple):
-    """Gray levels of the core of a chunk: the least, the largest, some of them, few of them, and means of blocks."""
+    """Gray levels of the core of a chunk: their range, a dense and a sparse sample, and means of blocks."""
 
     low: float
     high: float
@@ -52,14 +52,14 @@ class Edges(NamedTuple):
 
 @frozen
 class Tone:
-    """How the gray levels of an image are taken.
+    """The scaling and smoothing of the gray levels of an image.
 
     Attributes
     ----------
     low, high, exponent : float
         Range and exponent of the power scale.
     smoothing : float
-        Gaussian before the gradient [px].
+        Sigma of the Gaussian before the gradient [px].
     inside : tuple of int
         First row and column within the image border, and those after the last [px].
     """
@@ -71,28 +71,28 @@ class Tone:
     inside: Integers
 
     def apply(self, values: Array) -> Array:
-        """Gray levels on the power scale, as `gray_levels.toned` makes them of the whole image."""
+        """Scale gray levels, of any shape, as `gray_levels.toned` scales those of the whole image."""
         if self.exponent == 1.0 or self.high <= self.low:
             return values
         return on_power_scale(values, self.low, self.high, self.exponent)
 
     def parameters(self, parameters: Parameters) -> Parameters:
-        """Parameters of a run on gray levels in this tone."""
+        """Adjust the parameters of a run to gray levels that have been scaled."""
         return replace(parameters, gamma=1.0, smoothing=self.smoothing, max_border=0.0)
 
 
 @frozen
 class Whole:
-    """What the fields of an image are measured by.
+    """What the fields of a chunk depend on in the whole image.
 
     Attributes
     ----------
     tone : Tone
-        How its gray levels are taken.
+        Scaling of its gray levels.
     strongest, floor : tuple of float
-        Largest edge strength, and least one for edge contact, at each scale [gray levels / px].
+        Largest edge strength, and least edge strength for edge contact, at each scale [gray levels / px].
     frame : Frame or None
-        How its objects are judged; None where none are sought.
+        The whole image, for the evaluation of objects; None where no objects are sought.
     """
 
     tone: Tone
@@ -102,7 +102,7 @@ class Whole:
 
     @property
     def numbers(self) -> dict[str, tuple[float, ...]]:
-        """The same as numbers to be stored."""
+        """The statistics as arrays to be stored."""
         tone = self.tone
         range_ = (tone.low, tone.high, tone.exponent, tone.smoothing)
         judged = () if self.frame is None else (*self.frame.grays, self.frame.smoothing)
@@ -111,7 +111,7 @@ class Whole:
 
     @classmethod
     def of(cls, numbers: Mapping[str, Array], shape: Extent) -> Whole:
-        """From the numbers that were stored, and the shape of the image."""
+        """Build from stored arrays and the shape of the image."""
         low, high, exponent, smoothing = numbers["tone"].tolist()
         inside, strongest, floor = (tuple(numbers[name].tolist()) for name in ("inside", "strongest", "floor"))
         judged = numbers["judged"].tolist()
@@ -119,7 +119,7 @@ class Whole:
         return cls(Tone(low, high, exponent, smoothing, inside), strongest, floor, frame)
 
     def imposed(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
-        """The field of a chunk, whose first pixel is `corner` of the image, with what depends on the whole image."""
+        """Impose what depends on the whole image on the field of a chunk whose first pixel is `corner` of the image."""
         strongest, strength = self.strongest[scale], field.edge_map
         top, left, bottom, right = self.tone.inside
         rows, cols = (
@@ -131,7 +131,7 @@ class Whole:
         cut = not inside.all()
         charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
         if cut:
-            strength = np.where(within(inside, _MARGIN), strength, strength.dtype.type(0))
+            strength = np.where(within(inside, _EDGE_MAP_MARGIN), strength, strength.dtype.type(0))
         return replace(
             field,
             force=cache(partial(packed_force, field.exponent, charged, field.slopes, strength, strongest, cut)),
@@ -144,17 +144,17 @@ class Whole:
 
 
 def block_of(shape: Extent) -> int:
-    """Side of the blocks whose means make the coarse image: a power of two [px]."""
-    return 2 ** max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
+    """Find the side of the blocks whose means make the coarse image: a power of two [px]."""
+    return 2 ** max(math.ceil(math.log2(max(shape) / _MAX_COARSE_SIDE)), 0)
 
 
 def step_of(shape: Extent) -> int:
-    """Distance of the pixels whose gray levels and strengths are sampled."""
-    return max(math.ceil((math.prod(shape) / _SAMPLES) ** (1.0 / len(shape))), 1)
+    """Find the distance of the pixels whose gray levels and edge strengths are sampled [px]."""
+    return max(math.ceil((math.prod(shape) / _STATISTICS_SAMPLES) ** (1.0 / len(shape))), 1)
 
 
 def gray_levels(source: Source, chunk: Chunk) -> GrayLevels:
-    """What is to be known of the gray levels of a chunk."""
+    """Measure the gray levels of a chunk."""
     shape = source.shape
     values, step, few, side = source.gray(chunk.core), step_of(shape), sample_step(shape), block_of(shape)
     first, left = (-side.start % few for side in chunk.core)
@@ -168,14 +168,14 @@ def gray_levels(source: Source, chunk: Chunk) -> GrayLevels:
 
 
 def plain_tone(shape: Extent, parameters: Parameters) -> Tone | None:
-    """How gray levels are taken where that depends on parameters alone; else None."""
+    """Return the scaling of gray levels where it depends on parameters alone; else None."""
     if parameters.gamma != 1.0 or parameters.smoothing == "auto" or parameters.max_border > 0.0:
         return None
     return Tone(0.0, 0.0, 1.0, float(parameters.smoothing), (0, 0, shape[0], shape[1]))
 
 
 def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: Parameters) -> Tone:
-    """How the gray levels of the whole image are taken, from those of the chunks in the order of the grid."""
+    """Find the scaling of the gray levels of the whole image, from those of the chunks in the order of the grid."""
     low, high = min(one.low for one in seen), max(one.high for one in seen)
     sample = np.concatenate([one.sample for one in seen])
     exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
@@ -195,20 +195,20 @@ def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: 
 
 
 def frame_of(source: Source, grid: Grid, seen: Sequence[GrayLevels]) -> Frame:
-    """How objects in the whole image are judged, from the gray levels of the chunks in the order of the grid."""
+    """Describe the image that objects are judged in, from the gray levels of the chunks in the order of the grid."""
     grays = gray_range(np.concatenate([one.few for one in seen]))
     plain = Tone(0.0, 0.0, 1.0, 0.0, (0, 0, 0, 0))
     return Frame(grid.shape, (0, 0), grays, _automatic(source, _coarse(grid, seen), plain))
 
 
 def _coarse(grid: Grid, seen: Sequence[GrayLevels]) -> Array:
-    """Means of the blocks of the whole image."""
+    """Assemble the means of the blocks of the whole image, shape (rows, columns of blocks)."""
     columns = grid.counts[1]
     return np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
 
 
 def _automatic(source: Source, coarse: Array, tone: Tone) -> float:
-    """The smoothing that suits an image: of a large one, what is around its strongest edge."""
+    """Find the smoothing that suits an image; a large one is measured around its strongest edge only."""
     shape = source.shape
     large = math.prod(shape) > LARGE
     part = strongest_part(coarse, block_of(shape), shape) if large else whole_window(shape)
@@ -216,7 +216,7 @@ def _automatic(source: Source, coarse: Array, tone: Tone) -> float:
 
 
 def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> Edges:
-    """What is to be known of the edges of a chunk."""
+    """Measure the edges of a chunk at each scale."""
     step = step_of(source.shape)
     top, left, bottom, right = tone.inside
     core = tuple(
@@ -234,7 +234,7 @@ def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> E
 
 
 def whole_of(tone: Tone, seen: Sequence[Edges], parameters: Parameters, frame: Frame | None = None) -> Whole:
-    """What the fields of the whole image are measured by, from the edges of the chunks."""
+    """Combine the edges of the chunks to the statistics of the whole image."""
     strongest = tuple(max(scale) for scale in zip(*(one.strongest for one in seen), strict=True))
     if not strongest[0]:
         raise ValueError("The image is the same everywhere and has no edges: open an image with objects.")

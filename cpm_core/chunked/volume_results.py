@@ -1,4 +1,4 @@
-"""Files of the bodies of a volume that was run chunk by chunk: a label volume, one surface, and a table."""
+"""Files of the bodies found in a volume chunk by chunk: a label volume, one surface, and a table."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def write_surface(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
             order = np.argsort(known)
             _own, _places, corners, numbers = bodies.triangles(chunk.number)
             found = index[order][np.searchsorted(known, corners, sorter=order)]
-            file.write(ply.triangles(found[:, ::-1], numbers))  # (plane, row, col) turns the other way than (x, y, z)
+            file.write(ply.triangles(found[:, ::-1], numbers))  # reversing the axes mirrors them
     draft.with_suffix(".vertices").unlink()
     return str(path)
 

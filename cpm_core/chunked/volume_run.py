@@ -1,4 +1,4 @@
-"""A run on a volume larger than memory: particles in each chunk, in fields that are measured as those of the whole."""
+"""A run on a volume larger than memory: particles in each chunk, in fields that are scaled as in the whole volume."""
 
 from __future__ import annotations
 
@@ -36,26 +36,26 @@ from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution
 
 SIDE = 256
-"""Side of a core [voxels]: a run on it with what is around takes about 1 GB."""
+"""Side of a core [voxels]: a run on it with its margin takes about 1 GB."""
 
-_EVEN = 8
-"""What the overlap is a multiple of, so that the pyramids of neighbors have the same voxels."""
+_VOLUME_OVERLAP_MULTIPLE = 8
+"""The overlap is a multiple of this, so that the pyramids of neighbors have the same voxels."""
 
-_SAMPLED = 8
-"""Of so many particles one tells how far apart they are."""
+_DISTANCE_SAMPLING = 8
+"""One of this many particles contributes to the typical distance."""
 
 PARTICLES = "particles"
-"""What is stored of each chunk, as its file is named."""
+"""Kind of the files that hold the particles of chunks."""
 
 
 @frozen
 class Volume:
-    """A volume in chunks, and what its fields are measured by.
+    """A volume in chunks, with its statistics.
 
     Attributes
     ----------
     task : Task
-        What is to be found.
+        The run.
     grid : Grid
         The chunks.
     whole : Whole
@@ -68,15 +68,18 @@ class Volume:
 
     @property
     def size(self) -> Array:
-        """Sides of a voxel, the smallest being 1."""
+        """Sides of a voxel, shape (3,), the smallest being 1."""
         return np.array(pitch_of(self.task.source.levels.spacing))
 
     def smoothed(self, chunk: Chunk) -> Single:
-        """What a chunk sees of the smoothed volume."""
+        """Smooth what a chunk sees of the volume, shape (P, R, C)."""
         return smoothed_volume(self.task.source.values(chunk.padded), (self.whole.tone.smoothing / self.size).tolist())
 
     def particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[Levels, Array]:
-        """The particles of a chunk and its neighbors within limits [voxels], and unit vectors away from bright."""
+        """Load the particles of a chunk and its neighbors within limits, each of shape (3,) [voxels].
+
+        Returns the levels of N particles and unit normals, shape (N, 3), that point away from bright.
+        """
         store, names = self.task.store, ("points", "thresholds", "slopes", "normals")
         files = (of_chunk(PARTICLES, at) for at in self.grid.around(chunk.number))
         found = [store.load(file, *names) for file in files if store.has(file)]
@@ -89,7 +92,7 @@ class Volume:
 
 
 def run_particles(task: Task, compute: Compute, side: int) -> tuple[Volume, float]:
-    """Run in all chunks; the volume, and the typical distance between the particles [smallest sides]."""
+    """Run in all chunks; return the volume and the typical distance between particles [smallest sides of a voxel]."""
     volume, strongest = _surveyed(task, compute, side)
     some = [chunk for chunk in volume.grid.chunks if strongest[chunk.number] >= volume.whole.floor[0]]
     in_each(compute, partial(_find, volume), task.store, some, PARTICLES)
@@ -101,7 +104,7 @@ def run_particles(task: Task, compute: Compute, side: int) -> tuple[Volume, floa
 
 
 def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
-    """The volume in chunks, and the largest edge strength in the core of each."""
+    """Measure the whole volume, and return it in chunks with the largest edge strength in the core of each."""
     source, parameters = task.source, task.parameters
     if task.store.has(WHOLE):
         known = task.store.load(WHOLE)
@@ -130,12 +133,13 @@ def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
 
 
 def _grid_for(task: Task, smoothing: float, side: int) -> Grid:
-    overlap = -(-disturbed(smoothing) // _EVEN) * _EVEN
+    """Build the grid of a volume for a Gaussian of `smoothing` smallest sides of a voxel."""
+    overlap = -(-disturbed(smoothing) // _VOLUME_OVERLAP_MULTIPLE) * _VOLUME_OVERLAP_MULTIPLE
     return Grid(task.source.shape, side, overlap, 0.0)
 
 
 def _edges(task: Task, sigma: float, chunk: Chunk) -> Edges:
-    """The edges in the core of a chunk at each scale, after a Gaussian."""
+    """Measure the edges in the core of a chunk at each scale, after a Gaussian."""
     pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
     step = EVERY * -(-step_of(shape) // EVERY)
     for scale, values in enumerate(pyramid(task.source.values(chunk.padded), task.parameters.scales)):
@@ -163,12 +167,12 @@ def _find(volume: Volume, chunk: Chunk) -> None:
         thresholds=levels.thresholds[own],
         slopes=levels.slopes[own],
         normals=normals[own],
-        distances=distances[own][::_SAMPLED],
+        distances=distances[own][::_DISTANCE_SAMPLING],
     )
 
 
 def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
-    """Particles at rest on edges in what a chunk sees, unit vectors away from bright, and distances from others."""
+    """Run in what a chunk sees; return particles at rest on edges, normals away from bright, and their distances."""
     task, whole = volume.task, volume.whole
     source, own = task.source, whole.tone.parameters(task.parameters)
     values = source.values(chunk.padded)

@@ -1,9 +1,9 @@
 """One surface from the particles of all chunks of a volume.
 
-Each chunk finds the height over the edges in its core, and numbers the regions away from particles; which of them are
-inside is decided by all chunks together. Then each raises necks and threads, and follows the zero of the height that
-all have made: triangles of neighbors share their corners, which lie on sides of voxels and are named by them. Parts of
-the inside and of the outside are numbered in each chunk as well; two of different chunks that meet in a voxel are one.
+Each chunk finds the height over the edges in its core, and numbers the regions away from particles; all chunks together
+decide which of these are inside. Then each chunk raises necks and thin vessels, and triangulates the zero of the common
+height: triangles of neighbors share their corners, which lie on edges between voxels and are named by them. Parts of
+the inside and of the outside are numbered in each chunk as well; parts of two chunks that share a voxel are one.
 """
 
 from __future__ import annotations
@@ -31,41 +31,43 @@ from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
 from cpm_core.reconstruction.surface.pipeline import width_and_band
 from cpm_core.reconstruction.surface.sharpened import step_width
 
-_NUMBERED = np.float32(2**20)
-"""Regions of a chunk away from particles are stored in place of the height, as this number plus theirs, from 1; 0 is
-that of all that has not been written."""
+_REGION_OFFSET = np.float32(2**20)
+"""Offset of the numbers of regions away from particles, from 1, that are stored in place of heights.
 
-_STEEPEST = np.float32(2**18)
-"""Largest height, where an edge has no slope: far from the surface, and below all numbers of regions."""
+0 stands for voxels that have not been written.
+"""
 
-_NECKS = "necks"
-"""What is stored of each chunk, as its file is named."""
+_MAX_HEIGHT = np.float32(2**18)
+"""Largest height, where an edge has no slope: far from the surface, and below all stored region numbers."""
 
-_TAILS = 3.0
+_NECKS_KIND = "necks"
+"""Kind of the files that hold the necks of chunks."""
+
+_GAUSSIAN_REACH = 3.0
 """Widths of the Gaussian within which a particle counts."""
 
-_ROOM = 4
-"""Voxels more, for the thickness of the band along longer sides of voxels, and the layers around a core."""
+_PARTICLE_MARGIN = 4
+"""Additional voxels, for the thickness of the band along longer sides of voxels, and the layers around a core."""
 
 
 @frozen
 class _Regions:
-    """Files of regions that each chunk has numbered by itself."""
+    """Files of regions that are numbered within each chunk."""
 
     volume: Volume
     name: str
 
     @property
     def path(self) -> Path:
-        """The array of all numbers."""
+        """Path of the array of all numbers."""
         return self.volume.task.store.folder / f"{self.name}.zarr"
 
     def read(self, window: Window) -> NDArray[Any]:
-        """What has been written in a window."""
+        """Read what has been written in a window."""
         return Source(self.path, Reading(), "zyx").values(window)
 
     def load(self, number: int, *names: str) -> Entries:
-        """What has been stored of a chunk, all or some arrays."""
+        """Load what has been stored of a chunk, all arrays or some."""
         return self.volume.task.store.load(of_chunk(self.name, number), *names)
 
     def save(self, chunk: Chunk, values: NDArray[Any], **arrays: Any) -> None:
@@ -75,14 +77,17 @@ class _Regions:
         self.volume.task.store.save(of_chunk(self.name, chunk.number), **layers, **arrays)
 
     def run(self, dtype: Any, work: Callable[[Chunk], None], compute: Compute, title: str) -> None:
-        """Do some work on each chunk that has no file yet."""
+        """Process each chunk that has no file yet."""
         grid = self.volume.grid
         if not self.path.exists():
             create_levels(self.path, grid.shape, dtype, grid.side)
         in_each(compute, work, self.volume.task.store, grid.chunks, self.name, title)
 
     def joined(self, counts: Index, number_of: Callable[[NDArray[Any]], Index]) -> Index:
-        """The group, from 0, of each region of all chunks; `number_of` gives numbers in a chunk, -1 for no region."""
+        """Join the regions of all chunks where they meet; return the group of each, from 0, shape (sum of counts,).
+
+        `number_of` gives the numbers of regions in stored values, -1 for no region.
+        """
         first, pairs = np.cumsum([0, *counts]), [np.empty(0, np.int64)]
         for chunk in self.volume.grid.chunks:
             for axis, window in _layers(self.volume, chunk):
@@ -97,14 +102,14 @@ class _Regions:
 
 
 def _beyond(volume: Volume, chunk: Chunk) -> Window:
-    """The core of a chunk with one voxel more at the end of each axis, within the volume."""
+    """Extend the core of a chunk by one voxel at the end of each axis, within the volume."""
     return tuple(
         slice(side.start, min(side.stop + 1, n)) for side, n in zip(chunk.core, volume.grid.shape, strict=True)
     )
 
 
 def _layers(volume: Volume, chunk: Chunk) -> Iterator[tuple[int, Window]]:
-    """The layers of voxels of neighbors that a core is continued by, each with the axis across it."""
+    """Find the layers of voxels of neighbors that continue a core, each with the axis across it."""
     beyond = _beyond(volume, chunk)
     for axis, (core, side) in enumerate(zip(chunk.core, beyond, strict=True)):
         if side.stop > core.stop:
@@ -115,8 +120,18 @@ def _layers(volume: Volume, chunk: Chunk) -> Iterator[tuple[int, Window]]:
 class Heights:
     """The height over the edges of a volume.
 
-    `volume` with its particles, which are `apart` from each other [smallest sides]; the first region of each chunk; the
-    height of each region, and 1, or -1 where the inside is darker.
+    Attributes
+    ----------
+    volume : Volume
+        The chunks.
+    apart : float
+        Typical distance between particles [smallest sides of a voxel].
+    first : ndarray of int64
+        First region of each chunk.
+    of_region : ndarray of float32
+        Height of each region.
+    sign : float
+        1, or -1 where the inside is darker.
     """
 
     volume: Volume
@@ -126,7 +141,7 @@ class Heights:
     sign: float
 
     def read(self, window: Window) -> Single:
-        """The height in a window, positive inside; outside the volume it is -1."""
+        """Read the height in a window, positive inside; outside the volume it is -1."""
         grid = self.volume.grid
         inner = tuple(slice(max(side.start, 0), min(side.stop, n)) for side, n in zip(window, grid.shape, strict=True))
         found: Single = self.regions.read(inner)
@@ -141,17 +156,19 @@ class Heights:
 
     @property
     def regions(self) -> _Regions:
-        """Their files."""
+        """Files of the heights."""
         return _Regions(self.volume, "height")
 
 
 def _region_of(values: NDArray[Any]) -> Index:
-    """Numbers of the regions in stored heights; -1 for heights."""
-    return np.where(values == 0.0, 0, np.where(values >= _NUMBERED, values - _NUMBERED, -1.0)).astype(np.int64)
+    """Decode the numbers of the regions in stored heights; -1 for heights."""
+    return np.where(values == 0.0, 0, np.where(values >= _REGION_OFFSET, values - _REGION_OFFSET, -1.0)).astype(
+        np.int64
+    )
 
 
 def find_heights(volume: Volume, apart: float, compute: Compute) -> Heights:
-    """The height over the edges of a volume, whose particles are typically so far apart."""
+    """Compute the height over the edges of a volume with this typical distance between its particles."""
     regions = _Regions(volume, "height")
     regions.run(np.float32, partial(_height_in, regions, apart), compute, "surface near particles")
     names = ("votes", "at_border", "bright", "known")
@@ -160,7 +177,7 @@ def find_heights(volume: Volume, apart: float, compute: Compute) -> Heights:
     group = regions.joined(counts, _region_of)
     votes = np.bincount(group, np.concatenate([one["votes"] for one in known]))
     heights = np.where(votes > 0, np.float32(FAR), np.float32(-FAR))[group]
-    # an object may be darker than what is around it: the inside is not on the side that most of the border lies on
+    # an object may be darker than its surroundings: the side with most of the border of the volume is the outside
     at_border = np.concatenate([one["at_border"] for one in known])
     bright = at_border[heights > 0.0].sum() + sum(int(one["bright"]) for one in known)
     total = at_border.sum() + sum(int(one["known"]) for one in known)
@@ -168,7 +185,7 @@ def find_heights(volume: Volume, apart: float, compute: Compute) -> Heights:
 
 
 def _particles_near(volume: Volume, chunk: Chunk, window: Window, margin: float) -> tuple[Levels, Array]:
-    """Particles around a window, in voxels of what a chunk sees."""
+    """Load the particles around a window, in voxels of what a chunk sees."""
     low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T
     levels, normals = volume.particles(chunk, low, high)
     corner = [side.start for side in chunk.padded]
@@ -176,19 +193,19 @@ def _particles_near(volume: Volume, chunk: Chunk, window: Window, margin: float)
 
 
 def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
-    """Find the height in a chunk and a voxel beyond, and store it with what is known of the regions."""
+    """Compute the height in a chunk and a voxel beyond, and store it with what is known of the regions."""
     volume = regions.volume
     beyond = _beyond(volume, chunk)
     width, band = width_and_band(apart)
-    levels, _ = _particles_near(volume, chunk, beyond, max(_TAILS * width, band) + _ROOM)
+    levels, _ = _particles_near(volume, chunk, beyond, max(_GAUSSIAN_REACH * width, band) + _PARTICLE_MARGIN)
     if len(levels.points):
         begin = np.array([side.start - 1 for side in relative(beyond, chunk.padded)])
         box = Box(begin, tuple(n + 2 for n in sides_of(beyond)))  # type: ignore[arg-type]
         found = height(volume.smoothed(chunk), box, levels, volume.size, width, band)
-        np.clip(found, -_STEEPEST, _STEEPEST, out=found)
+        np.clip(found, -_MAX_HEIGHT, _MAX_HEIGHT, out=found)
         found[found == 0.0] = -np.finfo(np.float32).tiny
         parts, votes = unknown_regions(found)
-        parts.fill(_NUMBERED + 1 + np.arange(parts.count, dtype=np.float32), found)
+        parts.fill(_REGION_OFFSET + 1 + np.arange(parts.count, dtype=np.float32), found)
         inner, votes = found[1:-1, 1:-1, 1:-1], np.append(0, votes)
     else:
         inner, votes = np.zeros(sides_of(beyond), np.float32), np.zeros(1, np.int64)
@@ -200,7 +217,7 @@ def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
 
 
 def _at_border(volume: Volume, chunk: Chunk, values: NDArray[Any]) -> NDArray[Any]:
-    """Values of the outermost voxels of a chunk along the border of the volume."""
+    """Collect the values of the outermost voxels of a chunk along the border of the volume."""
     found = [values[:0].ravel()]
     for axis, (side, n) in enumerate(zip(chunk.core, volume.grid.shape, strict=True)):
         found += [values.take(0, axis).ravel()] if side.start == 0 else []
@@ -210,7 +227,7 @@ def _at_border(volume: Volume, chunk: Chunk, values: NDArray[Any]) -> NDArray[An
 
 def find_necks(heights: Heights, compute: Compute) -> None:
     """Find the necks and threads of each chunk, and store the voxels that they raise."""
-    in_each(compute, partial(_necks_in, heights), heights.volume.task.store, heights.volume.grid.chunks, _NECKS)
+    in_each(compute, partial(_necks_in, heights), heights.volume.task.store, heights.volume.grid.chunks, _NECKS_KIND)
 
 
 def _necks_in(heights: Heights, chunk: Chunk) -> None:
@@ -224,12 +241,12 @@ def _necks_in(heights: Heights, chunk: Chunk) -> None:
         ways += spin(found, begin, around, step_width(volume.whole.tone.smoothing))
         ways = [way + [side.start for side in chunk.padded] for way in ways]
         raised += [way for way in ways if volume.grid.chunk_at(way[len(way) // 2][None]) == chunk.number]
-    volume.task.store.save(of_chunk(_NECKS, chunk.number), raised=np.concatenate(raised))
+    volume.task.store.save(of_chunk(_NECKS_KIND, chunk.number), raised=np.concatenate(raised))
 
 
 @record
 class Bodies:
-    """The bodies of a volume, the largest first: what each encloses and how its surface is stored.
+    """The bodies of a volume, the largest first, with their measures and stored surfaces.
 
     Attributes
     ----------
@@ -261,7 +278,7 @@ class Bodies:
 
     @property
     def whole(self) -> Whole:
-        """What the fields were measured by."""
+        """What the fields depend on in the whole volume."""
         return self.volume.whole
 
     @property
@@ -270,48 +287,52 @@ class Bodies:
         return _Regions(self.volume, "parts")
 
     def triangles(self, number: int) -> tuple[Index, Array, Index, Index]:
-        """Of a chunk the names of vertices that lie on bodies, and these; corners by their names, and the bodies."""
+        """Load the triangles of a chunk that bound bodies.
+
+        Returns the names of the vertices that the chunk owns, shape (N,), and their positions, shape (N, 3) [voxels];
+        the names of the corners of each triangle, shape (F, 3), and its body, shape (F,).
+        """
         known = self.regions.load(number)
         body = self._bodies(number, known["pairs"])
         on, faces = body[known["pair_of_vertex"]] > 0, body[known["pair_of_face"]]
         return known["names"][on], known["vertices"][on], known["faces"][faces > 0], faces[faces > 0]
 
     def _bodies(self, number: int, pairs: Index) -> Index:
-        """The body that each of the pairs of parts of a chunk bounds; 0 where the surface between them is left out."""
+        """Find the body that each pair of parts of a chunk bounds; 0 where the surface between them is left out."""
         inside, outside = self.of_part[self.first[number] + pairs].T
         return np.where(inside != outside, inside, 0)
 
 
 def run_volume(task: Task, compute: Compute, side: int = SIDE) -> Bodies:
-    """Find all bodies; what is in the store from an earlier run with the same settings is not found again."""
+    """Find all bodies; what the store holds of a run with the same settings is not found again."""
     task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
     heights = find_heights(*run_particles(task, compute, side), compute)
     find_necks(heights, compute)
     return find_bodies(heights, compute)
 
 
-_SUMS = ("area", "volume", "moments", "corners", "supported", "particles")
-"""What is added up for each pair of parts."""
+_PAIR_SUMS = ("area", "volume", "moments", "corners", "supported", "particles")
+"""Names of what is added up for each pair of parts."""
 
 
 def find_bodies(heights: Heights, compute: Compute) -> Bodies:
-    """The bodies of a volume, from the height over its edges."""
+    """Assemble the bodies of a volume from the height over its edges."""
     volume = heights.volume
     parts = _Regions(volume, "parts")
     parts.run(np.uint32, partial(_parts_in, parts, heights), compute, "bodies")
-    known = [parts.load(chunk.number, "inside", "rim", "pairs", *_SUMS) for chunk in volume.grid.chunks]
+    known = [parts.load(chunk.number, "inside", "rim", "pairs", *_PAIR_SUMS) for chunk in volume.grid.chunks]
     counts = np.array([len(one["inside"]) for one in known])
     first = np.cumsum([0, *counts])
     group = parts.joined(counts, lambda values: values.astype(np.int64))
     rim = np.concatenate([one["rim"] + start for one, start in zip(known, first, strict=False)])
     outer, group = group.max(initial=-1) + 1, group.copy()
-    group[np.isin(group, group[rim])] = outer  # around the volume all is one
+    group[np.isin(group, group[rim])] = outer  # beyond the border of the volume all outside parts are connected
     inside = np.zeros(outer + 1, bool)
     inside[group] = np.concatenate([one["inside"] for one in known])
     local = np.concatenate([group[one["pairs"] + start] for one, start in zip(known, first, strict=False)])
     pairs, pair = np.unique(local.reshape(-1, 2), axis=0, return_inverse=True)
     pair = pair.ravel()
-    sums: Entries = {name: np.zeros((len(pairs), 3) if name == "moments" else len(pairs)) for name in _SUMS}
+    sums: Entries = {name: np.zeros((len(pairs), 3) if name == "moments" else len(pairs)) for name in _PAIR_SUMS}
     for name, total in sums.items():
         np.add.at(total, pair, np.concatenate([one[name] for one in known]))
     kept = is_borne_out(sums["particles"], sums["supported"] / np.maximum(sums["corners"], 1))
@@ -333,10 +354,10 @@ def find_bodies(heights: Heights, compute: Compute) -> Bodies:
 
 
 def _bodies_of(pairs: Index, kept: Mask, inside: Mask, outer: int) -> Index:
-    """The body of each part, named by one of its parts, 0 outside, where some surfaces between parts are left out.
+    """Assign each part to a body, named by one of its parts, 0 outside, where some surfaces are left out.
 
-    From the outside on, each part is entered through one surface; where that is left out, it is of the same body as
-    the part before. The names are the parts plus one.
+    From the outside on, each part is entered through one surface; where that is left out, the part belongs to the body
+    of the part before. The names are the parts plus one.
     """
     count = len(inside)
     left_out = {tuple(sorted(pair)) for pair in pairs[~kept].tolist()}
@@ -350,15 +371,15 @@ def _bodies_of(pairs: Index, kept: Mask, inside: Mask, outer: int) -> Index:
 
 
 def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
-    """Number the parts of a chunk, follow the surface between them, and store both."""
+    """Label the parts of a chunk, trace the surface between them, and store both."""
     volume, grid, store = heights.volume, heights.volume.grid, heights.volume.task.store
-    # from the first voxel, or the one before it outside the volume, to the one behind the last
+    # from the first voxel, or from the one before it at the border of the volume, to the one after the last
     window = tuple(slice(side.start - (side.start == 0), side.stop + 1) for side in chunk.core)
     outer = tuple(slice(side.start - 1, side.stop + 1) for side in window)
     found = heights.read(outer)
     corner = np.array([side.start for side in outer])
     for at in grid.around(chunk.number):
-        voxels = store.load(of_chunk(_NECKS, at))["raised"] - corner
+        voxels = store.load(of_chunk(_NECKS_KIND, at))["raised"] - corner
         raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
         found[raised] = np.maximum(found[raised], RAISED)
     join_corners(found, RAISED)
@@ -378,7 +399,7 @@ def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
 
 
 def _surface_in(heights: Heights, chunk: Chunk, found: Single, labels: NDArray[np.int32], window: Window) -> Entries:
-    """Triangles of a chunk, the vertices that it owns, and sums for each pair of parts, inside and outside."""
+    """Triangulate the surface in a chunk: triangles, the vertices that it owns, and sums for each pair of parts."""
     volume = heights.volume
     corner, sides = np.array([side.start for side in window]), np.array(volume.task.source.levels.spacing)
     vertices, faces = zero_surface(found)

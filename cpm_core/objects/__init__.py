@@ -1,4 +1,4 @@
-"""Objects: what clicks, strokes, boxes and starts mean in an image, and bodies in a volume."""
+"""Objects: what points, scribbles, boxes and lassos select in an image, and bodies in a volume."""
 
 from cpm_core.objects.objects_result import boundaries_result as boundaries_result
 from cpm_core.objects.objects_result import objects_result

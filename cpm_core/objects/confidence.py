@@ -1,7 +1,7 @@
-"""How sure an object is: the probability that it is what is meant, estimated from what speaks for it.
+"""Confidence: the probability that an object is the intended one, estimated from a few features.
 
-The rule is a logistic one with few numbers. `tests/benchmarks/prior/sure.py` learns them from objects by which nothing
-else is learned or measured, and writes them with their origin to `confidence.json`.
+The estimate is a logistic regression. `tests/benchmarks/prior/sure.py` learns its weights from objects that are used
+for nothing else, neither training nor measurements, and writes them with their origin to `confidence.json`.
 """
 
 from __future__ import annotations
@@ -17,23 +17,23 @@ import scipy
 from cpm_core.numerics.types import Array
 
 RIGHT = 0.8
-"""Overlap (intersection over union) with what is meant from which an object is right."""
+"""Overlap (intersection over union) with the intended object from which an object counts as correct."""
 
-_SUREST = 0.98
-"""Largest overlap that counts as such, and the largest probability."""
+_MAX_CONFIDENCE = 0.98
+"""Largest probability, and largest overlap that a feature counts."""
 
 
 class Signs(NamedTuple):
-    """What speaks for an object.
+    """Features of an object that its confidence is estimated from.
 
     Attributes
     ----------
     overlap, clarity, steadiness, agreement : float
-        What the prior says of it; see `prior.Likely`.
+        Features of the prediction of the network; see `prior.Likely`.
     places : int
-        Number of places that it has been chosen by, 0 where it was found without any.
+        Number of points that it was selected by; 0 if it was found without any.
     certain : bool
-        Whether a contour that is certain encloses it.
+        Whether an unambiguous contour encloses it.
     """
 
     overlap: float = 0.5
@@ -45,18 +45,19 @@ class Signs(NamedTuple):
 
 
 def features(signs: Signs) -> Array:
-    """What the rule weighs, shape (7,)."""
-    shares = scipy.special.logit(np.clip(signs[:4], 1.0 - _SUREST, _SUREST))
+    """Encode what the rule weighs, shape (7,)."""
+    shares = scipy.special.logit(np.clip(signs[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
     return np.array([*shares, np.log(max(signs.places, 1)), signs.places == 0, signs.certain])
 
 
 def probability(signs: Signs) -> float:
-    """Probability that an object is right, from what speaks for it."""
+    """Estimate the probability that an object is correct, by the logistic rule of this module."""
     *weights, offset = _numbers()
-    return min(float(scipy.special.expit(np.array(weights) @ features(signs) + offset)), _SUREST)
+    return min(float(scipy.special.expit(np.array(weights) @ features(signs) + offset)), _MAX_CONFIDENCE)
 
 
 @cache
 def _numbers() -> tuple[float, ...]:
+    """Load the weights of the rule, and last its offset."""
     stored = json.loads(files("cpm_core.objects").joinpath("confidence.json").read_text("utf-8"))
     return tuple(stored["numbers"])

@@ -1,4 +1,4 @@
-"""Objects everywhere in an image: what contours part it into and the prior finds likely, or all that are like some."""
+"""All objects of an image: parts between contours that the network finds likely, or all that are similar to some."""
 
 from __future__ import annotations
 
@@ -20,37 +20,67 @@ from cpm_core.objects.partition import Found, Partition
 from cpm_core.objects.prior.prior import Likely
 from cpm_core.objects.selection import Selection
 
-_SIZE, _CUT = (0.2, 4.0), 0.05
-"""Area of others, as fractions of that of the chosen one; and least area of one that the border of the image cuts."""
+_SIZE_RANGE = (0.2, 4.0)
+"""Smallest and largest area of a similar object, as fractions of the selected one's area."""
 
-_EDGE = 0.3
-"""Least strength of the boundary of others, as a fraction of that of the chosen one's."""
+_MIN_TRUNCATED_SIZE = 0.05
+"""Least area of a similar object cut by the image border, as a fraction of the selected one's area."""
 
-_GAP, _DEEP, _LEAST, _MOST = 0.75, 1.5, 30, 0.4
-"""How much deeper than the gap between them parts are, and least depth [px]; least area [px²], and largest share of the
-image."""
+_MIN_RELATIVE_STRENGTH = 0.3
+"""Least boundary strength of similar objects, as a fraction of the selected one's."""
 
-_BOUNDED, _IN_VIEW, _OWN, _LIKELY = 0.6, 0.3, 0.5, 0.1
-"""Least share of the boundary of a part at contours, where not all of it is seen, and that it owns: its neighbor there
-is less likely an object; and least probability that it is right."""
+_MIN_GAP_DEPTH = 0.75
+"""How much deeper parts are than the gap between them [px]."""
 
-_SMOOTHED = 4.0
-"""Distance from a pixel over which its smoothed distance from the contours depends on those of others [px]."""
+_MIN_PART_DEPTH = 1.5
+"""Least depth of a part [px]."""
 
-_SEEN, _BESIDE = 0.75, 16
-"""Distance from its middle up to which the prior sees an object, in lengths of it; and in addition [px]."""
+_MIN_PART_AREA = 30
+"""Least area of a part or an object [px²]."""
 
-_OVER, _WITHIN, _MOST_WITHIN, _AT_RIM = 0.3, 0.95, 0.6, 0.3
-"""Share of an object from which it is another one again, unless it is an object in it, or around it: least share of the
-smaller that lies in the larger, largest area in that of the larger, and share of its boundary at that of the larger."""
+_MAX_PART_SHARE = 0.4
+"""Largest share of the image that a part covers."""
+
+_MIN_CONTOUR_SHARE = 0.6
+"""Least share of the boundary of a part that runs along contours."""
+
+_MIN_VISIBLE_CONTOUR_SHARE = 0.3
+"""Least such share for a part that is not seen as a whole."""
+
+_MIN_OWNED_SHARE = 0.5
+"""Least share of its boundary that a part owns: the neighbor there is less likely an object."""
+
+_MIN_CONFIDENCE = 0.1
+"""Least probability that a proposed object is correct."""
+
+_DEPTH_BLUR_REACH = 4.0
+"""Distance up to which other pixels influence the smoothed distance of a pixel from the contours [px]."""
+
+_CONTEXT_LENGTHS = 0.75
+"""Distance from the middle of an object up to which the network sees its surroundings, in object lengths."""
+
+_CONTEXT_MARGIN = 16
+"""What is added to that distance [px]."""
+
+_MAX_OVERLAP = 0.3
+"""Share of an object above which it is a duplicate, unless one of the two is nested in the other."""
+
+_MIN_NESTED_SHARE = 0.95
+"""Least share of the smaller object that lies in the larger one if it is nested."""
+
+_MAX_NESTED_AREA = 0.6
+"""Largest area of a nested object, as a fraction of the larger one's area."""
+
+_MAX_SHARED_RIM = 0.3
+"""Largest share of the boundary of a nested object that runs along the boundary of the larger one."""
 
 
 def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
-    """The objects like a chosen one, from the top left to the bottom right.
+    """Find the objects similar to a selected one, from the top left to the bottom right.
 
-    They have a gray level that differs from the surroundings of the chosen object in the same direction, a similar
-    size, and a boundary of similar strength. Where the bodies of two touch, they are parted at the neck between them.
-    What the border of the image cuts is closed along it, and may be smaller.
+    Their gray level differs from the surroundings of the selected object in the same direction, and their size and the
+    strength of their boundary are similar. Where two bodies touch, they are split at the neck between them. Objects
+    that the border of the image cuts are closed along it, and may be smaller.
     """
     area = float(np.count_nonzero(chosen.mask))
     if not area:
@@ -62,20 +92,20 @@ def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
     for number, box in ((number, box) for number, box in boxes if box):
         body = parts[box] == number
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
-        if (_CUT if cut else _SIZE[0]) * area <= np.count_nonzero(body) <= _SIZE[1] * area:
+        if (_MIN_TRUNCATED_SIZE if cut else _SIZE_RANGE[0]) * area <= np.count_nonzero(body) <= _SIZE_RANGE[1] * area:
             mask = np.zeros(partition.shape, bool)
             mask[box] = _largest(body)
             other = _proposed(partition, mask)
-            if _boundary_strength(other) >= _EDGE * strength:
+            if _boundary_strength(other) >= _MIN_RELATIVE_STRENGTH * strength:
                 yield other
 
 
 def everywhere(partition: Partition, check: Callback = lambda: None) -> Iterator[Selection]:
-    """The objects of an image: what is certain, and parts between contours that are likely objects.
+    """Find all objects of an image: unambiguous ones, and parts between contours that are likely objects.
 
-    Parts meet where the gaps between contours are narrowest. Of two with a stretch of boundary in common, the one that
-    is more likely an object owns it; one that owns little of its boundary is what lies behind the others. `check` is
-    called between the parts, and may raise to end it.
+    Parts meet where the gaps between contours are narrowest. Of two parts with a common stretch of boundary, the one
+    that is more likely an object owns it; a part that owns little of its boundary is background of the others. `check`
+    is called between the parts, and may raise to end the search.
     """
     for mask, signs, certain in found_among(Parts.of(partition), check):
         yield _proposed(partition, mask, signs, certain=certain)
@@ -90,15 +120,15 @@ class Parts:
     partition : Partition
         The image with the contours.
     labels : ndarray of int64, shape (H, W)
-        Numbers of the parts, from 1; one part where the prior is not asked.
+        Numbers of the parts, from 1; a single part where the network is not used.
     pixels : ndarray of int64, shape (N + 1,)
         Area of each [px²].
     bounded : ndarray, shape (N + 1,)
         Share of its boundary that runs along contours.
     one, other : ndarray of int64, shape (L,)
-        Parts on both sides of each link between pixels of two, in both directions.
+        The two parts at each link between pixels of different parts, in both directions.
     cut : ndarray of bool, shape (N + 1,)
-        Which of them may look otherwise in a larger image, beyond this one; see `Frame`.
+        Which parts may look different in the larger image around this one; see `Frame`.
     """
 
     partition: Partition
@@ -111,15 +141,15 @@ class Parts:
 
     @classmethod
     def of(cls, partition: Partition) -> Parts:
-        """The parts of an image."""
+        """Divide an image into the parts between its contours."""
         shape, none = partition.shape, np.zeros(0, np.int64)
         if not partition.prior or not partition.contours:
             labels, count = np.ones(shape, np.int64), np.array([0, math.prod(shape)])
             return cls(partition, labels, count, np.zeros(2), none, none, np.zeros(2, bool))
         lines = crossings([contour.path for contour in partition.contours], shape).pixels
         depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(~lines), 1.0)
-        tops = skimage.morphology.h_maxima(depth, _GAP)  # type: ignore[no-untyped-call]
-        markers, _ = scipy.ndimage.label((tops > 0) & (depth > _DEEP), np.ones((3, 3)))
+        tops = skimage.morphology.h_maxima(depth, _MIN_GAP_DEPTH)  # type: ignore[no-untyped-call]
+        markers, _ = scipy.ndimage.label((tops > 0) & (depth > _MIN_PART_DEPTH), np.ones((3, 3)))
         labels = np.asarray(skimage.segmentation.watershed(-depth, markers), np.int64)  # type: ignore[no-untyped-call]
         near, sides, along = running_maximum(lines, 1), [], []
         for here, there in (np.s_[1:, :], np.s_[:-1, :]), (np.s_[:, 1:], np.s_[:, :-1]):
@@ -135,16 +165,16 @@ class Parts:
         around = np.bincount(np.concatenate([one, *borders]), minlength=len(pixels))
         bounded = np.bincount(one[on], minlength=len(pixels)) / np.maximum(around, 1)
         cut = np.zeros(len(pixels), bool)
-        cut[labels[depth + _SMOOTHED > _to_ends(shape, ends)]] = True
+        cut[labels[depth + _DEPTH_BLUR_REACH > _to_ends(shape, ends)]] = True
         return cls(partition, labels, pixels, bounded, one, other, cut)
 
     @cached_property
     def _wanted(self) -> Mask:
-        """Which of them may be objects."""
+        """Which parts may be objects, shape (N + 1,)."""
         frame = self.partition.frame
-        most = _MOST * math.prod(self.partition.shape if frame is None else frame.shape)
-        bounded = self.bounded >= np.where(self.cut, _IN_VIEW, _BOUNDED)
-        wanted = (self.pixels >= _LEAST) & (self.pixels <= most) & bounded
+        most = _MAX_PART_SHARE * math.prod(self.partition.shape if frame is None else frame.shape)
+        bounded = self.bounded >= np.where(self.cut, _MIN_VISIBLE_CONTOUR_SHARE, _MIN_CONTOUR_SHARE)
+        wanted = (self.pixels >= _MIN_PART_AREA) & (self.pixels <= most) & bounded
         wanted[0] = False
         return np.asarray(wanted)
 
@@ -153,27 +183,30 @@ class Parts:
         return scipy.ndimage.find_objects(self.labels)
 
     def settled(self, core: Window) -> bool:
-        """Whether the objects that touch some pixels would be the same in a larger image."""
+        """Return whether the objects that touch the pixels of a window would be the same in a larger image."""
         touching = np.unique(self.labels[core])
         near = np.union1d(touching, self.other[np.isin(self.one, touching)])
         near = near[self._wanted[near]]
         inner, shape = np.array(_ends_within(self.partition)), np.array(self.partition.shape)
         for box in (self._boxes[number - 1] for number in near.tolist()):
             low, high = np.array([[side.start, side.stop] for side in box]).T
-            reach = _SEEN * (high - low).max() + _BESIDE
+            reach = _CONTEXT_LENGTHS * (high - low).max() + _CONTEXT_MARGIN
             seen = 0.5 * (low + high) + np.array([[-reach], [reach]])
             if (inner & [seen[0] < 0, seen[1] > shape]).any():
                 return False
         return not self.cut[near].any()
 
     def judged(self, taken: Mask, check: Callback) -> dict[int, Likely]:
-        """What the prior makes of those that may be objects, by their numbers."""
+        """Evaluate the parts that may be objects by the network: number -> prediction.
+
+        `taken`, shape (H, W), are pixels of objects already found; parts that mostly lie in them are left out.
+        """
 
         def judge(number: int) -> Likely | None:
             check()
             box = self._boxes[number - 1]
             within = self.labels[box] == number
-            if np.count_nonzero(within & taken[box]) > _OVER * self.pixels[number]:
+            if np.count_nonzero(within & taken[box]) > _MAX_OVERLAP * self.pixels[number]:
                 return None
             mask = np.zeros(self.labels.shape, bool)
             mask[box] = within
@@ -183,7 +216,10 @@ class Parts:
         return {number: one for number, one in answers if one is not None}
 
     def owned(self, judged: Mapping[int, Likely]) -> Array:
-        """Share of the boundary of each, but that at the border of the image, where it is worth more than the other."""
+        """Measure the share of its boundary that each part owns, shape (N + 1,), the image border left out.
+
+        `judged` holds the predictions by number; the part of higher predicted overlap owns the boundary between two.
+        """
         worth = np.zeros(len(self.pixels))
         worth[list(judged)] = [one.overlap for one in judged.values()]
         around = np.bincount(self.one, minlength=len(worth))
@@ -192,7 +228,7 @@ class Parts:
 
 
 def _ends_within(partition: Partition) -> list[tuple[bool, ...]]:
-    """Whether the first rows and columns of an image lie within a larger one, and the last ones, shape (2, 2)."""
+    """Return whether the first rows and columns of an image, and the last, lie inside a larger one, shape (2, 2)."""
     frame = partition.frame
     if frame is None:
         return [(False, False), (False, False)]
@@ -201,7 +237,7 @@ def _ends_within(partition: Partition) -> list[tuple[bool, ...]]:
 
 
 def _to_ends(shape: Extent, inner: Mask) -> Array:
-    """Distance of each pixel from the ends that lie within a larger image, shape (H, W) [px]."""
+    """Measure the distance of each pixel from the ends that lie within a larger image, shape (H, W) [px]."""
     lines = []
     for axis, n in enumerate(shape):
         away = np.full(n, np.inf)
@@ -212,7 +248,7 @@ def _to_ends(shape: Extent, inner: Mask) -> Array:
 
 
 def found_among(parts: Parts, check: Callback = lambda: None) -> Iterator[Found]:
-    """The pixels of the objects of `everywhere`."""
+    """Find the pixels of the objects of `everywhere`, without their outlines."""
     partition = parts.partition
     known: list[tuple[Window, Mask]] = []
     taken = np.zeros(partition.shape, bool)
@@ -227,10 +263,10 @@ def found_among(parts: Parts, check: Callback = lambda: None) -> Iterator[Found]
         mask = likely.mask & partition.interest
         pixels = np.count_nonzero(mask)
         signs = Signs(*likely[2:], places=0)
-        if probability(signs) < _LIKELY or owned[number] < _OWN or pixels < _LEAST:
+        if probability(signs) < _MIN_CONFIDENCE or owned[number] < _MIN_OWNED_SHARE or pixels < _MIN_PART_AREA:
             continue
         over = np.count_nonzero(mask & taken) / pixels
-        if over <= _OVER:
+        if over <= _MAX_OVERLAP:
             mask = _largest(mask & ~taken)
         elif not all(_apart(mask, *other) for other in known):
             continue
@@ -241,21 +277,21 @@ def found_among(parts: Parts, check: Callback = lambda: None) -> Iterator[Found]
 
 
 def _apart(mask: Mask, box: Window, there: Mask) -> bool:
-    """Whether an object, shape (H, W), shares nothing with another one in a box, or one lies deep in the other."""
+    """Return whether an object, shape (H, W), and another in a box are disjoint, or one lies deep in the other."""
     both = np.count_nonzero(mask[box] & there)
     if not both:
         return True
     other = np.zeros_like(mask)
     other[box] = there
     small, large = (mask, other) if np.count_nonzero(mask) < np.count_nonzero(there) else (other, mask)
-    if both < _WITHIN * np.count_nonzero(small) or both > _MOST_WITHIN * np.count_nonzero(large):
+    if both < _MIN_NESTED_SHARE * np.count_nonzero(small) or both > _MAX_NESTED_AREA * np.count_nonzero(large):
         return False
     rim = small & ~scipy.ndimage.binary_erosion(small)
-    return bool((~scipy.ndimage.binary_erosion(large, iterations=3))[rim].mean() <= _AT_RIM)
+    return bool((~scipy.ndimage.binary_erosion(large, iterations=3))[rim].mean() <= _MAX_SHARED_RIM)
 
 
 def _proposed(partition: Partition, mask: Mask, signs: Signs | None = None, *, certain: bool = False) -> Selection:
-    """An object of some pixels, shape (H, W), with the deepest of them as the place inside."""
+    """Build the selection of some pixels, shape (H, W), with the deepest of them as its positive point."""
     box = box_of(mask)
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
@@ -265,7 +301,7 @@ def _proposed(partition: Partition, mask: Mask, signs: Signs | None = None, *, c
 
 
 def _largest(mask: Mask) -> Mask:
-    """The largest connected part of a mask."""
+    """Find the largest connected part of a mask."""
     parts, _ = scipy.ndimage.label(mask)
     sizes = np.bincount(parts.ravel())
     sizes[0] = 0
@@ -273,7 +309,7 @@ def _largest(mask: Mask) -> Mask:
 
 
 def _boundary_strength(selection: Selection) -> float:
-    """Mean edge strength along the boundary [gray levels / px]."""
+    """Measure the mean edge strength along the boundary [gray levels / px]."""
     lengths = np.array([contour.length for contour in selection.contours])
     strengths = np.array([contour.strength for contour in selection.contours])
     return float(lengths @ strengths / lengths.sum()) if len(lengths) else 0.0

@@ -45,7 +45,7 @@ def objects_result(
     Raises
     ------
     ValueError
-        When `names` are no texts, or not one for each object.
+        When `names` are not texts, or not one for each object.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def boundaries_result(
     unit: str | None,
     source: str,
 ) -> Result:
-    """The boundaries of objects and their gaps as a result, in an image of which the rest says what it is."""
+    """Build a result from the boundaries of objects and their gaps, in the image that the others describe."""
     return Result(
         np.empty((0, 2)),
         tuple(contours),

@@ -18,19 +18,35 @@ from cpm_core.numerics.types import Array, Arrays, Index, Mask, Single, record
 from cpm_core.objects.boundaries.crossings import Crossings
 from cpm_core.objects.boundaries.ground import Ground
 
-STEPS = _ROW, _COL = np.array([0, 1, 0, -1]), np.array([1, 0, -1, 0])
-"""Rows and columns of the steps to the right, down, left and up."""
+_ROW_STEPS = np.array([0, 1, 0, -1])
+"""Rows of the steps to the right, down, left and up."""
 
-FREE, ON_LINE, ON_BORDER = 0, 1, 2
-"""What a vertex lies on: only the edge map gives its place, on a line that crosses the link, on the image border."""
+_COL_STEPS = np.array([1, 0, -1, 0])
+"""Columns of these steps."""
 
-_LEAST, _MOST = 0.02, 0.98
-"""Where on a link a vertex may lie, as fractions of it."""
+FREE = 0
+"""Kind of a vertex placed by the edge map alone."""
 
-_SWEEPS = 12
-_HOLD = 4.0
-_REST = 0.3
-"""Weights of the place of a strong edge, and of the middle of the link, against 1 for the smoothness of the line."""
+ON_LINE = 1
+"""Kind of a vertex on a line that crosses its link."""
+
+ON_BORDER = 2
+"""Kind of a vertex on the image border."""
+
+_MIN_LINK_POSITION = 0.02
+"""Lowest position of a vertex on its link, as a fraction of the link."""
+
+_MAX_LINK_POSITION = 0.98
+"""Highest position of a vertex on its link, as a fraction of the link."""
+
+_SMOOTHING_SWEEPS = 12
+"""Number of sweeps in which vertices are smoothed."""
+
+_EDGE_WEIGHT = 4.0
+"""Weight of the position of a strong edge, against 1 for the smoothness of the line."""
+
+_MIDDLE_WEIGHT = 0.3
+"""Weight of the middle of the link, against 1 for the smoothness of the line."""
 
 
 class Steps(NamedTuple):
@@ -39,7 +55,7 @@ class Steps(NamedTuple):
     Attributes
     ----------
     row, col : ndarray of int64, shape (N,)
-        The true pixel of each.
+        The true pixel of each link.
     way : ndarray of int64, shape (N,)
         Step to the other pixel: 0 right, 1 down, 2 left, 3 up.
     begin : ndarray of int64, shape (L + 1,)
@@ -53,14 +69,17 @@ class Steps(NamedTuple):
 
 
 def trace(mask: Mask) -> Steps:
-    """Follow the outlines of a mask, with its pixels on the right hand; pixels that share only a corner are apart."""
+    """Trace the outlines of a mask, shape (H, W), clockwise; pixels that share only a corner are apart."""
     wide = np.pad(mask, 1)
     return Steps(*_traced(wide, sum(int(np.count_nonzero(np.diff(wide, axis=axis))) for axis in range(2))))
 
 
 @compiled
 def _traced(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
-    """Fields of the steps around a mask with a margin of one pixel, of so many links; places are those without it."""
+    """Trace the fields of `Steps` around a mask with a margin of one pixel; positions are those without the margin.
+
+    `total` is the number of links.
+    """
     rows, cols = mask.shape
     seen = np.zeros((4, rows, cols), np.bool_)
     row, col, way = np.empty(total, np.int64), np.empty(total, np.int64), np.empty(total, np.int64)
@@ -71,7 +90,7 @@ def _traced(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
             if not mask[r, c]:
                 continue
             for d in range(4):
-                if seen[d, r, c] or mask[r + _ROW[d], c + _COL[d]]:
+                if seen[d, r, c] or mask[r + _ROW_STEPS[d], c + _COL_STEPS[d]]:
                     continue
                 i, j, k = r, c, d
                 while not seen[k, i, j]:
@@ -79,29 +98,30 @@ def _traced(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
                     row[at], col[at], way[at] = i - 1, j - 1, k
                     at += 1
                     turn = (k + 1) % 4
-                    if not mask[i + _ROW[turn], j + _COL[turn]]:
+                    if not mask[i + _ROW_STEPS[turn], j + _COL_STEPS[turn]]:
                         k = turn
                         continue
-                    i, j = i + _ROW[turn], j + _COL[turn]
-                    if mask[i + _ROW[k], j + _COL[k]]:
-                        i, j, k = i + _ROW[k], j + _COL[k], (k + 3) % 4
+                    i, j = i + _ROW_STEPS[turn], j + _COL_STEPS[turn]
+                    if mask[i + _ROW_STEPS[k], j + _COL_STEPS[k]]:
+                        i, j, k = i + _ROW_STEPS[k], j + _COL_STEPS[k], (k + 3) % 4
                 lines += 1
                 begin[lines] = at
     return row, col, way, begin[: lines + 1]
 
 
 def placed(steps: Steps, lines: Crossings, strength: Array, strong: float) -> tuple[Array, NDArray[np.int8]]:
-    """Vertices of outlines, shape (N, 2) [px], and what each lies on, shape (N,).
+    """Place the vertices of outlines, shape (N, 2) [px], and tell what each lies on, shape (N,).
 
     Where a line crosses a link the vertex is there; at the border of the image half a pixel beyond the pixel; elsewhere
-    at the largest edge strength on the link, the more exactly the stronger that is, else so that the outline is smooth.
+    at the largest edge strength on the link, the more exactly the stronger that edge is, so that weak edges leave the
+    outline smooth.
     """
     place, target, hold = (np.empty(len(steps.row)) for _ in range(3))
     kind = np.empty(len(steps.row), np.int8)
     _aim(steps, lines.right, lines.down, strength, strong, target, hold, kind)
     place[:] = target
     _smooth(steps, place, target, hold, kind)
-    out = np.stack([steps.row + place * _ROW[steps.way], steps.col + place * _COL[steps.way]], axis=1)
+    out = np.stack([steps.row + place * _ROW_STEPS[steps.way], steps.col + place * _COL_STEPS[steps.way]], axis=1)
     return out, kind
 
 
@@ -116,11 +136,11 @@ def _aim(
     hold: Array,
     kind: NDArray[np.int8],
 ) -> None:
-    """Where on its link each vertex wants to be, from the true pixel, how much, and what it lies on."""
+    """Find the target of each vertex on its link, from the true pixel, its weight, and what the vertex lies on."""
     rows, cols = strength.shape
     for n in range(len(steps.row)):
         r, c, d = steps.row[n], steps.col[n], steps.way[n]
-        y, x = r + _ROW[d], c + _COL[d]
+        y, x = r + _ROW_STEPS[d], c + _COL_STEPS[d]
         kind[n], hold[n] = ON_BORDER, 0.0
         if not (0 <= y < rows and 0 <= x < cols):
             target[n] = 0.5
@@ -129,20 +149,20 @@ def _aim(
         crossing = links[min(r, y), min(c, x)]
         if crossing >= 0.0:
             kind[n] = ON_LINE
-            target[n] = min(max(crossing if d < 2 else 1.0 - crossing, _LEAST), _MOST)
+            target[n] = min(max(crossing if d < 2 else 1.0 - crossing, _MIN_LINK_POSITION), _MAX_LINK_POSITION)
             continue
         kind[n] = FREE
-        target[n], top = _summit(strength, r, c, _ROW[d], _COL[d])
-        edge = _HOLD * min(top / strong, 1.0) ** 2
-        hold[n] = edge + _REST
-        target[n] = (edge * target[n] + _REST * 0.5) / hold[n]
+        target[n], top = _summit(strength, r, c, _ROW_STEPS[d], _COL_STEPS[d])
+        edge = _EDGE_WEIGHT * min(top / strong, 1.0) ** 2
+        hold[n] = edge + _MIDDLE_WEIGHT
+        target[n] = (edge * target[n] + _MIDDLE_WEIGHT * 0.5) / hold[n]
 
 
 @compiled
 def _summit(strength: Array, r: int, c: int, down: int, right: int) -> tuple[float, float]:
-    """Place and size of the largest edge strength between a pixel and its neighbor, by a parabola through logarithms.
+    """Find the place and size of the largest edge strength between a pixel and its neighbor.
 
-    The edge strength across a blurred edge is a Gaussian, whose logarithm is a parabola.
+    The edge strength across a blurred edge is a Gaussian, whose logarithm is a parabola through three samples.
     """
     rows, cols = strength.shape
     y, x = r + down, c + right
@@ -153,7 +173,7 @@ def _summit(strength: Array, r: int, c: int, down: int, right: int) -> tuple[flo
     after = np.log(strength[min(max(i + down, 0), rows - 1), min(max(j + right, 0), cols - 1)] + 1e-12)
     bend = before - 2.0 * middle + after
     shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
-    return min(max(at + min(max(shift, -1.0), 1.0), _LEAST), _MOST), strength[i, j]
+    return min(max(at + min(max(shift, -1.0), 1.0), _MIN_LINK_POSITION), _MAX_LINK_POSITION), strength[i, j]
 
 
 @compiled
@@ -163,7 +183,7 @@ def _smooth(steps: Steps, place: Array, target: Array, hold: Array, kind: NDArra
         first, count = steps.begin[line], steps.begin[line + 1] - steps.begin[line]
         if count < 8:
             continue
-        for _ in range(_SWEEPS):
+        for _ in range(_SMOOTHING_SWEEPS):
             for k in range(count):
                 n = first + k
                 if kind[n] != FREE:
@@ -172,17 +192,17 @@ def _smooth(steps: Steps, place: Array, target: Array, hold: Array, kind: NDArra
                 for shift, weight in ((-2, -1.0), (-1, 4.0), (1, 4.0), (2, -1.0)):
                     m = first + (k + shift) % count
                     d = steps.way[m]
-                    y = steps.row[m] + place[m] * _ROW[d] - steps.row[n]
-                    x = steps.col[m] + place[m] * _COL[d] - steps.col[n]
-                    wanted += weight / 6.0 * (y * _ROW[steps.way[n]] + x * _COL[steps.way[n]])
+                    y = steps.row[m] + place[m] * _ROW_STEPS[d] - steps.row[n]
+                    x = steps.col[m] + place[m] * _COL_STEPS[d] - steps.col[n]
+                    wanted += weight / 6.0 * (y * _ROW_STEPS[steps.way[n]] + x * _COL_STEPS[steps.way[n]])
                 mixed = (hold[n] * target[n] + wanted) / (hold[n] + 1.0)
-                place[n] = min(max(mixed, _LEAST), _MOST)
+                place[n] = min(max(mixed, _MIN_LINK_POSITION), _MAX_LINK_POSITION)
 
 
 SMOOTHING = 1.0
 """Sigma of the edge map of objects [px]."""
 
-_SHORT = 2.0
+_MAX_IGNORED_GAP = 2.0
 """Length up to which a stretch off the contours is no gap [px]."""
 
 
@@ -195,7 +215,7 @@ class Outline:
     contour : Contour
         The boundary.
     bridged : ndarray of bool, shape (K,)
-        Whether the side from each vertex to the next one follows no contour.
+        Whether the segment from each vertex to the next one follows no contour.
     """
 
     contour: Contour
@@ -211,11 +231,11 @@ class Outline:
         path = np.concatenate([path[start:-1], path[: start + 1]])
         steps = np.flatnonzero(np.diff(np.roll(bridged, -start).astype(int), prepend=0, append=0))
         stretches = (path[begin : end + 1] for begin, end in steps.reshape(-1, 2).tolist())
-        return tuple(stretch for stretch in stretches if polyline.length(stretch) > _SHORT)
+        return tuple(stretch for stretch in stretches if polyline.length(stretch) > _MAX_IGNORED_GAP)
 
 
 def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
-    """Closed boundaries of the true pixels of a mask, shape (H, W), the longest first."""
+    """Compute the closed boundaries of the true pixels of a mask, shape (H, W), the longest first."""
     steps = trace(mask)
     points, kind = placed(steps, ground.lines, ground.strength, ground.strong)
     limit = np.array(mask.shape)[:, None] - 1
@@ -223,7 +243,7 @@ def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
     for begin, end in zip(steps.begin[:-1].tolist(), steps.begin[1:].tolist(), strict=True):
         part = slice(begin, end)
         row, col, way = steps.row[part], steps.col[part], steps.way[part]
-        beyond = np.clip(np.stack([row + STEPS[0][way], col + STEPS[1][way]]), 0, limit)
+        beyond = np.clip(np.stack([row + _ROW_STEPS[way], col + _COL_STEPS[way]]), 0, limit)
         free = (kind[part] == FREE) & ~ground.near[row, col] & ground.interest[beyond[0], beyond[1]]
         vertices = points[part]
         edge = kind[part] == ON_BORDER
@@ -239,6 +259,7 @@ def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
 
 
 def _outline(points: Array, free: Mask, ground: Ground) -> Outline:
+    """Build the outline through vertices, with its strength, contrast and gaps."""
     path = np.concatenate([points, points[:1]])
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
     middle = 0.5 * (path[1:] + path[:-1])

@@ -1,7 +1,7 @@
-"""An image with the contours that were found in it, and the choice of an object by clicks, strokes, boxes and starts.
+"""An image with the contours found in it, and the selection of objects by points, scribbles, boxes and lassos.
 
-Where particles have closed a contour beyond doubt, what it encloses is the object (`boundaries.closed_regions`).
-Elsewhere a prior learned from outlined images answers (`prior`).
+Where particles have closed a contour unambiguously, its inside is the object (`boundaries.closed_regions`). Elsewhere a
+network answers that has learned from outlined images (`prior`).
 """
 
 from __future__ import annotations
@@ -48,30 +48,41 @@ from cpm_core.segmentation.reach.bounding import thing_within
 from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
 
 NOWHERE = np.empty((0, 2))
-"""No places."""
+"""An empty array of points."""
 
 EVERYWHERE = Parameters(smoothing=1.5)
 """Parameters of the run from everywhere that finds the contours of an image."""
 
 
-_MARGIN = 10
-"""Pixels around an object that its outline depends on: twice the reach of its edge map [px]."""
+_OUTLINE_MARGIN = 10
+"""Margin around an object that its outline depends on: twice the reach of its edge map [px]."""
 
-_SAME, _MOST_CANDIDATES, _MOST_CLOSED = 0.85, 6, 3
-"""Overlap from which two answers are the same; how many are candidates at most, and of those what is closed."""
+_DUPLICATE_IOU = 0.85
+"""Overlap (intersection over union) from which two candidates are the same."""
 
-_LARGER, _LARGEST, _AROUND = 1.2, 8.0, 1.0
-"""Area of an object together with others across its necks, in areas of the object alone; and how far around it these
-are looked for, in lengths of it."""
+_MAX_CANDIDATES = 6
+"""Largest number of candidates."""
 
-_HELD = 0.1
-"""Share of what has been drawn that lies in a body that is meant."""
+_MAX_CLOSED_CANDIDATES = 3
+"""Largest number of candidates that closed contours enclose."""
 
-_NOTHING = "No object was found around these places: only their own pixels are chosen."
+_MIN_GROWTH = 1.2
+"""Least area of an object joined with others across its necks, in areas of the object alone."""
+
+_MAX_GROWTH = 8.0
+"""Largest such area."""
+
+_NEIGHBOR_REACH = 1.0
+"""How far around an object such others are looked for, in lengths of the object."""
+
+_MIN_DRAWN_SHARE = 0.1
+"""Least share of what has been drawn that lies in a body that the prompt means."""
+
+_NO_OBJECT_REMARK = "No object was found around these places: only their own pixels are chosen."
 
 
 class Found(NamedTuple):
-    """Pixels of an object, shape (H, W), what the prior says of it, where that is known, and whether it is certain."""
+    """A candidate for an object: pixels, shape (H, W), confidence features if known, and whether it is unambiguous."""
 
     mask: Mask
     signs: Signs | None = None
@@ -80,18 +91,18 @@ class Found(NamedTuple):
 
 @frozen
 class Frame:
-    """An image too large for a partition of its own, of which one is a part.
+    """An image too large for a partition of its own, in which the image of a partition is a part.
 
     Attributes
     ----------
     shape : tuple of int
         Its shape.
     corner : tuple of int
-        Its pixel that is the first one of the part.
+        The first pixel of the part.
     grays : tuple of float
-        Its gray levels that the prior takes for 0 and 255.
+        Its gray levels that become 0 and 255 for the network.
     smoothing : float
-        Sigma of the edge map by which its closed contours are certain or not [px].
+        Sigma of the edge map by which closed contours are judged unambiguous or not [px].
     """
 
     shape: Extent
@@ -106,10 +117,10 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     Parameters
     ----------
     values : array_like, shape (H, W) or (P, H, W), or Image, or Result
-        An image, in which a run from everywhere finds the contours, a volume, which needs no run, or the result of a
+        An image, in which a run from everywhere finds the contours; a volume, which needs no run; or the result of a
         run.
     params : Parameters, optional
-        Of the run on an image.
+        Parameters of the run on an image.
 
     Returns
     -------
@@ -141,7 +152,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
 
 
 def without_run(image: Image) -> Partition | VolumePartition:
-    """Prepare an image or a volume for choosing objects by clicks, all of which the prior answers."""
+    """Prepare an image or a volume without a run, so that the network answers all prompts."""
     return Partition(image, ()) if image.ndim == 2 else VolumePartition(image)
 
 
@@ -154,15 +165,15 @@ class Partition(drawing.Pictured):
     image : Image
         The image.
     contours : tuple of Contour
-        Closed ones are objects where they are certain; outlines follow all that pass next to them.
+        Closed ones are objects where they are unambiguous; outlines follow all contours next to them.
     regions : Regions or None
         Outside the regions of interest nothing is selected; barriers are boundaries.
     channel : str
-        Channel of a color image whose edges count; the prior sees colors where it is the luminance.
+        Channel of a color image whose edges count; with the luminance, the network sees the colors.
     prior : bool
-        Whether a prior learned from outlined images answers where no contour is certain.
+        Whether the network answers where no contour is unambiguous.
     frame : Frame or None
-        The larger image that this is a part of.
+        The larger image that contains this one.
 
     Examples
     --------
@@ -206,33 +217,33 @@ class Partition(drawing.Pictured):
         previous: Selection | None = None,
         areas: Sequence[float] = (),
     ) -> Selection:
-        """Choose the object that some places lie in, and others do not.
+        """Select the object that positive points lie in, and negative ones do not.
 
         Parameters
         ----------
         inside, outside : array_like, shape (M, 2) and (K, 2)
-            Places (row, col) [px]. A place outside the image counts as the nearest one in it. The first places inside
-            may be a closed line in the object, or around it, such as the seeds of a circle.
+            Positive and negative points (row, col) [px]. A point outside the image is moved to the nearest pixel. The
+            first positive points may be a closed line in the object, or around it, such as the seeds of a circle.
         stroke : array_like, shape (N, 2)
-            A line that lies in the object.
+            A scribble: a line that lies in the object.
         box : array_like, shape (2, 2)
             Two opposite corners of a box around the object; its sides may be a few pixels off.
         previous : Selection, optional
-            What was chosen before the last places were added. A new place inside only adds to it, and one outside only
-            takes away.
+            The selection before the last points were added. A new positive point only adds to it, and a negative one
+            only removes.
         areas : sequence of float
-            Areas of objects of this image that have been accepted [px²]: where it is not clear what a place lies in, an
-            object of similar size is meant.
+            Areas of objects of this image that have been accepted [px²]: where a point is ambiguous, an object of
+            similar size is preferred.
 
         Returns
         -------
         Selection
-            The object; empty when no place is inside.
+            The object; empty without a positive point.
 
         Raises
         ------
         ValueError
-            When the places are not rows and columns, or the box has not two corners.
+            When points are not rows and columns, or the box does not have two corners.
         """
         return next(self._plausible(inside, outside, stroke, box, previous, areas))
 
@@ -246,14 +257,14 @@ class Partition(drawing.Pictured):
         previous: Selection | None = None,
         areas: Sequence[float] = (),
     ) -> tuple[Selection, ...]:
-        """Find the different objects that some places may mean, from the smallest to the largest.
+        """Find the different objects that a prompt may mean, from the smallest to the largest.
 
-        One of them is that of `select`, which has the same parameters. The others are what the prior makes of windows
-        of other sizes, what contours enclose that are closed around the places, bodies alone where necks join them to
-        others, and together with them.
+        One of them is that of `select`, which has the same parameters, points of shape (M, 2) [px]. The others are
+        predictions in crops of other sizes, what contours enclose that are closed around the points, bodies alone where
+        necks join them to others, and together with them.
         """
         first, *others = self._plausible(inside, outside, stroke, box, previous, areas)
-        others = sorted(others, key=lambda one: -one.confidence)[: _MOST_CANDIDATES - 1]
+        others = sorted(others, key=lambda one: -one.confidence)[: _MAX_CANDIDATES - 1]
         return tuple(sorted([first, *others], key=lambda one: np.count_nonzero(one.mask)))
 
     def _plausible(
@@ -265,7 +276,7 @@ class Partition(drawing.Pictured):
         previous: Selection | None,
         areas: Sequence[float],
     ) -> Iterator[Selection]:
-        """The different objects that may be meant, the most plausible one first."""
+        """Rank the different objects that a prompt may mean, the most plausible one first."""
         within, beyond, line, corners = (
             as_places(given, "rows and columns") for given in (inside, outside, stroke, box)
         )
@@ -293,20 +304,20 @@ class Partition(drawing.Pictured):
             remark = remark or "No place has been said to be inside."
             yield self.selection_of(np.zeros(self.shape, bool), within, beyond, remark)
             return
-        yield replace(first, remark=_NOTHING) if first.only_places and not first.remark else first
+        yield replace(first, remark=_NO_OBJECT_REMARK) if first.only_places and not first.remark else first
         known = [first.mask]
         for found in itertools.chain(answers, self._otherwise(first.mask, afresh)):
             tied = self._tied(found.mask, afresh)
-            if tied.any() and all(overlap(tied, other) < _SAME for other in known):
+            if tied.any() and all(overlap(tied, other) < _DUPLICATE_IOU for other in known):
                 known.append(tied)
                 yield self.selection_of(tied, within, beyond, remark, found.signs)
 
     def _with_drawn(self, places: Prompt, start: Array, line: Array, corners: Array) -> Prompt:
-        """A prompt of places, and of a start in place of those inside, a stroke and the corners of a box."""
+        """Add to a prompt a start, which replaces its positive points, a scribble and the corners of a box."""
         prompt = places
         if len(start):
             area = drawn_area(start, self.shape)
-            if np.count_nonzero(area) > 2 * len(start):  # a closed line; of an open one, only its places
+            if np.count_nonzero(area) > 2 * len(start):  # a closed line; an open one counts as points
                 prompt = replace(prompt, drawn=area, inside=prompt.inside[:0])
         if len(line):
             along, _ = self._pixels(polyline.sampled(line, 1.0) if len(line) > 1 else line)
@@ -317,9 +328,9 @@ class Partition(drawing.Pictured):
         return prompt
 
     def _pixels(self, inside: Array, outside: Array = NOWHERE, newer: Mask | None = None) -> tuple[Prompt, str]:
-        """The pixels of places, and one sentence on what is unusual about them.
+        """Resolve points to pixels, with one sentence on what is unusual about them.
 
-        Where the same pixel has been said to be both, those inside count that are `newer`, shape (M,).
+        Where the same pixel is positive and negative, the positive points count that are `newer`, shape (M,).
         """
         remark = ""
         limit = np.array(self.shape) - 1
@@ -338,9 +349,9 @@ class Partition(drawing.Pictured):
         return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
     def _object(self, prompt: Prompt, answers: Iterator[Found], areas: Sequence[float]) -> Found:
-        """The object that a prompt means; the answers are those of the prior when there is no former object."""
+        """Find the best candidate for a prompt; `answers` are those of the network without a previous mask."""
         mask, certain = prompt.former, False
-        while mask is not None:  # what is certain about places that contradict the object so far
+        while mask is not None:  # first, unambiguous corrections by points that contradict the object so far
             wrong = [(place, True) for place in prompt.inside if not mask[tuple(place)]]
             wrong += [(place, False) for place in prompt.outside if mask[tuple(place)]]
             if not wrong:
@@ -353,14 +364,14 @@ class Partition(drawing.Pictured):
                 break
             mask, certain = better, True
         found = next(answers, None) or Found(np.zeros(self.shape, bool) if mask is None else mask.copy())
-        if mask is not None:  # places inside only add, and those outside only take away
+        if mask is not None:  # positive points only add, and negative ones only remove
             adds, takes = not mask[tuple(prompt.inside.T)].all(), mask[tuple(prompt.outside.T)].any()
             if adds != takes:
                 found = found._replace(mask=found.mask | mask if adds else found.mask & mask)
         return found._replace(mask=self._tied(found.mask, prompt))
 
     def _answers(self, prompt: Prompt, areas: Sequence[float]) -> Iterator[Found]:
-        """What the prior makes of a prompt, the most likely object first; a tree of vessels before all others."""
+        """Predict the candidates for a prompt, the most likely one first; a tree of vessels precedes all others."""
         if not self.prior:
             return
         tree = vessel_tree(self.values, prompt.inside) if prompt.places_alone else None
@@ -368,7 +379,7 @@ class Partition(drawing.Pictured):
             yield Found(tree)
         for likely in self._prior.objects_of(prompt, np.asarray(areas, float)):
             mask = likely.mask
-            if likely.coarseness > 1.0 and self.contours:  # what particles found is more exact
+            if likely.coarseness > 1.0 and self.contours:  # contours are more exact than a coarse prediction
                 box, corner = _box_of(mask)
                 paths = self._paths(box, corner)
                 if paths:
@@ -376,15 +387,17 @@ class Partition(drawing.Pictured):
             yield Found(mask, Signs(*likely[2:], places=len(prompt.inside) + len(prompt.outside)))
 
     def _otherwise(self, mask: Mask, prompt: Prompt) -> Iterator[Found]:
-        """What else may be meant than an object: what is closed around it, a body of it alone, or more than it."""
+        """Find alternatives to an object: closed contours around it, a body of it alone, or more than it."""
         pixels = prompt.inside if prompt.drawn is None else np.argwhere(prompt.drawn)
-        for other in itertools.islice(self._closed.nested(pixels), _MOST_CLOSED) if len(pixels) else ():
+        for other in itertools.islice(self._closed.nested(pixels), _MAX_CLOSED_CANDIDATES) if len(pixels) else ():
             yield Found(other)
         box, corner = _box_of(mask)
         if len(pixels):
             parts = bodies(mask[box])
             there = np.clip(pixels - corner, 0, np.array(parts.shape) - 1)
-            held = np.bincount(parts[tuple(there.T)], minlength=int(parts.max()) + 1) >= max(_HELD * len(pixels), 1.0)
+            held = np.bincount(parts[tuple(there.T)], minlength=int(parts.max()) + 1) >= max(
+                _MIN_DRAWN_SHARE * len(pixels), 1.0
+            )
             held[0] = False
             body = np.zeros_like(mask)
             body[box] = held[parts]
@@ -392,15 +405,15 @@ class Partition(drawing.Pictured):
         wide = tuple(
             slice(max(side.start - length, 0), side.stop + length)
             for side in box
-            for length in [int(_AROUND * (side.stop - side.start))]
+            for length in [int(_NEIGHBOR_REACH * (side.stop - side.start))]
         )
         more = np.zeros_like(mask)
         more[wide] = _linked(alike(self.values[wide], mask[wide], self.interest[wide]), np.argwhere(mask[wide]))
-        if _LARGER < np.count_nonzero(more) / np.count_nonzero(mask) < _LARGEST:
+        if _MIN_GROWTH < np.count_nonzero(more) / np.count_nonzero(mask) < _MAX_GROWTH:
             yield Found(more)
 
     def _tied(self, mask: Mask, prompt: Prompt) -> Mask:
-        """What of a mask is linked with what a prompt holds inside; with all places inside, and none outside."""
+        """Keep the parts of a mask that are connected to the prompt, with all positive points and no negative one."""
         mask = mask & self.interest
         mask[tuple(prompt.inside.T)] = True
         mask[tuple(prompt.outside.T)] = False
@@ -415,12 +428,12 @@ class Partition(drawing.Pictured):
         return mask
 
     def around(self, drawn: Mask, area: float) -> Mask:
-        """What the prior makes of pixels that lie in an object of about some area [px²], all of shape (H, W)."""
+        """Complete drawn pixels to an object of about this area [px²]; masks of shape (H, W)."""
         prompt = Prompt(np.empty((0, 2), np.int64), drawn=drawn)
         return self._object(prompt, self._answers(prompt, [area]), ()).mask
 
     def certain(self) -> Iterator[Mask]:
-        """The objects that closed contours enclose beyond doubt, each of shape (H, W), the largest first."""
+        """Find the objects that closed contours enclose unambiguously, each of shape (H, W), the largest first."""
         return self._closed.objects()
 
     def selection_of(
@@ -432,9 +445,10 @@ class Partition(drawing.Pictured):
         signs: Signs | None = None,
         certain: bool = False,
     ) -> Selection:
-        """Make an object of a set of pixels, shape (H, W); its boundary follows the contours that pass next to it.
+        """Build the selection of a set of pixels, shape (H, W), whose boundary follows contours next to it.
 
-        Without `signs`, the prior is asked how sure it is; `certain` is whether a certain contour encloses it.
+        `inside` and `outside` are points, shape (M, 2) and (K, 2) [px]. Without features, the network is asked for
+        them.
         """
         if not mask.any():
             return Selection(mask, (), (), 0.0, inside, outside, remark)
@@ -448,13 +462,13 @@ class Partition(drawing.Pictured):
         return Selection(mask, contours, gaps, probability(signs), inside, outside, remark, signs)
 
     def outlines(self, mask: Mask) -> tuple[Outline, ...]:
-        """Boundaries of a set of pixels, shape (H, W), that follow the contours next to them."""
+        """Outline a set of pixels, shape (H, W), along the contours next to it."""
         box, corner = _box_of(mask)
         found = outlines(mask[box], self._ground(box, corner))
         return tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
 
     def judged(self, mask: Mask, inside: Array = NOWHERE) -> Likely:
-        """What the prior makes of an object, shape (H, W), that was found otherwise, and of places in it."""
+        """Evaluate an object, shape (H, W), found otherwise, by the network, with points in it, shape (M, 2)."""
         pixels = np.rint(np.clip(inside, 0, np.array(mask.shape) - 1)).astype(np.int64)
         pixels = pixels[mask[tuple(pixels.T)]]
         if not len(pixels) or len(pixels) >= LEAST_PLACES:
@@ -474,7 +488,7 @@ class Partition(drawing.Pictured):
         return (self.regions or Regions()).pixels(self.shape)
 
     def _ground(self, box: tuple[slice, slice], corner: Index) -> Ground:
-        """What an outline follows in a part of the image."""
+        """Build what outlines follow in a part of the image."""
         values, regions = self.values[box], self.regions or Regions()
         return ground(
             values,
@@ -486,12 +500,13 @@ class Partition(drawing.Pictured):
         )
 
     def _paths(self, box: tuple[slice, slice], corner: Index) -> list[Array]:
-        """Contours in a part of the image, from its first pixel on."""
+        """Find the paths of contours in a part of the image, relative to its first pixel."""
         last = [part.stop for part in box]
         near = (one for one in self.contours if (one.box[1] >= corner).all() and (one.box[0] <= last).all())
         return [contour.path - corner for contour in near]
 
     def _barriers(self, corner: Index) -> list[Array]:
+        """Find the paths of barriers, relative to a pixel."""
         return [np.array(line) - corner for line in self.regions.barriers] if self.regions is not None else []
 
     @cached_property
@@ -518,15 +533,15 @@ class Partition(drawing.Pictured):
 
 
 def _box_of(mask: Mask) -> tuple[tuple[slice, slice], Index]:
-    """Rows and columns of the true pixels of a mask, with those around them, and the first of them."""
+    """Return the rows and columns of the true pixels of a mask with a margin, and the first of them."""
     low, high = ends(mask) if mask.any() else np.zeros((2, 2), np.int64)
-    corner = np.maximum(low - _MARGIN, 0)
-    rows, cols = map(slice, corner.tolist(), np.minimum(high + _MARGIN + 1, mask.shape).tolist())
+    corner = np.maximum(low - _OUTLINE_MARGIN, 0)
+    rows, cols = map(slice, corner.tolist(), np.minimum(high + _OUTLINE_MARGIN + 1, mask.shape).tolist())
     return (rows, cols), corner
 
 
 def _linked(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:
-    """The parts of a mask, shape (H, W), that hold pixels, shape (N, 2), without what lies across a barrier."""
+    """Select the parts of a mask, shape (H, W), that hold pixels, shape (N, 2), up to barriers."""
     parts, _ = scipy.ndimage.label(mask if barred is None else mask & ~barred, np.ones((3, 3), bool))
     if barred is not None and barred.any():
         parts = np.where(mask, skimage.segmentation.expand_labels(parts, 2.0), 0)  # type: ignore[no-untyped-call]
@@ -537,12 +552,12 @@ def _linked(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:
 
 
 def _among(places: Array, others: Array) -> Mask:
-    """Which places, shape (N, 2), are among others."""
+    """Return which points, shape (N, 2), are among others, shape (N,)."""
     return (places[:, None] == others[None]).all(axis=2).any(axis=1)
 
 
 def _not_around(inside: Array, before: Selection) -> Array:
-    """Places without those around the object chosen before; instead of them the middle of each part without a place."""
+    """Drop points around the object selected before; add the middle of each of its parts without a point."""
     around = before.inside[~before.holds(before.inside)]
     if not len(around) or not before.mask.any():
         return inside

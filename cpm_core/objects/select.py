@@ -1,4 +1,4 @@
-"""Objects without a run: chosen by places, strokes and boxes, and all at once."""
+"""Objects without a run: selected by points, scribbles and boxes, or all at once."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def select(
     previous: Selection | None = None,
     prior: bool = True,
 ) -> Selection:
-    """Choose an object of an image at once, without a run of the particles before.
+    """Select an object of an image at once, without a run of the particles before.
 
     Parameters
     ----------
@@ -33,10 +33,10 @@ def select(
     inside, outside, box, stroke, previous
         As for `Partition.select`.
     start : array_like, shape (N, 2)
-        A closed line in the object, such as the seeds of a circle; with `inside`, these are further places.
+        A closed line in the object, such as the seeds of a circle; `inside` adds further points to it.
     prior : bool
-        Whether the prior answers. Without it, particles find the contours of the whole image first, which takes about
-        a second, and what they enclose is chosen.
+        Whether the network answers. Without it, particles find the contours of the whole image first, which takes about
+        a second, and what they enclose is selected.
 
     Returns
     -------
@@ -55,20 +55,20 @@ def select(
 
 
 def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] = ()) -> tuple[Selection, ...]:
-    """Choose all objects of an image, or all that are like some.
+    """Select all objects of an image, or all that are similar to some.
 
     Parameters
     ----------
     values : array_like, shape (H, W), or Image, or Partition
         Image.
     like : sequence of Selection
-        Some of them. Without any, particles find the contours of the whole image, unless it is a partition, and what
-        they part it into is judged by the prior: those are chosen that are likely, or beyond doubt.
+        Some of them. Without any, particles find the contours of the whole image, unless it is a partition, and the
+        network evaluates the parts between them: likely and unambiguous objects are selected.
 
     Returns
     -------
     tuple of Selection
-        The objects, those that are given first. None overlap, except objects in objects, such as a nucleus in a cell.
+        The objects, given ones first. None overlap, except objects in objects, such as a nucleus in a cell.
 
     Examples
     --------

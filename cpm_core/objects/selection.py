@@ -1,4 +1,4 @@
-"""Selection: the object that has been chosen by clicks."""
+"""Selection: the object that a prompt selects."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ class Selection(drawing.Pictured):
     mask : ndarray of bool, shape (H, W)
         Pixels whose centers lie in the object.
     contours : tuple of Contour
-        Its boundary, closed: the outlines of its parts, and those of its holes.
+        Its closed boundary: outlines of its parts and of its holes.
     gaps : tuple of ndarray, shape (K, 2)
         Stretches of the boundary that follow no contour [px].
     confidence : float
-        Probability that it is what is meant, 0 to 1: that their overlap is at least `confidence.RIGHT`.
+        Probability, 0 to 1, that its overlap with the intended object is at least `confidence.RIGHT`.
     inside, outside : ndarray, shape (M, 2) and (K, 2)
-        The places that have been said to be inside and outside [px].
+        The positive and negative points of the prompt [px].
     remark : str
-        One sentence on what was unusual about the places, or empty.
+        One sentence on what was unusual about the points, or empty.
     signs : Signs or None
-        What the confidence was estimated from.
+        Features that the confidence was estimated from.
 
     Examples
     --------
@@ -59,16 +59,16 @@ class Selection(drawing.Pictured):
         return bool(self.contours)
 
     def same(self, other: Selection) -> bool:
-        """Whether the same pixels have been chosen."""
+        """Return whether another selection has the same pixels."""
         return np.array_equal(self.mask, other.mask)
 
     @property
     def only_places(self) -> bool:
-        """Whether it holds no more than the pixels of the places inside: no object was found around them."""
+        """Whether it holds only the pixels of the positive points: no object was found around them."""
         return bool(0 < np.count_nonzero(self.mask) <= len(self.inside))
 
     def holds(self, places: Array) -> Mask:
-        """Which of places, shape (N, 2) [px], lie in it; one outside the image counts as the nearest one in it."""
+        """Return which points, shape (N, 2) [px], lie in it, shape (N,); one outside is moved to the nearest pixel."""
         pixel = np.rint(np.clip(places, 0, np.array(self.mask.shape) - 1)).astype(int)
         return self.mask[tuple(pixel.T)]
 
@@ -87,6 +87,6 @@ class Selection(drawing.Pictured):
 
 
 def overlap(one: Mask, other: Mask) -> float:
-    """Intersection over union of two masks; 0 when both are empty."""
+    """Compute the intersection over union of two masks of one shape; 0 when both are empty."""
     whole = np.count_nonzero(one | other)
     return np.count_nonzero(one & other) / whole if whole else 0.0

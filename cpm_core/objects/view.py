@@ -1,4 +1,4 @@
-"""An image in a notebook in which clicks choose objects, by anywidget where that is installed."""
+"""An image in a notebook in which clicks select objects, by anywidget where that is installed."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ from cpm_core.parameters.quotation import counted, described
 _WIDEST = 2048
 """Longer side of the picture that is sent to a notebook [px]."""
 
-_CHOSEN = "#f5793a"
-"""The color of the selected object."""
+_SELECTED_OBJECT_COLOR = "#f5793a"
+"""Color of the selected object."""
 
-_HELP = "Click an object; Shift-click corrects it, Backspace removes it; Ctrl and the wheel zoom, a drag moves."
+_HELP_TEXT = "Click an object; Shift-click corrects it, Backspace removes it; Ctrl and the wheel zoom, a drag moves."
 
 
 def view(values: ArrayLike | Image | Result, result: Result | None = None) -> View:
-    """Show an image with contours, or the slices of a volume with a surface, and choose objects in it by clicks.
+    """Show an image with contours, or the slices of a volume with a surface, and select objects in it by clicks.
 
     Parameters
     ----------
     values : array_like, or Image, or Result
         An image or a volume, or what was found in one.
     result : Result, optional
-        What was found in the image, where it does not know it.
+        What was found in the image, if `values` is the image itself.
 
     Returns
     -------
@@ -65,10 +65,10 @@ def view(values: ArrayLike | Image | Result, result: Result | None = None) -> Vi
 
 
 class View(drawing.Pictured):
-    """An image, or a slice of a volume, in which clicks choose objects.
+    """An image, or a slice of a volume, in which clicks select objects.
 
-    In a notebook, a click on an object chooses it, or selects one that has been chosen; Shift-click adds to the
-    selected object or takes away from it, and Backspace removes it. The same can be done in Python.
+    In a notebook, a click on an object adds it and selects it; Shift-click adds to the selected object or removes from
+    it, and Backspace removes the object. The same can be done in Python.
 
     Parameters
     ----------
@@ -82,9 +82,9 @@ class View(drawing.Pictured):
     partition : Partition or VolumePartition
         What objects are selected from.
     objects : list of Selection or VolumeSelection
-        What has been chosen, the last click last.
+        The objects clicked so far, the last click last.
     selection : Selection or VolumeSelection or None
-        The one of them that was clicked last, which can be corrected.
+        The object that was clicked last, which can be corrected.
     plane : int or None
         The plane of a volume that is shown; None for an image.
 
@@ -113,11 +113,11 @@ class View(drawing.Pictured):
         self.objects: list[Any] = []
         self.selection: Any = None
         self.plane = partition.shape[0] // 2 if len(partition.shape) == 3 else None
-        self._results, self._said = [result] if result is not None else [], _HELP
+        self._results, self._said = [result] if result is not None else [], _HELP_TEXT
         self._limits = drawing.gray_limits(self._image.values)
 
     def click(self, place: Sequence[float], correct: bool = False) -> None:
-        """Choose the object at a place (row, col) or (plane, row, col), or `correct` the selected one there."""
+        """Select the object at a place (row, col) or (plane, row, col), or `correct` the selected one there."""
         at, former = np.array([place], dtype=float), self.selection
         if correct and former is not None:
             places = [former.inside, former.outside]
@@ -137,7 +137,7 @@ class View(drawing.Pictured):
     def remove(self) -> None:
         """Remove the selected object."""
         self.objects = [one for one in self.objects if one is not self.selection]
-        self.selection, self._said = None, _HELP
+        self.selection, self._said = None, _HELP_TEXT
         self._send()
 
     def turn_to(self, plane: int) -> None:
@@ -149,7 +149,7 @@ class View(drawing.Pictured):
         """Draw the image, or the slice, with contours and objects by matplotlib."""
         ax = self._image.plot(ax, scale_bar=False)
         drawing.show_curves(ax, self._lines(self._results))
-        drawing.show_curves(ax, [replace(line, color=_CHOSEN) for line in self._lines(self.objects)])
+        drawing.show_curves(ax, [replace(line, color=_SELECTED_OBJECT_COLOR) for line in self._lines(self.objects)])
         return ax
 
     @property
@@ -158,7 +158,7 @@ class View(drawing.Pictured):
         return image if self.plane is None else image.cut(0, self.plane)
 
     def _lines(self, found: Sequence[Any]) -> list[Contour]:
-        """The contours of results or objects, or where the plane cuts their surfaces."""
+        """Find the contours of results or objects, or where the plane cuts their surfaces."""
         at = self.plane
         return [
             line
@@ -193,12 +193,12 @@ class View(drawing.Pictured):
             self._widget.ground = self._ground() if ground else self._widget.ground
 
     def _chosen(self) -> Entries:
-        """The objects, and what is said about the last one."""
+        """Describe the objects, with a message on the last one."""
         objects = [(one is self.selection, "".join(map(_path, self._lines([one])))) for one in self.objects]
         return {"objects": objects, "said": self._said}
 
     def _ground(self) -> Entries:
-        """The image and its contours."""
+        """Encode the picture of the image, and its contours."""
         image, stream = self._image, io.BytesIO()
         black, white = self._limits
         gray = (np.clip((image.values - black) / (white - black), 0.0, 1.0) * 255.0).astype(np.uint8)
@@ -215,5 +215,5 @@ class View(drawing.Pictured):
 
 
 def _path(line: Contour) -> str:
-    """A contour as a path of SVG, x being the column."""
+    """Format a contour as a path of SVG, x being the column."""
     return "M" + "L".join(f"{col:.2f},{row:.2f}" for row, col in line.points.tolist()) + "Z" * line.closed

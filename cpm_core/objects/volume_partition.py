@@ -1,10 +1,10 @@
-"""A volume with the bodies that closed surfaces part it into, and the choice of a body by clicks.
+"""A volume with the bodies that closed surfaces divide it into, and the selection of bodies by clicks.
 
-A body is a connected part of the volume without the surface: what a surface encloses, or what lies between two of them,
-such as the wall of a shell and the hollow in it. Its boundary are the components of the surface next to it, and its
-volume and area are those of the triangles, not of voxels. A click selects the body that it lies in, a further one adds
-another body, and one outside takes a body away. Where no surface encloses a click, a prior learned from outlined images
-answers (`prior.bodies`), and further clicks correct that.
+A body is a connected part of the volume without the surface: the inside of a surface, or the space between two, such as
+the wall of a shell, or the hollow in it. Its boundary consists of the components of the surface next to it; its volume
+and area are measured on triangles, not on voxels. A click selects the body that it lies in, further positive points add
+other bodies, and negative ones remove bodies. Where no surface encloses a click, a network answers that has learned
+from outlined images (`prior.bodies`), and further clicks correct its answer.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from cpm_core.objects.prior.body_surface import body_surface
 from cpm_core.objects.prior.windows import SIDE, resampled
 from cpm_core.parameters.quotation import counted, described, sized
 
-_BESIDE = 0.75
-"""Distance from a surface at which the bodies on both sides are looked up [smallest sides of a voxel]."""
+_BODY_LOOKUP_DISTANCE = 0.75
+"""Distance from a surface at which the bodies on its sides are looked up [smallest sides of a voxel]."""
 
-_NOWHERE = "No place has been said to be inside."
-_SAME = "The same body has been said to be inside and outside; it is left out."
-_BOTH = "The same place has been said to be inside and outside; what was said last counts."
-_NOT_OF_INTEREST = "A place outside the regions of interest counts for nothing."
-_THIN = "No body was found at this place."
+_NO_POINT_REMARK = "No place has been said to be inside."
+_CONFLICTING_BODY_REMARK = "The same body has been said to be inside and outside; it is left out."
+_CONFLICTING_POINT_REMARK = "The same place has been said to be inside and outside; what was said last counts."
+_OUTSIDE_INTEREST_REMARK = "A place outside the regions of interest counts for nothing."
+_NO_BODY_REMARK = "No body was found at this place."
 
 NO_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
 """The surface of a volume in which nothing has run yet."""
@@ -53,9 +53,9 @@ class VolumePartition:
     image : Image
         The volume.
     surface : Surface
-        The surfaces along which it is cut, all in one; without any, the prior answers everywhere.
+        The surfaces along which it is cut, all in one; without any, the network answers everywhere.
     regions : VolumeRegions, optional
-        What the prior answers stays in the regions of interest.
+        Regions of interest, in which the answers of the network stay.
 
     Examples
     --------
@@ -113,47 +113,47 @@ class VolumePartition:
     def select(
         self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
     ) -> VolumeSelection:
-        """Choose the bodies that some places lie in, and leave out those that others lie in.
+        """Select the bodies that positive points lie in, without those that negative points lie in.
 
         Parameters
         ----------
         inside, outside : array_like, shape (M, 3) and (K, 3)
-            Places (plane, row, col) [voxels]. A place outside the volume counts as the nearest one in it.
+            Positive and negative points (plane, row, col) [voxels]. One outside the volume is moved to its border.
         previous : VolumeSelection, optional
-            What was chosen before; the places are added to its own.
+            The selection before; the points are added to its own.
 
         Returns
         -------
         VolumeSelection
-            Empty when no place lies in a body.
+            Empty when no positive point lies in a body.
 
         Raises
         ------
         ValueError
-            When the places are not planes, rows and columns.
+            When points are not planes, rows and columns.
         """
         within, beyond = (as_places(given, "planes, rows and columns") for given in (inside, outside))
         if previous is not None:
             within, beyond = _more(previous.inside, within), _more(previous.outside, beyond)
         if not len(within):
-            return VolumeSelection(self, NO_SURFACE, within, beyond, _NOWHERE)
+            return VolumeSelection(self, NO_SURFACE, within, beyond, _NO_POINT_REMARK)
         wanted, unwanted = self.bodies_at(within), self.bodies_at(beyond)
         chosen = np.setdiff1d(wanted, unwanted)
         voxels = None if previous is None else previous.voxels
         if wanted.all() and len(chosen) and voxels is None:
-            remark = _SAME if np.isin(wanted, unwanted).any() else ""
+            remark = _CONFLICTING_BODY_REMARK if np.isin(wanted, unwanted).any() else ""
             found = VolumeSelection(self, self.boundary_of(chosen), within, beyond, remark)
         else:
             found = self._likely(within, beyond, previous, voxels)
-        return found if found.found or found.remark else replace(found, remark=_THIN)
+        return found if found.found or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
     def candidates(
         self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
     ) -> tuple[VolumeSelection, ...]:
-        """Find the different bodies that some places may mean, from the smallest to the largest.
+        """Find the different bodies that points, shape (M, 3) [voxels], may mean, from the smallest to the largest.
 
-        One of them is that of `select`, which has the same parameters. The others are what the prior sees in parts of
-        the volume of other sizes around the first place inside.
+        One of them is that of `select`, which has the same parameters. The others are predictions in crops of other
+        sizes around the first positive point.
         """
         first = self.select(inside, outside, previous=previous)
         found = [first]
@@ -167,16 +167,16 @@ class VolumePartition:
     def _likely(
         self, inside: Array, outside: Array, previous: VolumeSelection | None, voxels: PackedVoxels | None
     ) -> VolumeSelection:
-        """What the prior makes of places, next to what was chosen before."""
+        """Select a body by the network, starting from what was selected before."""
         within, beyond = inside, outside
         same = (np.rint(within)[:, None] == np.rint(beyond)).all(axis=2)
-        if same.any():  # what was said last counts
+        if same.any():  # of contradicting points, the last one counts
             newer = np.arange(len(within)) >= (len(within) if previous is None else len(previous.inside))
             within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
-        remark = _BOTH if same.any() else ""
+        remark = _CONFLICTING_POINT_REMARK if same.any() else ""
         if self._interest is not None:
             here, there = (self._interest[tuple(self._voxels_at(given).T)] for given in (within, beyond))
-            remark = remark if here.all() and there.all() else _NOT_OF_INTEREST
+            remark = remark if here.all() and there.all() else _OUTSIDE_INTEREST_REMARK
             within, beyond = within[here], beyond[there]
         if not len(within):
             return VolumeSelection(self, NO_SURFACE, inside, outside, remark)
@@ -193,7 +193,7 @@ class VolumePartition:
     def _bounded(
         self, body: Body, inside: Array, outside: Array, remark: str, voxels: PackedVoxels | None = None
     ) -> VolumeSelection:
-        """The selection of a body, corrected by the places that contradict it; of voxels, if it consists of some."""
+        """Correct a body by the points that contradict it, and find its surface, or its voxels once painted."""
         size, (within, beyond) = self._prior.size, map(self._within, (inside, outside))
         for places, adds in ((within, True), (beyond, False)):
             for place in places:
@@ -210,7 +210,7 @@ class VolumePartition:
         return VolumeSelection(self, surface, inside, outside, remark, body)
 
     def _repainted(self, voxels: PackedVoxels, before: Body, after: Body, place: Array, adds: bool) -> PackedVoxels:
-        """Voxels to which a place has added what is near it, or from which it has taken that away."""
+        """Add to voxels what a point has added to a body near it, or remove what it has removed."""
         cube, size = after.cube, self._prior.size
         at = np.rint(place).astype(np.int64)
         first = np.clip(np.ceil(cube.places(np.zeros(3)) / size).astype(np.int64), 0, at)
@@ -224,27 +224,27 @@ class VolumePartition:
         return voxels.with_part(first, known | changed if adds else known & ~changed) or voxels
 
     def selection_of(self, body: PackedBody, inside: ArrayLike = (), outside: ArrayLike = ()) -> VolumeSelection:
-        """The selection that the body of an object is, with its places."""
+        """Build the selection of the body of an object, with its points, shape (M, 3) and (K, 3) [voxels]."""
         within, beyond = (as_places(given, "planes, rows and columns") for given in (inside, outside))
         surface = replace(body.surface, spacing=self.image.spacing, unit=self.image.unit)
         return VolumeSelection(self, surface, within, beyond, voxels=body if isinstance(body, PackedVoxels) else None)
 
     def _bodies_at(self, place: Array) -> Iterator[Body]:
-        """What the prior sees around a place, shape (1, 3); what is known for the last one is not asked for again."""
+        """Predict the bodies around a point, shape (1, 3); predictions for the last point are kept."""
         (at,) = self._within(place) * self._prior.size
         return copy(self._found(tuple(at.tolist())))
 
     @cached_property
     def _found(self) -> Callable[[tuple[float, ...]], Iterator[Body]]:
-        """Bodies around a place, which copies go through from the first one on; those of the last place are kept."""
+        """Bodies around a point, of which copies iterate from the first one on; those of the last point are kept."""
         return lru_cache(1)(lambda place: tee(self._prior.bodies_at(np.array(place)), 1)[0])
 
     def _within(self, places: Array) -> Array:
-        """The nearest places in the volume."""
+        """Clip points to the volume."""
         return np.clip(places, 0.0, np.array(self.shape) - 1.0)
 
     def _voxels_at(self, places: Array) -> Index:
-        """The nearest voxels."""
+        """Find the nearest voxels of points."""
         return np.rint(self._within(places)).astype(np.int64)
 
     @cached_property
@@ -257,7 +257,7 @@ class VolumePartition:
         return BodyPrior(self.image.values, np.array(pitch_of(self.image.spacing)))
 
     def bodies_at(self, places: Array) -> Index:
-        """Numbers of the bodies that places, shape (N, 3) [voxels], lie in, 0 outside all."""
+        """Find the numbers of the bodies that points, shape (N, 3) [voxels], lie in, shape (N,); 0 outside all."""
         voxels = self._voxels_at(places)
         found = np.zeros(len(voxels), np.int64)
         if not len(self.surface.faces):
@@ -268,7 +268,7 @@ class VolumePartition:
         return found
 
     def boundary_of(self, chosen: Index) -> Surface:
-        """The components of the surface that bound bodies, turned outward; none between two of them."""
+        """Extract the components of the surface that bound bodies, turned outward; none between two of these bodies."""
         within, beyond = (np.isin(side, chosen) for side in self._sides)
         faces = self.surface.faces
         component = self.surface.component_of_vertex[faces[:, 0]]
@@ -285,9 +285,9 @@ class VolumePartition:
 
     @cached_property
     def _sides(self) -> tuple[Index, Index]:
-        """The body inside each component of the surface, and the one outside it: those most of its vertices tell."""
+        """The body inside each component of the surface, and the body outside, by a majority of its vertices."""
         surface = self.surface
-        step = _BESIDE * min(surface.spacing) * surface.normals / np.array(surface.spacing)
+        step = _BODY_LOOKUP_DISTANCE * min(surface.spacing) * surface.normals / np.array(surface.spacing)
         inner, outer = self.bodies_at(surface.vertices - step), self.bodies_at(surface.vertices + step)
         return _most_frequent(surface.component_of_vertex, inner), _most_frequent(surface.component_of_vertex, outer)
 
@@ -297,22 +297,22 @@ class VolumePartition:
 
 @record
 class VolumeSelection:
-    """A body that has been chosen by clicks in a volume, or several.
+    """One or several bodies that clicks have selected in a volume.
 
     Attributes
     ----------
     partition : VolumePartition
-        What it was chosen from.
+        What it was selected from.
     surface : Surface
         Its boundary: its triangles are turned outward, away from it.
     inside, outside : ndarray, shape (M, 3) and (K, 3)
-        The places that have been said to be inside and outside [voxels].
+        The positive and negative points of the prompt [voxels].
     remark : str
-        One sentence on what was unusual about the places, or empty.
+        One sentence on what was unusual about the points, or empty.
     body : Body or None
-        What the prior made of the places; None for what closed surfaces enclose.
+        The prediction of the network; None for bodies of closed surfaces.
     voxels : PackedVoxels or None
-        Its voxels, if it has been painted; what is far from a click stays as it is.
+        Its voxels, if it has been painted; a correction changes only what is near its point.
 
     Examples
     --------
@@ -340,7 +340,7 @@ class VolumeSelection:
 
     @cached_property
     def mask(self) -> Mask:
-        """Voxels whose centers lie in it, shape (P, R, C), with those of the places inside, without those outside."""
+        """Voxels whose centers lie in it, shape (P, R, C), with all positive points and without negative ones."""
         found = np.zeros(self.partition.shape, bool)
         first, part = self._voxels
         found[tuple(slice(at, at + side) for at, side in zip(first.tolist(), part.shape, strict=True))] = part
@@ -348,7 +348,7 @@ class VolumeSelection:
 
     @cached_property
     def _voxels(self) -> tuple[Index, Mask]:
-        """The first voxel of a box around it, and which voxels there lie in it: large volumes have many selections."""
+        """First voxel of a box around it, and its voxels in the box: large volumes have many selections."""
         shape = np.array(self.partition.shape)
         places = [np.rint(np.clip(given, 0, shape - 1)).astype(np.int64) for given in (self.outside, self.inside)]
         every = np.concatenate([self.surface.vertices, *places])
@@ -357,13 +357,13 @@ class VolumeSelection:
         there = replace(self.surface, vertices=self.surface.vertices - first)
         part = inside_of(there, tuple((end - first).tolist())) if self.found else np.zeros(end - first, bool)
         for voxels, within in zip(places, (False, True), strict=True):
-            if self.body is not None and self.remark != _BOTH:
+            if self.body is not None and self.remark != _CONFLICTING_POINT_REMARK:
                 part[tuple((voxels - first).T)] = within
         return first, part
 
     @cached_property
     def packed(self) -> PackedBody:
-        """It as a session holds it; ValueError when it is empty."""
+        """The body as a session holds it; ValueError when it is empty."""
         return self.voxels or PackedSurface.of(self.surface)
 
     @property
@@ -373,7 +373,7 @@ class VolumeSelection:
 
     @property
     def only_places(self) -> bool:
-        """Never: a body is more than the places in it."""
+        """False: a body is more than the points in it."""
         return False
 
     @property
@@ -390,11 +390,11 @@ class VolumeSelection:
         return described("VolumeSelection", self.partition.image.source, counted(self.surface.components, "part"))
 
     def same(self, other: VolumeSelection) -> bool:
-        """Whether the same bodies have been chosen."""
+        """Return whether another selection has the same bodies."""
         return np.array_equal(self.surface.vertices, other.surface.vertices)
 
     def holds(self, places: Array) -> Mask:
-        """Which of places, shape (N, 3) [voxels], lie in it; one outside the volume counts as the nearest one in it."""
+        """Return which points, shape (N, 3) [voxels], lie in it; one outside is moved to the nearest voxel."""
         first, part = self._voxels
         voxels = np.rint(np.clip(places, 0, np.array(self.partition.shape) - 1)).astype(np.int64) - first
         there: Mask = np.all((voxels >= 0) & (voxels < np.array(part.shape)), axis=1)
@@ -403,13 +403,13 @@ class VolumeSelection:
 
 
 def _more(before: Array, places: Array) -> Array:
-    """Places, and those before that are not among them, in their order."""
+    """Append those of some points that are not among the points before."""
     fresh = (places[:, None] != before[None]).any(axis=2).all(axis=1) if len(places) else np.zeros(0, bool)
     return np.concatenate([before, places[fresh]])
 
 
 def _most_frequent(group: Index, value: Index) -> Index:
-    """The value that most members of each group have."""
+    """Find the value that most members of each group have."""
     most, groups = int(value.max(initial=0)) + 1, int(group.max(initial=-1)) + 1
     counts = np.bincount(group * most + value, minlength=groups * most)
     return counts.reshape(groups, most).argmax(axis=1)

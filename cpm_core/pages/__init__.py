@@ -1,4 +1,4 @@
-"""Stacks whose pages are images of their own: one run a page, objects followed from page to page as tracks."""
+"""Stacks whose pages are separate images: one run a page, objects followed from page to page as tracks."""
 
 from cpm_core.pages.follow import Follower as Follower
 from cpm_core.pages.follow import fitting as fitting

@@ -23,7 +23,7 @@ from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes import Start, seeds_of, starts_along
 
 Seeds = ArrayLike | Callable[[Image], ArrayLike]
-"""Positions of particles, or what gives them for an image."""
+"""Positions of particles, shape (N, 2), or a function that gives them for an image."""
 
 
 def follow(
@@ -46,7 +46,7 @@ def follow(
     seeds : array_like, shape (N, 2), or callable
         Where particles start on the first page, (row, col) [px], or a function that gives it for an image.
     parameters : Parameters, optional
-        As for `segment`; a page that has no room for so many scales takes fewer.
+        As for `segment`; pages too small for all scales use fewer.
     numbers : sequence of int, optional
         Which pages, from 1, in the order in which they are followed; all by default.
     fresh : bool
@@ -57,8 +57,13 @@ def follow(
     Yields
     ------
     Page
-        Each page as soon as it is done. The numbers of its contours are their tracks, which overlap from page to page.
-        A page that cannot be used has a sentence in place of a result; ValueError for one that there is not.
+        Each page as soon as it is done. The numbers of its contours are their tracks. A page that cannot be used has an
+        error message and no result.
+
+    Raises
+    ------
+    ValueError
+        When there are no such pages.
 
     Examples
     --------
@@ -97,7 +102,7 @@ def follow(
 
 
 def _is_row(given: object) -> TypeGuard[Sequence[Any]]:
-    """Whether something has a first, a second, and so on; an array without axes has not."""
+    """Return whether something is a sequence; an array without axes is none."""
     return isinstance(given, Sequence) or (isinstance(given, np.ndarray) and given.ndim > 0)
 
 
@@ -105,7 +110,7 @@ class Follower:
     """Follows objects from page to page: where the next page starts, and which tracks its contours belong to."""
 
     def __init__(self, known: Sequence[Page] = ()) -> None:
-        """`known` are the pages that have been followed before."""
+        """Continue after the pages `known`, which have been followed before."""
         self._last = next((page.contours for page in reversed(known) if page.contours), ())
         tracks = max((contour.number for page in known for contour in page.contours), default=0)
         self._tracker = Tracker(self._last, tracks)
@@ -116,7 +121,7 @@ class Follower:
         return starts_along(self._last)
 
     def take(self, number: int, found: Result) -> Page:
-        """The next page, with what was found on it; the numbers of its contours are their tracks."""
+        """Add the next page, with what was found on it; the numbers of its contours are their tracks."""
         light = without_image(found)
         contours, events = self._tracker.follow(number, light.contours, light.shape)
         self._last = contours or self._last
@@ -124,11 +129,11 @@ class Follower:
 
 
 def fitting(parameters: Parameters, shape: Extent) -> Parameters:
-    """Parameters with no more scales than an image of a shape has room for."""
+    """Limit the scales of parameters to those that an image of a shape has room for."""
     most = most_scales(shape)
     return replace(parameters, scales=most) if parameters.scales > most else parameters
 
 
 def trouble_of(error: Exception) -> str:
-    """Why a page could not be used, in one sentence."""
+    """Describe in one sentence why a page could not be used."""
     return "There is not enough memory for this page." if isinstance(error, MemoryError) else str(error)

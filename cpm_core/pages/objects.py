@@ -1,8 +1,8 @@
-"""Objects followed from page to page: those of the page before, moved as they have moved, are looked for on the next.
+"""Objects followed from page to page: each object of a page is sought on the next one.
 
-Each is sought near where it would be at the speed that it had, where the page looks most like it (normalized cross-
-correlation: Lewis, Vision Interface 1995). What particles have closed there beyond doubt is the object, elsewhere what
-the prior makes of the moved object. Which is which, and what splits and merges, is decided as for contours.
+It is sought near where its last speed would take it, at the place where the page looks most like it (normalized cross-
+correlation: Lewis, Vision Interface 1995). An unambiguous closed region there is the object; elsewhere the network
+completes the moved object. Identity, splits and merges are decided as for contours.
 """
 
 from __future__ import annotations
@@ -26,21 +26,26 @@ from cpm_core.pages.follow import trouble_of
 from cpm_core.pages.page import Page, without_image
 from cpm_core.pages.tracks import LEAST_OVERLAP, PART, Tracker, TrackEvent, origins_of
 
-_AROUND, _FAR = 0.25, 0.1
-"""Margin around an object that is compared as well, in lengths of it; and how much less a place that is a length away
-from the one expected has to look like it."""
+_TEMPLATE_MARGIN = 0.25
+"""Margin around an object that is compared as well, in lengths of the object."""
 
-_ALIKE = 0.5
-"""Overlap from which what is closed is the object that is sought."""
+_DISTANCE_PENALTY = 0.1
+"""How much the likeness of a place drops that is one object length away from the expected one."""
 
-_CORE = 0.4
-"""Depth from which the pixels of the moved object surely belong to it, as a share of the largest."""
+_MIN_CLOSED_IOU = 0.5
+"""Overlap from which a closed region is the object that is sought."""
 
-_RING, _FAINT = 4, 0.5
-"""Width of the rim that an object is compared with [px], and the share of its contrast with it that it has to keep."""
+_CORE_DEPTH = 0.4
+"""Depth from which pixels of the moved object surely belong to it, as a share of the largest depth."""
 
-_PIECE = 0.2
-"""Share of an object from which a part of it that is apart from the others is an object of its own."""
+_CONTRAST_RING_WIDTH = 4
+"""Width of the ring that an object is compared with [px]."""
+
+_MIN_CONTRAST_KEPT = 0.5
+"""Share of its contrast with that ring that an object has to keep."""
+
+_MIN_PIECE_SHARE = 0.2
+"""Share of an object from which a separate part of it is an object of its own."""
 
 
 @record
@@ -50,9 +55,9 @@ class FollowedObject:
     Attributes
     ----------
     number : int
-        Its number, the same as on the page before; a new one for what has split off.
+        Its number, the same as on the page before; a new one if it has split off.
     origin : int
-        Number of the object on the page before that it is, or has split off.
+        Number of the object on the page before that it continues, or that it has split off.
     selection : Selection
         The object.
     """
@@ -66,14 +71,14 @@ class ObjectFollower:
     """Follows objects from page to page."""
 
     def __init__(self, tracks: int = 0) -> None:
-        """So many `tracks` are known: new ones have larger numbers."""
+        """Start with a number of `tracks` that are known: new ones get larger numbers."""
         self._tracks = tracks
         self._values: Array = np.empty((0, 0))
         self._before: Mapping[int, Selection] = {}
         self._speeds: Mapping[int, Index] = {}
 
     def take(self, values: Array, objects: Mapping[int, Selection]) -> None:
-        """Take the objects of a page by their numbers, with the gray levels of the page, shape (H, W)."""
+        """Remember the objects of a page by their numbers, with the gray levels of the page, shape (H, W)."""
         known = self._before.keys() & objects.keys()
         middles = {
             number: [np.argwhere(on[number].mask).mean(axis=0) for on in (self._before, objects)] for number in known
@@ -84,7 +89,7 @@ class ObjectFollower:
     def follow(
         self, number: int, page: Partition, check: Callback = lambda: None
     ) -> tuple[tuple[FollowedObject, ...], tuple[TrackEvent, ...]]:
-        """Find the objects of the page before on the page of a number; `check` is called again and again.
+        """Find the objects of the page before on the page of a number; `check` is called between objects.
 
         Returns
         -------
@@ -129,16 +134,16 @@ def follow_objects(
     pages : sequence of Image
         The pages.
     found_on : callable
-        Gives the contours of a page.
+        Finds the contours of a page.
     inside, outside : array_like, shape (M, 2) and (K, 2)
-        Places in the object, and not in it [px].
+        Positive and negative points [px].
     numbers : sequence of int
         Which pages, from 1, in the order in which they are followed.
 
     Yields
     ------
     Page
-        Each page as soon as it is done; one that cannot be used, or without the object, has a sentence.
+        Each page as soon as it is done; a page that cannot be used, or without the object, has an error message.
     """
     follower, objects = ObjectFollower(), dict[int, Selection]()
     for number in numbers:
@@ -166,7 +171,7 @@ def follow_objects(
 
 
 def pages_of(found: Mapping[int, Result]) -> tuple[Page, ...]:
-    """The pages of objects that have been accepted, by number, with what happens to the objects from page to page.
+    """Build the pages of accepted objects by number, with what happens to the objects from page to page.
 
     The contours of an object have its number as their group; an object is looked for where it would be at its speed.
     """
@@ -190,7 +195,7 @@ def pages_of(found: Mapping[int, Result]) -> tuple[Page, ...]:
 
 
 class _Sought:
-    """An object of the page before, moved as fast as before, and to where the page looks most like it."""
+    """An object of the page before, moved at its last speed, and to where the page looks most like it."""
 
     def __init__(self, outer: Contour, mask: Mask, values: Array, speed: Index, seen: Index) -> None:
         self._bounds = [replace(outer, points=outer.points + by) for by in (speed, seen)]
@@ -200,30 +205,33 @@ class _Sought:
         self._distinct = abs(self._contrast) > values[mask].std()
 
     def bound(self, taken: Mask) -> Contour:
-        """Its boundary where it was expected, or where it is seen if nothing has been found there."""
+        """Select its boundary where it was expected, or where it is seen if nothing has been found there.
+
+        `taken`, shape (H, W), are the pixels of all objects found.
+        """
         there = np.count_nonzero(self.expected & taken) > LEAST_OVERLAP * np.count_nonzero(self.expected)
         return self._bounds[not there]
 
     def like(self, other: Mask, values: Array) -> bool:
-        """Whether something on the next page differs from what is around it as this object does, if it does clearly."""
+        """Return whether an object, shape (H, W), contrasts with its surroundings as this one did, if it did."""
         same = _contrast(other, values) / self._contrast if self._distinct and other.any() else 1.0
-        return bool(same > _FAINT)
+        return bool(same > _MIN_CONTRAST_KEPT)
 
     def holds(self, other: Mask) -> bool:
-        """Whether most of something else lies in it where it was expected."""
+        """Return whether most of another object, shape (H, W), lies in it where it was expected."""
         return bool(np.count_nonzero(other & self.expected) > PART * np.count_nonzero(other))
 
     def apart(self, mask: Mask) -> list[Mask]:
-        """What has been found, in as many parts as it has more than before."""
+        """Split what has been found, shape (H, W), if it has more pieces than the object had before."""
         several = _pieces(mask)
         return several if len(several) > self._pieces else [mask]
 
 
 def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
-    """How far an object has moved to where a page looks most like it."""
+    """Find how far an object has moved to where a page looks most like it."""
     low, high = ends(mask)
     reach = int((high - low).max()) + 1
-    around = int(_AROUND * reach) + 1
+    around = int(_TEMPLATE_MARGIN * reach) + 1
     first, last = np.maximum(low - around, 0), np.minimum(high + around + 1, mask.shape)
     rows, cols = (
         np.clip(np.arange(start - reach, stop + reach), 0, side - 1)
@@ -232,12 +240,12 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
     template = before[first[0] : last[0], first[1] : last[1]]
     likeness = skimage.feature.match_template(now[np.ix_(rows, cols)], template)  # type: ignore[no-untyped-call]
     away = np.hypot(*np.ogrid[-reach : reach + 1, -reach : reach + 1]) / reach
-    place = np.unravel_index(np.argmax(likeness - _FAR * away**2), likeness.shape)
+    place = np.unravel_index(np.argmax(likeness - _DISTANCE_PENALTY * away**2), likeness.shape)
     return speed + place - reach
 
 
 def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[Selection]:
-    """What is where objects are sought, each once; of two that share pixels, what is more like before comes first."""
+    """Find the sought objects on a page, each once; of two that share pixels, the more similar one comes first."""
     certain, taken = [(one, *ends(one)) for one in page.certain()], np.zeros(page.shape, bool)
     found: list[Selection] = []
 
@@ -250,7 +258,7 @@ def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[
         parts = [one for one in several if np.count_nonzero(one & mask) > PART * np.count_nonzero(one)]
         whole = np.logical_or.reduce(parts) if parts else mask & False
         best = max((*several, whole), key=lambda one: overlap(one, mask))
-        return best if overlap(best, mask) > _ALIKE else None
+        return best if overlap(best, mask) > _MIN_CLOSED_IOU else None
 
     def answer(mask: Mask) -> Mask:
         check()
@@ -273,9 +281,9 @@ def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[
         for part in each.apart(mask):
             if each.like(part, page.values):
                 take(part)
-    for each in sought:  # what has split off lies where nothing has been found
+    for each in sought:  # objects that have split off lie where nothing has been found
         rest = each.expected & ~taken
-        if np.count_nonzero(rest) > _PIECE * np.count_nonzero(each.expected):
+        if np.count_nonzero(rest) > _MIN_PIECE_SHARE * np.count_nonzero(each.expected):
             for other in [one for one in near(rest) if each.holds(one)] or [answer(rest)]:
                 if each.holds(other) and each.like(other, page.values):
                     take(other)
@@ -283,27 +291,27 @@ def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[
 
 
 def _outer(one: Selection) -> Contour:
-    """The boundary of an object, without its holes and smaller parts."""
+    """Find the outer contour of an object, without its holes and smaller parts."""
     return max(one.contours, key=lambda contour: contour.area)
 
 
 def _contrast(mask: Mask, values: Array) -> float:
-    """How much brighter an object is than what is around it."""
+    """Measure how much brighter an object is than its surroundings."""
     low, high = ends(mask)
-    box = tuple(map(slice, np.maximum(low - _RING, 0), high + _RING + 1))
+    box = tuple(map(slice, np.maximum(low - _CONTRAST_RING_WIDTH, 0), high + _CONTRAST_RING_WIDTH + 1))
     mask, values = mask[box], values[box]
-    ring = scipy.ndimage.binary_dilation(mask, iterations=_RING) & ~mask
+    ring = scipy.ndimage.binary_dilation(mask, iterations=_CONTRAST_RING_WIDTH) & ~mask
     return float(np.median(values[mask]) - np.median(values[ring])) if ring.any() else 0.0
 
 
 def _core(mask: Mask) -> Mask:
-    """Pixels deep inside."""
+    """Find the pixels deep inside."""
     depth = scipy.ndimage.distance_transform_edt(mask)
-    return np.asarray(depth > _CORE * depth.max())
+    return np.asarray(depth > _CORE_DEPTH * depth.max())
 
 
 def _moved(mask: Mask, by: Index) -> Mask:
-    """Pixels moved by whole pixels; those beyond the border are gone."""
+    """Shift a mask by whole pixels; those beyond the border are dropped."""
     places = np.argwhere(mask) + by
     places = places[((places >= 0) & (places < mask.shape)).all(axis=1)]
     moved = np.zeros_like(mask)
@@ -312,7 +320,7 @@ def _moved(mask: Mask, by: Index) -> Mask:
 
 
 def _pieces(mask: Mask) -> list[Mask]:
-    """The larger parts of an object that are apart from each other."""
+    """Find the larger pieces of an object that are apart from each other."""
     parts, _ = scipy.ndimage.label(mask)
     sizes = np.bincount(parts.ravel())
-    return [parts == part for part in range(1, len(sizes)) if sizes[part] >= _PIECE * sizes[1:].sum()]
+    return [parts == part for part in range(1, len(sizes)) if sizes[part] >= _MIN_PIECE_SHARE * sizes[1:].sum()]

@@ -16,8 +16,11 @@ from cpm_core.numerics.types import Integers, Plain, frozen, record
 from cpm_core.pages.tracks import TrackEvent, origins_of
 from cpm_core.parameters.quotation import counted, described
 
-_DECIMALS, _OF_MEASURES = 4, 6
-"""Decimals of the vertices of contours [px], and of what is measured in the image, as files hold them."""
+_VERTEX_DECIMALS = 4
+"""Decimals of the vertices of contours, as files hold them [px]."""
+
+_MEASURE_DECIMALS = 6
+"""Decimals of what is measured in the image, as files hold it."""
 
 
 @record
@@ -33,7 +36,7 @@ class Page:
     events : tuple of TrackEvent
         Which tracks begin, split, merge, end or leave the image here.
     trouble : str
-        Why the page could not be used, one sentence; empty where it could.
+        Why the page could not be used, in one sentence; empty if it could.
 
     Examples
     --------
@@ -69,7 +72,7 @@ class StackResult:
     count : int
         Number of its pages.
     pages : tuple of Page
-        Those that have been followed, in that order.
+        The pages that have been followed, in that order.
     axis : {"z", "t", "c"}
         What the pages are: planes, points in time, channels.
     alone : bool
@@ -126,13 +129,13 @@ class Track:
 
 
 def without_image(result: Result) -> Result:
-    """A result that takes little memory: contours as files hold them, with their contrast and gray values."""
+    """Strip a result of its image: contours as files hold them, with their contrast and gray values."""
     contours = tuple(
         replace(
             contour,
-            points=np.round(contour.points, _DECIMALS),
-            strength=round(contour.strength, _OF_MEASURES),
-            sides=None if contour.sides is None else partial(round, contour.contrast, _OF_MEASURES),
+            points=np.round(contour.points, _VERTEX_DECIMALS),
+            strength=round(contour.strength, _MEASURE_DECIMALS),
+            sides=None if contour.sides is None else partial(round, contour.contrast, _MEASURE_DECIMALS),
             gray=gray,
             way=partial(str, contour.reached),
         )
@@ -141,9 +144,9 @@ def without_image(result: Result) -> Result:
     bridges = tuple(
         replace(
             bridge,
-            points=np.round(bridge.points, _DECIMALS),
-            length=round(bridge.length, _DECIMALS),
-            strength=round(bridge.strength, _OF_MEASURES),
+            points=np.round(bridge.points, _VERTEX_DECIMALS),
+            length=round(bridge.length, _VERTEX_DECIMALS),
+            strength=round(bridge.strength, _MEASURE_DECIMALS),
         )
         for bridge in result.bridges
     )
@@ -151,11 +154,13 @@ def without_image(result: Result) -> Result:
 
 
 def _grays(result: Result) -> list[float | None]:
-    """Mean gray value of what each closed contour encloses by itself, as in the label mask, if there is an image."""
+    """Measure the mean gray value of each closed contour as in the label mask, if there is an image."""
     labels = contour_labels(result.contours)
     if result.image is None:
         return [contour.gray for contour in result.contours]
     painted, most = paint(result.contours, result.shape).ravel(), max(labels, default=0) + 1
     sums = np.bincount(painted, result.image.values.ravel(), most)
     counts = np.bincount(painted, minlength=most)
-    return [round(sums[label] / counts[label], _OF_MEASURES) if label and counts[label] else None for label in labels]
+    return [
+        round(sums[label] / counts[label], _MEASURE_DECIMALS) if label and counts[label] else None for label in labels
+    ]

@@ -1,8 +1,8 @@
 """Tracks: contours on one page after the other that bound the same object.
 
-Two contours belong to one track where they overlap most: closed ones by the areas that they alone enclose, as in the
-label mask; open ones by the areas between them and the line that joins their ends, or by the length that runs next to
-the other. The measure is that of Dice, 0 to 1.
+Contours are matched to tracks by their largest overlaps: the overlap of closed contours is that of the areas that they
+alone enclose, as in the label mask; of open ones, that of the areas between them and the line that joins their ends, or
+of the length that runs along the other. The measure is the Dice coefficient, 0 to 1.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ LEAST_OVERLAP = 0.2
 """Least overlap of two contours of one track."""
 
 PART = 0.5
-"""Share of an area that has to lie in another for it to be a part of that one."""
+"""Least share of an area that lies in another for it to be a part of that one."""
 
-_BESIDE = 6.0
-"""Distance up to which one line runs next to another [px]."""
+_LINE_TOLERANCE = 6.0
+"""Distance up to which one line runs along another [px]."""
 
-_SAMPLING = 1.0
+_TRACK_SAMPLING = 1.0
 """Distance between the samples of lines that are compared [px]."""
 
-_RIM = 3.0
+_BORDER_TOLERANCE = 3.0
 """Distance from the border of the image up to which a contour touches it [px]."""
 
 EventKind = Literal["begins", "splits", "merges", "ends", "leaves"]
 """What happens to a track."""
 
-_WORDS: dict[EventKind, str] = {
+_EVENT_SENTENCES: dict[EventKind, str] = {
     "begins": "track {track} begins",
     "splits": "track {others} splits off track {track}",
     "merges": "track {track} merges into track {others}",
@@ -57,7 +57,7 @@ class TrackEvent:
         What happens: the track begins; others split off it; it merges into another; it ends, inside the image or at its
         border.
     page : int
-        The page, from 1; for a track that is not there any more, the first one without it.
+        The page, from 1; for a track that has ended, the first page without it.
     track : int
         The track.
     others : tuple of int
@@ -79,7 +79,7 @@ class TrackEvent:
         """The event in words."""
         several = len(self.others) > 1
         others = " and ".join(map(str, self.others))
-        words = _WORDS[self.kind].format(track=self.track, others=others)
+        words = _EVENT_SENTENCES[self.kind].format(track=self.track, others=others)
         if several:
             words = words.replace("track ", "tracks ", 1).replace("splits", "split")
         return f"Page {self.page}: {words}."
@@ -89,15 +89,15 @@ class TrackEvent:
 
 
 def origins_of(events: Iterable[TrackEvent]) -> dict[int, int]:
-    """The track that each of those has split off which have split off one."""
+    """Find the track that each track has split off, if any."""
     return {other: event.track for event in events if event.kind == "splits" for other in event.others}
 
 
 class Overlaps(NamedTuple):
-    """How much each contour of one page overlaps with each of another, shape (N, M).
+    """Overlaps of the contours of one page with the contours of another, each of shape (N, M).
 
-    `dice` is the measure by which contours belong to one track, `part` the share of the smaller area that lies in the
-    other; 0 for open contours.
+    `dice` decides which contours belong to one track; `part` is the share of the smaller area that lies in the other,
+    0 for open contours.
     """
 
     dice: Array
@@ -108,7 +108,7 @@ class Tracker:
     """Numbers the contours of one page after the other by their tracks."""
 
     def __init__(self, contours: Contours = (), tracks: int = 0) -> None:
-        """`contours` are those of the page before, with their tracks as numbers; so many `tracks` are known."""
+        """Start from the contours of the page before, numbered by their tracks, and the number of known tracks."""
         self._before = tuple(contours)
         self._tracks = tracks
         self._begun = tracks > 0
@@ -118,8 +118,8 @@ class Tracker:
     ) -> tuple[tuple[Contour, ...], tuple[TrackEvent, ...]]:
         """Give the contours of a page of this shape [px] their tracks as numbers, and report what happens to tracks.
 
-        Where they `keep` their numbers, those are tracks. A page without contours is passed over: what is found on the
-        next one is compared with the page before.
+        With `keep`, their numbers are their tracks already. A page without contours is skipped: the next page is
+        compared with the page before it.
         """
         if not contours:
             return (), ()
@@ -143,7 +143,7 @@ class Tracker:
     def _events(
         self, page: int, now: Contours, pairs: dict[int, int], part: Array, shape: Extent
     ) -> Iterable[TrackEvent]:
-        """The tracks that merge into others, end, or leave the image, and those that begin or split off others."""
+        """Find the tracks that merge into others, end or leave the image, and those that begin or split off others."""
         before, heirs = self._before, {heir: then for then, heir in pairs.items()}
         around = containment(before)
         for index, contour in enumerate(before):
@@ -155,7 +155,7 @@ class Tracker:
                 yield TrackEvent("merges", page, contour.number, (now[heir].number,))
             else:
                 low, high = contour.box
-                outside = (low < _RIM).any() or (high > np.array(shape) - 1.0 - _RIM).any()
+                outside = (low < _BORDER_TOLERANCE).any() or (high > np.array(shape) - 1.0 - _BORDER_TOLERANCE).any()
                 yield TrackEvent("leaves" if outside else "ends", page, contour.number)
         around, split = containment(now), dict[int, list[int]]()
         for index, contour in enumerate(now if self._begun else ()):
@@ -178,7 +178,7 @@ def overlaps_of(before: Contours, now: Contours, shape: Extent) -> Overlaps:
         return Overlaps(nothing, nothing)
     overlaps = _of_areas(before, now, shape)
     lines = np.array([not one.closed for one in before])[:, None] | np.array([not one.closed for one in now])[None]
-    if lines.any():  # the ends of an open one are joined, as those of an object that the border of the image cuts
+    if lines.any():  # join the ends of open contours, which may be objects that the border of the image cuts
         then, later = ([replace(one, closed=len(one.points) > 2) for one in contours] for contours in (before, now))
         overlaps.part[lines] = 0.0
         overlaps.dice[lines] = np.maximum(_of_areas(then, later, shape).dice, _beside(before, now))[lines]
@@ -186,7 +186,7 @@ def overlaps_of(before: Contours, now: Contours, shape: Extent) -> Overlaps:
 
 
 def _of_areas(before: Contours, now: Contours, shape: Extent) -> Overlaps:
-    """Overlap of the areas of closed contours, as the measure of Dice and as a share of the smaller one."""
+    """Measure the overlap of the areas of closed contours, by Dice and as a share of the smaller area."""
     one, other = (_regions(contours, shape) for contours in (before, now))
     shared = np.zeros((len(before) + 1, len(now) + 1))
     pairs, count = np.unique(one * (len(now) + 1) + other, return_counts=True)
@@ -198,32 +198,32 @@ def _of_areas(before: Contours, now: Contours, shape: Extent) -> Overlaps:
 
 
 def _regions(contours: Contours, shape: Extent) -> Index:
-    """Which contour encloses each pixel, the innermost one, from 1; 0 for none."""
+    """Label each pixel with the innermost contour that encloses it, from 1; 0 for none."""
     alone = [replace(contour, group=0, hole=False) for contour in contours]
     places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
     return places[paint(alone, shape)].ravel()
 
 
 def _beside(before: Contours, now: Contours) -> Array:
-    """Share of the length of two contours, taken together, that runs next to the other, shape (N, M)."""
-    then = [sampled(contour.path, _SAMPLING) for contour in before]
-    later = [sampled(contour.path, _SAMPLING) for contour in now]
+    """Measure the share of the length of two contours, taken together, that runs along the other, shape (N, M)."""
+    then = [sampled(contour.path, _TRACK_SAMPLING) for contour in before]
+    later = [sampled(contour.path, _TRACK_SAMPLING) for contour in now]
     shared = _samples_near(then, now) + _samples_near(later, before).T
     lengths = np.array([len(one) for one in then])[:, None] + np.array([len(one) for one in later])[None]
     return shared / lengths
 
 
 def _samples_near(samples: Sequence[Array], contours: Contours) -> Array:
-    """Number of samples of each line that lie next to each contour."""
+    """Count the samples of each line that lie next to each contour."""
     owner = owners([len(one) for one in samples])
-    place, contour, _ = neighborhood(contours).pairs(np.concatenate(samples), _BESIDE)
+    place, contour, _ = neighborhood(contours).pairs(np.concatenate(samples), _LINE_TOLERANCE)
     count = np.zeros((len(samples), len(contours)))
     np.add.at(count, (owner[place], contour), 1.0)
     return count
 
 
 def _pairs(dice: Array) -> dict[int, int]:
-    """Contours of the page before and those of this one that belong to one track, the largest overlap first."""
+    """Match contours of the page before and of this one that belong to one track, the largest overlap first."""
     order = np.argsort(-dice, axis=None, kind="stable")
     pairs: dict[int, int] = {}
     taken: set[int] = set()
@@ -238,7 +238,7 @@ def _pairs(dice: Array) -> dict[int, int]:
 
 
 def _nested(around: Sequence[int | None], one: int, other: int) -> bool:
-    """Whether one of two contours lies in the other."""
+    """Return whether one of two contours lies in the other."""
     for inner, outer in ((one, other), (other, one)):
         at: int | None = inner
         while at is not None:

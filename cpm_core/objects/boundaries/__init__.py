@@ -1,1 +1,1 @@
-"""Boundaries: closed contours that are certain, and the lines that the outline of an object follows."""
+"""Boundaries: unambiguous closed contours, and the lines that the outline of an object follows."""

@@ -1,7 +1,7 @@
-"""Closed regions: what a contour encloses that particles have closed, and about which the image leaves no doubt.
+"""Closed regions: what closed contours enclose that the image confirms unambiguously.
 
-Particles close contours around objects, but also around flecks of texture. A closed contour is an object as it is, with
-its holes, where it is certain (`segmentation.reach.certain`): then nothing has to be guessed.
+Particles close contours around objects, but also around specks of texture. A closed contour is an object as it is, with
+its holes, where it is unambiguous (`segmentation.reach.certain`): then no prediction is needed.
 """
 
 from __future__ import annotations
@@ -22,32 +22,32 @@ from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.segmentation.reach.certain import MARGIN, is_certain
 from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
 
-_MOST = 0.5
-"""Share of a start above which it lies in a region, and of a contour above which it lies in another one."""
+_MAJORITY_SHARE = 0.5
+"""Share of a start above which it lies in a region, and of a contour above which it lies in another."""
 
-_AGAIN = 0.85
-"""Area of a region, in that of one around it, from which it is the same."""
+_DUPLICATE_AREA_RATIO = 0.85
+"""Ratio of the area of a region to that of an enclosing one above which the two are the same region."""
 
-_NECK = 0.7
-"""Width of a neck between two bodies, as a fraction of that of the narrower one."""
+_MAX_NECK_RATIO = 0.7
+"""Largest width of a neck between two bodies, as a fraction of the width of the narrower one."""
 
-_AT_CONTOUR = 2
-"""Distance from a certain contour up to which a place is at odds with the contour rather than beyond it [px]."""
+_CONTOUR_TOLERANCE = 2
+"""Distance from an unambiguous contour up to which a point contradicts the contour itself [px]."""
 
 
 @record
 class ClosedRegion:
-    """What a certain contour encloses.
+    """The region that an unambiguous contour encloses.
 
     Attributes
     ----------
     box : tuple of slice
-        Rows and columns of the image that hold it and some pixels around it.
+        Rows and columns of the image around it, with a margin.
     filled : ndarray of bool, shape of the box
         Pixels whose centers lie inside the contour.
     mask : ndarray of bool, shape of the box
-        The same without its holes: the certain regions directly in it whose edge rises the other way, as that of a hole
-        does. One that rises the same way, such as a nucleus in a cell, is a part.
+        The filled region without its holes: unambiguous regions directly inside it whose edge rises the other way. An
+        inner region whose edge rises the same way, such as a nucleus in a cell, is a part of it.
     rises : bool
         Whether the image gets brighter outward across the contour.
     """
@@ -58,18 +58,21 @@ class ClosedRegion:
     rises: bool
 
     def meets(self, other: ClosedRegion) -> bool:
-        """Whether its box has pixels in common with that of another one."""
+        """Return whether its box has pixels in common with that of another region."""
         sides = zip(self.box, other.box, strict=True)
         return all(one.start < two.stop and two.start < one.stop for one, two in sides)
 
     def share(self, pixels: Index, *, filled: bool = False) -> float:
-        """Share of some pixels, shape (N, 2), that lie in it, or in it with its holes."""
+        """Measure the fraction of pixels, shape (N, 2), that lie in it, or in it with its holes."""
         place = pixels - (self.box[0].start, self.box[1].start)
         place = place[((place >= 0) & (place < self.mask.shape)).all(axis=1)]
         return float(np.count_nonzero((self.filled if filled else self.mask)[tuple(place.T)])) / len(pixels)
 
     def body_of(self, pixel: Index, others: Index) -> Mask | None:
-        """What lies on one side of a neck between a pixel and others, of the shape of the box; None without a neck."""
+        """Cut off the part around a pixel at a neck towards others, shape (N, 2); None without a neck.
+
+        Returns a mask of the shape of the box.
+        """
         markers = np.zeros(self.mask.shape, np.int32)
         for number, pixels in ((2, others), (1, pixel[None])):
             place = pixels - (self.box[0].start, self.box[1].start)
@@ -80,11 +83,11 @@ class ClosedRegion:
         if not own.any() or not other.any():
             return None
         neck = depth[own & scipy.ndimage.binary_dilation(other)].max(initial=0.0)
-        return own if neck <= _NECK * min(depth[own].max(), depth[other].max()) else None
+        return own if neck <= _MAX_NECK_RATIO * min(depth[own].max(), depth[other].max()) else None
 
 
 class ClosedRegions:
-    """The certain regions among closed contours.
+    """The unambiguous regions among closed contours.
 
     Parameters
     ----------
@@ -103,40 +106,42 @@ class ClosedRegions:
         self._known: dict[int, ClosedRegion | None] = {}
 
     def around(self, places: Array) -> Mask | None:
-        """The object, shape (H, W), that a start or clicks mean, shape (M, 2) [px]; None unless that is certain.
+        """Find the object, shape (H, W), that points, shape (M, 2) [px], lie in; None unless it is unambiguous.
 
-        It is the smallest certain region that holds more than half of each connected piece of the start.
+        It is the smallest unambiguous region that holds more than half of each connected piece of the start.
         """
         if not len(places):
             return None
         found = np.zeros(self._values.shape, bool)
         for piece in self._pieces(places):
-            region = next((region for region in self._over(piece.mean(axis=0)) if region.share(piece) > _MOST), None)
+            region = next(
+                (region for region in self._over(piece.mean(axis=0)) if region.share(piece) > _MAJORITY_SHARE), None
+            )
             if region is None:
                 return None
             found[region.box] |= region.mask
         return found
 
     def nested(self, pixels: Index) -> Iterator[Mask]:
-        """What closed contours enclose around pixels, shape (N, 2), each of shape (H, W): what is certain at first."""
+        """Find what closed contours enclose around pixels, shape (N, 2); unambiguous regions first, each (H, W)."""
         unsure = []
         for index in self._around(pixels.mean(axis=0)):
             region = self._region(index)
             if region is None:
                 unsure.append(index)
-            elif region.share(pixels) > _MOST:
+            elif region.share(pixels) > _MAJORITY_SHARE:
                 yield self._whole(region)
         for index in sorted(unsure, key=lambda index: -self._contours[index].strength):
             mask = np.zeros(self._values.shape, bool)
             rows, cols = self._contours[index].points.T
             mask[skimage.draw.polygon(rows, cols, mask.shape)] = True  # type: ignore[no-untyped-call]
-            if mask[tuple(pixels.T)].mean() > _MOST:
+            if mask[tuple(pixels.T)].mean() > _MAJORITY_SHARE:
                 yield mask
 
     def objects(self) -> Iterator[Mask]:
-        """What certain contours enclose, each of shape (H, W), the largest first.
+        """Find the objects that unambiguous contours enclose, each of shape (H, W), the largest first.
 
-        Of those that lie in another one, holes are left out: their edge rises the other way than the outermost one.
+        Holes of other objects are left out: their edge rises the other way than the outermost one.
         """
         found: list[ClosedRegion] = []
         for index in reversed(range(len(self._contours))):
@@ -146,9 +151,9 @@ class ClosedRegions:
             pixels = np.argwhere(region.filled) + [side.start for side in region.box]
             near = [other for other in found if other.meets(region)]
             shares = [other.share(pixels, filled=True) for other in near]
-            around = [other for other, share in zip(near, shares, strict=True) if share > _MOST]
-            if any(0.0 < share <= _MOST for share in shares) or (
-                around and len(pixels) > _AGAIN * np.count_nonzero(around[-1].filled)
+            around = [other for other, share in zip(near, shares, strict=True) if share > _MAJORITY_SHARE]
+            if any(0.0 < share <= _MAJORITY_SHARE for share in shares) or (
+                around and len(pixels) > _DUPLICATE_AREA_RATIO * np.count_nonzero(around[-1].filled)
             ):
                 continue
             found.append(region)
@@ -156,23 +161,25 @@ class ClosedRegions:
                 yield self._whole(region)
 
     def changed(self, mask: Mask, pixel: Index, adds: bool, kept: Index) -> Mask | None:
-        """An object, shape (H, W), after a place that contradicts it; None unless it is certain what that means.
+        """Correct an object, shape (H, W), by a point that contradicts it; None unless the correction is unambiguous.
 
         Parameters
         ----------
         mask : ndarray of bool, shape (H, W)
             The object so far.
         pixel : ndarray of int64, shape (2,)
-            The place.
+            The point.
         adds : bool
-            Whether it is inside the object that is meant.
+            Whether it is a positive point.
         kept : ndarray of int64, shape (N, 2)
-            Places of the other kind, which must not change sides.
+            Points of the other kind, which must not change sides.
         """
-        steps = np.stack(np.meshgrid(*2 * [np.arange(-_AT_CONTOUR, _AT_CONTOUR + 1)]), axis=-1).reshape(-1, 2)
+        steps = np.stack(np.meshgrid(*2 * [np.arange(-_CONTOUR_TOLERANCE, _CONTOUR_TOLERANCE + 1)]), axis=-1).reshape(
+            -1, 2
+        )
         near = np.clip(pixel + steps, 0, np.array(mask.shape) - 1)
         if 0.0 < mask[tuple(near.T)].mean() < 1.0 and any(
-            0.0 < region.share(near, filled=True) < 1.0 for region in self._over(pixel, _AT_CONTOUR)
+            0.0 < region.share(near, filled=True) < 1.0 for region in self._over(pixel, _CONTOUR_TOLERANCE)
         ):
             changed = mask.copy()
             changed[tuple(pixel)] = adds
@@ -194,13 +201,13 @@ class ClosedRegions:
         return None
 
     def _whole(self, region: ClosedRegion) -> Mask:
-        """The pixels of a region, shape (H, W)."""
+        """Paste the pixels of a region into a mask of the image, shape (H, W)."""
         mask = np.zeros(self._values.shape, bool)
         mask[region.box] = region.mask
         return mask
 
     def _pieces(self, places: Array) -> Iterator[Index]:
-        """The pixels of each connected piece of a start, each of shape (N, 2)."""
+        """Split a start into the pixels of its connected pieces, each of shape (N, 2)."""
         shape = self._values.shape
         if len(places) < LEAST_PLACES:
             yield from np.rint(np.clip(places, 0, np.array(shape) - 1)).astype(np.int64)[:, None]
@@ -210,20 +217,20 @@ class ClosedRegions:
             yield np.argwhere(labels == number)
 
     def _over(self, place: Array | Index, margin: float = 0.0) -> Iterator[ClosedRegion]:
-        """The certain regions whose box, widened by a margin, holds a place; the smallest first."""
+        """Find the unambiguous regions whose box, widened by a margin, holds a point; the smallest first."""
         for index in self._around(place, margin):
             region = self._region(index)
             if region is not None:
                 yield region
 
     def _around(self, place: Array | Index, margin: float = 0.0) -> list[int]:
-        """The contours whose box, widened by a margin, holds a place; the smallest first."""
+        """Find the contours whose box, widened by a margin, holds a point; the smallest first."""
         low, high = self._boxes[:, 0] - margin, self._boxes[:, 1] + margin
         return np.flatnonzero(((low <= place) & (place <= high)).all(axis=1)).tolist()
 
     @cached_property
     def _strength(self) -> Array:
-        """Edge map, smooth enough that noise is no evidence against a contour."""
+        """Edge map, smoothed so that noise is no evidence against a contour, shape (H, W)."""
         return edge_map(self._values, self._smoothing)
 
     @cached_property
@@ -232,18 +239,19 @@ class ClosedRegions:
         return np.array([contour.box for contour in self._contours]).reshape(-1, 2, 2)
 
     def _region(self, index: int) -> ClosedRegion | None:
-        """What a contour encloses; None unless it is certain."""
+        """Find the region that a contour encloses; None unless it is unambiguous."""
         if index not in self._known:
             self._known[index] = self._made(self._contours[index], self._within(index))
         return self._known[index]
 
     def _within(self, index: int) -> list[int]:
-        """The contours whose boxes lie in that of another one."""
+        """Find the contours whose boxes lie in that of another contour."""
         low, high = self._boxes[index]
         inside = (self._boxes[:index, 0] >= low).all(axis=1) & (self._boxes[:index, 1] <= high).all(axis=1)
         return np.flatnonzero(inside).tolist()
 
     def _made(self, contour: Contour, within: Sequence[int]) -> ClosedRegion | None:
+        """Build the region of a contour around others, and return it if it is unambiguous."""
         margin = int(MARGIN) + 1
         low = np.maximum(np.floor(contour.box[0]).astype(int) - margin, 0)
         high = np.minimum(np.ceil(contour.box[1]).astype(int) + margin + 1, self._values.shape)
@@ -258,9 +266,9 @@ class ClosedRegions:
             return None
         rises = bool(values[at_contour & ~filled].mean() > values[at_contour & filled].mean())
         mask, known = filled.copy(), np.zeros_like(filled)
-        for index in reversed(within):  # the largest first: what lies in a hole or a part goes with it
+        for index in reversed(within):  # the largest first: contours inside a hole or a part belong to it
             place = _pixels(self._contours[index], low, off.shape)
-            inner = self._region(index) if filled[place].mean() > _MOST else None
+            inner = self._region(index) if filled[place].mean() > _MAJORITY_SHARE else None
             if inner is not None:
                 off[place] = False
                 top, left = inner.box[0].start - low[0], inner.box[1].start - low[1]
@@ -274,6 +282,6 @@ class ClosedRegions:
 
 
 def _pixels(contour: Contour, corner: Index, shape: Extent) -> tuple[Index, ...]:
-    """Rows and columns of the pixels that a contour runs through, in a box of some shape at a corner."""
+    """Rasterize a contour: rows and columns of its pixels in a box of this shape at a corner."""
     points = np.rint(polyline.sampled(contour.path, 0.5)).astype(np.int64) - corner
     return tuple(np.clip(points, 0, np.array(shape) - 1).T)

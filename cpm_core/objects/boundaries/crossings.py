@@ -1,8 +1,7 @@
 """Where lines cross the links between neighboring pixels.
 
-A link joins the centers of two pixels with a common side. The links that a closed line crosses are exactly those that
-part the pixels inside it from those outside: the plane is cut to the pixel, and the place of the crossing is known to
-a fraction of one.
+A link joins the centers of two pixels with a common side. A closed line crosses exactly those links that connect pixels
+inside it with pixels outside: it cuts the plane to the pixel, and each crossing is known to a fraction of a pixel.
 """
 
 from __future__ import annotations
@@ -14,9 +13,8 @@ import numpy as np
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Mask, Single, record
 
-_ASIDE = np.array([1.37e-7, 2.61e-7])
-"""Displacement of all lines, so that none runs through the very center of a pixel, where its side would not be defined
-[px]."""
+_CROSSING_OFFSET = np.array([1.37e-7, 2.61e-7])
+"""Displacement of all lines [px], so that none runs through the center of a pixel, whose side would be undefined."""
 
 
 @record
@@ -26,15 +24,15 @@ class Crossings:
     Attributes
     ----------
     right, down : ndarray of float32, shape (H, W)
-        Where a line crosses the link from each pixel to its right, and to its lower neighbor, as a fraction of the link
-        from 0 to 1; -1 where none does.
+        Where a line crosses the link from each pixel to its right and to its lower neighbor, as a fraction of the link
+        from 0 to 1; -1 where no line does.
     """
 
     right: Single
     down: Single
 
     def with_others(self, others: Crossings) -> Crossings:
-        """These, and where there are none others."""
+        """Fill in crossings of others where these have none."""
         right, down = (
             np.where(own >= 0.0, own, other) for own, other in ((self.right, others.right), (self.down, others.down))
         )
@@ -42,7 +40,7 @@ class Crossings:
 
     @property
     def pixels(self) -> Mask:
-        """Pixels at one of whose sides a line passes, shape (H, W)."""
+        """Pixels with at least one crossed link, shape (H, W)."""
         found = (self.right >= 0.0) | (self.down >= 0.0)
         found[:, 1:] |= self.right[:, :-1] >= 0.0
         found[1:] |= self.down[:-1] >= 0.0
@@ -53,12 +51,13 @@ def crossings(paths: Iterable[Array], shape: Extent) -> Crossings:
     """Find the links that paths, each of shape (K, 2) [px], cross in an image of this shape."""
     right, down = (np.full(shape, -1.0, dtype=np.float32) for _ in range(2))
     for path in paths:
-        _cross(np.ascontiguousarray(path + _ASIDE), right, down)
+        _cross(np.ascontiguousarray(path + _CROSSING_OFFSET), right, down)
     return Crossings(right, down)
 
 
 @compiled
 def _cross(path: Array, right: Single, down: Single) -> None:
+    """Mark the links that a path crosses."""
     rows, cols = right.shape
     for k in range(len(path) - 1):
         (y, x), (v, u) = path[k], path[k + 1]

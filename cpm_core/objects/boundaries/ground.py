@@ -1,4 +1,4 @@
-"""The ground of an outline: a part of an image with the lines along which the boundary of an object may run."""
+"""Guides of outlines: a part of an image with the lines along which the boundary of an object may run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STRONG_PERCENTILE = 95.0
 
 @record
 class Ground:
-    """What the boundary of an object follows.
+    """An image with the lines that the boundary of an object follows.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Ground:
 
     @cached_property
     def lines(self) -> Crossings:
-        """Where any of these lines passes."""
+        """Crossings of all these lines."""
         return self.contours.with_others(self.barriers).with_others(self.rims)
 
     @cached_property
@@ -58,7 +58,10 @@ def ground(
     rims: Iterable[Array] = (),
     interest: Mask | None = None,
 ) -> Ground:
-    """Prepare to outline objects in an image along lines, each of shape (K, 2); see `Ground`."""
+    """Build what outlines in an image follow: contours, barriers and rims of regions, paths of shape (K, 2) [px].
+
+    `values`, `strength` (the edge map) and `interest` have the shape (H, W).
+    """
     shape = values.shape
     if interest is None or not interest.any():
         interest = np.ones(shape, bool)

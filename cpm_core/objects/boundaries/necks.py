@@ -1,4 +1,4 @@
-"""Necks: where a set of pixels is narrower than the bodies that it joins."""
+"""Necks: places where a set of pixels is narrower than the bodies on both sides."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ import skimage
 
 from cpm_core.numerics.types import Index, Mask
 
-_NECK = 0.1
+_NECK_DEPTH_RATIO = 0.1
 """How much narrower a neck is than both of the bodies that it joins, as a fraction of a radius."""
 
 
 def bodies(mask: Mask, radius: float | None = None) -> Index:
-    """Bodies of a mask, parted at their necks, numbered from 1.
+    """Split a mask, shape (H, W), at its necks into bodies, numbered from 1; 0 outside, shape (H, W).
 
-    A neck is by a fraction of a radius narrower than what it joins, by default that of the widest body [px].
+    A neck is narrower than what it joins by a fraction of a radius [px], by default that of the widest body.
     """
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"))
     depth = scipy.ndimage.gaussian_filter(depth, 1.0, mode="nearest")[1:-1, 1:-1]
     radius = float(depth.max()) if radius is None else radius
-    tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK * radius))  # type: ignore[no-untyped-call]
+    tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK_DEPTH_RATIO * radius))  # type: ignore[no-untyped-call]
     markers, _ = scipy.ndimage.label((tops > 0) & mask, np.ones((3, 3)))
     parts = skimage.segmentation.watershed(-depth, markers, mask=mask)  # type: ignore[no-untyped-call]
     return np.asarray(parts, dtype=np.int64)

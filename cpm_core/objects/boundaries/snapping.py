@@ -1,4 +1,4 @@
-"""Snapping: an object whose boundary runs near contours is extended or cut back to them."""
+"""Snapping: an object whose boundary runs near contours grows or shrinks to them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from cpm_core.numerics.types import Index, Mask, Single
 from cpm_core.objects.boundaries.crossings import Crossings
 
 MOST = 3.0
-"""Distance of a boundary from a contour up to which it moves there at most [px]."""
+"""Largest distance over which a boundary moves onto a contour [px]."""
 
 
 def snapped(mask: Mask, lines: Crossings, width: float) -> Mask:
-    """An object, shape (H, W), with the contours within a distance from its boundary, up to `MOST`, for a boundary.
+    """Snap the boundary of an object, shape (H, W), to contours within `width`, at most `MOST`; shape (H, W).
 
-    What lies deeper in the object than that, or farther away from it, stays. Every pixel between belongs to the side
-    that is nearer along paths that cross no line. Where lines make no difference to that, it stays as it is.
+    What lies deeper in the object than that, or farther away from it, stays. Each pixel between goes to the side that
+    is nearer along paths that cross no line. Where lines make no difference to that, it stays as it is.
     """
     width = min(width, MOST)
     within, beyond = (
@@ -34,7 +34,7 @@ def snapped(mask: Mask, lines: Crossings, width: float) -> Mask:
 
 @compiled
 def _steps(start: Mask, right: Single, down: Single, most: int) -> Index:
-    """Steps over links that no line crosses from the true pixels to each other one, `most` where there are more."""
+    """Count the steps over uncrossed links from the true pixels to each other one; `most` where there are more."""
     rows, cols = start.shape
     steps = np.full((rows, cols), most)
     queue = np.empty((rows * cols, 2), np.int64)

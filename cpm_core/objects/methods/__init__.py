@@ -1,7 +1,7 @@
 """The classical methods next to the charged particles: the same image, the same drawn start, one interface.
 
-`method` says what a method is; `comparison` has all of them by name and runs them. Snakes are in `snakes`, level sets
-in `level_sets`, and what scikit-image has in `regions`.
+`method` defines what a method is; `comparison` lists all methods by name and runs them. Snakes are in `snakes`, level
+sets in `level_sets`, and the methods of scikit-image in `regions`.
 """
 
 from cpm_core.objects.methods.comparison import (

@@ -32,7 +32,7 @@ from cpm_core.objects.methods.snakes import GVF_SNAKE, SNAKE
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described, shown
 
-_ALL = (
+_ALL_METHODS = (
     PARTICLES,
     PROPOSED_OBJECT,
     SNAKE,
@@ -45,12 +45,12 @@ _ALL = (
     RANDOM_WALKER,
 )
 
-CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method for method in _ALL})
+CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method for method in _ALL_METHODS})
 """All methods that can be compared, by name. A new one is a function with its settings, and a line above."""
 
 
 FIRST = ("cpm", "gvf", "geodesic", "chan_vese")
-"""The methods that are compared at first."""
+"""Names of the methods that are compared by default."""
 
 
 @frozen
@@ -72,11 +72,11 @@ class Compared:
     around: bool = False
 
     def settings_of(self, method: str) -> Any:
-        """The settings of a method by name: those that were chosen, or its defaults."""
+        """Return the settings of a method by name: those that were selected, or its defaults."""
         return dict(self.settings).get(method) or CONTOUR_METHODS[method].defaults
 
     def with_settings(self, method: str, settings: Settings) -> Compared:
-        """The comparison in which a method has these settings."""
+        """Return the comparison in which a method has these settings."""
         others = {name: one for name, one in self.settings if name != method}
         changed = others if settings == CONTOUR_METHODS[method].defaults else {**others, method: settings}
         return replace(self, settings=tuple(changed.items()))
@@ -84,7 +84,7 @@ class Compared:
 
 @record
 class Moment:
-    """A state of a run, and the time that it took to come there.
+    """A state of a run, and the time until then.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class Moment:
     state : ContourState
         The state.
     seconds : float
-        Time for the preparation and all steps so far, without that of whoever looks at the states [s].
+        Time for the preparation and all steps so far, without the time that is spent on the states between steps [s].
     """
 
     method: AnyMethod
@@ -138,7 +138,7 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
 def run_method(
     method: AnyMethod, image: Image, start: Start, settings: Any = None, max_steps: int | None = None
 ) -> Moment:
-    """The last moment of a whole run, or that after `max_steps`; the time includes that for the contours.
+    """Run a method to its end or to `max_steps`; the time of the last step includes that for the contours.
 
     Examples
     --------
@@ -161,7 +161,7 @@ def run_method(
 
 @frozen
 class Facts:
-    """What a comparison says of one run; the last four are None where no ground truth is known.
+    """Report on one run of a method; the last four fields are None without a ground truth.
 
     Attributes
     ----------
@@ -213,7 +213,7 @@ class Facts:
 
 
 def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
-    """The report on a moment of a run, with its agreement with a ground truth where one is known.
+    """Report on a step of a run, with its agreement with a ground truth where one is known.
 
     Examples
     --------
@@ -241,16 +241,16 @@ def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
     return replace(facts, dice=seen.dice, f=seen.f, hausdorff=seen.hausdorff, mean_distance=seen.mean_boundary_distance)
 
 
-_SMOOTHING = 1.0
-"""Width of the Gaussian before the edge strength along the contours is taken [px]."""
+_STRENGTH_SMOOTHING = 1.0
+"""Sigma of the Gaussian before the edge strength along the contours is measured [px]."""
 
 
 def result_of(facts: Facts, contours: Sequence[Contour], image: Image, start: Start, settings: Any) -> Result:
-    """The contours that a method has found as a result, for everything that takes one.
+    """Build a result from the contours that a method has found.
 
     The contours have numbers from 1 and the mean edge strength along them; there are no particles.
     """
-    strength = edge_map(image.values, _SMOOTHING) if contours else image.values
+    strength = edge_map(image.values, _STRENGTH_SMOOTHING) if contours else image.values
     numbered = []
     for number, contour in enumerate(contours, start=1):
         mean = float(interpolate(strength[None], sampled([contour])).mean())

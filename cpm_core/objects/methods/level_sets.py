@@ -39,6 +39,7 @@ from cpm_core.objects.methods.method import (
 from cpm_core.objects.methods.snakes import evened, gradient_vector_flow, smoothness_of_the_field
 
 MOST_STEPS = 4000
+"""Largest number of steps of a front."""
 
 BAND = 6.0
 """Distance from the contour within which the function moves [px]."""
@@ -46,30 +47,34 @@ BAND = 6.0
 FARTHEST = BAND + 2.0
 """Distance at which the function is cut [px]."""
 
-_FAR = 1e9
+_UNREACHED_DISTANCE = 1e9
+"""Distance of a pixel that no sweep has reached yet."""
 
-_FASTEST, _SMOOTHEST = 0.5, 0.2
-"""How far a front moves in a step at most [px], and the largest product of time step and weight of the curvature."""
+_MAX_FRONT_STEP = 0.5
+"""Largest distance that a front moves in a step [px]."""
 
-_AGAIN = 5
+_MAX_CURVATURE_STEP = 0.2
+"""Largest product of time step and weight of the curvature."""
+
+_REINITIALIZATION_INTERVAL = 5
 """Steps after which the function is made a signed distance again."""
 
 
 def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) -> Iterator[ContourState]:
-    """States of a front that begins around a region, until it is at rest or vanishes.
+    """Evolve a front that begins around a region, shape (H, W), until it is at rest or vanishes.
 
     Weights of curvature and pressure have the shape (H, W), the velocity (2, H, W); see above.
     """
     drift = np.abs(pressure) + np.abs(velocity).sum(axis=0)
     fastest, most_curved = drift.max(), np.abs(curvature).max()
-    time = min(_FASTEST / max(fastest, 1e-9), _SMOOTHEST / max(most_curved, 1e-9))
+    time = min(_MAX_FRONT_STEP / max(fastest, 1e-9), _MAX_CURVATURE_STEP / max(most_curved, 1e-9))
 
     def fronts() -> Iterator[Array]:
         phi = np.clip(distance_of(inside), -FARTHEST, FARTHEST)
         for step in itertools.count(1):
             yield phi
             phi = moved(phi, curvature, pressure, velocity, time)
-            if step % _AGAIN == 0:
+            if step % _REINITIALIZATION_INTERVAL == 0:
                 phi = signed_distance(phi)
 
     return until_at_rest(fronts(), 0.0, MOST_STEPS)
@@ -77,7 +82,7 @@ def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) 
 
 @compiled
 def moved(phi: Array, curvature: Array, pressure: Array, velocity: Array, time: float) -> Array:
-    """The function after a time, shape (H, W).
+    """Advance the function, shape (H, W), by a time.
 
     `curvature` and `pressure` are the weights a and b, shape (H, W), `velocity` is v, shape (2, H, W) [px]. Beyond the
     border the function continues with its outermost values.
@@ -101,7 +106,7 @@ def moved(phi: Array, curvature: Array, pressure: Array, velocity: Array, time: 
                 if square > 1e-12:
                     mixed = 0.25 * (phi[down, right] - phi[down, left] - phi[up, right] + phi[up, left])
                     second = (to_down - to_up) * by_col * by_col + (to_right - to_left) * by_row * by_row
-                    # a curvature above 1/px is that of noise on the grid
+                    # a curvature above 1/px is noise of the grid
                     length = np.sqrt(square)
                     bend = (second - 2.0 * mixed * by_row * by_col) / (square * length)
                     change += weight * min(max(bend, -1.0), 1.0) * length
@@ -123,32 +128,32 @@ def moved(phi: Array, curvature: Array, pressure: Array, velocity: Array, time: 
 
 @compiled
 def _next_to_zero(phi: Array, out: Array) -> NDArray[np.bool_]:
-    """The pixels between which the sign changes; their distance from the zero is written to `out` [px]."""
+    """Find the pixels between which the sign changes, and write their distance from the zero to `out` [px]."""
     rows, width = phi.shape
     fixed, by = np.zeros(phi.shape, dtype=np.bool_), np.empty(2)
     for row in range(rows):
         for col in range(width):
-            here, by[0], by[1] = phi[row, col], _FAR, _FAR
+            here, by[0], by[1] = phi[row, col], _UNREACHED_DISTANCE, _UNREACHED_DISTANCE
             for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
                 r, c = row + down, col + right
                 if 0 <= r < rows and 0 <= c < width and (phi[r, c] > 0.0) != (here > 0.0):
                     by[abs(right)] = min(by[abs(right)], abs(here) / max(abs(here - phi[r, c]), 1e-12))
             nearest = min(by[0], by[1])
-            if by[0] < _FAR and by[1] < _FAR:
+            if by[0] < _UNREACHED_DISTANCE and by[1] < _UNREACHED_DISTANCE:
                 nearest = by[0] * by[1] / max(np.sqrt(by[0] * by[0] + by[1] * by[1]), 1e-12)
-            out[row, col], fixed[row, col] = nearest, nearest < _FAR
+            out[row, col], fixed[row, col] = nearest, nearest < _UNREACHED_DISTANCE
     return fixed
 
 
 @compiled
 def signed_distance(phi: Array) -> Array:
-    """Distance from the zero of a function, shape (H, W), with its sign, cut at `FARTHEST` [px].
+    """Compute the signed distance from the zero of a function, shape (H, W), cut at `FARTHEST` [px].
 
     Next to the zero the distance is that of a straight contour through the pixels between which the sign changes;
     elsewhere it solves ``|grad d| = 1`` by sweeps in four directions (Zhao 2005, doi:10.1090/S0025-5718-04-01678-3).
     """
     rows, width = phi.shape
-    out = np.full(phi.shape, _FAR)
+    out = np.full(phi.shape, _UNREACHED_DISTANCE)
     fixed = _next_to_zero(phi, out)
     for sweep in range(4):
         for i in range(rows):
@@ -203,13 +208,13 @@ class GeodesicSettings(Settings):
 
 
 def stopping(image: Image, settings: GeodesicSettings) -> Array:
-    """The factor by which edges slow a contour down, shape (H, W), from 1 in flat regions to nearly 0 on edges."""
+    """Compute the factor that slows a contour down, shape (H, W), from 1 in flat regions to nearly 0 on edges."""
     strength = unit_edges(image, settings.smoothing) / settings.contrast
     return (1.0 + strength) ** -settings.exponent
 
 
 def geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[ContourState]:
-    """States of the geodesic active contour."""
+    """Evolve the geodesic active contour."""
     factor = stopping(image, settings)
     pressure, velocity = start.onward * settings.balloon * factor, -settings.pull * gradient(factor, 0.0)
     return evolution(start.mask(image.shape), settings.curvature * factor, pressure, velocity)
@@ -250,7 +255,7 @@ class GeometricGvfSettings(Settings):
 
 
 def geometric_gvf(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[ContourState]:
-    """States of the geometric GVF contour."""
+    """Evolve the geometric GVF contour."""
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu), settings.evenness)
     curvature, pressure = (
         np.full(image.shape, weight, float) for weight in (settings.curvature, start.onward * settings.pressure)

@@ -1,4 +1,4 @@
-"""What methods that are compared have in common: the start, their settings, the states of a run, a description.
+"""The interface of methods that are compared: the start, settings, the states of a run, a description.
 
 A method is a function that takes image, start and settings and gives the states of a run, one after the other. It is
 described by a `ContourMethod`, which is all that the command line, the benchmark and the window know of it.
@@ -29,8 +29,10 @@ from cpm_core.parameters.quotation import counted, described, shown
 SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""
 
-_LEAST_CORNERS = 3
-_FARTHEST = 1e6
+_MIN_CORNERS = 3
+"""Least number of corners of an outline."""
+
+_MAX_CORNER_DISTANCE = 1e6
 """Distance of a corner from the first pixel up to which it is usable [px]."""
 
 
@@ -70,9 +72,11 @@ class Start:
         if not made:
             raise ValueError("There is no start: draw a circle, an ellipse or a polygon, from which all methods begin.")
         for outline in made:
-            if not (np.abs(outline) <= _FARTHEST).all():
-                raise ValueError(f"A corner of the start is not within {_FARTHEST:g} px: choose one in the image.")
-            if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < _LEAST_CORNERS:
+            if not (np.abs(outline) <= _MAX_CORNER_DISTANCE).all():
+                raise ValueError(
+                    f"A corner of the start is not within {_MAX_CORNER_DISTANCE:g} px: choose one in the image."
+                )
+            if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < _MIN_CORNERS:
                 raise ValueError(
                     f"An outline of the start has the shape {shown(outline.shape)} but must have three or more corners "
                     "(row, col)."
@@ -89,12 +93,12 @@ class Start:
         return np.concatenate(self.curves(SPACING))
 
     def curves(self, spacing: float) -> Arrays:
-        """Each outline with corners at equal distances of about `spacing` [px]."""
+        """Sample each outline at equal distances of about `spacing`, each of shape (K, 2) [px]."""
         closed = (np.concatenate([outline, outline[:1]]) for outline in self.outlines)
         return tuple(resampled(outline, spacing)[:-1] for outline in closed)
 
     def mask(self, shape: Extent) -> Mask:
-        """The pixels inside one outline at least, shape (H, W); an outline that lies within others bounds a hole."""
+        """Return the pixels inside at least one outline, shape (H, W); an outline inside others bounds a hole."""
         check_plane(shape)
         found = np.zeros(shape, bool)
         masks = (skimage.draw.polygon2mask(shape, outline) for outline in self.outlines)  # type: ignore[no-untyped-call]
@@ -126,7 +130,7 @@ def number(
     unit: str = "",
     equation: str = "",
 ) -> Any:
-    """A field of `Settings`: its default value, and what `ParameterInfo` says of it; a whole default, whole values."""
+    """Declare a field of `Settings`: its default value and its `ParameterInfo`; a whole default allows whole values."""
     info = ParameterInfo("", symbol, unit, *limits, *slider, step, title, meaning, more, "run", equation)
     return field(default=default, metadata={"info": info})
 
@@ -152,12 +156,12 @@ class Settings:
 
     @classmethod
     def table(cls) -> Mapping[str, ParameterInfo]:
-        """The description of each parameter, by name."""
+        """Return the description of each parameter, by name."""
         return {one.name: replace(one.metadata["info"], name=one.name) for one in fields(cls)}
 
 
 def smoothing_before_edges(default: float) -> Any:
-    """The setting that most methods share."""
+    """Declare the smoothing setting that most methods share."""
     return number(
         default, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
         "Larger values remove noise and round corners.", (0.0, 50.0), (0.5, 10.0), 0.5, "px",
@@ -165,19 +169,19 @@ def smoothing_before_edges(default: float) -> Any:
 
 
 def unit_gray(image: Image) -> Array:
-    """Gray levels from 0 to 1, of the shape of the image."""
+    """Scale gray levels to the range from 0 to 1, of the shape of the image."""
     low, high = image.gray_range
     return (image.values - low) / max(high - low, 1e-300)
 
 
 def unit_edges(image: Image, smoothing: float) -> Array:
-    """The edge map of the charged particles, divided by its largest value, shape (H, W)."""
+    """Compute the edge map of the charged particles, divided by its largest value, shape (H, W)."""
     strength = edge_map(unit_gray(image), smoothing)
     return strength / max(float(strength.max()), 1e-300)
 
 
 def distance_of(inside: Mask) -> Array:
-    """Signed distance from the boundary of a region, shape (H, W), above 0 inside [px]."""
+    """Compute the signed distance from the boundary of a region, shape (H, W), above 0 inside [px]."""
     edt = scipy.ndimage.distance_transform_edt
     return np.where(inside, edt(inside) - 0.5, 0.5 - edt(~inside))
 
@@ -223,12 +227,12 @@ class ContourState:
 def region_state(
     values: NDArray[Any], level: float, step: int, stop_reason: str = "", converged: bool = False
 ) -> ContourState:
-    """The state of a function on pixels that is above a level inside."""
+    """Build the state of a function on pixels, shape (H, W), that is above a level inside."""
     return ContourState(step, partial(boundary, values, level), stop_reason, converged)
 
 
 def boundary(values: NDArray[Any], level: float) -> Contours:
-    """What bounds the pixels of a function, shape (H, W), that lie above a level.
+    """Trace the boundary of the pixels of a function, shape (H, W), that lie above a level.
 
     Contours are closed, also at the border of the image, and the longest is the first.
     """
@@ -236,16 +240,22 @@ def boundary(values: NDArray[Any], level: float) -> Contours:
     rimmed = np.pad(inside, 1, constant_values=-max(float(np.abs(inside).max(initial=0.0)), 1e-9))
     last = np.array(values.shape) - 0.5
     lines = skimage.measure.find_contours(rimmed, 0.0)  # type: ignore[no-untyped-call]
-    rings = (np.clip(line[:-1] - 1.0, -0.5, last) for line in lines if len(line) > _LEAST_CORNERS)
+    rings = (np.clip(line[:-1] - 1.0, -0.5, last) for line in lines if len(line) > _MIN_CORNERS)
     return tuple(sorted((Contour(ring, closed=True) for ring in rings), key=lambda contour: -contour.length))
 
 
-_EVERY, _REST = 40, 0.002
-"""A front is at rest when within so many steps it has changed less than this fraction of its pixels."""
+_REST_INTERVAL = 40
+"""Steps over which the change of a front is measured."""
+
+_MAX_REST_CHANGE = 0.002
+"""Largest change over these steps of a front at rest, as a fraction of its pixels."""
 
 
 def until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: int) -> Iterator[ContourState]:
-    """States of a front, where functions cross a level, until it is at rest, vanishes, or has done `most_steps`."""
+    """Yield states of a front until it is at rest, vanishes, or has done `most_steps`.
+
+    The front is where each of `functions`, shape (H, W), crosses a level.
+    """
     before: NDArray[np.bool_] | None = None
     for step, values in enumerate(functions):
         inside = values > level
@@ -256,21 +266,21 @@ def until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: i
             reason = "the contour has left the image"
         elif step >= most_steps:
             reason = f"stopped after {step} steps"
-        elif step % _EVERY == 0:
+        elif step % _REST_INTERVAL == 0:
             front = sum(np.diff(inside, axis=axis).sum() for axis in range(2))
-            at_rest = before is not None and bool((inside != before).sum() <= _REST * front)
+            at_rest = before is not None and bool((inside != before).sum() <= _MAX_REST_CHANGE * front)
             reason, before = "the contour is at rest" if at_rest else "", inside
         yield region_state(values, level, step, reason, at_rest)
         if reason:
             return
 
 
-S = TypeVar("S")
+SettingsT = TypeVar("SettingsT")
 
 
 @frozen
-class ContourMethod(Generic[S]):
-    """A method that finds contours from a start, as those see it who compare methods.
+class ContourMethod(Generic[SettingsT]):
+    """A method that finds contours from a start, as described for comparisons.
 
     Attributes
     ----------
@@ -301,12 +311,12 @@ class ContourMethod(Generic[S]):
     title: str
     about: str
     reference: str
-    settings: type[S]
-    evolve: Callable[[Image, Start, S], Iterator[ContourState]]
-    preset: S | None = None
+    settings: type[SettingsT]
+    evolve: Callable[[Image, Start, SettingsT], Iterator[ContourState]]
+    preset: SettingsT | None = None
 
     @property
-    def defaults(self) -> S:
+    def defaults(self) -> SettingsT:
         """Its settings unless others are given."""
         return self.settings() if self.preset is None else self.preset
 

@@ -1,4 +1,4 @@
-"""The charged particles among the methods that are compared: their contours, and the object that is then offered."""
+"""The charged particles among the methods that are compared: their contours, and the object that is then proposed."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolved, evolve
 
 MOST_STEPS = 4000
+"""Largest number of steps of a run of the particles."""
 
 
 def _states(
@@ -25,7 +26,7 @@ def _states(
     parameters: Parameters,
     find: Callable[[Evolved], Contours] = lambda moment: moment.contours,
 ) -> Iterator[ContourState]:
-    """States of a run, which ends after `MOST_STEPS` at the latest."""
+    """Yield the states of a run, which ends after `MOST_STEPS` at the latest."""
     chosen = replace(parameters, scales=min(parameters.scales, most_scales(image.shape)))
     run = evolve(image, start.points, chosen)
     for moment in run:
@@ -39,7 +40,7 @@ def _states(
 
 def _evolve_to_object(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
     def boundaries(moment: Evolved) -> Contours:
-        """The closed boundaries of what is proposed for each outline of the start, joined where these overlap."""
+        """Find the closed boundaries of the objects of all outlines of the start, united where they overlap."""
         cut = partition(moment.result)
         chosen = [cut.select(outline) for outline in start.curves(SPACING)]
         whole = chosen[0] if len(chosen) == 1 else cut.selection_of(np.any([one.mask for one in chosen], axis=0))

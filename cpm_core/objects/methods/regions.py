@@ -26,11 +26,11 @@ from cpm_core.objects.methods.method import (
     until_at_rest,
 )
 
-_CHAN_VESE_STEPS = 500
+_MAX_CHAN_VESE_STEPS = 500
 
 
 def _likeness(default: float, symbol: str, where: str) -> Any:
-    """A weight of Chan-Vese, whatever it acts on."""
+    """Declare a weight of Chan-Vese."""
     return number(
         default, symbol, f"Likeness {where}", f"Weight of the differences of gray levels from their mean {where}.",
         f"Larger values make the {where} more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
@@ -51,7 +51,7 @@ class ChanVeseSettings(Settings):
 
 
 def chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[ContourState]:
-    """States of Chan-Vese."""
+    """Evolve Chan-Vese."""
     gray = unit_gray(image)
 
     def functions() -> Iterator[Array]:
@@ -64,7 +64,7 @@ def chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterato
                 gray, settings.mu, settings.lambda1, settings.lambda2, 0.0, 1, 0.5, phi, True
             )
 
-    return until_at_rest(functions(), 0.0, _CHAN_VESE_STEPS)
+    return until_at_rest(functions(), 0.0, _MAX_CHAN_VESE_STEPS)
 
 
 CHAN_VESE = ContourMethod(
@@ -79,11 +79,11 @@ CHAN_VESE = ContourMethod(
 
 Bits = NDArray[np.int8]
 
-_MORPHOLOGICAL_STEPS = 1000
+_MAX_MORPHOLOGICAL_STEPS = 1000
 
-_AT_A_TIME = 4
+_STEPS_PER_CALL = 4
 
-_ONE_AT_A_TIME = threading.Lock()
+_SMOOTHING_LOCK = threading.Lock()
 """scikit-image's smoothing alternates between two operators in the whole process, also between runs that take turns.
 
 Calls of an even number of steps, one at a time, begin with the same operator each.
@@ -127,11 +127,11 @@ class MorphologicalChanVeseSettings(Settings):
 
 
 def _morphological(image: Image, start: Start, advance: Callable[[Bits, Any], object]) -> Iterator[ContourState]:
-    """States of a run whose steps, `_AT_A_TIME`, a function does from a mask and hands over one after the other."""
+    """Evolve a mask by `advance`, which does `_STEPS_PER_CALL` steps and hands over each."""
 
     def after(mask: Bits) -> list[Bits]:
         found: list[Bits] = []
-        with _ONE_AT_A_TIME:
+        with _SMOOTHING_LOCK:
             advance(mask, lambda bits: found.append(bits.copy()))
         return found
 
@@ -142,11 +142,11 @@ def _morphological(image: Image, start: Start, advance: Callable[[Bits, Any], ob
             some = after(some[-1])
             yield from some[1:]
 
-    return until_at_rest(masks(), 0.5, _MORPHOLOGICAL_STEPS)
+    return until_at_rest(masks(), 0.5, _MAX_MORPHOLOGICAL_STEPS)
 
 
 def morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -> Iterator[ContourState]:
-    """States of the morphological geodesic active contour."""
+    """Evolve the morphological geodesic active contour."""
     factor = skimage.segmentation.inverse_gaussian_gradient(  # type: ignore[no-untyped-call]
         unit_gray(image), settings.steepness, settings.sigma
     )
@@ -155,29 +155,29 @@ def morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) ->
     return _morphological(
         image,
         start,
-        lambda mask, add: snake(factor, _AT_A_TIME, mask, settings.smoothing, settings.threshold, balloon, add),  # type: ignore[no-untyped-call]
+        lambda mask, add: snake(factor, _STEPS_PER_CALL, mask, settings.smoothing, settings.threshold, balloon, add),  # type: ignore[no-untyped-call]
     )
 
 
 def morph_chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettings) -> Iterator[ContourState]:
-    """States of morphological Chan-Vese."""
+    """Evolve morphological Chan-Vese."""
     gray, snake = unit_gray(image), skimage.segmentation.morphological_chan_vese
     return _morphological(
         image,
         start,
         lambda mask, add: snake(  # type: ignore[no-untyped-call]
-            gray, _AT_A_TIME, mask, settings.smoothing, settings.lambda1, settings.lambda2, add
+            gray, _STEPS_PER_CALL, mask, settings.smoothing, settings.lambda1, settings.lambda2, add
         ),
     )
 
 
-_REFERENCE = "Márquez-Neila, Baumela and Álvarez (2014), doi:10.1109/TPAMI.2013.106; scikit-image's "
+_MORPHOLOGICAL_REFERENCE = "Márquez-Neila, Baumela and Álvarez (2014), doi:10.1109/TPAMI.2013.106; scikit-image's "
 
 MORPHOLOGICAL_GAC = ContourMethod(
     "morph_gac",
     "Morphological GAC",
     "The geodesic active contour with masks in place of a level set: a balloon, edges that stop it, and smoothing.",
-    _REFERENCE + "morphological_geodesic_active_contour",
+    _MORPHOLOGICAL_REFERENCE + "morphological_geodesic_active_contour",
     MorphologicalGacSettings,
     morph_gac,
 )
@@ -186,17 +186,22 @@ MORPHOLOGICAL_CHAN_VESE = ContourMethod(
     "morph_chan_vese",
     "Morphological Chan-Vese",
     "Chan-Vese with masks in place of a level set: pixels at the boundary go to the region whose mean is nearer.",
-    _REFERENCE + "morphological_chan_vese",
+    _MORPHOLOGICAL_REFERENCE + "morphological_chan_vese",
     MorphologicalChanVeseSettings,
     morph_chan_vese,
 )
 
 
-_OBJECT_SEED, _BACKGROUND_SEED = 1, 2
-_DIRECT = 300_000
+_OBJECT_SEED = 1
+"""Label of the seeds of the object."""
+
+_BACKGROUND_SEED = 2
+"""Label of the seeds of the background."""
+
+_MAX_DIRECT_PIXELS = 300_000
 """Pixels up to which the equations are solved directly, which is faster; beyond, with less memory, by iteration."""
 
-_NO_WARNING = 1.0
+_PROBABILITY_TOLERANCE = 1.0
 """Error of probabilities up to which scikit-image does not warn; only which of two is larger counts."""
 
 
@@ -221,9 +226,9 @@ class RandomWalkerSettings(Settings):
 
 
 def seeds(start: Start, shape: Extent, settings: RandomWalkerSettings) -> NDArray[np.int32]:
-    """Labels of the seeds, of this shape: `_OBJECT_SEED`, `_BACKGROUND_SEED`, or 0 where there is none.
+    """Label the seeds, of this shape: `_OBJECT_SEED`, `_BACKGROUND_SEED`, or 0 where there is none.
 
-    A start in the object is all object, and the border of the image, or what lies far from the start, background. A
+    A start in the object is all object; the border of the image, or what lies far from the start, is background. A
     start around the object has only its middle in the object, and what lies outside it is background.
     """
     inside = start.mask(shape)
@@ -238,7 +243,7 @@ def seeds(start: Start, shape: Extent, settings: RandomWalkerSettings) -> NDArra
 
 
 def random_walk(image: Image, start: Start, settings: RandomWalkerSettings) -> Iterator[ContourState]:
-    """The start, and what the random walker makes of it."""
+    """Yield the start, and the result of the random walker."""
     inside = start.mask(image.shape)
     yield region_state(inside, 0.5, 0)
     labels = seeds(start, image.shape, settings)
@@ -246,8 +251,10 @@ def random_walk(image: Image, start: Start, settings: RandomWalkerSettings) -> I
         if not (labels == label).any():
             yield region_state(inside, 0.5, 1, f"there are no seeds of the {what}")
             return
-    mode = "bf" if labels.size <= _DIRECT else "cg_j"
-    found = skimage.segmentation.random_walker(unit_gray(image), labels, settings.beta, mode, prob_tol=_NO_WARNING)
+    mode = "bf" if labels.size <= _MAX_DIRECT_PIXELS else "cg_j"
+    found = skimage.segmentation.random_walker(
+        unit_gray(image), labels, settings.beta, mode, prob_tol=_PROBABILITY_TOLERANCE
+    )
     yield region_state(found == _OBJECT_SEED, 0.5, 1, "all pixels have been decided", converged=True)
 
 

@@ -1,4 +1,4 @@
-"""Snakes: closed curves that forces of an image move and forces of their own keep smooth.
+"""Snakes: closed curves that are moved by forces of an image and kept smooth by forces of their own.
 
 The points r of a curve follow ``gamma dr/dt = alpha r'' - beta r'''' + F(r)``. A step takes the forces of the curve
 itself at its end and that of the image at its beginning, so that it is stable for any tension and rigidity (Kass,
@@ -32,15 +32,18 @@ from cpm_core.objects.methods.method import (
     unit_gray,
 )
 
-_EXACT, _MOST_ROUNDS = 1e-9, 2000
-"""Residual of the equation of the field relative to its right side; rounds after which its solution is ended."""
+_FIELD_TOLERANCE = 1e-9
+"""Residual of the equation of the field relative to its right side."""
 
-_NEGLIGIBLE = 1e-10
-"""Length of a vector, relative to the longest, under which it has no direction."""
+_MAX_FIELD_ITERATIONS = 2000
+"""Iterations after which the solution of the field is ended."""
+
+_NEGLIGIBLE_LENGTH = 1e-10
+"""Length of a vector, relative to the longest, below which it has no direction."""
 
 
 def gradient_vector_flow(edges: Array, mu: float) -> Array:
-    """The field of gradient vector flow of an edge map.
+    """Solve for the field of gradient vector flow of an edge map.
 
     Parameters
     ----------
@@ -84,7 +87,11 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
     return np.stack(
         [
             scipy.sparse.linalg.cg(
-                operator, (weight * part).ravel(), rtol=_EXACT, maxiter=_MOST_ROUNDS, M=preconditioner
+                operator,
+                (weight * part).ravel(),
+                rtol=_FIELD_TOLERANCE,
+                maxiter=_MAX_FIELD_ITERATIONS,
+                M=preconditioner,
             )[0].reshape(edges.shape)
             for part in slope
         ]
@@ -92,7 +99,7 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
 
 
 def evened(field: Array, evenness: float = 1.0) -> Array:
-    """A field, shape (2, H, W), whose longest vector has the length 1, with vectors of more equal lengths.
+    """Even out the lengths of a field, shape (2, H, W), whose longest vector gets the length 1.
 
     An `evenness` of 0 leaves the ratios of their lengths, 1 makes all lengths 1, except where the field is negligible.
     """
@@ -100,7 +107,7 @@ def evened(field: Array, evenness: float = 1.0) -> Array:
     most = size.max(initial=0.0)
     if most == 0.0:
         return np.zeros_like(field)
-    return field / most * np.maximum(size / most, _NEGLIGIBLE) ** -evenness
+    return field / most * np.maximum(size / most, _NEGLIGIBLE_LENGTH) ** -evenness
 
 
 Force = Callable[[Array], Array]
@@ -109,25 +116,31 @@ Force = Callable[[Array], Array]
 SPACING = 1.0
 """Distance at which the points of a curve are kept [px]."""
 
-_FARTHEST = 1.0
+_MAX_POINT_STEP = 1.0
 """Largest distance that a point moves along an axis in a step [px]."""
 
-_LEAST_POINTS, _LEAST_LENGTH = 8, 8.0
-"""Points and length [px] under which a curve has collapsed."""
+_MIN_CURVE_POINTS = 8
+"""Number of points below which a curve has collapsed."""
 
-_UNEVEN = (0.5, 1.5)
-"""Distances of neighbors, in units of the wanted one, beyond which the points of a curve are placed again."""
+_MIN_CURVE_LENGTH = 8.0
+"""Length below which a curve has collapsed [px]."""
 
-_STEPS = 2500
+_SPACING_RANGE = (0.5, 1.5)
+"""Distances of neighbors, in units of the wanted one, beyond which a curve is sampled again."""
+
+_MAX_SNAKE_STEPS = 2500
 """Steps after which a curve that is not at rest is left as it is."""
 
-_EVERY, _REST = 20, 0.1
-"""A curve is at rest when within so many steps it has not moved farther than this [px]."""
+_CURVE_REST_INTERVAL = 20
+"""Steps over which the motion of a curve is measured."""
+
+_MAX_REST_MOTION = 0.1
+"""Largest distance that a curve at rest moves over these steps [px]."""
 
 
 @frozen
 class Elasticity:
-    """What a curve does by itself: tension, rigidity, resistance to motion."""
+    """Internal forces of a curve: tension, rigidity, resistance to motion."""
 
     alpha: float
     beta: float
@@ -135,32 +148,34 @@ class Elasticity:
 
 
 def moved(curve: Array, force: Force, elasticity: Elasticity, shape: Extent) -> Array:
-    """A closed curve, shape (N, 2), after a step; it stays within the image."""
+    """Advance a closed curve, shape (N, 2) [px], by a step; it stays within the image."""
     wave = 2.0 - 2.0 * np.cos(2.0 * np.pi * np.arange(len(curve) // 2 + 1) / len(curve))
     matrix = elasticity.alpha * wave + elasticity.beta * wave**2 + elasticity.gamma
     right = elasticity.gamma * curve + force(curve)
     wanted = np.fft.irfft(np.fft.rfft(right, axis=0) / matrix[:, None], n=len(curve), axis=0)
-    after = curve + _FARTHEST * np.tanh(wanted - curve)
+    after = curve + _MAX_POINT_STEP * np.tanh(wanted - curve)
     return np.clip(after, 0.0, np.array(shape) - 1.0)
 
 
 def evolution(curves: Arrays, force: Force, elasticity: Elasticity, shape: Extent) -> Iterator[ContourState]:
-    """States of closed curves until all are at rest or have collapsed."""
+    """Evolve closed curves, each of shape (N, 2) [px], until all are at rest or have collapsed."""
     before = curves
     yield _state(0, curves)
-    for step in range(1, _STEPS + 1):
+    for step in range(1, _MAX_SNAKE_STEPS + 1):
         paths = (_evened(moved(curve, force, elasticity, shape)) for curve in curves)
-        curves = tuple(path[:-1] for path in paths if len(path) > _LEAST_POINTS and length(path) >= _LEAST_LENGTH)
+        curves = tuple(
+            path[:-1] for path in paths if len(path) > _MIN_CURVE_POINTS and length(path) >= _MIN_CURVE_LENGTH
+        )
         reason, at_rest = "", False
         if not curves:
             reason = "the curve has collapsed"
-        elif step % _EVERY == 0:
+        elif step % _CURVE_REST_INTERVAL == 0:
             at_rest = len(curves) == len(before) and all(
-                SegmentTree(former, np.roll(former, -1, axis=0)).distances(curve).max() < _REST
+                SegmentTree(former, np.roll(former, -1, axis=0)).distances(curve).max() < _MAX_REST_MOTION
                 for curve, former in zip(curves, before, strict=True)
             )
             reason, before = "the curve is at rest" if at_rest else "", curves
-        if step == _STEPS and not reason:
+        if step == _MAX_SNAKE_STEPS and not reason:
             reason = f"stopped after {step} steps"
         yield _state(step, curves, reason, at_rest)
         if reason:
@@ -172,10 +187,10 @@ def _state(step: int, curves: Arrays, reason: str = "", at_rest: bool = False) -
 
 
 def _evened(curve: Array) -> Array:
-    """The path around a curve, with points at equal distances where they have become uneven."""
+    """Return the path around a curve, sampled again where its points have become uneven."""
     path = np.concatenate([curve, curve[:1]])
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    if steps.min() >= _UNEVEN[0] * SPACING and steps.max() <= _UNEVEN[1] * SPACING:
+    if steps.min() >= _SPACING_RANGE[0] * SPACING and steps.max() <= _SPACING_RANGE[1] * SPACING:
         return path
     return resampled(path, SPACING)
 
@@ -202,11 +217,11 @@ class SnakeSettings(Settings):
     smoothing: float = smoothing_before_edges(2.0)
 
 
-_RESISTANCE = 0.01
+_SNAKE_RESISTANCE = 0.01
 
 
 def edge_force(edges: Array, attraction: float) -> Force:
-    """The gradient of an edge map, shape (H, W), as a force: pieces of quadratic polynomials between the pixels."""
+    """Build a force from the gradient of an edge map, shape (H, W), by quadratic splines between the pixels."""
     rows, cols = map(np.arange, edges.shape)
     surface = scipy.interpolate.RectBivariateSpline(rows, cols, attraction * edges, kx=2, ky=2, s=0)
 
@@ -218,15 +233,15 @@ def edge_force(edges: Array, attraction: float) -> Force:
 
 
 def sobel_edges(image: Image, smoothing: float) -> Array:
-    """Edges by the filter of Sobel, as scikit-image's ``active_contour`` takes them of a smoothed image."""
+    """Find edges, shape (H, W), by the Sobel filter, as scikit-image's ``active_contour`` does in smoothed images."""
     smooth = scipy.ndimage.gaussian_filter(unit_gray(image), smoothing, mode="nearest")
     return skimage.filters.sobel(smooth)  # type: ignore[no-untyped-call]
 
 
 def snake(image: Image, start: Start, settings: SnakeSettings) -> Iterator[ContourState]:
-    """States of the classical snake."""
+    """Evolve the classical snake."""
     force = edge_force(sobel_edges(image, settings.smoothing), settings.attraction)
-    elasticity = Elasticity(settings.alpha, settings.beta, _RESISTANCE)
+    elasticity = Elasticity(settings.alpha, settings.beta, _SNAKE_RESISTANCE)
     return evolution(start.curves(SPACING), force, elasticity, image.shape)
 
 
@@ -241,7 +256,7 @@ SNAKE = ContourMethod(
 
 
 def smoothness_of_the_field() -> Any:
-    """The setting of both methods that move in the field of gradient vector flow."""
+    """Declare the setting of both methods that move in the field of gradient vector flow."""
     return number(
         0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
         "Larger values carry the edges farther and even out noise.",
@@ -271,7 +286,7 @@ class GvfSnakeSettings(Settings):
 
 
 def gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[ContourState]:
-    """States of the GVF snake."""
+    """Evolve the GVF snake."""
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu))
     elasticity = Elasticity(settings.alpha, settings.beta, 1.0)
 

@@ -1,1 +1,1 @@
-"""The prior: which object places and drawn starts mean, learned from images that people have outlined."""
+"""The network: which object a prompt means, learned from images that people have outlined."""

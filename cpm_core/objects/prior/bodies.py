@@ -1,9 +1,10 @@
-"""The prior in a volume: the body that clicks mean, from what the network makes of slices across all three axes.
+"""The network in a volume: the body that clicks mean, from predictions in slices across all three axes.
 
-The network answers in the three slices through a click. Its answer is the former one of the next slice, on both sides
-across each axis, as long as it is sure of itself. The mean of the logits of the three directions is the opinion of the
-slices on each step of a cube; that of the gray levels is added: how much likelier each is inside than outside, by the
-means and deviations of both around it (local regions: Lankton and Tannenbaum 2008, doi:10.1109/TIP.2008.2004611).
+The network answers in the three slices through a click. Each answer is the previous mask of the next slice, on both
+sides along each axis, as long as the predicted overlap is large enough. The mean of the logits of the three directions
+is the slice logit of each step of a crop. To it the log likelihood ratio of gray levels is added, inside to outside, by
+the means and deviations of both around the step (local regions: Lankton and Tannenbaum 2008,
+doi:10.1109/TIP.2008.2004611).
 """
 
 from __future__ import annotations
@@ -23,85 +24,108 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single, record
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.prior import maps_of
-from cpm_core.objects.prior.windows import LEAST_DEVIATION, SIDE, Cube, Grays, holding, resampled
+from cpm_core.objects.prior.windows import (
+    ANSWER_MARGIN,
+    CROP_SIZE_RATIO,
+    INSIDE_PROBABILITY,
+    LEAST_DEVIATION,
+    MAX_RELATIVE_SIDE,
+    MIN_ANSWER_SIDE,
+    MIN_FIRST_SIDE,
+    SIDE,
+    Cube,
+    Grays,
+    holding,
+    resampled,
+)
 
-_GROWS, _LEAST, _MOST = 1.6, 40.0, 1.1
-"""Ratio of the sides of one cube to those of the next smaller one; least side around a click [smallest sides of a
-voxel]; and the largest, in sides of the volume."""
+_CROP_WIDENING = 1.4
+"""Factor by which a crop is widened whose sides a body touches."""
 
-_AROUND, _CLOSEST = 1.35, 24.0
-"""Side of a cube around an answer, as a multiple of it, and the least one."""
+_MAX_WIDENINGS = 4
+"""Largest number of times that a crop is widened."""
 
-_WIDER, _TURNS = 1.4, 4
-"""How much wider a cube becomes whose sides a body touches, and how often it does at most."""
+_DISTINCT_VOLUME_RATIO = 1.5
+"""Ratio of volumes above which two bodies around a point are different ones."""
 
-_OTHER_SIZE = 1.5
-"""Ratio of volumes from which two bodies around a place are different ones."""
+_GRAY_TOLERANCES = 8.0 * 1.25 ** np.arange(12)
+"""Differences from the gray level of a point."""
 
-_TOLERANCES, _STABLE = 8.0 * 1.25 ** np.arange(12), 0.2
-"""Differences from the gray level of a place; and how much the logarithm of a volume grows at most from one to the
-next where it is stable."""
+_MAX_STABLE_GROWTH = 0.2
+"""Largest growth of the logarithm of a volume from one tolerance to the next where it is stable."""
 
-_EVERY = 6
-"""Distance between two slices that the network is asked about, between which logits are interpolated [steps]."""
+_SLICE_SPACING = 6
+"""Distance between slices that the network is asked about; between them logits are interpolated [steps]."""
 
-_SURE = 0.5
-"""Overlap that the network expects of its answer, below which that is not carried on."""
+_MIN_PROPAGATED_IOU = 0.5
+"""Predicted overlap below which the answer in a slice is not propagated."""
 
-_LIKELY = 0.5
-"""Probability above which a step is said to lie in the body."""
 
-_AGREES = 0.3
-"""What the agreement of slices along the lines that they share counts, next to the overlap that the network expects."""
+_AGREEMENT_WEIGHT = 0.3
+"""Weight of the agreement of slices along their shared lines, next to the predicted overlap."""
 
 FAR = 5.0
-"""Logit of what lies beyond the slices that were asked, as outside; and the largest one."""
+"""Largest logit; beyond the slices that were asked, its negative stands for outside."""
 
-_WIDE = 10.0
-"""Deviation of the Gaussian that weights gray levels around a step [steps]."""
+_INTENSITY_SIGMA = 10.0
+"""Sigma of the Gaussian that weights gray levels around a step [steps]."""
 
-_ROUNDS, _OPINION, _LEVELS = 6, 0.5, 4.0
-"""Rounds in which gray levels are measured anew; what the opinion of the slices counts; and the most that gray levels
-count [logits]."""
+_INTENSITY_ROUNDS = 6
+"""Number of rounds in which gray levels are measured again."""
 
-_FEW = np.float32(1e-3)
-"""What the gray levels of one side count where none of it is near, as a share of where all is."""
+_SLICE_WEIGHT = 0.5
+"""Weight of the logits of the slices."""
 
-_AGAIN = 2.0
-"""What an opinion counts that a place has led to, more than gray levels do, as a multiple of that at first."""
+_MAX_INTENSITY_LOGIT = 4.0
+"""Largest contribution of gray levels [logits]."""
 
-_COARSE = 4
-"""Steps along each side of the blocks in which gray levels are measured."""
+_EMPTY_SIDE_WEIGHT = np.float32(1e-3)
+"""Weight of the gray levels of a side that is not near, as a share of their mean over the crop."""
 
-_PLACE, _NEAR = 8.0, 1.5
-"""What a click counts [logits], and the deviation of the Gaussian within which it does [steps]."""
+_CORRECTION_WEIGHT = 2.0
+"""Weight of slice logits that a correction has led to, as a multiple of their first weight."""
 
-_BESIDE = 1.5
-"""Distance from the boundary up to which a place moves no more than that [smallest sides of a voxel]."""
+_INTENSITY_BLOCK = 4
+"""Side of the blocks in which gray levels are measured [steps]."""
 
-_AT_PLACE = 2
-"""Distance from a place within which what has changed is due to it [steps]."""
+_POINT_LOGIT = 8.0
+"""Contribution of a point at its place [logits]."""
 
-_IN, _OUT = 1, 2
-"""Numbers of basins."""
+_POINT_SIGMA = 1.5
+"""Sigma of the Gaussian within which a point contributes [steps]."""
 
-_AS_STRONG, _WIDEST_NECK = 0.5, 3
-"""Least edge strength around what edges add to a body, in that of its boundary; and half the widest neck [steps]."""
+_BOUNDARY_TOLERANCE = 1.5
+"""Distance from the boundary up to which a point only moves the boundary [smallest sides of a voxel]."""
 
-_OTHERS = ((1, 2), (0, 2), (0, 1))
-"""The axes of a slice across each axis."""
+_POINT_NEIGHBORHOOD = 2
+"""Distance from a point within which a change is due to it [steps]."""
+
+_BODY_BASIN = 1
+"""Number of the basin of the body."""
+
+_OUTSIDE_BASIN = 2
+"""Number of the basin outside."""
+
+_MIN_ADDED_STRENGTH = 0.5
+"""Least edge strength around an added part, as a fraction of that along the boundary of the body."""
+
+_MAX_NECK_RADIUS = 3
+"""Half the width of the widest neck [steps]."""
+
+_SLICE_AXES = ((1, 2), (0, 2), (0, 1))
+"""The two axes of a slice across each axis."""
 
 
 @record
 class Body:
-    """A body that clicks mean.
+    """A predicted body.
 
     Attributes
     ----------
     cube : Cube
-        The cube that it lies in.
+        The crop that it lies in.
     opinion, logits : ndarray of float32, shape (SIDE, SIDE, SIDE)
-        Logits of its steps to lie in the body, by the slices alone, and all in all.
+        Logits of the steps of the crop to lie in the body, by the slices alone, and in total.
     """
 
     cube: Cube
@@ -114,27 +138,30 @@ class Body:
         return float(np.count_nonzero(self.logits > 0.0)) * self.cube.scale**3
 
     def logit(self, place: Array) -> float:
-        """How surely a place, shape (3,), lies in it: above 0 it does."""
+        """Interpolate the logit of a point, shape (3,): above 0 it lies in the body."""
         step = self.cube.steps(place)[:, None]
         return float(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-FAR)[0])
 
 
 def is_other(size: float, other: float) -> bool:
-    """Whether two bodies around a place are different ones, by their volumes."""
-    return max(size, other) > _OTHER_SIZE * min(size, other)
+    """Return whether two bodies around a point are different ones, by their volumes."""
+    return max(size, other) > _DISTINCT_VOLUME_RATIO * min(size, other)
 
 
 def body_of(mask: Mask, size: Array) -> Body:
-    """The body of some voxels, shape (P, R, C), whose sides are given, the smallest being 1."""
+    """Build the body of some voxels, shape (P, R, C), whose sides are given, shape (3,), the smallest being 1."""
     first, last = ends(mask)
     low, high = (first - 0.5) * size, (last + 0.5) * size
-    cube = Cube(0.5 * (low + high), max(_AROUND * float((high - low).max()), _CLOSEST))
+    cube = Cube(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
     logits = logits_of(mask, size, cube)
     return Body(cube, logits, logits)
 
 
 def logits_of(mask: Mask, size: Array, cube: Cube) -> Single:
-    """Logits of the steps of a cube to lie in some voxels, shape (P, R, C), whose sides are given."""
+    """Compute the logits of the steps of a crop to lie in some voxels, shape (P, R, C), whose sides are given.
+
+    Returns float32, shape (SIDE, SIDE, SIDE).
+    """
     lines = [line / side for line, side in zip(cube.lines, size.tolist(), strict=True)]
     logits = (2.0 * resampled(mask, lines, tuple(cube.scale / size)) - 1.0) * np.float32(FAR)
     for axis, line in enumerate(lines):
@@ -143,9 +170,9 @@ def logits_of(mask: Mask, size: Array, cube: Cube) -> Single:
 
 
 class _Slice(NamedTuple):
-    """A slice of a cube that the network is asked about: the axis across, the step there, and the answer so far.
+    """A slice of a crop that the network is asked about: the axis across it, the step on that axis, the answer so far.
 
-    What the slice next to it has added, or has taken away, is in `more` or `less`.
+    What the next slice has added or removed is in `more` or `less`.
     """
 
     axis: int
@@ -156,14 +183,14 @@ class _Slice(NamedTuple):
 
 
 class _Asked(NamedTuple):
-    """What the network makes of slices: probabilities, and the overlaps that it expects."""
+    """Answers of the network in slices: probabilities, and predicted overlaps."""
 
     seen: list[Single]
     overlap: list[float]
 
 
 class _Within(NamedTuple):
-    """A cube with the gray levels at its steps, those of the object, and the steps of places inside and outside."""
+    """A crop with its gray levels, the gray level of the object, and the steps of positive and negative points."""
 
     cube: Cube
     grays: Single
@@ -174,14 +201,14 @@ class _Within(NamedTuple):
 
 @record
 class BodyPrior:
-    """What the network makes of clicks in a volume.
+    """Predictions of the network for clicks in a volume.
 
     Attributes
     ----------
     values : ndarray, shape (P, R, C)
         Gray levels.
     size : ndarray, shape (3,)
-        Sides of a voxel; the smallest is 1. Places are in the same unit.
+        Sides of a voxel; the smallest is 1. Points are in the same unit.
     network : Network
         The network.
     """
@@ -191,10 +218,10 @@ class BodyPrior:
     network: Network = field(default_factory=trained)
 
     def bodies_at(self, place: Array) -> Iterator[Body]:
-        """The bodies of different sizes that a place, shape (3,), may lie in, the most plausible one first.
+        """Predict bodies of different sizes that a point, shape (3,), may lie in, the most plausible one first.
 
-        Those come last that would leave out the place if it had not been said to be inside, such as a head around a
-        place in its ventricles; and what gray levels alone make of it, such as an organ in a head.
+        Last come bodies that contain the point only because it is positive, such as a head around a point in its
+        ventricles; and stable regions of similar gray levels, such as an organ in a head.
         """
         found: list[Body] = []
         forced = []
@@ -202,7 +229,7 @@ class BodyPrior:
             body = self._body(place, *self._closer(cube, seen, place))
             if all(is_other(body.size, one.size) for one in found):
                 found.append(body)
-                if body.logit(place) > _PLACE:
+                if body.logit(place) > _POINT_LOGIT:
                     yield body
                 else:
                     forced.append(body)
@@ -210,10 +237,10 @@ class BodyPrior:
         yield from self._grown(place, max(found, key=lambda body: body.cube.side).cube)
 
     def _grown(self, place: Array, cube: Cube) -> Iterator[Body]:
-        """What hangs together with a place by gray levels that differ from its own by less than they do around it.
+        """Find regions connected to a point whose gray levels differ from its own by less than a tolerance.
 
-        Of all tolerances those count with which it hardly grows (maximally stable regions: Matas et al. 2004,
-        doi:10.1016/j.imavis.2004.02.006). What is narrower than three steps joins nothing.
+        Only those tolerances count at which the region hardly grows (maximally stable regions: Matas et al. 2004,
+        doi:10.1016/j.imavis.2004.02.006). Bridges narrower than three steps are cut.
         """
         within = self._within(cube, place[None], np.empty((0, 3)))
         step = tuple(np.clip(np.rint(within.inside[0]), 0, SIDE - 1).astype(int).tolist())
@@ -224,33 +251,39 @@ class BodyPrior:
             sides[:first], sides[last + 1 :] = np.inf, np.inf
         parts: list[Mask] = []
         sizes: list[int] = []
-        for tolerance in _TOLERANCES:
+        for tolerance in _GRAY_TOLERANCES:
             near = off < tolerance
             numbers, _ = scipy.ndimage.label(scipy.ndimage.binary_erosion(near, border_value=1))
             core = (numbers == numbers[step]) & (numbers[step] > 0)
             parts.append(scipy.ndimage.binary_dilation(core, iterations=2) & near)
             sizes.append(max(int(core.sum()), 1))
         growth = np.diff(np.log(sizes))
-        beside = np.pad(growth, 1, constant_values=_STABLE)
+        beside = np.pad(growth, 1, constant_values=_MAX_STABLE_GROWTH)
         for k in np.flatnonzero((growth <= beside[:-2]) & (growth < beside[2:]) & (np.array(sizes[:-1]) > 1)).tolist():
             opinion = np.where(parts[k], FAR, -FAR).astype(np.float32)
             yield Body(cube, opinion, self._settled(within, opinion))
 
     def _body(self, place: Array, cube: Cube, seen: list[Single]) -> Body:
-        """The body that a place lies in, and of which the slices of a cube through it show so much."""
-        for turn in range(_TURNS):
+        """Grow the body of a point from the answers in the slices through it, in a crop that is widened as needed."""
+        for turn in range(_MAX_WIDENINGS):
             within = self._within(cube, place[None], np.empty((0, 3)))
             if turn == 0:
                 opinion = self._carried(within, seen)
             body = Body(cube, opinion, self._settled(within, opinion))
-            if not self._touches(body) or cube.side >= _MOST * self._grays.extent:
+            if not self._touches(body) or cube.side >= MAX_RELATIVE_SIDE * self._grays.extent:
                 break
-            cube, before = Cube(cube.middle, min(_WIDER * cube.side, _MOST * self._grays.extent)), cube
+            cube, before = (
+                Cube(cube.middle, min(_CROP_WIDENING * cube.side, MAX_RELATIVE_SIDE * self._grays.extent)),
+                cube,
+            )
             opinion = cube.of(before, opinion, -FAR)
         return body
 
     def corrected(self, body: Body, place: Array, adds: bool, inside: Array, outside: Array) -> Body:
-        """The body after a place that contradicts it, which `adds` to it or takes away; with all places so far."""
+        """Correct a body by a point, shape (3,), that contradicts it, and `adds` to it or removes from it.
+
+        `inside` and `outside` are all points so far, shape (M, 3) and (K, 3).
+        """
         cube = self._holding(body, place)
         while True:
             before = Body(cube, cube.of(body.cube, body.opinion, -FAR), cube.of(body.cube, body.logits, -FAR))
@@ -259,8 +292,10 @@ class BodyPrior:
             near = _at_boundary(before, step)
             changed = None if near else _parted(within, before) if adds else _behind_neck(within, before, step)
             if changed is not None:
-                # gray levels decide at its rim
-                weight = np.where(changed, 1.0, 0.0) + (_AGAIN - 1.0) * scipy.ndimage.binary_erosion(changed)
+                # at the rim of the change gray levels decide
+                weight = np.where(changed, 1.0, 0.0) + (_CORRECTION_WEIGHT - 1.0) * scipy.ndimage.binary_erosion(
+                    changed
+                )
                 sure = (FAR if adds else -FAR) * weight.astype(np.float32)
                 opinion = np.where(changed, sure, before.opinion)
             else:
@@ -268,46 +303,48 @@ class BodyPrior:
             logits = self._settled(within, opinion)
             logits = np.maximum(logits, before.logits) if adds else np.minimum(logits, before.logits)
             after = Body(cube, opinion, logits)
-            if not adds or not self._touches(after) or cube.side > _WIDER * body.cube.side:
+            if not adds or not self._touches(after) or cube.side > _CROP_WIDENING * body.cube.side:
                 return after
-            cube = Cube(cube.middle, _WIDER * cube.side)
+            cube = Cube(cube.middle, _CROP_WIDENING * cube.side)
 
     # Slices
 
     def _looks(self, place: Array) -> list[tuple[Cube, list[Single]]]:
-        """Cubes of all sizes around a place, and what the network sees of it in their slices; the clearest first."""
-        largest = _MOST * self._grays.extent
-        count = max(int(np.ceil(np.log(largest / _LEAST) / np.log(_GROWS) - 0.5)), 0)
-        cubes = [Cube(place, side) for side in (*(_LEAST * _GROWS**k for k in range(count)), largest)]
+        """Rank crops of all sizes around a point, with the probabilities in their slices; the clearest first."""
+        largest = MAX_RELATIVE_SIDE * self._grays.extent
+        count = max(int(np.ceil(np.log(largest / MIN_FIRST_SIDE) / np.log(CROP_SIZE_RATIO) - 0.5)), 0)
+        cubes = [Cube(place, side) for side in (*(MIN_FIRST_SIDE * CROP_SIZE_RATIO**k for k in range(count)), largest)]
         asked = [self._through(cube, place, None) for cube in cubes]
         answers = self._ask([maps for each in asked for maps in each])
         seen = [answers.seen[k : k + 3] for k in range(0, len(answers.seen), 3)]
         expected = np.mean(np.reshape(answers.overlap, (-1, 3)), axis=1)
-        ratings = [overlap + _AGREES * _agreement(slices) for overlap, slices in zip(expected, seen, strict=True)]
+        ratings = [
+            overlap + _AGREEMENT_WEIGHT * _agreement(slices) for overlap, slices in zip(expected, seen, strict=True)
+        ]
         return [(cubes[k], seen[k]) for k in np.argsort(-np.array(ratings), kind="stable")]
 
     def _closer(self, cube: Cube, found: list[Single], place: Array) -> tuple[Cube, list[Single]]:
-        """A cube around what is seen in the slices of another one, and what is seen there."""
+        """Crop closely around the answers in the slices of a crop, and predict again."""
         wider = _around(cube, found, place)
         lines = cube.steps_along(wider.lines)
         before = []
         for axis, seen in enumerate(found):
-            places = np.meshgrid(*(lines[other] for other in _OTHERS[axis]), indexing="ij")
+            places = np.meshgrid(*(lines[other] for other in _SLICE_AXES[axis]), indexing="ij")
             before.append(np.asarray(scipy.ndimage.map_coordinates(seen, places, order=1), np.float32))
         return wider, self._ask(self._through(wider, place, before)).seen
 
     def _through(self, cube: Cube, place: Array, before: list[Single] | None) -> list[Callable[[], Single]]:
-        """What makes the maps of the slices of a cube through a place that lies inside."""
+        """Prepare the input maps of the slices of a crop through a positive point, to be computed on demand."""
         step = cube.steps(place[None])
         makers: list[Callable[[], Single]] = []
         for axis in range(3):
             grays = partial(self._grays.through, cube, {axis: float(place[axis])})
             former = np.zeros((SIDE, SIDE), np.float32) if before is None else before[axis]
-            makers.append(partial(_maps_through, grays, axis, step[:, _OTHERS[axis]], former))
+            makers.append(partial(_maps_through, grays, axis, step[:, _SLICE_AXES[axis]], former))
         return makers
 
     def _ask(self, makers: Sequence[Callable[[], Single]]) -> _Asked:
-        """What the network makes of slices, those side by side that there are cores for."""
+        """Predict slices, in parallel on all cores."""
         seen: list[Single] = [np.empty(0, np.float32)] * len(makers)
         overlap = [0.0] * len(makers)
 
@@ -322,18 +359,21 @@ class BodyPrior:
         return self._ask([partial(_maps_within, within, each) for each in slices])
 
     def _carried(self, within: _Within, seen: list[Single]) -> Single:
-        """The opinion of slices `_EVERY` steps apart, beginning with those through the first place."""
+        """Propagate answers from slice to slice, `_SLICE_SPACING` steps apart, from those through the first point."""
         start = np.clip(np.rint(within.inside[0]).astype(int), 0, SIDE - 1).tolist()
         ends = self._grays.within(within.cube)
         known = [{start[axis]: _logit(seen[axis])} for axis in range(3)]
         heads = [(_Slice(axis, start[axis], seen[axis]), way) for axis in range(3) for way in (-1, 1)]
         while heads:
-            heads = [(head._replace(step=head.step + way * _EVERY), way) for head, way in heads]
+            heads = [(head._replace(step=head.step + way * _SLICE_SPACING), way) for head, way in heads]
             heads = [(head, way) for head, way in heads if ends[head.axis, 0] <= head.step <= ends[head.axis, 1]]
             answers = self._ask_within(within, [head for head, _ in heads])
             left = []
             for (head, way), found, overlap in zip(heads, *answers, strict=True):
-                sure = overlap >= _SURE and ((found > _LIKELY) & (head.before > _LIKELY)).any()
+                sure = (
+                    overlap >= _MIN_PROPAGATED_IOU
+                    and ((found > INSIDE_PROBABILITY) & (head.before > INSIDE_PROBABILITY)).any()
+                )
                 known[head.axis][head.step] = _logit(found)
                 if sure:
                     left.append((head._replace(before=found), way))
@@ -343,7 +383,7 @@ class BodyPrior:
         return np.mean([_between(known[axis], axis, -FAR)[0] for axis in range(3)], axis=0, dtype=np.float32)
 
     def _changed(self, within: _Within, body: Body, step: Array, adds: bool) -> Single:
-        """The opinion of slices once a place has been added, asked anew near it as long as more than a rim changes."""
+        """Propagate a correction from the slices through its point, as long as more than a rim changes."""
         start = np.clip(np.rint(step).astype(int), 0, SIDE - 1).tolist()
         ends = self._grays.within(within.cube)
         now = scipy.special.expit(body.logits)
@@ -355,12 +395,16 @@ class BodyPrior:
             for (head, way), found, overlap in zip(heads, *answers, strict=True):
                 known[head.axis][head.step] = _logit(found)
                 before = now.take(head.step, head.axis)
-                on, was = found > _LIKELY, before > _LIKELY
+                on, was = found > INSIDE_PROBABILITY, before > INSIDE_PROBABILITY
                 other = on & ~was if adds else was & ~on
-                if overlap < _SURE or not scipy.ndimage.binary_erosion(other).any() or len(known[head.axis]) > 6:
+                if (
+                    overlap < _MIN_PROPAGATED_IOU
+                    or not scipy.ndimage.binary_erosion(other).any()
+                    or len(known[head.axis]) > 6
+                ):
                     continue
                 for turn in (way,) if way else (-1, 1):
-                    at = head.step + turn * 2 * _EVERY
+                    at = head.step + turn * 2 * _SLICE_SPACING
                     if ends[head.axis, 0] <= at <= ends[head.axis, 1]:
                         there = np.where(other, found, now.take(at, head.axis))
                         sides = (other, None) if adds else (None, other)
@@ -370,36 +414,45 @@ class BodyPrior:
         total = np.maximum(np.sum(weights, axis=0), 1e-6)
         mean = np.sum([one * weight for one, weight in zip(opinions, weights, strict=True)], axis=0) / total
         blend = np.max(weights, axis=0)
-        anew = np.clip(_AGAIN * _AGAIN * mean, -_AGAIN * FAR, _AGAIN * FAR)
+        anew = np.clip(
+            _CORRECTION_WEIGHT * _CORRECTION_WEIGHT * mean, -_CORRECTION_WEIGHT * FAR, _CORRECTION_WEIGHT * FAR
+        )
         return np.asarray(blend * anew + (1.0 - blend) * body.opinion, np.float32)
 
     # Gray levels
 
     def _settled(self, within: _Within, opinion: Single) -> Single:
-        """Logits by the opinion of the slices, places and gray levels."""
+        """Refine the logits of the slices by points and gray levels.
+
+        Gray levels add how much likelier each is inside than outside, by the means and deviations of both around it;
+        the rule is fitted again in each round.
+        """
         places = np.zeros_like(opinion)
         for steps, sign in ((within.inside, 1.0), (within.outside, -1.0)):
             for step in steps:
-                plane, row, col = np.exp(-0.5 * np.square((np.arange(SIDE) - step[:, None]) / _NEAR)).astype(np.float32)
-                places += (sign * _PLACE * plane)[:, None, None] * np.multiply.outer(row, col)
-        given = _OPINION * opinion + places
-        half, coarse = _blocks(within.grays, _COARSE // 2), _blocks(given, _COARSE // 2)
+                plane, row, col = np.exp(-0.5 * np.square((np.arange(SIDE) - step[:, None]) / _POINT_SIGMA)).astype(
+                    np.float32
+                )
+                places += (sign * _POINT_LOGIT * plane)[:, None, None] * np.multiply.outer(row, col)
+        given = _SLICE_WEIGHT * opinion + places
+        half, coarse = _blocks(within.grays, _INTENSITY_BLOCK // 2), _blocks(given, _INTENSITY_BLOCK // 2)
         logits = coarse
-        for _ in range(_ROUNDS):
+        for _ in range(_INTENSITY_ROUNDS):
             rule = _likelihood(half, scipy.special.expit(logits))
             logits = coarse + _weighed(half, rule, 2)
-        return np.asarray(given + _weighed(within.grays, rule, _COARSE), np.float32)
+        return np.asarray(given + _weighed(within.grays, rule, _INTENSITY_BLOCK), np.float32)
 
     # Cubes
 
     def _within(self, cube: Cube, inside: Array, outside: Array) -> _Within:
+        """Build the context of a crop: its gray levels and the steps of points."""
         grays = self._seen(cube)
         within, beyond = cube.steps(inside), cube.steps(outside)
         level = float(np.median(scipy.ndimage.map_coordinates(grays, within.T, order=1, mode="nearest")))
         return _Within(cube, grays, level, within, beyond)
 
     def _touches(self, body: Body) -> bool:
-        """Whether a body reaches the sides of its cube inside of the volume."""
+        """Return whether a body reaches the sides of its crop that lie inside the volume."""
         likely = body.logits > 0.0
         for axis, (first, last) in enumerate(self._grays.within(body.cube).tolist()):
             sides = np.moveaxis(likely, axis, 0)
@@ -408,14 +461,14 @@ class BodyPrior:
         return False
 
     def _holding(self, body: Body, place: Array) -> Cube:
-        """The cube of a body, or a wider one if a place lies at its sides or beyond."""
+        """Return the crop of a body, widened if a point lies at its sides or beyond."""
         off = np.abs(body.cube.steps(place) - SIDE / 2).max()
-        most = SIDE / 2 - _EVERY
+        most = SIDE / 2 - _SLICE_SPACING
         return body.cube if off <= most else Cube(body.cube.middle, body.cube.side * float(off / most))
 
     @cached_property
     def _seen(self) -> Callable[[Cube], Single]:
-        """Gray levels at the steps of a cube; those of the last one, which corrections ask for again, are kept."""
+        """Gray levels at the steps of a crop; those of the last crop are kept, as corrections need them again."""
         return lru_cache(1)(self._grays.through)
 
     @cached_property
@@ -424,28 +477,28 @@ class BodyPrior:
 
 
 def _maps_through(grays: Callable[[], Single], axis: int, inside: Array, before: Single) -> Single:
-    """Maps of a slice whose gray levels have yet to be found, and which places inside lie in."""
+    """Build the input maps of a slice through positive points, whose gray levels are sampled first."""
     there: Single = np.moveaxis(grays(), axis, 0)[0]
     on = holding(inside)
     return _maps(there, float(np.median(there[on])), on, np.zeros_like(on), before)
 
 
 def _maps_within(within: _Within, asked: _Slice) -> Single:
-    """Maps of a slice of a cube, which the places near it lie in."""
+    """Build the input maps of a slice of a crop, with the points near it."""
     there: Single = np.moveaxis(within.grays, asked.axis, 0)[asked.step]
     inside, outside = (
-        holding(steps[np.abs(steps[:, asked.axis] - asked.step) <= 1.0][:, _OTHERS[asked.axis]])
+        holding(steps[np.abs(steps[:, asked.axis] - asked.step) <= 1.0][:, _SLICE_AXES[asked.axis]])
         if changed is None
         else _deepest(changed)
         for steps, changed in ((within.inside, asked.more), (within.outside, asked.less))
     )
-    if outside.any() and not inside.any():  # a place outside alone says little
-        inside = _deepest((asked.before > _LIKELY) & ~outside)
+    if outside.any() and not inside.any():  # a negative point alone says little
+        inside = _deepest((asked.before > INSIDE_PROBABILITY) & ~outside)
     return _maps(there, within.level, inside, outside, asked.before)
 
 
 def _deepest(mask: Mask) -> Mask:
-    """Where the border of a mask is farthest away."""
+    """Find the pixels that are farthest from the border of a mask."""
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
     return np.asarray((depth == depth.max()) & mask)
 
@@ -459,11 +512,11 @@ def _maps(grays: Single, level: float, inside: Mask, outside: Mask, before: Sing
 
 
 def _agreement(slices: Sequence[Single]) -> float:
-    """Mean overlap of the answers in three slices through the middle of a cube along the lines that they share."""
+    """Measure the mean overlap of three slices through the middle of a crop along the lines that they share."""
     found = []
     for one, other in combinations(range(3), 2):
         first, second = (
-            slices[across].take(SIDE // 2, _OTHERS[across].index(rest)) > _LIKELY
+            slices[across].take(SIDE // 2, _SLICE_AXES[across].index(rest)) > INSIDE_PROBABILITY
             for across, rest in ((one, other), (other, one))
         )
         found.append(np.count_nonzero(first & second) / max(int(np.count_nonzero(first | second)), 1))
@@ -471,24 +524,24 @@ def _agreement(slices: Sequence[Single]) -> float:
 
 
 def _around(cube: Cube, slices: Sequence[Single], place: Array) -> Cube:
-    """A cube around what three slices show, and a place."""
+    """Crop around what three slices show, and a point."""
     low, high = place.copy(), place.copy()
     for axis, seen in enumerate(slices):
-        for row, other in enumerate(_OTHERS[axis]):
-            on = np.flatnonzero((seen > _LIKELY).any(axis=1 - row))
+        for row, other in enumerate(_SLICE_AXES[axis]):
+            on = np.flatnonzero((seen > INSIDE_PROBABILITY).any(axis=1 - row))
             if len(on):
                 ends = cube.lines[other][on[[0, -1]]]
                 low[other], high[other] = min(low[other], ends[0]), max(high[other], ends[1])
-    return Cube(0.5 * (low + high), max(_AROUND * float((high - low).max()), _CLOSEST))
+    return Cube(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
 
 
 def _between(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single, Single]:
-    """Slices across an axis, interpolated between those that are known, and how much each counts from 0 to 1.
+    """Interpolate slices across an axis between the known ones; return them and their weights from 0 to 1.
 
-    From the outermost ones on they fall to what is `beyond` over the distance of two.
+    From the outermost slices on, values fall to `beyond` over one slice distance.
     """
     steps = sorted(known)
-    at = [steps[0] - _EVERY, *steps, steps[-1] + _EVERY]
+    at = [steps[0] - _SLICE_SPACING, *steps, steps[-1] + _SLICE_SPACING]
     maps = np.stack([known[steps[0]], *(known[step] for step in steps), known[steps[-1]]])
     weight = np.array([0.0, *[1.0] * len(steps), 0.0])
     if beyond:
@@ -503,49 +556,55 @@ def _between(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single
 
 
 def changed_near(before: Body, after: Body, place: Array) -> Mask:
-    """The steps of a body that a place, shape (3,), has changed, without a rim that leads away from it."""
+    """Find the steps of a body that a point, shape (3,), has changed, without a rim that leads away from it.
+
+    Returns a mask, shape (SIDE, SIDE, SIDE).
+    """
     changed = (after.cube.of(before.cube, before.logits, -FAR) > 0.0) != (after.logits > 0.0)
     parts, _ = scipy.ndimage.label(scipy.ndimage.binary_erosion(changed))
     near = np.zeros_like(changed)
     near[
-        tuple(slice(max(at - _AT_PLACE, 0), at + _AT_PLACE + 1) for at in np.rint(after.cube.steps(place)).astype(int))
+        tuple(
+            slice(max(at - _POINT_NEIGHBORHOOD, 0), at + _POINT_NEIGHBORHOOD + 1)
+            for at in np.rint(after.cube.steps(place)).astype(int)
+        )
     ] = True
     held = np.isin(parts, np.setdiff1d(parts[near], 0))
     return np.asarray((scipy.ndimage.binary_dilation(held, iterations=2) | near) & changed)
 
 
 def _at_boundary(body: Body, step: Array) -> bool:
-    """Whether a step lies so near to the boundary of a body that it means no more than that."""
-    ways = np.concatenate([np.eye(3), -np.eye(3)]) * (_BESIDE / body.cube.scale)
+    """Return whether a step lies so near to the boundary of a body that its point only moves the boundary."""
+    ways = np.concatenate([np.eye(3), -np.eye(3)]) * (_BOUNDARY_TOLERANCE / body.cube.scale)
     near = scipy.ndimage.map_coordinates(body.logits, (step + ways).T, order=1, mode="nearest") > 0.0
     return bool(near.any() and not near.all())
 
 
 def _parted(within: _Within, body: Body) -> Mask | None:
-    """What edges part from the rest together with places that a body lacks.
+    """Find the part that edges enclose together with points that a body lacks.
 
-    Basins of the edge map are flooded from the body and the places, and from the sides of the cube and places outside
-    (watershed from markers: Meyer 1994, doi:10.1016/0165-1684(94)90060-4). None unless the boundary of what is new is
+    Basins of the edge map are flooded from the body and its points, and from the sides of the crop and negative points
+    (watershed from markers: Meyer 1994, doi:10.1016/0165-1684(94)90060-4). None unless the boundary of the new part is
     about as strong as that of the body.
     """
     before = _blocks(body.logits, 2) > 0.0
     edges = scipy.ndimage.gaussian_gradient_magnitude(_blocks(within.grays, 2), 1.0)
-    markers = np.where(before, _IN, 0).astype(np.int32)
+    markers = np.where(before, _BODY_BASIN, 0).astype(np.int32)
     for axis in range(3):
-        np.moveaxis(markers, axis, 0)[[0, -1]] = _OUT
-    for steps, number in ((within.outside, _OUT), (within.inside, _IN)):
+        np.moveaxis(markers, axis, 0)[[0, -1]] = _OUTSIDE_BASIN
+    for steps, number in ((within.outside, _OUTSIDE_BASIN), (within.inside, _BODY_BASIN)):
         place = np.clip(np.rint((steps - 0.5) / 2.0), 0, len(before) - 1).astype(np.int64)
         markers[tuple(place.T)] = number
-    changed = (skimage.segmentation.watershed(edges, markers) == _IN) & ~before  # type: ignore[no-untyped-call]
+    changed = (skimage.segmentation.watershed(edges, markers) == _BODY_BASIN) & ~before  # type: ignore[no-untyped-call]
     along = scipy.ndimage.binary_dilation(changed) & ~changed & ~scipy.ndimage.binary_dilation(before, iterations=2)
     around = before & ~scipy.ndimage.binary_erosion(before)
-    if not along.any() or not around.any() or np.median(edges[along]) < _AS_STRONG * np.median(edges[around]):
+    if not along.any() or not around.any() or np.median(edges[along]) < _MIN_ADDED_STRENGTH * np.median(edges[around]):
         return None
     return np.asarray(changed.repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2))
 
 
 def _behind_neck(within: _Within, body: Body, step: Array) -> Mask | None:
-    """What lies behind a neck of a body, seen from the places inside, with a step; None where no neck parts them."""
+    """Find the part of a body that holds a step and lies behind a neck, seen from the positive points; else None."""
     whole = body.logits > 0.0
     if not whole.any():
         return None
@@ -555,7 +614,7 @@ def _behind_neck(within: _Within, body: Body, step: Array) -> Mask | None:
     first, last = np.array([side.start for side in box]), np.array(before.shape) - 1
     inner = tuple(np.clip(np.rint(within.inside) - first, 0, last).astype(np.int64).T)
     outer = tuple(np.clip(np.rint(step) - first, 0, last).astype(np.int64))
-    for radius in range(1, _WIDEST_NECK + 1):
+    for radius in range(1, _MAX_NECK_RADIUS + 1):
         parts, _ = scipy.ndimage.label(depth > radius)
         held = np.setdiff1d(parts[inner], 0)
         if not len(held):
@@ -575,21 +634,24 @@ def _logit(seen: Single) -> Single:
 
 
 def _blocks(values: Single, side: int) -> Single:
-    """Means of blocks of steps."""
+    """Average blocks of steps."""
     for _ in range(3):
         values = np.moveaxis(np.sum([values[k::side] for k in range(side)], axis=0), 0, -1)
     return values / np.float32(side**3)
 
 
 def _likelihood(grays: Single, inside: Single) -> Single:
-    """How much likelier gray levels are inside than outside, as factors of their powers 0, 1 and 2, by normal laws."""
+    """Fit the log likelihood ratio of gray levels, inside to outside, by normal distributions around each block.
+
+    Returns the factors of the powers 0, 1 and 2 of the gray level.
+    """
     rule: Single = np.zeros((3, *[len(grays) // 2] * 3), np.float32)
     for weight, sign in ((inside, -0.5), (1.0 - inside, 0.5)):
         blurred = [
-            scipy.ndimage.gaussian_filter(_blocks(weight * part, 2), _WIDE / _COARSE, truncate=2.5)
+            scipy.ndimage.gaussian_filter(_blocks(weight * part, 2), _INTENSITY_SIGMA / _INTENSITY_BLOCK, truncate=2.5)
             for part in (1.0, grays, np.square(grays))
         ]
-        few = [_FEW * part.mean() / max(blurred[0].mean(), 1e-6) for part in blurred]
+        few = [_EMPTY_SIDE_WEIGHT * part.mean() / max(blurred[0].mean(), 1e-6) for part in blurred]
         total, first, second = (part + some for part, some in zip(blurred, few, strict=True))
         mean = first / total
         variance = np.maximum(second / total - np.square(mean), 0.0) + LEAST_DEVIATION**2
@@ -600,7 +662,7 @@ def _likelihood(grays: Single, inside: Single) -> Single:
 
 
 def _weighed(grays: Single, rule: Single, times: int) -> Single:
-    """Logits of gray levels by a rule that is so many times coarser."""
+    """Evaluate the log likelihood ratio of gray levels by a rule that is `times` coarser."""
     line = (np.arange(len(grays)) + 0.5) / times - 0.5
     level, slope, bend = (resampled(part, [line] * 3, (1.0, 1.0, 1.0)) for part in rule)
-    return np.clip(level + grays * (slope + grays * bend), -_LEVELS, _LEVELS)
+    return np.clip(level + grays * (slope + grays * bend), -_MAX_INTENSITY_LOGIT, _MAX_INTENSITY_LOGIT)

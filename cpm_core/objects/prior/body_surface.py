@@ -1,8 +1,8 @@
-"""The surface of a body that the prior has found: along edges where there are any, else where its probability is 0.5.
+"""The surface of a predicted body: along edges where there are any, else where its probability is 0.5.
 
-It is found at the steps of the cube. Then each vertex moves along its normal to the steepest place of the gray levels,
-as particles would, if the edge there stands out from the noise. The profiles of gray levels along the normals are
-averaged with those of neighbors on the surface, which smooths along it and not across.
+It is triangulated on the steps of the crop. Then each vertex moves along its normal to the steepest place of the gray
+levels, as particles would, if the edge there stands out from the noise. Profiles of gray levels along the normals are
+averaged with those of neighbors on the surface, which smooths along the surface and not across it.
 """
 
 from __future__ import annotations
@@ -20,23 +20,26 @@ from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
 from cpm_core.objects.prior.bodies import FAR, Body
 from cpm_core.objects.prior.windows import Cube
 
-_REACH, _STEP = 2.0, 0.5
-"""How far from the surface an edge is looked for, and the distance between samples [steps, at least voxels]."""
+_EDGE_SEARCH_REACH = 2.0
+"""How far from the surface an edge is looked for [steps, at least voxels]."""
 
-_ROUNDS = 3
+_PROFILE_SPACING = 0.5
+"""Distance between samples of a profile, likewise."""
+
+_AVERAGING_ROUNDS = 3
 """How often profiles are averaged with those of neighbors."""
 
-_CLEAR = 3.0
-"""Rise across an edge, in deviations of the profiles from their mean, from which it counts in full."""
+_CLEAR_EDGE_RATIO = 3.0
+"""Rise across an edge from which it counts in full, in deviations of the profiles from their mean."""
 
-_SHARP = 1.5
-"""Deviation of the derivative of a Gaussian that finds the steepest place of a profile [samples]."""
+_SLOPE_SIGMA = 1.5
+"""Sigma of the derivative of a Gaussian that finds the steepest place of a profile [samples]."""
 
-_AT_PLACE = 2.0
-"""Distance from a place that has been clicked within which the surface keeps its side of it, likewise."""
+_POINT_PROTECTION = 2.0
+"""Distance from a clicked point within which the surface stays where it is [steps, at least voxels]."""
 
-_LEAST = 0.5
-"""Logit at the corners of the steps around a place."""
+_MIN_POINT_LOGIT = 0.5
+"""Least absolute logit at the corners of the steps around a point."""
 
 
 def body_surface(
@@ -49,7 +52,7 @@ def body_surface(
     unit: str | None,
     interest: Mask | None = None,
 ) -> Surface:
-    """The closed surface of the parts of a body that hold places.
+    """Extract the closed surface of the parts of a body that hold points.
 
     Parameters
     ----------
@@ -60,11 +63,11 @@ def body_surface(
     size : ndarray, shape (3,)
         Sides of a voxel; the smallest is 1.
     inside, outside : ndarray, shape (N, 3)
-        Places [voxels].
+        Positive and negative points [voxels].
     spacing, unit
-        As those of the surface.
+        Spacing and unit of the surface.
     interest : ndarray of bool, shape (P, R, C), optional
-        Voxels beyond which no edge is looked for.
+        Voxels outside which no edge is looked for.
     """
     vertices, faces = zero_surface(_linked(body, inside * size, outside * size, values.shape, size))
     last = np.array(values.shape) - 1.0
@@ -72,7 +75,7 @@ def body_surface(
     held = ((vertices <= 0.0) | (vertices >= last)).any(axis=1)
     scale = max(body.cube.scale, 1.0)
     away = scipy.spatial.KDTree(np.concatenate([inside, outside]) * size).query(vertices * size)[0]
-    held |= away < _AT_PLACE * scale
+    held |= away < _POINT_PROTECTION * scale
     ends = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     joined = scipy.sparse.csr_array((np.ones(len(ends)), ends.T), shape=(len(vertices),) * 2)
     joined = joined + joined.T + scipy.sparse.eye_array(len(vertices))
@@ -91,7 +94,7 @@ def body_surface(
 
 
 def _linked(body: Body, inside: Array, outside: Array, shape: Extent, size: Array) -> Single:
-    """Logits of the parts of a body that hold places, and beyond the volume as at its border; one step wider."""
+    """Select the logits of the parts of a body that hold points, continued beyond the volume; one step wider."""
     logits = np.pad(body.logits, 1, constant_values=-FAR)
     for axis, line in enumerate(body.cube.lines):
         within = np.flatnonzero((line > -0.5 * size[axis]) & (line < (shape[axis] - 0.5) * size[axis])) + 1
@@ -102,8 +105,8 @@ def _linked(body: Body, inside: Array, outside: Array, shape: Extent, size: Arra
     for axis in range(3):
         np.moveaxis(logits, axis, 0)[[0, -1]] = -FAR
     corners = [_corners(body.cube, places) for places in (inside, outside)]
-    logits[tuple(corners[1].T)] = np.minimum(logits[tuple(corners[1].T)], -_LEAST)
-    logits[tuple(corners[0].T)] = np.maximum(logits[tuple(corners[0].T)], _LEAST)
+    logits[tuple(corners[1].T)] = np.minimum(logits[tuple(corners[1].T)], -_MIN_POINT_LOGIT)
+    logits[tuple(corners[0].T)] = np.maximum(logits[tuple(corners[0].T)], _MIN_POINT_LOGIT)
     parts = parts_of(logits > 0.0, corners=True)
     held = np.zeros(parts.count + 1, np.bool_)
     held[parts.part_at(corners[0]) + 1] = True
@@ -113,25 +116,25 @@ def _linked(body: Body, inside: Array, outside: Array, shape: Extent, size: Arra
 
 
 def _corners(cube: Cube, places: Array) -> Index:
-    """The eight steps around each place, in a grid that is one wider."""
+    """Find the eight steps around each point, in a grid that is one wider."""
     first = np.floor(cube.steps(places)).astype(np.int64) + 1
     around = np.stack(np.meshgrid(*[[0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     return np.clip(first[:, None] + around, 0, len(cube.lines[0]) + 1).reshape(-1, 3)
 
 
 def _to_edges(surface: Surface, mean: Any, values: Array, size: Array, scale: float) -> Array:
-    """How far the steepest places of the gray levels lie from the vertices along their normals.
+    """Find the offsets along the normals from the vertices to the steepest places of the gray levels.
 
-    `mean` are the weights of neighbors on the surface.
+    `mean` is the matrix that averages over neighbors on the surface.
     """
     count = len(surface.vertices)
-    away = np.arange(-_REACH, _REACH + _STEP / 2, _STEP) * scale
+    away = np.arange(-_EDGE_SEARCH_REACH, _EDGE_SEARCH_REACH + _PROFILE_SPACING / 2, _PROFILE_SPACING) * scale
     raw = np.empty((count, len(away)))
     _read_along(values, surface.vertices, surface.normals / size, away, raw)
     smooth: Array = raw
-    for _ in range(_ROUNDS):
+    for _ in range(_AVERAGING_ROUNDS):
         smooth = np.asarray(mean @ smooth)
-    slope = scipy.ndimage.gaussian_filter1d(smooth, _SHARP, axis=1, order=1, mode="nearest")
+    slope = scipy.ndimage.gaussian_filter1d(smooth, _SLOPE_SIGMA, axis=1, order=1, mode="nearest")
     rise = smooth[:, -2:].mean(axis=1) - smooth[:, :2].mean(axis=1)
     steep = np.maximum(slope * np.sign(rise)[:, None], 0.0) * np.exp(-0.5 * np.square(away / away[-1]))
     peak = np.clip(steep.argmax(axis=1), 1, len(away) - 2)
@@ -139,13 +142,13 @@ def _to_edges(surface: Surface, mean: Any, values: Array, size: Array, scale: fl
     bend = before - 2.0 * at + after
     part = np.divide(0.5 * (before - after), bend, out=np.zeros(count), where=bend < 0.0)
     noise = mean @ np.square(raw - smooth).mean(axis=1)
-    clear = np.clip(np.abs(rise) / (_CLEAR * np.sqrt(noise) + 1e-12), 0.0, 1.0)
-    return np.asarray(mean @ (clear * (away[peak] + np.clip(part, -0.5, 0.5) * _STEP * scale)))
+    clear = np.clip(np.abs(rise) / (_CLEAR_EDGE_RATIO * np.sqrt(noise) + 1e-12), 0.0, 1.0)
+    return np.asarray(mean @ (clear * (away[peak] + np.clip(part, -0.5, 0.5) * _PROFILE_SPACING * scale)))
 
 
 @compiled
 def _read_along(values: Any, vertices: Array, ways: Array, away: Array, found: Array) -> None:
-    """Write the values at so many distances from vertices along their ways."""
+    """Sample values at distances `away` from vertices along their directions."""
     for q in range(len(vertices)):
         for k in range(len(away)):
             plane, row = vertices[q, 0] + away[k] * ways[q, 0], vertices[q, 1] + away[k] * ways[q, 1]

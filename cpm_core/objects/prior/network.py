@@ -1,8 +1,8 @@
-"""The network of the prior: a small U-Net, run by matrix products alone.
+"""The network: a small U-Net, run by matrix products alone.
 
-Convolutions of 3 x 3 pixels, rectified, at five resolutions, each half as fine as the one before; on the way back the
-finer maps join again (Ronneberger, Fischer and Brox 2015, doi:10.1007/978-3-319-24574-4_28). A second output estimates
-the overlap of the answer with the object that is meant.
+Rectified convolutions of 3 x 3 pixels at five resolutions, each half as fine as the one before; on the way back the
+finer maps are concatenated (Ronneberger, Fischer and Brox 2015, doi:10.1007/978-3-319-24574-4_28). A second output
+predicts the overlap of the answer with the intended object.
 """
 
 from __future__ import annotations
@@ -16,11 +16,14 @@ import scipy
 
 from cpm_core.numerics.types import Single, record
 
-_DOWN, _UP = (1, 2, 2, 2, 2), ((3, 2), (2, 2), (1, 1), (0, 1))
-"""Convolutions at each resolution, the finest first; and on the way back, each with its resolution."""
+_ENCODER_LAYERS = (1, 2, 2, 2, 2)
+"""Number of convolutions at each resolution, the finest first."""
 
-_BAND = 1 << 17
-"""Numbers in a band of rows that a convolution reads, which then stay in the cache of a core."""
+_DECODER_LAYERS = ((3, 2), (2, 2), (1, 1), (0, 1))
+"""Resolution and number of convolutions of each level on the way back."""
+
+_BAND_SIZE = 1 << 17
+"""Numbers in the band of rows that a convolution reads at once, so that they stay in the cache of a core."""
 
 
 @record
@@ -30,8 +33,8 @@ class Network:
     Attributes
     ----------
     weights : mapping of str to ndarray of float32
-        Matrices of layers, shape (outputs, inputs): of a convolution the inputs are rows, columns and maps; and under
-        their names with ``.offset`` what is added, shape (outputs,).
+        Matrices of layers, shape (outputs, inputs), where the inputs of a convolution are rows, columns and maps; and
+        their offsets, shape (outputs,), under their names with ``.offset``.
     """
 
     weights: Mapping[str, Single]
@@ -46,7 +49,7 @@ class Network:
             (intersection over union) of that answer with the object.
         """
         finer = []
-        for level, count in enumerate(_DOWN):
+        for level, count in enumerate(_ENCODER_LAYERS):
             if level:
                 finer.append(maps)
                 maps = np.maximum(maps[:, ::2], maps[:, 1::2])
@@ -56,14 +59,14 @@ class Network:
         maps = maps + np.maximum(self._product(maps.mean((1, 2)), "context"), 0.0)[:, None, None]
         hidden = np.maximum(self._product(np.concatenate([maps.mean((1, 2)), maps.max((1, 2))]), "overlap.0"), 0.0)
         overlap = float(scipy.special.expit(self._product(hidden, "overlap.1")[0]))
-        for level, count in _UP:
+        for level, count in _DECODER_LAYERS:
             maps = np.concatenate([_doubled(_doubled(self._mixed(maps, f"mix{level}"), 1), 2), finer[level]])
             for number in range(count):
                 maps = self._convolved(maps, f"up{level}.{number}")
         return scipy.special.expit(self._mixed(maps, "out")[0]), overlap
 
     def _convolved(self, maps: Single, layer: str) -> Single:
-        """Convolution of 3 x 3 pixels with zeros beyond the border, rectified.
+        """Convolve maps by 3 x 3 pixels with zeros beyond the border, and rectify.
 
         Maps shifted by one column lie next to each other, so that the three columns are one product; a shift by one row
         is an offset in them.
@@ -71,7 +74,7 @@ class Network:
         count, height, width = maps.shape
         each, offset = self.weights[layer].reshape(-1, 3, 3 * count), self.weights[layer + ".offset"][:, None]
         found = np.empty((len(each), height, width), np.float32)
-        rows = max(_BAND // (3 * count * width), 1)
+        rows = max(_BAND_SIZE // (3 * count * width), 1)
         for first in range(0, height, rows):
             end = min(first + rows, height)
             top, bottom = max(first - 1, 0), min(end + 1, height)
@@ -87,7 +90,7 @@ class Network:
         return found
 
     def _mixed(self, maps: Single, layer: str) -> Single:
-        """Weighted sums over the maps at each pixel."""
+        """Mix maps to weighted sums at each pixel."""
         out = self.weights[layer] @ maps.reshape(len(maps), -1) + self.weights[layer + ".offset"][:, None]
         return out.reshape(-1, *maps.shape[1:])
 
@@ -97,13 +100,13 @@ class Network:
 
 @cache
 def trained() -> Network:
-    """The network with the weights that come with this package; `weights.md` has their origin."""
+    """Load the network with the weights that come with this package; `weights.md` states their origin."""
     with files("cpm_core.objects.prior").joinpath("weights.npz").open("rb") as file, np.load(file) as stored:
         return Network({name: stored[name].astype(np.float32) for name in stored.files})
 
 
 def _doubled(maps: Single, axis: int) -> Single:
-    """Twice as many pixels along an axis, interpolated linearly."""
+    """Upsample maps by two along an axis, interpolated linearly."""
     last = maps.shape[axis] - 1
     before = np.concatenate([maps.take([0], axis), maps.take(range(last), axis)], axis)
     after = np.concatenate([maps.take(range(1, last + 1), axis), maps.take([last], axis)], axis)

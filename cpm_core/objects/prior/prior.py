@@ -1,7 +1,7 @@
-"""The prior of an image: the probability of each pixel to lie in the object that a prompt means.
+"""Predictions in an image: the probability of each pixel to lie in the object that a prompt means.
 
-The network looks at square windows. At first at windows of several sizes around what has been given, of which the one
-counts whose answer promises the largest overlap; then at one around the answer so far.
+The network sees square crops: first crops of several sizes around the prompt, ranked by the overlaps that it predicts;
+then a crop around the answer so far.
 """
 
 from __future__ import annotations
@@ -17,54 +17,63 @@ import scipy
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.objects.prior.network import Network, trained
-from cpm_core.objects.prior.windows import Views, Window, holding
+from cpm_core.objects.prior.windows import (
+    ANSWER_MARGIN,
+    CROP_SIZE_RATIO,
+    INSIDE_PROBABILITY,
+    MAX_RELATIVE_SIDE,
+    MIN_ANSWER_SIDE,
+    MIN_FIRST_SIDE,
+    Views,
+    Window,
+    holding,
+)
 
-_GROWS, _LEAST, _MOST = 1.6, 40.0, 1.1
-"""Ratio of the sides of one window to those of the next smaller one; least side around a click [px]; and the largest,
-in sides of the image."""
+_MIN_CROP_REFINEMENTS = 2
+"""Number of crops around answers that refine a previous mask."""
 
-_AROUND, _CLOSEST = 1.35, 24.0
-"""Side of a window around an answer, as a multiple of it, and the least one [px]."""
+_MAX_CROP_REFINEMENTS = 6
+"""Largest number of crops around answers, while these reach the rim of their crop."""
 
-_ROUNDS, _MOST_ROUNDS, _RIM = 2, 6, 2.0
-"""Windows around answers; and at most, while they reach within so many pixels of the rim of the window."""
+_CROP_RIM_WIDTH = 2.0
+"""Width of the rim of a crop [px of the crop]."""
 
-_LIKELY = 0.5
-"""Probability above which a pixel is said to lie in the object."""
 
-_UNLIKE = 0.2
+_AREA_PENALTY = 0.2
 """Overlap that counts as much as a factor of e between the area of an answer and those of other objects."""
 
-_MOST_TIMES = 40
-"""Area of an object, in areas of what has been drawn in it, from which it is less likely the larger it is: of objects
-that people outlined, none was 20 times as large as a disk of half the radius of the largest one in it."""
+_MAX_DRAWN_RATIO = 40
+"""Area of an object, in areas of what has been drawn in it, above which larger objects are less likely.
 
-_DISTINCT = 0.7
-"""Overlap of the answers of two windows from which they mean the same object."""
+None of the objects that people outlined was 20 times as large as a disk of half the radius of its largest disk.
+"""
 
-_MOST_OBJECTS = 4
-"""Number of objects that one prompt may mean."""
+_SAME_OBJECT_IOU = 0.7
+"""Overlap of the answers to two crops above which they mean the same object."""
+
+_MAX_PREDICTIONS = 4
+"""Largest number of objects that one prompt may mean."""
 
 _NO_AREAS = np.empty(0)
 
-_FADES = 6.0
-"""Distance over which a place counts [px of the window]."""
+_POINT_FADING = 6.0
+"""Distance over which the influence of a point fades [px of the crop]."""
 
 
 @record
 class Prompt:
-    """What is known about an object.
+    """What a user has told about an object.
 
     Attributes
     ----------
     inside, outside : ndarray of int64, shape (M, 2) and (K, 2)
-        Pixels that lie in it, and that do not.
+        Pixels of positive and of negative points.
     drawn : ndarray of bool, shape (H, W), optional
         What has been drawn in it, or across its boundary, such as a disk.
     box : tuple of float, optional
         First and last row, first and last column of a box around it [px].
     former : ndarray of bool, shape (H, W), optional
-        The answer that it corrects.
+        The previous mask that it corrects.
     """
 
     inside: Index
@@ -75,21 +84,21 @@ class Prompt:
 
     @property
     def places_alone(self) -> bool:
-        """Whether nothing is known but places inside."""
+        """Whether there are only positive points."""
         return not len(self.outside) and self.drawn is None and self.box is None and self.former is None
 
 
 class Answer(NamedTuple):
-    """What the network makes of a window.
+    """Answer of the network in a crop.
 
     Attributes
     ----------
     window : Window
-        The window.
+        The crop.
     seen : ndarray of float32, shape (SIDE, SIDE)
         Probability of each of its pixels to lie in the object.
     overlap : float
-        Overlap with the object that the network expects.
+        Overlap with the object that the network predicts.
     """
 
     window: Window
@@ -97,56 +106,59 @@ class Answer(NamedTuple):
     overlap: float
 
     def any(self) -> bool:
-        """Whether anything is more likely in the object than not."""
-        return bool((self.seen > _LIKELY).any())
+        """Return whether any pixel is more likely in the object than not."""
+        return bool((self.seen > INSIDE_PROBABILITY).any())
 
     @property
     def places(self) -> Array:
         """First and last row and column of the object in the image, shape (2, 2)."""
-        on = ends(self.seen > _LIKELY)
+        on = ends(self.seen > INSIDE_PROBABILITY)
         return np.stack([line[on[:, axis]] for axis, line in enumerate(self.window.lines)], axis=1)
 
     def touches(self, shape: Extent) -> bool:
-        """Whether it reaches the rim of the window inside of an image of this shape."""
-        near = _RIM * self.window.scale
+        """Return whether the object reaches the rim of the crop inside an image of this shape."""
+        near = _CROP_RIM_WIDTH * self.window.scale
         first, last = np.array([line[[0, -1]] for line in self.window.lines]).T
         low, high = self.places
         border = np.array(shape) - 1
         return bool(((low > 0) & (low <= first + near)).any() or ((high < border) & (high >= last - near)).any())
 
     def promise(self, areas: Array, drawn: Mask | None) -> float:
-        """What it is worth among those of other windows, given areas of other objects, and what has been drawn."""
-        area = np.log(max(np.count_nonzero(self.seen > _LIKELY) * self.window.scale**2, 1.0))
+        """Compute the rank of the answer among those of other crops.
+
+        `areas`, shape (N,) [px²], are those of other objects, and `drawn`, shape (H, W), is what has been drawn.
+        """
+        area = np.log(max(np.count_nonzero(self.seen > INSIDE_PROBABILITY) * self.window.scale**2, 1.0))
         off = float(np.abs(np.log(np.maximum(areas, 1.0)) - area).min()) if len(areas) else 0.0
         if drawn is not None:
-            off += max(float(area - np.log(_MOST_TIMES * max(int(np.count_nonzero(drawn)), 1))), 0.0)
-        return self.overlap - _UNLIKE * off
+            off += max(float(area - np.log(_MAX_DRAWN_RATIO * max(int(np.count_nonzero(drawn)), 1))), 0.0)
+        return self.overlap - _AREA_PENALTY * off
 
     @property
     def clarity(self) -> float:
-        """Overlap with the object that its probabilities promise, pixel by pixel."""
-        likely = self.seen > _LIKELY
+        """Overlap with the object that is expected from its probabilities, pixel by pixel."""
+        likely = self.seen > INSIDE_PROBABILITY
         return float(self.seen[likely].sum()) / max(float(np.count_nonzero(likely) + self.seen[~likely].sum()), 1.0)
 
     def agreement(self, other: Answer) -> float:
-        """Overlap with the answer to another window, as seen in the larger one of the two."""
+        """Compute the overlap with the answer in another crop, as sampled in the larger one of the two."""
         small, large = (self, other) if self.window.side <= other.window.side else (other, self)
         return _overlap(large.seen, large.window.of_window(small.window, small.seen))
 
 
 class Likely(NamedTuple):
-    """An object that a prompt may mean, and what speaks for it.
+    """A predicted object, with features of its confidence.
 
     Attributes
     ----------
     mask : ndarray of bool, shape (H, W)
         Its pixels.
     coarseness : float
-        How many of them, along each axis, one pixel of what the network saw last stands for.
+        Side of a pixel of the last crop [px].
     overlap, clarity : float
-        Overlap with what is meant that the network expects, and that its probabilities promise.
+        Overlap with the intended object that the network predicts, and that is expected from its probabilities.
     steadiness, agreement : float
-        Overlap of the last answer with the one before, and of the first one with the most similar to another window.
+        Overlap of the last answer with the one before, and of the first with the most similar one in another crop.
     """
 
     mask: Mask
@@ -159,7 +171,7 @@ class Likely(NamedTuple):
 
 @record
 class Prior:
-    """What the network makes of prompts on an image.
+    """Predictions of the network for prompts on an image.
 
     Attributes
     ----------
@@ -176,41 +188,47 @@ class Prior:
     grays: tuple[float, ...] = ()
 
     def objects_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Iterator[Likely]:
-        """The objects that a prompt may mean, of each what is more likely in it than not; the most likely one first.
+        """Predict the objects that a prompt may mean, the most likely one first.
 
         Parameters
         ----------
         prompt : Prompt
-            What is known about the object.
+            The prompt.
         areas : ndarray, shape (N,)
-            Areas of other objects of the image, of which it may be one more [px²].
+            Areas of other objects of the image, to which it may be similar [px²].
         """
         if prompt.former is not None and prompt.former.any():
-            yield self._refined(self._answer(_around(ends(prompt.former), prompt), prompt, None), prompt, 1.0, _ROUNDS)
+            yield self._refined(
+                self._answer(_around(ends(prompt.former), prompt), prompt, None), prompt, 1.0, _MIN_CROP_REFINEMENTS
+            )
             return
         answers = [self._answer(window, prompt, None) for window in self._first_windows(prompt)]
         answers.sort(key=lambda answer: -answer.promise(areas, prompt.drawn))
         distinct: list[Answer] = []
         for answer in answers:
-            if distinct and (not answer.any() or any(answer.agreement(one) > _DISTINCT for one in distinct)):
+            if distinct and (not answer.any() or any(answer.agreement(one) > _SAME_OBJECT_IOU for one in distinct)):
                 continue
             distinct.append(answer)
             others = [one for one in answers if one is not answer]
             agreement = max((answer.agreement(other) for other in others), default=1.0)
             yield self._refined(answer, prompt, agreement, 0)
-            if len(distinct) == _MOST_OBJECTS:
+            if len(distinct) == _MAX_PREDICTIONS:
                 return
 
     def judged(self, mask: Mask, inside: Index) -> Likely:
-        """What the network makes of an object, shape (H, W), that has been found otherwise and holds some pixels."""
+        """Evaluate an object, shape (H, W), that was found otherwise and holds pixels, shape (M, 2), by the network."""
         prompt = Prompt(inside, former=mask)
         answer = self._answer(_around(ends(mask), prompt), prompt, None)
         return self._likely(answer, 1.0, answer.window.of(mask))
 
     def _refined(self, answer: Answer, prompt: Prompt, agreement: float, rounds: int) -> Likely:
-        """The object of an answer, after further ones to windows around it."""
+        """Refine a prediction by further crops around its answer."""
         shape, before = self.values.shape[:2], answer
-        while rounds < _MOST_ROUNDS and answer.any() and (rounds < _ROUNDS or answer.touches(shape)):
+        while (
+            rounds < _MAX_CROP_REFINEMENTS
+            and answer.any()
+            and (rounds < _MIN_CROP_REFINEMENTS or answer.touches(shape))
+        ):
             answer, before = self._answer(_around(answer.places, prompt), prompt, answer), answer
             rounds += 1
         return self._likely(answer, agreement, answer.window.of_window(before.window, before.seen))
@@ -218,31 +236,34 @@ class Prior:
     def _likely(self, answer: Answer, agreement: float, before: Single) -> Likely:
         found = np.zeros(self.values.shape[:2], np.bool_)
         box, part = answer.window.back(answer.seen, found.shape)
-        found[box] = part > _LIKELY
+        found[box] = part > INSIDE_PROBABILITY
         steadiness = _overlap(answer.seen, before)
         return Likely(found, answer.window.scale, answer.overlap, answer.clarity, steadiness, agreement)
 
     def _first_windows(self, prompt: Prompt) -> Iterator[Window]:
-        """Windows around a prompt, the smallest first, and one of the whole image."""
+        """Propose crops around a prompt, the smallest first, and one of the whole image."""
         if prompt.box is not None:
             yield _around(np.array(prompt.box).reshape(2, 2).T, prompt)
             return
         shape = np.array(self.values.shape[:2])
-        largest = _MOST * float(shape.max())
+        largest = MAX_RELATIVE_SIDE * float(shape.max())
         if prompt.drawn is None or not prompt.drawn.any():
-            middle, side = prompt.inside.mean(axis=0), max(_LEAST, 1.5 * float(np.ptp(prompt.inside, axis=0).max()))
+            middle, side = (
+                prompt.inside.mean(axis=0),
+                max(MIN_FIRST_SIDE, 1.5 * float(np.ptp(prompt.inside, axis=0).max())),
+            )
         else:
             place = np.argwhere(prompt.drawn)
             low, high = place.min(axis=0), place.max(axis=0)
             middle, side = 0.5 * (low + high), 1.5 * float((high - low).max()) + 8.0
-        while side < largest / np.sqrt(_GROWS):
+        while side < largest / np.sqrt(CROP_SIZE_RATIO):
             yield Window(middle, side)
-            side *= _GROWS
+            side *= CROP_SIZE_RATIO
         yield Window(middle, largest)
         yield Window(0.5 * shape, largest)
 
     def _answer(self, window: Window, prompt: Prompt, former: Answer | None) -> Answer:
-        """What the network makes of a window, after a former answer or that of the prompt."""
+        """Predict the object in a crop, given a former answer or the previous mask of the prompt."""
         seen = self._views.through(window)
         inside, outside = (holding(window.steps(each)) for each in (prompt.inside, prompt.outside))
         drawn: Single = np.zeros(seen.shape[1:], np.float32)
@@ -269,18 +290,18 @@ class Prior:
 def maps_of(
     seen: Single, level: Array | Single | None, inside: Mask, outside: Mask, drawn: Single, before: Single
 ) -> Single:
-    """The maps that the network gets of a window.
+    """Build the input maps of the network for a crop, shape (9, SIDE, SIDE).
 
     Parameters
     ----------
     seen : ndarray of float32, shape (3, SIDE, SIDE)
-        Brightness and two differences of colors, as `windows.balanced` makes them.
+        Brightness and two color differences, as `Views.through` samples them.
     level : ndarray, shape (3,), or None
-        The same of the object, where it is known.
+        Their values in the object, where these are known.
     inside, outside : ndarray of bool, shape (SIDE, SIDE)
-        Pixels that hold places inside and outside.
+        Pixels that hold positive and negative points.
     drawn, before : ndarray of float32, shape (SIDE, SIDE)
-        What has been drawn, and the answer before.
+        What has been drawn, and the previous mask.
     """
     slope = np.hypot(*(scipy.ndimage.sobel(seen[0], axis, mode="mirror") for axis in range(2)))
     like = np.zeros_like(drawn) if level is None else np.exp(-np.abs(seen - level[:, None, None]).sum(axis=0))
@@ -289,20 +310,20 @@ def maps_of(
 
 
 def _around(found: Array | Index, prompt: Prompt) -> Window:
-    """A window around an answer, pixels of shape (N, 2), and what has been clicked."""
+    """Crop around an answer, pixels of shape (N, 2), and all points."""
     places = np.concatenate([found, prompt.inside, prompt.outside])
     low, high = places.min(axis=0), places.max(axis=0)
-    return Window(0.5 * (low + high), max(_AROUND * float((high - low).max()), _CLOSEST))
+    return Window(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
 
 
 def _overlap(seen: Single, other: Single) -> float:
-    """Overlap (intersection over union) of what is likely by two maps of one window."""
-    one, two = seen > _LIKELY, other > _LIKELY
+    """Compute the overlap (intersection over union) of the objects in two probability maps of one crop."""
+    one, two = seen > INSIDE_PROBABILITY, other > INSIDE_PROBABILITY
     return float(np.count_nonzero(one & two)) / max(int(np.count_nonzero(one | two)), 1)
 
 
 def _nearness(on: Mask) -> Single:
-    """How near each pixel is to those that are on, 0 to 1."""
+    """Encode points as a map that is 1 at each of them and fades around it."""
     if not on.any():
         return np.zeros(on.shape, np.float32)
-    return np.asarray(np.exp(-scipy.ndimage.distance_transform_edt(~on) / _FADES), np.float32)
+    return np.asarray(np.exp(-scipy.ndimage.distance_transform_edt(~on) / _POINT_FADING), np.float32)

@@ -1,6 +1,6 @@
-"""Windows: the squares of an image that the network looks at, each brought to the same number of pixels; and cubes.
+"""Crops: squares of an image and cubes of a volume that the network sees, sampled with a fixed number of steps.
 
-A cube is the part of a volume that the network looks at slice by slice.
+The network sees a cube slice by slice.
 """
 
 from __future__ import annotations
@@ -16,42 +16,63 @@ from numpy.typing import NDArray
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
 SIDE = 96
-"""Pixels along each side of what the network looks at."""
+"""Pixels along each side of what the network sees."""
 
 LUMINANCE = np.array([0.299, 0.587, 0.114], np.float32)
-"""Share of red, green and blue in the brightness that the network sees (ITU-R BT.601)."""
+"""Weights of red, green and blue in the brightness that the network sees (ITU-R BT.601)."""
 
-_DARKEST, _BRIGHTEST = 0.1, 99.9
-"""Percentiles of the image that become 0 and 255."""
+CROP_SIZE_RATIO = 1.6
+"""Ratio of the side of one crop to that of the next smaller one."""
+
+MIN_FIRST_SIDE = 40.0
+"""Least side of a crop around a click [px, or smallest sides of a voxel]."""
+
+MAX_RELATIVE_SIDE = 1.1
+"""Largest side of a crop, in sides of the image or of the volume."""
+
+ANSWER_MARGIN = 1.35
+"""Side of a crop around an answer, as a multiple of the side of the answer."""
+
+MIN_ANSWER_SIDE = 24.0
+"""Least side of a crop around an answer [px, or smallest sides of a voxel]."""
+
+INSIDE_PROBABILITY = 0.5
+"""Probability above which a pixel, or a step of a crop, lies in the object."""
+
+_BLACK_PERCENTILE = 0.1
+"""Percentile of the gray levels that becomes 0."""
+
+_WHITE_PERCENTILE = 99.9
+"""Percentile of the gray levels that becomes 255."""
 
 LEAST_DEVIATION = 8.0
-"""What is added to the standard deviation of gray levels in a window, so that noise is not made an object."""
+"""Added to the standard deviation of gray levels in a crop, so that noise does not look like an object."""
 
-_MOST_COLOR = 0.5
-"""Share of the standard deviation of differences of colors that counts where that of the brightness is smaller."""
+_COLOR_WEIGHT = 0.5
+"""Weight of the standard deviation of color differences where the brightness varies less."""
 
-_SAMPLES = 100_000
-"""About so many pixels by which the gray levels of an image are measured."""
+_GRAY_SAMPLE_COUNT = 100_000
+"""Approximate number of pixels by which the gray levels of an image are measured."""
 
 
 def sample_step(shape: Extent) -> int:
-    """Distance along each axis of the pixels by which the gray levels of an image are measured."""
-    return max(int(np.sqrt(shape[0] * shape[1] / _SAMPLES)), 1)
+    """Find the distance along each axis of the pixels by which the gray levels of an image are measured."""
+    return max(int(np.sqrt(shape[0] * shape[1] / _GRAY_SAMPLE_COUNT)), 1)
 
 
 def gray_range(sample: NDArray[Any]) -> tuple[float, ...]:
-    """Gray levels that become 0 and 255, from those of some pixels."""
-    return tuple(np.percentile(sample, [_DARKEST, _BRIGHTEST]).tolist())
+    """Measure the gray levels that become 0 and 255, in samples of any shape."""
+    return tuple(np.percentile(sample, [_BLACK_PERCENTILE, _WHITE_PERCENTILE]).tolist())
 
 
 @record
 class Patch:
-    """A square of an image, or a cube in a volume, brought to `SIDE` steps along each axis.
+    """A square of an image, or a cube of a volume, with `SIDE` steps along each axis.
 
     Attributes
     ----------
     middle : ndarray, shape (D,)
-        Its middle [px, or smallest sides of a voxel].
+        Its center [px, or smallest sides of a voxel].
     side : float
         Length of its sides, in the same unit; it may extend beyond the image.
     """
@@ -70,16 +91,16 @@ class Patch:
         return [middle + (np.arange(SIDE) - SIDE / 2) * self.scale for middle in self.middle.tolist()]
 
     def steps(self, places: Array | Index) -> Array:
-        """Places, shape (N, D), in steps from its first one."""
+        """Convert points, shape (N, D), to steps of the crop, shape (N, D)."""
         return (places - self.middle) / self.scale + SIDE / 2
 
     def steps_along(self, lines: Iterable[Array | Index]) -> list[Array]:
-        """Positions along each axis in steps from its first one."""
+        """Convert positions along each axis, each of shape (K,), to steps of the crop."""
         return [(line - m) / self.scale + SIDE / 2 for line, m in zip(lines, self.middle, strict=True)]
 
 
 def holding(steps: Array) -> Mask:
-    """Pixels, shape (SIDE, SIDE), of a window or of a slice of a cube that hold places, shape (N, 2) [steps]."""
+    """Mark the pixels, shape (SIDE, SIDE), of a crop or of one of its slices that hold points, shape (N, 2) [steps]."""
     on = np.zeros((SIDE, SIDE), np.bool_)
     place = np.rint(steps).astype(np.int64)
     on[tuple(place[((place >= 0) & (place < SIDE)).all(axis=1)].T)] = True
@@ -91,15 +112,15 @@ class Window(Patch):
     """A square of an image; its steps are its pixels."""
 
     def of(self, values: Mask | Single) -> Single:
-        """A map of the image, shape (H, W), in the window; zeros beyond the image."""
+        """Sample a map of the image, shape (H, W), in the crop, shape (SIDE, SIDE); zeros beyond the image."""
         return _sampled_within(values, *self.lines)
 
     def of_window(self, other: Window, seen: Single) -> Single:
-        """The map of another window in this one; zeros beyond."""
+        """Sample the map of another crop in this one, both of shape (SIDE, SIDE); zeros beyond it."""
         return _sampled_within(seen, *other.steps_along(self.lines))
 
     def back(self, seen: Single, shape: Extent) -> tuple[tuple[slice, slice], Single]:
-        """Rows and columns of an image of this shape that the window holds, and its map, shape (SIDE, SIDE), there."""
+        """Return the rows and columns of an image of this shape in the crop, and its map sampled there."""
         lines = [np.arange(n) for n in shape]
         lines = [line[(line >= of[0]) & (line <= of[-1])] for line, of in zip(lines, self.lines, strict=True)]
         rows, cols = (slice(int(line[0]), int(line[-1]) + 1) if len(line) else slice(0, 0) for line in lines)
@@ -108,21 +129,21 @@ class Window(Patch):
 
 @record
 class Views:
-    """An image as the network sees it.
+    """An image as the network sees it, sampled in crops.
 
     Attributes
     ----------
     values : ndarray, shape (H, W) or (H, W, 3)
         Gray levels, or colors.
     grays : tuple of float, optional
-        Gray levels that become 0 and 255, where they are those of a larger image.
+        Gray levels that become 0 and 255, if those of a larger image are used.
     """
 
     values: NDArray[Any]
     grays: tuple[float, ...] = ()
 
     def through(self, window: Window) -> Single:
-        """Brightness and two differences of colors in a window, shape (3, SIDE, SIDE), of about unit variance."""
+        """Sample brightness and two color differences in a crop, shape (3, SIDE, SIDE), of about unit variance."""
         coarsest = max(int(np.log2(min(self.values.shape[:2]) / SIDE)), 0)
         number = int(np.clip(np.log2(max(window.scale, 1.0)), 0, coarsest))
         level, coarseness = self._level(number), window.scale / 2**number
@@ -139,11 +160,11 @@ class Views:
         red, green, blue = np.moveaxis(np.broadcast_to(seen, (*seen.shape[:2], 3)), -1, 0)
         gray = np.asarray(np.tensordot(LUMINANCE, [red, green, blue], 1))
         colors = red - green, 0.5 * (red + green) - blue
-        deviation = max(gray.std() + LEAST_DEVIATION, *(_MOST_COLOR * color.std() for color in colors))
+        deviation = max(gray.std() + LEAST_DEVIATION, *(_COLOR_WEIGHT * color.std() for color in colors))
         return np.stack([gray - gray.mean(), *colors]) / deviation
 
     def _level(self, number: int) -> NDArray[Any]:
-        """The image for 0, shape (H, W, C); else normalized means of 2 x 2 pixels of the level before."""
+        """Return the image for 0, shape (H, W, C); else normalized means of 2 x 2 pixels of the level before."""
         if number == 0:
             return self.values.reshape(*self.values.shape[:2], -1)
         if number not in self._known:
@@ -155,7 +176,7 @@ class Views:
         return self._known[number]
 
     def _normalized(self, values: NDArray[Any]) -> Single:
-        """Gray levels from 0 to 255."""
+        """Scale gray levels to the range from 0 to 255."""
         low, high = self._range
         return np.asarray((values - low) * (255.0 / max(high - low, 1e-300)), np.float32)
 
@@ -167,12 +188,12 @@ class Views:
 
     @cached_property
     def _known(self) -> dict[int, Single]:
-        """Levels that have been asked for."""
+        """Levels of the pyramid that have been computed."""
         return {}
 
 
 def _sampled_within(values: Mask | Single, rows: Array, cols: Array) -> Single:
-    """Samples of (H, W) at the crossings of rows and columns, bilinear; zeros beyond the border."""
+    """Interpolate (H, W) at the crossings of rows and columns, bilinear; zeros beyond the border."""
     seen = sampled(values[..., None], rows, cols)[..., 0]
     for axis, line in enumerate((rows, cols)):
         within = (line >= -0.5) & (line <= values.shape[axis] - 0.5)
@@ -181,7 +202,7 @@ def _sampled_within(values: Mask | Single, rows: Array, cols: Array) -> Single:
 
 
 def sampled(values: Mask | Single, rows: Array, cols: Array) -> Single:
-    """Samples of (H, W, C) at the crossings of rows and columns, bilinear; beyond the border as at the border."""
+    """Interpolate (H, W, C) at the crossings of rows and columns, bilinear; beyond the border as at the border."""
     seen = np.asarray(values)
     for axis, line in enumerate((rows, cols)):
         last = values.shape[axis] - 1
@@ -192,20 +213,20 @@ def sampled(values: Mask | Single, rows: Array, cols: Array) -> Single:
     return np.asarray(seen)
 
 
-_FLAT = 1e-6
-"""Range of gray levels, as a fraction of the largest, up to which a volume is even."""
+_MAX_FLAT_RANGE = 1e-6
+"""Range of gray levels, as a fraction of the largest, up to which a volume is uniform."""
 
 
 @record
 class Cube(Patch):
-    """A cube in a volume."""
+    """A cube of a volume."""
 
     def places(self, steps: Array) -> Array:
-        """The inverse of `steps`."""
+        """Convert steps of the crop, shape (N, 3), to points: the inverse of `steps`."""
         return (steps - SIDE / 2) * self.scale + self.middle
 
     def of(self, other: Cube, values: Single, beyond: float) -> Single:
-        """The values of another cube in this one, trilinear; and what is beyond that."""
+        """Resample values of another crop, shape (SIDE, SIDE, SIDE), in this one, trilinear; `beyond` outside it."""
         if other is self:
             return values
         lines = other.steps_along(self.lines)
@@ -217,7 +238,7 @@ class Cube(Patch):
 
 @record
 class Grays:
-    """A volume as the network sees it.
+    """A volume as the network sees it, sampled in crops.
 
     Attributes
     ----------
@@ -231,15 +252,18 @@ class Grays:
     size: Array
 
     def through(self, cube: Cube, across: dict[int, float] | None = None) -> Single:
-        """Gray levels from 0 to 255 at the steps of a cube; of one slice for the place where it is `across` an axis."""
+        """Sample gray levels from 0 to 255 at the steps of a crop, shape (SIDE, SIDE, SIDE).
+
+        With `across`, of one slice at that place on an axis.
+        """
         lines = [np.array([across[axis]]) if across and axis in across else cube.lines[axis] for axis in range(3)]
         low, high = self._range
         voxels = [line / side for line, side in zip(lines, self.size.tolist(), strict=True)]
-        factor = 255.0 / (high - low) if high - low > _FLAT * max(abs(low), abs(high)) else 0.0
+        factor = 255.0 / (high - low) if high - low > _MAX_FLAT_RANGE * max(abs(low), abs(high)) else 0.0
         return (resampled(self.values, voxels, tuple(cube.scale / self.size)) - low) * factor
 
     def within(self, cube: Cube) -> Index:
-        """For each axis the first and the last step of a cube in the volume, shape (3, 2)."""
+        """Find for each axis the first and the last step of a crop in the volume, shape (3, 2)."""
         found = []
         for line, side, count in zip(cube.lines, self.size.tolist(), self.values.shape, strict=True):
             there = np.flatnonzero((line >= -0.5 * side) & (line <= (count - 0.5) * side))
@@ -253,14 +277,15 @@ class Grays:
 
     @cached_property
     def _range(self) -> tuple[float, ...]:
-        step = max(int(np.cbrt(self.values.size / _SAMPLES)), 1)
+        step = max(int(np.cbrt(self.values.size / _GRAY_SAMPLE_COUNT)), 1)
         return gray_range(self.values[::step, ::step, ::step])
 
 
 def resampled(values: Array | Single | Mask, lines: list[Array], widths: tuple[float, ...]) -> Single:
-    """Values at the crossings of lines along each axis [voxels]: means under a tent as wide as the steps are long.
+    """Resample values at the crossings of lines along each axis, each of shape (K,) [voxels], as float32.
 
-    Beyond the border they are as at the border.
+    Each value is the mean under a tent as wide as the steps are long (`widths`). Beyond the border values are as at the
+    border.
     """
     weights, box = [], []
     for line, width, count in zip(lines, widths, values.shape, strict=True):

@@ -1,4 +1,4 @@
-"""Segmented objects, as a session keeps them: clicks, boundary and class of each, the union of two, halves of one."""
+"""Segmented objects, as a session keeps them: clicks, boundary and class; uniting, splitting and painting them."""
 
 from cpm_core.objects.segmented.areas import lies_on as lies_on
 from cpm_core.objects.segmented.areas import painted as painted

@@ -1,4 +1,4 @@
-"""Areas of objects in an image as polygons: painted with a round brush, and joined; in a volume surfaces are joined."""
+"""Areas of objects as polygons: painting with a round brush, and uniting objects, in an image and in a volume."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Array, Extent, Index, Line, Position
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
-_MARGIN = 3
-"""Width around the surfaces in which distances are taken [voxels]."""
+_DISTANCE_MARGIN = 3
+"""Width around the surfaces in which distances are computed [voxels]."""
 
-_EXACT_WITHIN = 2.5
-"""Distance from a surface up to which that of a voxel is exact [voxels]."""
+_EXACT_DISTANCE = 2.5
+"""Distance from a surface up to which the distance of a voxel is exact [voxels]."""
 
-_BLEND = 2.0
+_BLENDING_RANGE = 2.0
 """Range of distances that are blended [voxels]: a slit between objects up to half as wide is closed."""
 
 
 def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
-    """All that two bodies enclose: voxels, if one of them has been painted, or a surface around both.
+    """Unite two bodies: voxels, if one of them has been painted, else one surface around both.
 
-    Those of objects that do not come near each other stay as they are. Else it is where the smaller of the signed
-    distances from the two is zero; between surfaces that face each other the distances are blended by the polynomial
+    Surfaces that do not come near each other stay as they are. Otherwise the result is the zero of the smaller of the
+    signed distances from the two; between surfaces that face each other the distances are blended by the polynomial
     smooth minimum (I. Quilez, 2013), which closes the slit between objects that touch.
     """
     if isinstance(first, PackedVoxels) or isinstance(second, PackedVoxels):
@@ -44,58 +44,59 @@ def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
     one, other = first.surface, second.surface
     low = np.minimum(one.vertices.min(axis=0), other.vertices.min(axis=0))
     high = np.maximum(one.vertices.max(axis=0), other.vertices.max(axis=0))
-    begin = np.floor(low).astype(np.int64) - _MARGIN
-    shape = tuple((np.ceil(high).astype(np.int64) + _MARGIN + 1 - begin).tolist())
+    begin = np.floor(low).astype(np.int64) - _DISTANCE_MARGIN
+    shape = tuple((np.ceil(high).astype(np.int64) + _DISTANCE_MARGIN + 1 - begin).tolist())
     here, there = (_signed(packed.voxels, packed.surface, begin, shape) for packed in (first, second))
-    if not ((here <= _BLEND) & (there <= _BLEND)).any():
+    if not ((here <= _BLENDING_RANGE) & (there <= _BLENDING_RANGE)).any():
         faces = np.concatenate([one.faces, other.faces + len(one.vertices)])
         return PackedSurface.of(Surface(np.concatenate([one.vertices, other.vertices]), faces))
-    blend = np.maximum(_BLEND - np.abs(here - there), 0.0)
+    blend = np.maximum(_BLENDING_RANGE - np.abs(here - there), 0.0)
     facing = -sum(a * b for a, b in zip(np.gradient(here), np.gradient(there), strict=True))
-    level = np.minimum(here, there) - np.clip(facing, 0.0, 1.0) * blend**2 / (4.0 * _BLEND)
+    level = np.minimum(here, there) - np.clip(facing, 0.0, 1.0) * blend**2 / (4.0 * _BLENDING_RANGE)
     vertices, triangles = zero_surface(-level.astype(np.float32))
     return PackedSurface.of(Surface(vertices + begin, triangles))
 
 
 def _signed(voxels: Voxels, surface: Surface, begin: Index, shape: Extent) -> Array:
-    """Distance of the voxels of a part of a volume from a surface, negative inside, exact near it [voxels]."""
+    """Compute the signed distance of voxels from a surface, negative inside, exact near it, of `shape` [voxels]."""
     inside = np.zeros(shape, bool)
     assert voxels.first is not None
     Voxels(voxels.mask, tuple((np.array(voxels.first) - begin).tolist())).fill(inside)
     away = np.where(inside, scipy.ndimage.distance_transform_edt(inside), scipy.ndimage.distance_transform_edt(~inside))
-    near = away <= _EXACT_WITHIN
+    near = away <= _EXACT_DISTANCE
     triangles = Triangles((surface.vertices - begin)[surface.faces])
     away = np.maximum(away - 0.5, 0.5)
     away[near] = triangles.distances(np.argwhere(near).astype(float))
     return np.where(inside, -away, away)
 
 
-_LEAST_AREA = 0.5
+_MIN_RING_AREA = 0.5
 """Area below which an island or a hole is a remainder [px²]."""
 
-_ROUND = 32
+_BRUSH_SEGMENTS = 32
 """Sides of a quarter of the outline of the brush."""
 
-_SLIT = 1.5
-"""Width of a slit between objects up to which it is closed when they are joined [px]."""
+_MAX_SLIT_WIDTH = 1.5
+"""Width of a slit between objects up to which it is closed when they are united [px]."""
 
-_NEAR = 1.0
+_BOUNDARY_GAP_TOLERANCE = 1.0
 """Distance from the boundary up to which a gap still belongs to it [px]."""
 
-_DECIMALS = 3
+BOUNDARY_DECIMALS = 3
+"""Decimals of the vertices of a boundary that an object keeps [px]."""
 
 
 def painted(
     boundary: Sequence[Line], path: Sequence[Position], radius: float, adds: bool, shape: Extent
 ) -> tuple[Line, ...]:
-    """The boundary of an area with, or without, what a disk of a radius goes over along a path [px].
+    """Add to the boundary of an area, or remove from it, what a disk of a radius covers along a path [px].
 
-    Away from the brush it has the very vertices that it had before, and what is added ends at the border of the image.
+    Away from the brush the vertices stay as they were, and what is added ends at the border of the image.
     """
     import shapely  # noqa: PLC0415 - needed for few edits
 
     way = shapely.LineString(path) if len(path) > 1 else shapely.Point(path[0])
-    brush = way.buffer(radius, quad_segs=_ROUND)
+    brush = way.buffer(radius, quad_segs=_BRUSH_SEGMENTS)
     if not adds:
         return boundary_of(area_of(boundary).difference(brush))
     within = brush.intersection(shapely.box(-0.5, -0.5, shape[0] - 0.5, shape[1] - 0.5))
@@ -103,21 +104,21 @@ def painted(
 
 
 def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
-    """One object that covers two; a slit between them where they touch is closed.
+    """Unite two objects; a slit between them where they touch is closed.
 
     Returns
     -------
     SegmentedObject
-        The first one with the boundary of both, the clicks inside of both, the gaps that still belong to the boundary,
-        and the means of confidence and strength weighted by perimeter.
+        The first object with the boundary and the positive clicks of both, the gaps that still lie on the boundary, and
+        the means of confidence and strength weighted by perimeter.
     """
     clicks = tuple(said for item in (first, second) for said in item.clicks if said.inside)
     if first.surface and second.surface:
         return replace(first, clicks=clicks, surface=(body_of_both(first.surface[0], second.surface[0]),))
     one, other = area_of(first.boundary), area_of(second.boundary)
     both = one.union(other)
-    closed = both.buffer(0.5 * _SLIT, join_style="mitre").buffer(-0.5 * _SLIT, join_style="mitre")
-    between = closed.intersection(one.buffer(_SLIT)).intersection(other.buffer(_SLIT))
+    closed = both.buffer(0.5 * _MAX_SLIT_WIDTH, join_style="mitre").buffer(-0.5 * _MAX_SLIT_WIDTH, join_style="mitre")
+    between = closed.intersection(one.buffer(_MAX_SLIT_WIDTH)).intersection(other.buffer(_MAX_SLIT_WIDTH))
     boundary = boundary_of(both.union(between))
     lengths = [item.perimeter() for item in (first, second)]
     return replace(
@@ -131,13 +132,13 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
 
 
 def lies_on(gap: Line, boundary: tuple[Line, ...]) -> bool:
-    """Whether most of a stretch lies on a boundary."""
+    """Return whether most of a stretch lies on a boundary."""
     away = polyline.distances_from_closed(boundary, polyline.middles(np.asarray(gap), 8))
-    return bool(np.median(away) <= _NEAR)
+    return bool(np.median(away) <= _BOUNDARY_GAP_TOLERANCE)
 
 
 def area_of(boundary: Iterable[Line]) -> Any:
-    """What an odd number of closed curves encloses."""
+    """Build the polygon that an odd number of closed curves encloses."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
     area: Any = shapely.Polygon()
@@ -147,10 +148,12 @@ def area_of(boundary: Iterable[Line]) -> Any:
 
 
 def boundary_of(area: Any) -> tuple[Line, ...]:
-    """The closed curves around an area, the longest first, without remainders."""
+    """Return the closed curves around a polygon, the longest first, without remainders."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
     parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon"]
-    rings = [np.round(ring.coords, _DECIMALS)[:-1] for part in parts for ring in (part.exterior, *part.interiors)]
-    rings = [ring for ring in rings if polyline.area(ring) >= _LEAST_AREA]
+    rings = [
+        np.round(ring.coords, BOUNDARY_DECIMALS)[:-1] for part in parts for ring in (part.exterior, *part.interiors)
+    ]
+    rings = [ring for ring in rings if polyline.area(ring) >= _MIN_RING_AREA]
     return tuple(as_line(ring) for ring in sorted(rings, key=lambda ring: -len(ring)))

@@ -1,4 +1,4 @@
-"""Objects in an image edited by hand: split in two, by places or along a line, or with a stretch that is redrawn."""
+"""Objects in an image edited by hand: split by points or along a line, or with a stretch of boundary redrawn."""
 
 from __future__ import annotations
 
@@ -15,49 +15,55 @@ from cpm_core.contours.hand_edits import HandEdit, apply
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Arrays, Index, Line, Mask, Position, frozen
-from cpm_core.objects.segmented.areas import area_of, boundary_of, lies_on
+from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, area_of, boundary_of, lies_on
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.reconstruction.by_hand.live_wire import on_ridge
 from cpm_core.reconstruction.curve.subpixel import ridge_points
 
-_MOST_PIXELS = 40_000
-"""Pixels between which the watershed is found; those of a larger object are larger."""
+_MAX_WATERSHED_PIXELS = 40_000
+"""Largest number of pixels of the watershed; those of a larger object are larger."""
 
-_LEVELS = 24
-"""Steps of the landscape of the watershed: what differs by less is flat, and divided halfway."""
+_LANDSCAPE_LEVELS = 24
+"""Levels of the landscape of the watershed: smaller differences are flat, and divided halfway."""
 
-_ROOM = 0.4
-"""Largest radius of what around a place belongs to it, in the distance to the other one."""
+_MAX_SEED_RADIUS = 0.4
+"""Largest radius of the seed around a point, as a fraction of the distance to the other point."""
 
-_MARGIN = 4.0
-"""Width around the object in which the halves continue, so that what divides them crosses the boundary [px]."""
+_HALVES_MARGIN = 4.0
+"""Width around the object into which the halves continue, so that the cut crosses the boundary [px]."""
 
-_BLUR = 2.0
+_BOUNDARY_EDGE_WIDTH = 2.0
 """Distance from the boundary over which its own edge fades [px]."""
 
-_NEAR, _ON = 2.5, 1.0
-"""Distance from an edge up to which a cut moves onto it, and up to which it is on it [px]."""
+_SNAP_TO_EDGE_DISTANCE = 2.5
+"""Distance from an edge up to which a cut moves onto it [px]."""
 
-_STRONG, _MOSTLY = 0.4, 0.6
-"""Least strength of such an edge, in that of the boundary, and share of the cut that has to be on edges."""
+_CUT_ON_EDGE_DISTANCE = 1.0
+"""Distance from an edge up to which a cut is on it [px]."""
 
-_SLIDE = 0.3
+_MIN_CUT_STRENGTH = 0.4
+"""Least strength of the edge along a cut, as a fraction of the strength along the boundary."""
+
+_MIN_EDGE_SHARE = 0.6
+"""Least share of a cut that lies on edges."""
+
+_MAX_END_SLIDE = 0.3
 """How far the ends of a cut without an edge slide along the boundary to shorten it, in its length."""
 
-_FAR = 1e4
-"""Factor by which a line is continued, so that it leaves the object."""
+_LINE_EXTENSION = 1e4
+"""Factor by which a line is extended, so that it leaves the object."""
 
 OUTSIDE = "A place lies outside of the object: click in one half of it, then in the other."
 
-_GRID, _DECIMALS = 1e-3, 3
-"""Grid to which lines are rounded where they meet [px], and decimals of what is kept."""
+_LINE_GRID = 1e-3
+"""Grid to which lines are rounded where they meet [px]."""
 
 
 @frozen
 class Halves:
-    """Two objects in place of one, and the lines, each of shape (K, 2) [px], along which it was cut in an image.
+    """Two objects that replace one, and the lines, each of shape (K, 2) [px], along which it was cut in an image.
 
-    Both have number, name and class of the whole, and no clicks, of which they are not the answer.
+    Both have the number, name and class of the whole, but no clicks, as they do not follow from these.
     """
 
     first: SegmentedObject
@@ -66,29 +72,29 @@ class Halves:
 
 
 def split(item: SegmentedObject, first: Position, second: Position, scale_field: ScaleField | None = None) -> Halves:
-    """Two objects in place of one, each with one of two places.
+    """Split an object into two, each with one of two points.
 
-    The watershed between the places, by the distance from the boundary and the strength of edges, says where the cut
-    is. It follows the edge there; where there is none, it is the shortest straight line near by, a gap.
+    The watershed between the points, by the distance from the boundary and the strength of edges, decides where the cut
+    is. It follows the edge there; without an edge, it is the shortest straight line near by, a gap.
 
     Parameters
     ----------
     item : SegmentedObject
         An object in an image.
     first, second : (row, col)
-        Places inside it [px].
+        Points inside it [px].
     scale_field : ScaleField, optional
         Fields of the image; without them there are no edges.
 
     Returns
     -------
     Halves
-        Those of the first and of the second place.
+        The halves with the first and with the second point.
 
     Raises
     ------
     ValueError
-        When a place lies outside, or the two cannot be separated.
+        When a point lies outside, or the two cannot be separated.
     """
     import shapely  # noqa: PLC0415 - needed for few edits
 
@@ -108,9 +114,9 @@ def split(item: SegmentedObject, first: Position, second: Position, scale_field:
 
 
 def split_along(item: SegmentedObject, line: Sequence[Position], scale_field: ScaleField | None = None) -> Halves:
-    """Two objects in place of one, on the two sides of a line across it, the larger one first.
+    """Split an object along a line across it; the larger half comes first.
 
-    The line continues straight to the boundary, and moves onto an edge next to it; see `split`.
+    The line, shape (K, 2) [px], is extended straight to the boundary, and moves onto an edge next to it; see `split`.
     """
     import shapely  # noqa: PLC0415 - needed for few edits
 
@@ -118,10 +124,14 @@ def split_along(item: SegmentedObject, line: Sequence[Position], scale_field: Sc
     ahead, back = path[min(4, len(path) - 1)] - path[0], path[max(-5, -len(path))] - path[-1]
     if not ahead.any() or not back.any():
         raise ValueError("The line is too short to split an object: draw it across.")
-    path = np.concatenate([path[:1] - _FAR * ahead, path, path[-1:] - _FAR * back])
+    path = np.concatenate([path[:1] - _LINE_EXTENSION * ahead, path, path[-1:] - _LINE_EXTENSION * back])
     aside = path.mean(axis=0) + np.array([-1.0, 1.0]) * (path[-1] - path[0])[::-1]
     one_side, drawn = shapely.make_valid(shapely.Polygon([*path, aside])), shapely.LineString(line)
-    cuts = [cut for cut in _within(area_of(item.boundary), [path]) if shapely.LineString(cut).distance(drawn) <= _ON]
+    cuts = [
+        cut
+        for cut in _within(area_of(item.boundary), [path])
+        if shapely.LineString(cut).distance(drawn) <= _CUT_ON_EDGE_DISTANCE
+    ]
     cuts = [edges.followed(cut) for cut in cuts]
     found = _divided(item, cuts, lambda face: bool(one_side.contains(face.representative_point())), edges)
     first, second = sorted((found.first, found.second), key=lambda half: -half.area)
@@ -129,7 +139,9 @@ def split_along(item: SegmentedObject, line: Sequence[Position], scale_field: Sc
 
 
 def redrawn(item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field: ScaleField | None) -> SegmentedObject:
-    """An object with an edit by hand carried out on one of the closed curves of its boundary.
+    """Redraw a stretch of one of the closed curves of the boundary of an object.
+
+    What is added follows the edges of the fields; without them, or where there is none, it is a gap.
 
     What is added follows the edges of the fields; without them, or where there is none, it is a gap.
     """
@@ -140,18 +152,18 @@ def redrawn(item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field
 
 
 def outlined(item: SegmentedObject, scale_field: ScaleField | None) -> SegmentedObject:
-    """An object whose boundary has been drawn by hand, with a gap wherever it follows no edge."""
+    """Mark as gaps the stretches of a boundary drawn by hand that follow no edge."""
     closed = [np.array((*curve, curve[0])) for curve in item.boundary]
     return _bounded(item, item.boundary, closed, _Edges(item, scale_field))
 
 
 def line_of(points: Array) -> Line:
-    """A line as objects keep it, rounded."""
-    return tuple((row, col) for row, col in np.round(points, _DECIMALS).tolist())
+    """Round a line, shape (K, 2) [px], to the decimals that objects keep."""
+    return tuple((row, col) for row, col in np.round(points, BOUNDARY_DECIMALS).tolist())
 
 
 class _Edges:
-    """The edges of an image that are strong enough, next to the boundary of an object, to be followed; or none."""
+    """The edges along the boundary of an object that are strong enough to be followed; none without fields."""
 
     def __init__(self, item: SegmentedObject, scale_field: ScaleField | None) -> None:
         self._field = scale_field
@@ -159,45 +171,48 @@ class _Edges:
         self._boundary = max(float(np.median(self._strength(along))), 1e-9)
 
     def _strength(self, places: Array) -> Array:
-        """Strength at places of the image, next to it that at its border."""
+        """Measure the edge strength at points of the image, shape (N,); beyond the border as at the border."""
         if self._field is None:
             return np.zeros(len(places))
         return self._field.strength(np.clip(places, 0.0, np.array(self._field.shape) - 1.0))
 
     def heights(self, places: Array) -> Array:
-        """Strength at places, in that of the boundary."""
+        """Measure the edge strength at points, shape (N, 2) [px], relative to that along the boundary, shape (N,)."""
         return self._strength(places) / self._boundary
 
     def on(self, path: Array) -> Mask:
-        """Which vertices lie on the ridge of an edge."""
+        """Return which vertices of a path, shape (K, 2) [px], lie on the ridge of an edge, shape (K,)."""
         if self._field is None:
             return np.zeros(len(path), bool)
         ridge, found = ridge_points(path, self._field)
-        strong = self._strength(ridge) >= max(_STRONG * self._boundary, self._field.floor)
-        return found & strong & (np.linalg.norm(ridge - path, axis=1) <= _ON)
+        strong = self._strength(ridge) >= max(_MIN_CUT_STRENGTH * self._boundary, self._field.floor)
+        return found & strong & (np.linalg.norm(ridge - path, axis=1) <= _CUT_ON_EDGE_DISTANCE)
 
     def followed(self, cut: Array) -> Array:
-        """A line moved onto edges next to it; its ends stay on the boundary."""
+        """Snap a line, shape (K, 2) [px], to edges next to it; its ends stay on the boundary."""
         if self._field is None:
             return cut
         moved = on_ridge(cut, self._field)
-        keep = self.on(moved) & (polyline.distances(cut, moved) <= _NEAR)
+        keep = self.on(moved) & (polyline.distances(cut, moved) <= _SNAP_TO_EDGE_DISTANCE)
         keep[[0, -1]] = True
         return moved[keep] if keep.sum() > 2 else cut
 
     def gaps(self, path: Array) -> list[Line]:
-        """The stretches of a path that follow no edge."""
+        """Find the stretches of a path, shape (K, 2) [px], that follow no edge."""
         path = polyline.resampled(path, 1.0)
         off = scipy.ndimage.binary_dilation(~self.on(path))
         return [line_of(path[run]) for run in polyline.stretches(off) if len(run) > 1]
 
 
 def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Array, float, Mask]:
-    """Which pixels belong to the second of two places; the first pixel of them, and their distance [px]."""
+    """Divide an object by a watershed between two points.
+
+    Returns the first pixel, the distance of the pixels [px], and which of them belong to the second point.
+    """
     low, high = item.box
-    low = low - _MARGIN
-    extent = high + _MARGIN - low
-    step = max(1.0, float(np.sqrt(extent.prod() / _MOST_PIXELS)))
+    low = low - _HALVES_MARGIN
+    extent = high + _HALVES_MARGIN - low
+    step = max(1.0, float(np.sqrt(extent.prod() / _MAX_WATERSHED_PIXELS)))
     shape = tuple(np.ceil(extent / step).astype(int).tolist())
     grid = low + step * np.indices(shape).reshape(2, -1).T
     inside = item.encloses(grid).reshape(shape)
@@ -207,21 +222,21 @@ def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Arr
     ways = [way_up(smooth, pixel) for pixel in pixels]
     if (ways[0][-1] == ways[1][-1]).all():
         ways = [[pixel] for pixel in pixels]
-    seeds, room = np.zeros(shape, np.int32), _ROOM * float(np.linalg.norm(pixels[1] - pixels[0]))
+    seeds, room = np.zeros(shape, np.int32), _MAX_SEED_RADIUS * float(np.linalg.norm(pixels[1] - pixels[0]))
     for number, (pixel, way) in enumerate(zip(pixels, ways, strict=True), start=1):
         away = np.linalg.norm(np.indices(shape) - pixel[:, None, None], axis=0)
         seeds[away < min(room, 0.5 * depth[tuple(pixel)] / step)] = number
         seeds[tuple(np.transpose(way))] = number
     deep = max(min(depth[tuple(way[-1])] for way in ways), step)
-    height = np.maximum(edges.heights(grid).reshape(shape) - np.exp(-0.5 * (depth / _BLUR) ** 2), 0.0)
-    levels = np.round(_LEVELS * np.clip(height - np.minimum(depth / deep, 1.0), -1.0, 1.0))
+    height = np.maximum(edges.heights(grid).reshape(shape) - np.exp(-0.5 * (depth / _BOUNDARY_EDGE_WIDTH) ** 2), 0.0)
+    levels = np.round(_LANDSCAPE_LEVELS * np.clip(height - np.minimum(depth / deep, 1.0), -1.0, 1.0))
     found = skimage.segmentation.watershed(levels, seeds, mask=inside | (seeds > 0))  # type: ignore[no-untyped-call]
     around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
     return low, step, found[tuple(around)] == 2
 
 
 def way_up(depth: Array, pixel: Index) -> list[Index]:
-    """The pixels, or voxels, from one to where it is deepest around, straight up."""
+    """Climb from a pixel, or a voxel, shape (D,), steepest ascent, to a peak of `depth`; return all on the way."""
     steps = np.indices((3,) * len(pixel)).reshape(len(pixel), -1).T - 1
     way = [pixel]
     while True:
@@ -233,34 +248,34 @@ def way_up(depth: Array, pixel: Index) -> list[Index]:
 
 
 def _within(area: Any, lines: Iterable[Array]) -> list[Array]:
-    """The stretches of lines that cross an area from boundary to boundary, each of shape (K, 2)."""
+    """Clip lines to the stretches that cross an area from boundary to boundary, each of shape (K, 2)."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
     crossing = shapely.MultiLineString(list(lines)).intersection(area)
     parts = [part for part in shapely.get_parts(shapely.line_merge(crossing)) if part.geom_type == "LineString"]
-    across = (part for part in parts if part.boundary.distance(area.boundary) <= _GRID < part.length)
+    across = (part for part in parts if part.boundary.distance(area.boundary) <= _LINE_GRID < part.length)
     return [np.array(part.coords) for part in across]
 
 
 def _settled(cut: Array, area: Any, edges: _Edges) -> Array:
-    """A cut along the edge near it, or straight and as short as possible where there is none."""
+    """Refine a cut: along the edge near it, or straight and as short as possible where there is none."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
     followed = edges.followed(cut)
-    if edges.on(followed).mean() >= _MOSTLY:
+    if edges.on(followed).mean() >= _MIN_EDGE_SHARE:
         return followed
-    slide = _SLIDE * float(np.linalg.norm(cut[-1] - cut[0]))
+    slide = _MAX_END_SLIDE * float(np.linalg.norm(cut[-1] - cut[0]))
     ends = [area.boundary.intersection(shapely.Point(end).buffer(slide)) for end in (cut[0], cut[-1])]
     line = shapely.shortest_line(*ends)
-    return edges.followed(np.array(line.coords)) if line and area.buffer(_GRID).covers(line) else cut
+    return edges.followed(np.array(line.coords)) if line and area.buffer(_LINE_GRID).covers(line) else cut
 
 
 def _divided(item: SegmentedObject, cuts: Sequence[Array], on_second: Callable[[Any], bool], edges: _Edges) -> Halves:
-    """The two objects on the sides of cuts."""
+    """Divide an object into the two on the sides of cuts."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
     area = area_of(item.boundary)
-    lines = shapely.union_all([area.boundary, *map(shapely.LineString, cuts)], grid_size=_GRID)
+    lines = shapely.union_all([area.boundary, *map(shapely.LineString, cuts)], grid_size=_LINE_GRID)
     faces: tuple[list[Any], list[Any]] = [], []
     for face in shapely.get_parts(shapely.polygonize([lines])):
         if area.covers(face.representative_point()):
@@ -275,6 +290,6 @@ def _divided(item: SegmentedObject, cuts: Sequence[Array], on_second: Callable[[
 def _bounded(
     item: SegmentedObject, boundary: tuple[Line, ...], drawn: Iterable[Array], edges: _Edges
 ) -> SegmentedObject:
-    """An object with another boundary, to which lines belong that were drawn or cut."""
+    """Replace the boundary of an object, along lines that were drawn or cut."""
     gaps = (*item.gaps, *(gap for path in drawn for gap in edges.gaps(path)))
     return replace(item, clicks=(), boundary=boundary, gaps=tuple(gap for gap in gaps if lies_on(gap, boundary)))

@@ -1,4 +1,4 @@
-"""Objects in a volume by hand: what a brush covers, what it paints over, slices between those painted, halves."""
+"""Objects in a volume edited by hand: brushes, painting, filling between painted slices, splitting."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from cpm_core.objects.segmented.by_hand import OUTSIDE, Halves, way_up
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 
 Part = tuple[Index, Mask]
-"""The first voxel of a box of a volume, and which voxels of the box are meant."""
+"""The first voxel of a box of a volume, and a mask of voxels in the box."""
 
-_ROUGH = 0.01
-"""Largest height of a ripple along the way of a brush, which consists of balls [smallest sides of a voxel]."""
+_MAX_RIPPLE_HEIGHT = 0.01
+"""Largest height of a ripple along the path of a brush, which consists of balls [smallest sides of a voxel]."""
 
 
 def brush_in(shape: Extent, path: Sequence[Place], radius: float, sides: Sides, axis: int | None = None) -> Part:
-    """The voxels of a volume that a brush goes over on the way between two places, or covers at one.
+    """Find the voxels of a volume that a brush covers on the way between two places, or at one.
 
     Parameters
     ----------
     shape : tuple of int
-        That of the volume.
+        Shape of the volume.
     path : sequence of (plane, row, col)
         One place, or two [voxels]; the voxel of the last one is always covered.
     radius : float
         Radius of the brush, in sides of the smallest voxel.
     sides : tuple of float
-        Sides of a voxel in the smallest of them.
+        Sides of a voxel, in units of the smallest.
     axis : int, optional
         The axis across which the slice lies that the brush stays in; by default it is a ball.
     """
@@ -48,9 +48,11 @@ def brush_in(shape: Extent, path: Sequence[Place], radius: float, sides: Sides, 
     low = np.minimum(np.clip(np.ceil(ends.min(axis=0) - reach), 0, shape).astype(np.int64), last)
     high = np.maximum(np.clip(np.floor(ends.max(axis=0) + reach) + 1, 0, shape).astype(np.int64), last + 1)
     plane, row, col = (np.arange(a, b) * side for a, b, side in zip(low, high, sides, strict=True))
-    # on each row it covers what lies between two columns, since it is convex
+    # a brush is convex, so that on each row it covers the voxels between two columns
     first, behind = (np.full((len(plane), len(row)), end) for end in (np.inf, -np.inf))
-    count = 1 + math.ceil(float(np.linalg.norm((ends[-1] - ends[0]) * size)) / math.sqrt(8.0 * radius * _ROUGH))
+    count = 1 + math.ceil(
+        float(np.linalg.norm((ends[-1] - ends[0]) * size)) / math.sqrt(8.0 * radius * _MAX_RIPPLE_HEIGHT)
+    )
     for at in np.linspace(ends[0], ends[-1], count) * size:
         square = radius**2 - (plane[:, None] - at[0]) ** 2 - (row - at[1]) ** 2
         half = np.sqrt(np.where(square >= 0.0, square, np.nan))
@@ -63,7 +65,7 @@ def brush_in(shape: Extent, path: Sequence[Place], radius: float, sides: Sides, 
 def painted_in(
     objects: SegmentedObjects, number: int, part: Part, adds: bool = True, over_others: bool = True
 ) -> SegmentedObjects:
-    """Objects of a volume of which one has some voxels more, or less; one without any is gone.
+    """Add voxels to one of the objects of a volume, or remove them; an object without any left is dropped.
 
     Voxels that are added are taken from the other objects, except from those that are frozen or hidden.
 
@@ -72,11 +74,11 @@ def painted_in(
     objects : SegmentedObjects
         Objects of a volume.
     number : int
-        The number of an object, or of a new one, which is made with the class of the next one.
+        Number of an object, or of a new one, which gets the class of the next object.
     part : tuple
         The voxels.
     adds : bool
-        Whether they are added, and not removed.
+        Whether they are added rather than removed.
     over_others : bool
         Whether voxels of other objects are taken at all.
     """
@@ -109,10 +111,10 @@ def painted_in(
 
 
 def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: Sides) -> Halves:
-    """Two painted objects in place of one in a volume, each with one of two places.
+    """Split a painted object of a volume into two, each with one of two points.
 
-    They meet at the neck between them, by the watershed of the distance from the boundary, or halfway without one.
-    `sides` are those of a voxel. ValueError when a place lies outside.
+    They meet at the neck between the points, by the watershed of the distance from the boundary, or halfway without a
+    neck. `sides` are those of a voxel. ValueError when a point lies outside.
     """
     voxels = item.surface[0].voxels
     inside, begin = np.pad(voxels.mask, 1), np.array(voxels.first or (0, 0, 0)) - 1
@@ -129,18 +131,18 @@ def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: S
         seeds[tuple(np.transpose(way))] = number
     found = skimage.segmentation.watershed(height, seeds, mask=inside)  # type: ignore[no-untyped-call]
     around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
-    found = np.where(inside, found[tuple(around)], 0)  # pieces apart from both
+    found = np.where(inside, found[tuple(around)], 0)  # assign pieces that are connected to neither point
     halves = (PackedVoxels.of(Voxels(found == number, tuple(begin.tolist()))) for number in (1, 2))
     one, other = (replace(item, clicks=(), surface=(half,)) for half in halves)
     return Halves(one, other, ())
 
 
 def between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part, int]:
-    """The voxels between the slices across an axis in which a body has any, and the number of slices that get some.
+    """Fill in voxels between slices of a body across an axis; also return the number of slices that get some.
 
     Signed distances from the outlines are interpolated (S. P. Raya and J. K. Udupa, 1990) between the pieces of two
-    slices that overlap, or that are nearest where none does, with their centers on each other, so that what is
-    slanted keeps its width (G. T. Herman, J. Zheng and C. A. Bucholtz, 1992). `sides` are those of a voxel.
+    slices that overlap, or that are nearest where none does, with their centers on each other, so that slanted pieces
+    keep their width (G. T. Herman, J. Zheng and C. A. Bucholtz, 1992). `sides` are those of a voxel.
     """
     voxels = body.painted.voxels
     slices = np.moveaxis(voxels.mask, axis, 0)
@@ -155,7 +157,7 @@ def between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part, int
 
 
 def _between(one: Mask, other: Mask, pixel: tuple[float, ...], share: float) -> Mask:
-    """What lies between two pieces at a share of the way from one to the other."""
+    """Interpolate two pieces at a fraction of the way from one to the other."""
     way = _center(other) - _center(one)
     near, far = (
         weight * scipy.ndimage.shift(_signed(piece, pixel), by * way, order=1, mode="nearest")
@@ -165,7 +167,7 @@ def _between(one: Mask, other: Mask, pixel: tuple[float, ...], share: float) -> 
 
 
 def _pairs(first: Mask, last: Mask, pixel: tuple[float, ...]) -> list[tuple[Mask, Mask]]:
-    """The pieces of two slices that continue each other: those that overlap, or else the nearest ones."""
+    """Match the pieces of two slices that continue each other: those that overlap, or else the nearest ones."""
     one, other = (
         [numbers == n for n in range(1, count + 1)]
         for numbers, count in (scipy.ndimage.label(each, np.ones((3, 3))) for each in (first, last))
@@ -183,7 +185,7 @@ def _center(piece: Mask) -> Array:
 
 
 def _signed(piece: Mask, pixel: tuple[float, ...]) -> Array:
-    """Distance from the outline of a piece, negative outside."""
+    """Compute the distance from the outline of a piece, negative outside."""
     inside, outside = (
         scipy.ndimage.distance_transform_edt(np.pad(each, 1, constant_values=not within), sampling=pixel)
         for each, within in ((piece, True), (~piece, False))

@@ -1,4 +1,4 @@
-"""Segmented objects: what a user has selected in an image, with classes, as a session keeps it."""
+"""Segmented objects: the objects of an image and their classes, as a session keeps them."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from cpm_core.objects.selection import Selection
 MOST_CLASSES = 9
 """Number of classes, one for each digit key."""
 
-_AT_ONCE = 2**20
+_PIXELS_PER_TEST = 2**20
 """Pixels that are tested at once, so that a large image takes little memory."""
 
 
 @frozen
 class Click:
-    """Places that were said to be inside of an object, or outside of it, in one gesture.
+    """Positive or negative points of an object that were given in one gesture.
 
     Attributes
     ----------
     places : tuple of tuple of float
         Positions (row, col) in px of the image, or (plane, row, col) in voxels, at least one.
     inside : bool
-        Whether they are inside.
+        Whether they are positive: inside the object.
     step : int
-        By how many candidates the object is larger, or smaller below 0, than the one that the places mean first.
+        How many candidates larger (above 0) or smaller (below 0) than the first one the selected candidate is.
 
     Raises
     ------
     ValueError
-        When there is no place.
+        When there is no point.
     """
 
     places: tuple[Place, ...]
@@ -76,14 +76,14 @@ class SegmentedObject:
     number : int
         Number that stays the same as long as the object exists, from 1.
     clicks : tuple of Click
-        What it was selected by, in order; empty for one that was found otherwise.
+        Clicks that it was selected by, in order; empty if it was found otherwise.
     boundary : tuple of tuple
         Closed curves of vertices (row, col) in px of the image, the first vertex not repeated: outer boundaries and
         holes. A place is inside when an odd number of them encloses it.
     gaps : tuple of tuple
         Stretches of the boundary that follow no contour.
     confidence : float
-        How sure the boundary is, from 0 to 1.
+        Confidence in the boundary, from 0 to 1.
     strength : float
         Mean edge strength along the boundary [gray levels / px].
     name, color : str
@@ -91,7 +91,7 @@ class SegmentedObject:
     category : int
         Number of its class, 1 to 9.
     frozen : bool
-        Whether it keeps its boundary and holds particles back.
+        Whether it keeps its boundary and is a barrier for particles.
     hidden : bool
         Whether it is not shown.
     surface : tuple of PackedSurface or PackedVoxels
@@ -137,23 +137,23 @@ class SegmentedObject:
 
     @property
     def inside(self) -> Array:
-        """Places that were said to be inside, shape (M, D) [px]."""
+        """Positive points, shape (M, D) [px]."""
         return places_of(self.clicks, inside=True)
 
     @property
     def outside(self) -> Array:
-        """Places that were said to be outside, shape (K, D) [px]."""
+        """Negative points, shape (K, D) [px]."""
         return places_of(self.clicks, inside=False)
 
     def encloses(self, places: Array) -> Mask:
-        """Which of places, shape (N, 2) [px], lie inside, shape (N,)."""
+        """Return which points, shape (N, 2) [px], lie inside, shape (N,)."""
         found = np.zeros(len(places), bool)
         for curve in self.boundary:
             found ^= polyline.inside(curve, places)
         return found
 
     def mask(self, shape: Extent) -> Mask:
-        """The pixels of an image, or the voxels of a volume, of this shape whose centers lie inside."""
+        """Return the pixels or voxels of an image or a volume of this shape whose centers lie inside."""
         found = np.zeros(shape, bool)
         for packed in self.surface:
             packed.voxels.fill(found)
@@ -165,7 +165,7 @@ class SegmentedObject:
 
     @property
     def outer(self) -> tuple[Line, ...]:
-        """The curves of the boundary that are no holes."""
+        """The curves of the boundary that do not bound holes."""
         if len(self.boundary) == 1:
             return self.boundary
         around = [
@@ -181,17 +181,17 @@ class SegmentedObject:
         return float(sum(polyline.area(curve) * (1.0 if curve in outer else -1.0) for curve in self.boundary))
 
     def perimeter(self, spacing: Sides = (1.0, 1.0)) -> float:
-        """Length of the boundary, that of holes included, in the unit of the size of a pixel."""
+        """Measure the length of the boundary, holes included, in the unit of the size of a pixel."""
         curves = (np.array((*curve, curve[0])) * spacing for curve in self.boundary)
         return sum(polyline.length(curve) for curve in curves)
 
     def bridged(self, spacing: Sides = (1.0, 1.0)) -> float:
-        """Length of the stretches of the boundary that follow no contour, in the unit of the size of a pixel."""
+        """Measure the length of the gaps: stretches of the boundary off the contours, in the unit of a pixel's size."""
         return sum(polyline.length(np.array(gap) * spacing) for gap in self.gaps)
 
     @cached_property
     def box(self) -> tuple[Array, Array]:
-        """The least, and the largest, row and column of the boundary [px]."""
+        """Lowest and highest row and column of the boundary, each of shape (2,) [px]."""
         corners = np.concatenate(self.boundary)
         return corners.min(axis=0), corners.max(axis=0)
 
@@ -203,9 +203,9 @@ class SegmentedObject:
         return row, col
 
     def innermost(self, shape: Extent) -> Place:
-        """The pixel (row, col) inside that is farthest from the boundary and the border of an image of this shape.
+        """Find the pixel (row, col) inside that is farthest from the boundary and from the border of the image.
 
-        A vertex when no pixel lies inside. In a volume it is that of the plane with most of its voxels.
+        A vertex when no pixel lies inside; in a volume the innermost pixel of the plane with most voxels.
         """
         plane: Place = ()
         if self.surface:
@@ -222,7 +222,7 @@ class SegmentedObject:
         return (*plane, float(row + first[0]), float(col + first[1]))
 
     def _window(self, shape: Extent) -> tuple[tuple[int, int], Mask]:
-        """First row and column of the part of an image that the boundary is around, and which of its pixels are inside.
+        """Rasterize the boundary: first row and column of the part of the image around it, and its pixels inside.
 
         Boundaries may reach far beyond the image.
         """
@@ -231,7 +231,7 @@ class SegmentedObject:
         bottom, right = np.clip(np.ceil(high) + 1, (top, left), np.maximum(shape, (top, left))).tolist()
         rows, cols = np.arange(top, bottom), np.arange(left, right)
         window = np.zeros((len(rows), len(cols)), bool)
-        height = max(1, _AT_ONCE // max(1, len(cols)))
+        height = max(1, _PIXELS_PER_TEST // max(1, len(cols)))
         for first in range(0, len(rows), height):
             part = window[first : first + height]
             places = np.stack(np.meshgrid(rows[first : first + height], cols, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -253,7 +253,7 @@ CLASSES: tuple[ObjectClass, ...] = tuple(
         "#b08968",
     )
 )
-"""The classes at first: hues after Okabe and Ito, which color-blind people can distinguish, and two more."""
+"""The default classes: hues after Okabe and Ito, which color-blind people can distinguish, and two more."""
 
 
 @frozen
@@ -263,7 +263,7 @@ class SegmentedObjects:
     Attributes
     ----------
     items : tuple of SegmentedObject
-        The objects, in the order in which they were taken.
+        The objects, in the order in which they were accepted.
     classes : tuple of ObjectClass
         Classes 1 to 9.
     category : int
@@ -271,11 +271,11 @@ class SegmentedObjects:
     clicks : tuple of Click
         Clicks of the selection that is being made.
     edited : int
-        Number of the object that the selection changes; 0 when it will be a new one.
+        Number of the object that the selection changes; 0 for a new one.
     rejected : tuple of SegmentedObject
-        Objects that have been rejected, and are not to be proposed again.
+        Rejected objects, which are not proposed again.
     taken : int
-        Numbers up to this one may be those of objects on other pages, which only the same objects have here.
+        Numbers up to this one are reserved for objects on other pages.
 
     Raises
     ------
@@ -303,7 +303,7 @@ class SegmentedObjects:
             raise ValueError(f"The object being changed is number {self.edited}, but there is none with this number.")
 
     def __getitem__(self, number: int) -> SegmentedObject:
-        """The object of a number; KeyError when there is none."""
+        """Return the object of a number; KeyError when there is none."""
         for item in self.items:
             if item.number == number:
                 return item
@@ -322,18 +322,18 @@ class SegmentedObjects:
         return (*lines, *(packed.shell for item in frozen for packed in item.surface))
 
     def color(self, item: SegmentedObject) -> str:
-        """Color of an object: its own, or that of its class."""
+        """Return the color of an object: its own, or that of its class."""
         return item.color or self.classes[item.category - 1].color
 
 
 def places_of(clicks: Clicks, *, inside: bool) -> Array:
-    """Places of the clicks inside, or of those outside, shape (N, D) [px]."""
+    """Collect the positive points of clicks, or the negative ones, shape (N, D) [px]."""
     found = [place for click in clicks if click.inside == inside for place in click.places]
     return np.array(found, dtype=float).reshape(-1, len(clicks[0].places[0]) if clicks else 2)
 
 
 def selection_of(item: SegmentedObject, shape: Extent) -> Selection:
-    """The selection that an object is, in an image of this shape."""
+    """Build the selection of an object in an image of this shape."""
     return Selection(
         mask=item.mask(shape),
         contours=contours_of(item),
@@ -345,6 +345,6 @@ def selection_of(item: SegmentedObject, shape: Extent) -> Selection:
 
 
 def contours_of(item: SegmentedObject) -> tuple[Contour, ...]:
-    """The boundary of an object as closed contours, holes marked as such."""
+    """Return the boundary of an object as closed contours, holes marked as such."""
     outer = item.outer
     return tuple(Contour(np.array(curve), True, item.strength, hole=curve not in outer) for curve in item.boundary)
