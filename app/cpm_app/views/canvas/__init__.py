@@ -1,1 +1,1 @@
-"""The canvas: what is drawn on an image, and the tools that draw."""
+"""The canvas, with cross-hair, legend, messages, and side views of a volume."""

@@ -16,16 +16,17 @@ from cpm_app.views.tools.tool import Tool
 from cpm_core.numerics import Position
 
 ZOOM = 1.2
+"""Magnification by one notch of the wheel."""
 
 
 class Wheel:
-    """Counts whole notches of a wheel, which some devices turn in smaller parts."""
+    """Counts whole notches of a wheel; some devices report fractions of one."""
 
     def __init__(self) -> None:
         self._rest = 0.0
 
     def notches(self, event: QWheelEvent) -> int:
-        """Notches toward the user since the last call."""
+        """Count the whole notches toward the user since the last call."""
         turned = event.angleDelta().y() or event.angleDelta().x()  # some systems exchange them while Shift is held
         self._rest -= turned / 120.0
         whole = int(self._rest)
@@ -34,7 +35,7 @@ class Wheel:
 
 
 class ToolInUse:
-    """Passes what the pointer does to the tool in use, or to `grip`, which moves handles of what is selected."""
+    """Dispatches the pointer to the tool in use, or to `grip`, which moves the handles of the selected shape."""
 
     def __init__(self, tool: Tool, grip: Tool) -> None:
         self.tool, self._grip = tool, grip
@@ -57,7 +58,7 @@ class ToolInUse:
             tool.cancel()
 
     def take(self, tool: Tool) -> None:
-        """Use another tool."""
+        """Switch to another tool."""
         if self.dragging or not self.tool.lasting:
             self.cancel()
         self.tool.put_away()
@@ -91,26 +92,26 @@ class ToolInUse:
         (self._dragged or self.tool).modifiers = modifiers
 
     def at(self, view: ImageView, at: Position) -> Tool:
-        """The tool that receives a press: one that takes hold of a handle has priority over the tool in use."""
+        """Find the tool that a press here goes to: the handle tool over a handle, otherwise the tool in use."""
         self.tool.here = self._grip.here = view.here
         grips = not self.tool.drafting and self._grip.grips(view.placed(at), view.reach())
         return self._grip if grips else self.tool
 
     def show_cursor(self, view: ImageView, at: Position) -> None:
-        """Show what a press at a position would do."""
+        """Show the cursor for a press at a position."""
         view.viewport().setCursor(self.at(view, at).cursor(view.placed(at), view.reach()))
 
 
 class Pointer(QObject):
-    """Takes the buttons of the pointer in a view: the left one works with the tool in use, the others drag.
+    """Handles the mouse buttons in a view: the left one works with the tool in use, the others drag.
 
-    A drag of the right button begins only when the pointer has moved; without one, its click opens a menu.
+    A right-button drag begins once the pointer has moved; a right click without a drag opens a menu.
     """
 
     moved = Signal(object)
-    """It has moved to a position (row, col), during no drag except one of the tool."""
+    """Position (row, col) of the pointer; not emitted while another button drags."""
     dragged = Signal(object, object)
-    """A drag of another button: QMouseEvent, and by how much it is to pan [px of the screen], QPointF."""
+    """Drag with another button: QMouseEvent, and the distance to pan [px of the screen], QPointF."""
     menu_wanted = Signal(object)
     """The right button was clicked at a point of the screen: QPoint."""
     doubled = Signal()
@@ -120,7 +121,7 @@ class Pointer(QObject):
         super().__init__(view)
         self._view, self._canvas = view, canvas
         self.over: QPointF | None = None
-        """Where it is in the view; None when it has left."""
+        """Point of the view under the pointer; None when it has left."""
         self._from: QPointF | None = None
         self._still = self._twice = False
         self._does: dict[QEvent.Type, Callable[[QMouseEvent], None]] = {
@@ -132,7 +133,7 @@ class Pointer(QObject):
         view.viewport().installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle what the pointer does."""
+        """Handle the events of the pointer."""
         if isinstance(event, QMouseEvent) and event.type() in self._does:
             event.accept()
             self._does[event.type()](event)
@@ -156,7 +157,7 @@ class Pointer(QObject):
             self.dragged.emit(event, QPointF())
 
     def _move(self, event: QMouseEvent) -> None:
-        """Continue it, or report the position of the pointer."""
+        """Continue a drag, or report the position of the pointer."""
         self.over = event.position()
         if self._from is not None:
             by = self._from - event.position()
@@ -169,7 +170,7 @@ class Pointer(QObject):
             self.moved.emit(self._view.position(event.position()))
 
     def _release(self, event: QMouseEvent) -> None:
-        """End it."""
+        """End a gesture or a drag."""
         hold = self._canvas.hold
         if event.button() == Qt.MouseButton.LeftButton and hold.dragging:
             hold.release()
@@ -183,22 +184,22 @@ class Pointer(QObject):
 
 
 class Canvas(ImageView):
-    """Shows the image, or the slice that is worked on; the middle and the right button pan, the wheel zooms."""
+    """Shows the image, or the current slice; the middle and the right button pan, the wheel zooms."""
 
     pointed = Signal(object)
     """Position (row, col) under the pointer, or None when it has left."""
 
     placed_at = Signal(object)
-    """Place under the pointer, in the image or in the volume, in whichever view it is, or None when it has left."""
+    """Place under the pointer in the image or volume, in any view, or None when it has left."""
 
     taken = Signal()
-    """A button of the pointer has been pressed, or there is another image: what keys do there is over."""
+    """A mouse button was pressed, or another image opened: control by keys ends."""
 
     slice_wanted = Signal(int)
-    """The slice so many further along is wanted."""
+    """Number of slices by which the user wants to move on."""
 
     hold: ToolInUse
-    """What receives the gestures; the tools are made for the layers of a canvas."""
+    """Receiver of the gestures, set once the tools have been created for the layers of this canvas."""
 
     def __init__(self, requests: Requests) -> None:
         super().__init__(requests)
@@ -215,14 +216,14 @@ class Canvas(ImageView):
         self.view.sigRangeChanged.connect(self.point_again)
 
     def use_image(self) -> None:
-        """Cancel what was begun on another image."""
+        """Cancel gestures begun on the previous image."""
         self.hold.cancel()
         self.taken.emit()
         super().use_image()
         self.point_again()
 
     def use(self, tool: Tool) -> None:
-        """Pass the left button to another tool."""
+        """Give the left button to another tool."""
         self.hold.take(tool)
         if self._pointer is not None:
             tool.here = self.here
@@ -236,13 +237,13 @@ class Canvas(ImageView):
         self._report(at)
 
     def leave(self) -> None:
-        """Take the pointer off the canvas."""
+        """Handle the pointer leaving the canvas."""
         self._pointer = self.pointer.over = None
         self.hold.tool.put_away()
         self._report(None)
 
     def point_again(self) -> None:
-        """The pointer rests, and another place of the image, of a slice or of another image has moved under it."""
+        """Report the place under a resting pointer again, after the image has moved or changed under it."""
         if self.pointer.over is not None and not self.led_by_keys:
             self._pointer = self.position(self.pointer.over)
             self._report(self._pointer)
@@ -254,7 +255,7 @@ class Canvas(ImageView):
     # Called by Qt
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom around the pointer; with Shift go through the slices of a volume, or resize what the tool works with."""
+        """Zoom around the pointer; with Shift, step through the slices of a volume or resize the tool."""
         event.accept()
         if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.here is not None:
             self.slice_wanted.emit(self._wheel.notches(event))
@@ -266,11 +267,11 @@ class Canvas(ImageView):
             self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Show what the tool does with Shift; leave keys to the window."""
+        """Show the effect of Shift on the tool; leave keys to the window."""
         self._use_shift(event, event.modifiers() | Qt.KeyboardModifier.ShiftModifier)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Show what the tool does without Shift; leave keys to the window."""
+        """Show the effect of releasing Shift; leave keys to the window."""
         self._use_shift(event, event.modifiers() & ~Qt.KeyboardModifier.ShiftModifier)
 
     def _use_shift(self, event: QKeyEvent, modifiers: Qt.KeyboardModifier) -> None:

@@ -26,17 +26,27 @@ from cpm_core.numerics import Place
 from cpm_core.shapes import Circle, Sphere
 
 FIRST_TOOL = "circle"
+"""Tool in use when the window opens."""
 
-_ARROWS = {
+_ARROW_DIRECTIONS = {
     Qt.Key.Key_Up: (-1.0, 0.0),
     Qt.Key.Key_Down: (1.0, 0.0),
     Qt.Key.Key_Left: (0.0, -1.0),
     Qt.Key.Key_Right: (0.0, 1.0),
 }
-_SIZES = {Qt.Key.Key_BracketLeft: -1.0, Qt.Key.Key_BracketRight: 1.0}
+"""Directions (down, right) of the arrow keys."""
+
+_RESIZE_KEYS = {Qt.Key.Key_BracketLeft: -1.0, Qt.Key.Key_BracketRight: 1.0}
+"""Keys that make the selected shape or the tool smaller and larger."""
+
 _DRAFT_KEYS = (*ENTER, Qt.Key.Key_Backspace)
-_PAN = 40.0
-_MIDDLE_FRACTION = 0.2
+"""Keys that finish a draft or shorten it."""
+
+_PAN_STEP = 40.0
+"""Distance that one press of an arrow key pans [px of the screen]."""
+
+_NEW_CIRCLE_FRACTION = 0.2
+"""Radius of a circle added by key, as a fraction of the visible part."""
 
 
 class CanvasArea(QWidget):
@@ -55,15 +65,15 @@ class CanvasArea(QWidget):
         self.messages, self.hint = self.strip.messages, self.strip.hint
         self._pointed = Pointed(workspace)
         self.offers, self.controls, self.views = OfferBar(), QVBoxLayout(), QGridLayout()
-        """The line above the canvas, lines below it, and views next to it, which features add."""
+        """Bar above the canvas, bars below it, and views next to it; features add their contents."""
         self.views.setSpacing(2)
         self.views.addWidget(self.canvas, 0, 0)
         column = arrange(QVBoxLayout(self), self.offers, self.views, self.controls, self.strip, spacing=0)
         column.setStretchFactor(self.views, 1)
         self.crosshair = Crosshair(self.canvas, self.refresh)
-        given = workspace, self.canvas.layers.drawing, self.refresh
-        self._tools = {kind.name: kind(*given) for kind in TOOLS}
-        self.canvas.hold = ToolInUse(self._tools[FIRST_TOOL], SelectTool(*given))
+        tool_arguments = workspace, self.canvas.layers.drawing, self.refresh
+        self._tools = {kind.name: kind(*tool_arguments) for kind in TOOLS}
+        self.canvas.hold = ToolInUse(self._tools[FIRST_TOOL], SelectTool(*tool_arguments))
         self._given = False
         self.canvas.installEventFilter(self)
         self.canvas.pointed.connect(self._point)
@@ -73,13 +83,13 @@ class CanvasArea(QWidget):
         session.attempted.connect(self.messages.attempt)
         session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
 
-        def follow_layers() -> None:
-            """Contours that are not visible cannot be selected."""
+        def on_layer_changed() -> None:
+            """Keep contours that are not visible from being selected."""
             workspace.review.rejected_seen = bool(self.canvas.layers.contours.chosen["rejected"])
             self.strip.legend.refresh()
 
         for layer in self.canvas.layers:
-            layer.changed.connect(follow_layers)
+            layer.changed.connect(on_layer_changed)
         session.status_changed.connect(self.refresh)
         self.flow.changed.connect(self._draw)
         self._selection.changed.connect(self.refresh)
@@ -89,7 +99,7 @@ class CanvasArea(QWidget):
     def use_tool(self, name: str) -> None:
         """Change the tool, and give the keyboard to the canvas.
 
-        A drawing tool deselects the shape, because its handles would be in the way.
+        A drawing tool deselects the shape, whose handles would be in the way.
         """
         changed = self.canvas.hold.tool.name != name
         self.canvas.use(self._tools[name])
@@ -102,20 +112,20 @@ class CanvasArea(QWidget):
             self.tool_changed.emit()
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """What lies at a point, or at the cross-hair, or is chosen; see `MenuOwner`."""
+        """Select the item at a point or at the cross-hair, and name the selection; see `MenuOwner`."""
         keyed, view = self.crosshair.at, self.canvas
         if point is not None:
             found = self.childAt(point)
             while found is not None and not isinstance(found, ImageView):
                 found = found.parentWidget()
             view = found or view
-            inside = QPointF(view.mapFrom(self, point))
+            point_in_view = QPointF(view.mapFrom(self, point))
         elif keyed is not None:
-            inside = view.point(keyed)
+            point_in_view = view.point(keyed)
         else:
             return self._pointed.chosen, self.rect().center()
-        thing = self._pointed.choose(view.placed(view.position(inside)), view.reach(), view.here)
-        return thing, view.mapTo(self, inside.toPoint())
+        kind = self._pointed.choose(view.placed(view.position(point_in_view)), view.reach(), view.here)
+        return kind, view.mapTo(self, point_in_view.toPoint())
 
     def escape(self) -> None:
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
@@ -131,7 +141,7 @@ class CanvasArea(QWidget):
             self._workspace.review.choose()
 
     def refresh(self) -> None:
-        """Show what to do next below the canvas; advice of the tool has priority."""
+        """Show the next step below the canvas; advice of the tool has priority."""
         text = self._session.resolved.hint
         if self._session.document.image is not None:
             offered = "" if self._selection.selecting else self._selection.advice
@@ -139,7 +149,7 @@ class CanvasArea(QWidget):
         self.strip.say_next(text)
 
     def zoom_to_selection(self) -> None:
-        """Show what is selected as large as possible; in a volume, in the slices through its middle."""
+        """Zoom to the selection; in a volume, in the slices through its middle."""
         places = selected_places(self._workspace)
         if places:
             self.canvas.show_part(part_around(np.concatenate(places), self.canvas, self._workspace.slices))
@@ -152,7 +162,7 @@ class CanvasArea(QWidget):
         rows, cols = self.canvas.shape
         row = min(max(seen.center().y(), 0.0), rows - 1.0)
         col = min(max(seen.center().x(), 0.0), cols - 1.0)
-        radius = max(4.0, _MIDDLE_FRACTION * min(seen.width(), seen.height(), rows, cols))
+        radius = max(4.0, _NEW_CIRCLE_FRACTION * min(seen.width(), seen.height(), rows, cols))
         volume, center = self.canvas.drawn.volume, self.canvas.placed((row, col))
         round_one = Circle(center, radius) if volume is None else Sphere.round(center, radius, volume.spacing)
         name = tr("add circle") if volume is None else tr("add sphere")
@@ -160,16 +170,16 @@ class CanvasArea(QWidget):
         self._session.select(len(self._session.document.shapes) - 1)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Take keys for the draft and for what is selected, also those that are shortcuts of the window.
+        """Handle the keys of the draft and of the selection, including some that are shortcuts of the window.
 
-        One Enter too many in a field, which has just given the keyboard back, accepts nothing.
+        An extra Enter right after a field has returned the focus accepts nothing.
         """
         if isinstance(event, QFocusEvent) and event.type() == QEvent.Type.FocusIn:
             self._given = event.reason() == Qt.FocusReason.ShortcutFocusReason
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
             key, tool = event.key(), self.canvas.hold.tool
             sized = tool.sized or self._session.selected is not None
-            if (key in _SIZES and sized) or (key == Qt.Key.Key_Backspace and tool.drafting):
+            if (key in _RESIZE_KEYS and sized) or (key == Qt.Key.Key_Backspace and tool.drafting):
                 event.accept()
                 return True
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and self._take_key(event):
@@ -177,7 +187,7 @@ class CanvasArea(QWidget):
         return super().eventFilter(watched, event)
 
     def _point(self) -> None:
-        """The pointer is used again after a field."""
+        """Note that the pointer has been used since a field returned the focus."""
         self._given = False
 
     def _draw(self) -> None:
@@ -201,27 +211,27 @@ class CanvasArea(QWidget):
         elif key in ENTER:
             self.canvas.hold.set_modifiers(held)
             (self.crosshair.enter if keyed else self.crosshair.show)()
-        elif key in _ARROWS:
+        elif key in _ARROW_DIRECTIONS:
             factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0
-            row, col = _ARROWS[key]
+            row, col = _ARROW_DIRECTIONS[key]
             by: Place = self.canvas.toward(factor * row, factor * col)
             if keyed:
                 self.crosshair.move(*by)
             elif index is None:
-                self.canvas.pan(_PAN * col, _PAN * row)
+                self.canvas.pan(_PAN_STEP * col, _PAN_STEP * row)
             else:
                 slices = self._session.scene.slices
                 by = by if slices is None else slices.current.along(by)
                 name = tr("move {shape}", shape=from_core(self._session.document.shapes[index].title))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
-        elif key in _SIZES and (index is not None or tool.sized):
-            self.enlarge(_SIZES[key])
+        elif key in _RESIZE_KEYS and (index is not None or tool.sized):
+            self.enlarge(_RESIZE_KEYS[key])
         else:
             return False
         return True
 
     def enlarge(self, by: float) -> None:
-        """Make the selected shape larger, or what the tool works with, or smaller for `by` below 0."""
+        """Enlarge the selected shape, or the size of the tool; negative values of `by` make it smaller."""
         index = self._session.selected
         if index is None:
             self.canvas.hold.tool.resize(by)

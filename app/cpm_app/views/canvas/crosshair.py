@@ -14,15 +14,17 @@ from cpm_app.views.theme import theme
 from cpm_core.numerics import Position
 from cpm_core.numerics.types import Callback
 
-_Z = 9.0
-_SIZE = 36.0
-"""From end to end [px of the screen]."""
+_CROSSHAIR_Z = 9.0
+"""Place in the stack, above everything drawn on the image."""
 
-_FINE = 0.5
-"""Tolerance for hits of tools that work by clicks [px of the image]; keys are more precise than a pointer."""
+_CROSSHAIR_SIZE = 36.0
+"""Length from end to end [px of the screen]."""
 
-_MARGIN = 24.0
-"""Distance from the border of the canvas at which the image is moved [px of the screen]."""
+_KEY_HIT_TOLERANCE = 0.5
+"""Tolerance for hits of tools that work by clicks [px of the image]; keys are more precise than a mouse."""
+
+_PAN_MARGIN = 24.0
+"""Distance from the border of the canvas within which the cross-hair pans the image [px of the screen]."""
 
 
 class Crosshair:
@@ -34,7 +36,9 @@ class Crosshair:
         self.at: Position | None = None
         """Its position (row, col); None while it is hidden."""
         self._marks = [
-            Markers(_Z, size=_SIZE, symbol="crosshair", brush=None, pen=pg.mkPen(color, width=width))
+            Markers(
+                _CROSSHAIR_Z, size=_CROSSHAIR_SIZE, symbol="crosshair", brush=None, pen=pg.mkPen(color, width=width)
+            )
             for color, width in ((theme.HALO, 4.0), (theme.CHOSEN, 1.6))
         ]
         for marks in self._marks:
@@ -43,21 +47,21 @@ class Crosshair:
 
     @property
     def advice(self) -> str:
-        """One sentence on what keys do with the tool in use."""
+        """Sentence on the keys of the tool in use."""
         if self.at is None:
             return ""
         text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} hides it.")
         return with_keys(text, what=self._canvas.hold.tool.by_keys)
 
     def toggle(self) -> None:
-        """Show or hide it."""
+        """Show or hide the cross-hair."""
         if self.at is None:
             self.show()
         else:
             self.hide()
 
     def show(self) -> None:
-        """Show it under the pointer, or in the center of the canvas."""
+        """Show the cross-hair under the pointer, or in the center of the canvas."""
         canvas = self._canvas
         shape = canvas.shape
         if shape is None:
@@ -70,7 +74,7 @@ class Crosshair:
         canvas.setFocus()
 
     def hide(self) -> None:
-        """Hide it."""
+        """Hide the cross-hair."""
         if self.at is not None:
             if self._canvas.hold.dragging:
                 self._canvas.hold.cancel()
@@ -81,7 +85,7 @@ class Crosshair:
             self._changed()
 
     def move(self, down: float, right: float) -> None:
-        """Move it, and what is being dragged, by px of the image."""
+        """Move the cross-hair, and whatever it drags, by px of the image."""
         if self.at is not None:
             self._place((self.at[0] + down, self.at[1] + right))
 
@@ -93,7 +97,7 @@ class Crosshair:
         if hold.dragging:
             hold.release()
         elif hold.tool.clicks and hold.at(canvas, at) is hold.tool:
-            hold.press(canvas, at, _FINE)
+            hold.press(canvas, at, _KEY_HIT_TOLERANCE)
             hold.release()
         else:
             hold.press(canvas, at)
@@ -103,7 +107,7 @@ class Crosshair:
         canvas = self._canvas
         canvas.led_by_keys, self.at = True, at
         point, seen = canvas.point(at), canvas.rect()
-        room = QRectF(seen).adjusted(_MARGIN, _MARGIN, -_MARGIN, -_MARGIN)
+        room = QRectF(seen).adjusted(_PAN_MARGIN, _PAN_MARGIN, -_PAN_MARGIN, -_PAN_MARGIN)
         canvas.pan(
             point.x() - min(max(point.x(), room.left()), room.right()),
             point.y() - min(max(point.y(), room.top()), room.bottom()),

@@ -1,4 +1,4 @@
-"""The scene between two steps: in a volume, particles flow to where a step has brought them."""
+"""The scene between two steps: in a volume, particles flow to their new positions."""
 
 from __future__ import annotations
 
@@ -13,16 +13,21 @@ from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.session import Session
 from cpm_core.numerics import Array
 
-_BETWEEN = 25
-"""Time from one picture to the next while particles flow [ms]."""
+_FLOW_INTERVAL = 25
+"""Time between two pictures while particles flow [ms]."""
 
-_STEP_SHOWN, _SLACK = (0.04, 0.6), 1.4
-"""Time between two steps from which, and up to which, pictures show particles on the way between them [s], and how much
-longer than the last step the next one may take without a halt."""
+_MIN_FLOW_STEP = 0.04
+"""Shortest time between two steps for which particles flow [s]; faster steps already look continuous."""
+
+_MAX_FLOW_STEP = 0.6
+"""Longest time between two steps for which particles flow [s]."""
+
+_STEP_TIME_SLACK = 1.4
+"""Duration of the flow, in durations of the last step, so that a slower step brings no halt."""
 
 
 class Flow(QObject):
-    """The scene of a session, with the particles of a volume on their way for as long as the step took.
+    """The scene of a session, in which the particles of a volume move on for as long as the last step took.
 
     All views of a volume draw this scene, so that they show the same moment.
     """
@@ -36,7 +41,7 @@ class Flow(QObject):
         self._newest: Snapshot | None = None
         self._start: Array | None = None
         self._arrived, self._pause = 0.0, inf
-        self._timer = QTimer(self, interval=_BETWEEN)
+        self._timer = QTimer(self, interval=_FLOW_INTERVAL)
         self._timer.timeout.connect(self._show)
         session.scene_changed.connect(self._follow)
 
@@ -44,14 +49,14 @@ class Flow(QObject):
         before, self._newest = self._newest, self._session.scene.snapshot
         if self._newest is not before:
             self._pause, self._arrived = time.perf_counter() - self._arrived, time.perf_counter()
-            shown = _STEP_SHOWN[0] < self._pause < _STEP_SHOWN[1]
+            shown = _MIN_FLOW_STEP < self._pause < _MAX_FLOW_STEP
             self._start = start(before, self._newest) if shown else None
             if self._start is not None:
                 self._timer.start()
         self._show()
 
     def _show(self) -> None:
-        scene, way = self._session.scene, (time.perf_counter() - self._arrived) / (_SLACK * self._pause)
+        scene, way = self._session.scene, (time.perf_counter() - self._arrived) / (_STEP_TIME_SLACK * self._pause)
         if self._start is None or self._newest is None or way >= 1.0:
             self._start = None
             self._timer.stop()
@@ -63,7 +68,19 @@ class Flow(QObject):
 
 
 def start(before: Snapshot | None, after: Snapshot | None) -> Array | None:
-    """Where the particles of a volume were a step before, new ones where they are; None for another step."""
+    """Find the positions of the particles of a volume one step earlier.
+
+    Parameters
+    ----------
+    before, after : Snapshot or None
+        Two snapshots of a run.
+
+    Returns
+    -------
+    ndarray, shape (N, 3), or None
+        A position (plane, row, col) [voxels] for each particle of `after`, that in `after` for new particles; None
+        unless `after` directly follows `before` in the run of a volume.
+    """
     if before is None or after is None or after.position.shape[1] != 3 or not len(before.position):
         return None
     if (after.generation, after.state.step) != (before.generation, before.state.step + 1):

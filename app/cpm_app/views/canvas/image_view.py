@@ -19,43 +19,50 @@ from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics import Place, Position
 from cpm_core.numerics.types import Entries, Extent, Plain
 
-_MARGIN = 0.04
+_FIT_PADDING = 0.04
+"""Padding around the whole image, as a fraction of its extent."""
 
-REACH = 8.0
-"""Distance from a line or handle within which the pointer takes hold of it [px of the screen]."""
+_HIT_TOLERANCE = 8.0
+"""Distance within which the pointer grabs a line or handle [px of the screen]."""
 
-LEAST, MOST = 0.01, 64.0
-"""Bounds of the magnification."""
+_MIN_MAGNIFICATION = 0.01
+"""Smallest magnification that the user can zoom to."""
 
-_AROUND, _SMALLEST = 0.15, 12.0
-"""Margin around a part that is shown, as a fraction of it, and the least extent of such a part [px of the image]."""
+_MAX_MAGNIFICATION = 64.0
+"""Largest magnification that the user can zoom to."""
+
+_PART_MARGIN = 0.15
+"""Margin around a part that is zoomed to, as a fraction of its extent."""
+
+_MIN_PART_EXTENT = 12.0
+"""Smallest extent of a part that is zoomed to [px of the image]."""
 
 
 class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hints
     """Shows the `layers` of a scene in the box `view`, and zooms and pans; `requests` asks the worker for data.
 
-    Of a volume it shows a slice, as `sections` makes it; positions are (row, col) in what is shown. One with an
-    `original` follows the settings of its layers, which have asked for all data.
+    Of a volume it shows the slice that `sections` cuts; positions are (row, col) in the slice. A view with an
+    `original` copies the settings of its layers, which have already requested all data.
     """
 
     def __init__(self, requests: Requests | None = None, original: ImageView | None = None) -> None:
         super().__init__(background=theme.CANVAS)
         self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, enableMouse=False, defaultPadding=0.0)
         self.view.disableAutoRange()
-        # It fills itself: else the window and all panels around it would be drawn below it in every frame.
+        # The view fills its own background; else Qt would draw the window and its panels below it in every frame.
         self.viewport().setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setCentralItem(self.view)
         self.layers = Layers(self.view, requests or NoRequests())
         self.sections = Sections()
         self._given = self.drawn = Scene()
-        """The scene that is given, and the one that is drawn: of a volume, that of a slice."""
+        """The scene passed in, and the scene drawn, which for a volume is a slice."""
         self._fitted = True
         self._original = original
         if original is not None:
             self.setMinimumSize(1, 1)
             self.setFrameStyle(0)
             for layer in original.layers:
-                # Qt disconnects a method with its view; a function it would keep, and with it the view.
+                # Qt disconnects a method when its view is deleted; it would keep a function, and with it the view.
                 layer.changed.connect(self._copy_settings)
 
     @property
@@ -64,7 +71,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         return self.drawn.image.shape if self.drawn.image is not None else None
 
     def draw(self, scene: Scene) -> None:
-        """Draw a scene; another image, or slices across another axis, are shown as a whole."""
+        """Draw a scene; fit the view when the image or the axis of the slices has changed."""
         self._given = scene
         before, self.drawn = self.drawn, self.sections.of(scene)
         if self.drawn.ground != before.ground:
@@ -83,17 +90,17 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
             self.layers[layer.name].use_view_state(layer.view_state())
 
     def draw_again(self) -> None:
-        """Draw what has been made of the scene since."""
+        """Draw the last scene again, with parts of slices computed since."""
         self.draw(self._given)
 
     def use_image(self) -> None:
-        """Begin with another image."""
+        """Fit the view to another image."""
         self.fit()
 
     def fit(self) -> None:
         """Show the whole image."""
         if self.shape is not None:
-            self.view.setRange(image_rectangle(self.shape), padding=_MARGIN)
+            self.view.setRange(image_rectangle(self.shape), padding=_FIT_PADDING)
             self._fitted = True
 
     @property
@@ -104,20 +111,20 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     def zoom(self, factor: float, around: QPointF | None = None) -> None:
         """Enlarge by `factor` around a point of the widget, by default its center."""
         now = self.magnification
-        factor = min(max(factor, min(LEAST / now, 1.0)), max(MOST / now, 1.0))
+        factor = min(max(factor, min(_MIN_MAGNIFICATION / now, 1.0)), max(_MAX_MAGNIFICATION / now, 1.0))
         point = self.rect().center() if around is None else around.toPoint()
         self.view.scaleBy((1.0 / factor, 1.0 / factor), center=self.view.mapSceneToView(self.mapToScene(point)))
         self._fitted = False
 
     def zoom_to(self, magnification: float) -> None:
-        """Show so many pixels of the screen per pixel of the image, around the center."""
+        """Set the magnification, in pixels of the screen per pixel of the image, around the center."""
         if 0.0 < magnification < math.inf:
             self.zoom(magnification / self.magnification)
 
     def show_part(self, part: QRectF) -> None:
         """Show a part of the image as large as possible, with a margin."""
-        wide = max(_SMALLEST - part.width(), 0.0) / 2 + _AROUND * part.width()
-        high = max(_SMALLEST - part.height(), 0.0) / 2 + _AROUND * part.height()
+        wide = max(_MIN_PART_EXTENT - part.width(), 0.0) / 2 + _PART_MARGIN * part.width()
+        high = max(_MIN_PART_EXTENT - part.height(), 0.0) / 2 + _PART_MARGIN * part.height()
         self._show(part.adjusted(-wide, -high, wide, high))
 
     def _show(self, part: QRectF) -> None:
@@ -133,7 +140,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
             self._fitted = False
 
     def toward(self, down: float, right: float) -> Position:
-        """Displacement (row, col) in the image that leads down and to the right on the screen."""
+        """Return the displacement (row, col) in the image for a move down and right on the screen."""
         upside_down, leftward = self._flips
         return -down if upside_down else down, -right if leftward else right
 
@@ -142,15 +149,15 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         self._show(QRectF(place[1] - span / 2, place[0] - span / 2, span, span))
 
     def position(self, point: QPointF) -> Position:
-        """Position (row, col) under a point of the widget."""
+        """Return the position (row, col) under a point of the widget."""
         return to_position(self.view.mapSceneToView(self.mapToScene(point.toPoint())))
 
     def point(self, position: Position) -> QPointF:
-        """Point of the widget over a position (row, col)."""
+        """Return the point of the widget over a position (row, col)."""
         return QPointF(self.mapFromScene(self.view.mapViewToScene(QPointF(position[1], position[0]))))
 
     def view_state(self) -> Entries:
-        """Visible part, unless it is the whole image, and state of each layer, as plain JSON for a session file."""
+        """Return the state of each layer, and the visible part unless it is the whole image, as JSON."""
         seen = self.view.viewRect()
         place = {} if self._fitted else {"center": [seen.center().y(), seen.center().x()], "rows": seen.height()}
         return {"place": place, "layers": {layer.name: layer.view_state() for layer in self.layers}}
@@ -172,12 +179,12 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
                 self._show(QRectF(col - 0.5 * wide, row - 0.5 * high, wide, high))
 
     def finish(self) -> None:
-        """Draw now what would be drawn in later turns."""
+        """Draw everything now that is scheduled for later turns of the event loop."""
         for turns in self.scene().findChildren(Turns):
             turns.finish()
 
     def grab(self) -> QPixmap:
-        """A picture of all it shows."""
+        """Take a picture of the complete view."""
         self.finish()
         return super().grab()
 
@@ -188,30 +195,30 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
             self.fit()
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Leave the menu by keys to the window; the right button opens it when it is released without a drag."""
+        """Leave menus opened by key to the window; the right button opens a menu when released without a drag."""
         event.setAccepted(event.reason() == QContextMenuEvent.Reason.Mouse)
 
     @property
     def here(self) -> Slice | None:
-        """The slice that is shown; None for an image."""
+        """Slice that is shown; None for an image."""
         return None if self.drawn.slices is None else self.drawn.slices.current
 
     def placed(self, position: Position) -> Place:
-        """Place in the image, or in the volume, of a position in what is shown."""
+        """Return the place in the image or in the volume of a position in the view."""
         return position if self.here is None else self.here.lifted(position)
 
     def reach(self) -> float:
-        """Distance at which the pointer takes hold of something [px of the image]."""
-        return REACH * float(self.view.viewPixelSize()[0])
+        """Return the distance within which the pointer hits a line or handle [px of the image]."""
+        return _HIT_TOLERANCE * float(self.view.viewPixelSize()[0])
 
     @property
     def _flips(self) -> tuple[bool, bool]:
-        """Whether it is shown upside down, and mirrored, as slices of a patient are read."""
+        """Whether the view is upside down, and whether it is mirrored, by the radiological convention."""
         return flips_of(self.drawn.whole, None if self.here is None else self.here.axis)
 
 
 def _aspect(scene: Scene) -> float:
-    """Width of a pixel in heights of a pixel: one but in slices of a volume, which are shown as they are in space."""
+    """Return the width of a pixel over its height as drawn; 1 except in slices of anisotropic volumes."""
     if scene.slices is None or scene.image is None:
         return 1.0
     row, col = scene.image.spacing

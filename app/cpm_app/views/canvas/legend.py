@@ -15,21 +15,23 @@ from cpm_app.views.theme import theme
 from cpm_app.views.theme.theme import look
 from cpm_app.views.widgets.containers import ElidedLabel, arrange
 
-_EVERY = 150
-"""Least time between two updates [ms]: the numbers of particles change in every frame."""
+_LEGEND_INTERVAL = 150
+"""Minimum time between two updates [ms]; the number of particles changes in every frame."""
 
-_SIGNS = {"line": "━━", "dashed": "╍╍", "dot": "●", "check": "✔", "area": "■"}
+_SIGN_CHARACTERS = {"line": "━━", "dashed": "╍╍", "dot": "●", "check": "✔", "area": "■"}
+"""Character that stands for each way of drawing."""
 
-_PAD = 10
-_SENTENCE = 0.55
-"""Part of the width that a sentence may claim before the legend is shortened."""
+_STRIP_PADDING = 10
+"""Padding of the strip [px]."""
+
+_MAX_SENTENCE_FRACTION = 0.55
+"""Largest fraction of the width that a sentence may take before the legend is shortened."""
 
 
 class Legend(QWidget):
-    """A sign, a number and a word for each kind of thing on the canvas; it can be folded away.
+    """A sign, a number and a word for each kind of item on the canvas; it can be folded away.
 
-    `entries` returns what there is. Where there is not enough room, only signs and numbers are shown; the tool tip
-    has the words.
+    `entries` returns all entries. Where room is short, only signs and numbers are shown; the tool tip has the words.
     """
 
     folded_changed = Signal(bool)
@@ -41,7 +43,7 @@ class Legend(QWidget):
         super().__init__()
         self._read = entries
         self.entries: tuple[LegendEntry, ...] = ()
-        """What is shown."""
+        """Entries that are shown."""
         self.folded = False
         self._label = QLabel(textFormat=Qt.TextFormat.RichText)
         self.button = QToolButton()
@@ -51,18 +53,18 @@ class Legend(QWidget):
         self.button.clicked.connect(lambda: self.fold(not self.folded))
         arrange(QHBoxLayout(self), self._label, self.button, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-        self._timer = QTimer(self, singleShot=True, interval=_EVERY)
+        self._timer = QTimer(self, singleShot=True, interval=_LEGEND_INTERVAL)
         self._timer.timeout.connect(self.show_now)
         self.fold(False)
         self.hide()
 
     def refresh(self) -> None:
-        """Show what has changed, soon."""
+        """Schedule an update of the entries."""
         if not self._timer.isActive():
             self._timer.start()
 
     def show_now(self) -> None:
-        """Show what there is."""
+        """Update the entries now."""
         entries = tuple(entry for entry in self._read() if entry.count)
         if entries != self.entries:
             self.entries = entries
@@ -91,17 +93,17 @@ class Legend(QWidget):
             self._label.setText(self._text(short=True))
 
     def _text(self, *, short: bool) -> str:
-        """Each sign is on the color of the canvas, so that it looks as it does there."""
+        """Format the entries as rich text, each sign on the background color of the canvas."""
         return "&nbsp; ".join(
             f"<span style='color:{look().color(entry.color)}; background-color:{theme.CANVAS}'>"
-            f"&nbsp;{_SIGNS[entry.sign]}&nbsp;</span>&nbsp;{written(f'{entry.count:,}')}"
+            f"&nbsp;{_SIGN_CHARACTERS[entry.sign]}&nbsp;</span>&nbsp;{written(f'{entry.count:,}')}"
             + ("" if short else f"&nbsp;{entry.text.replace(' ', '&nbsp;')}")
             for entry in self.entries
         )
 
 
 class Strip(QFrame):
-    """Of one height, whatever it shows, so that the image never moves; `entries` returns what the legend shows."""
+    """Message or hint, and legend, at a fixed height so that the image never moves; `entries` feeds the legend."""
 
     def __init__(self, entries: Callable[[], Sequence[LegendEntry]]) -> None:
         super().__init__()
@@ -109,33 +111,33 @@ class Strip(QFrame):
         self.messages = MessageLine()
         self.hint = ElidedLabel()
         self.hint.setObjectName("hint")
-        self.hint.setContentsMargins(_PAD, 0, 0, 0)
+        self.hint.setContentsMargins(_STRIP_PADDING, 0, 0, 0)
         self.legend = Legend(entries)
-        self.setFixedHeight(self.fontMetrics().height() + _PAD)
+        self.setFixedHeight(self.fontMetrics().height() + _STRIP_PADDING)
         row = arrange(QHBoxLayout(self), self.messages, self.hint, self.legend, spacing=8, wide=self.messages)
         row.setStretchFactor(self.hint, 1)
         self.messages.shown_changed.connect(self._share)
         self.legend.width_changed.connect(self._share)
 
     def say_next(self, text: str) -> None:
-        """Show what to do next, unless there is a message."""
+        """Show a hint on the next step, unless there is a message."""
         if text != self.hint.text():
             self.hint.setText(text)
             self.hint.setToolTip(text)
             self._share()
 
     def minimumSizeHint(self) -> QSize:
-        """No width: a legend that grows during a run must not make the window wider than the screen."""
+        """Return no minimum width: a legend growing during a run must not widen the window."""
         return QSize(0, super().minimumSizeHint().height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Share the width anew."""
+        """Share the width again."""
         super().resizeEvent(event)
         self._share()
 
     def _share(self) -> None:
         """Give the sentence what it needs, up to a part of the width, and the rest to the legend."""
-        said = bool(self.messages.text)
-        self.hint.setVisible(not said)
-        wanted = self.messages.sizeHint().width() if said else self.hint.sizeHint().width() + _PAD
-        self.legend.fit(self.width() - min(wanted, round(_SENTENCE * self.width())) - _PAD)
+        has_message = bool(self.messages.text)
+        self.hint.setVisible(not has_message)
+        wanted = self.messages.sizeHint().width() if has_message else self.hint.sizeHint().width() + _STRIP_PADDING
+        self.legend.fit(self.width() - min(wanted, round(_MAX_SENTENCE_FRACTION * self.width())) - _STRIP_PADDING)

@@ -12,14 +12,15 @@ from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.containers import ElidedLabel, arrange, flat_button
 
-SHOWN = 6000
-"""Time after which good news disappears [ms]."""
+_MESSAGE_DURATION = 6000
+"""Time after which a message that is not an error disappears [ms]."""
 
 _DETAILS_WIDTH = 420
+"""Width of the text of the whole message [px]."""
 
 
 class MessageLine(QFrame):
-    """One message, and buttons to read all of it and to dismiss it; hidden while there is none."""
+    """One message, with buttons to read it in full and to dismiss it; hidden while there is none."""
 
     shown_changed = Signal()
     """Another message is shown, or none."""
@@ -33,7 +34,7 @@ class MessageLine(QFrame):
         self._button = flat_button("", tr("Dismiss message"), self.dismiss)
         parts = self._label, self.details, self._button
         arrange(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)
-        self._timer = QTimer(self, singleShot=True, interval=SHOWN)
+        self._timer = QTimer(self, singleShot=True, interval=_MESSAGE_DURATION)
         self._timer.timeout.connect(lambda: self._use(self._messages.faded()))
         self._theme: Theme | None = None
         self.hide()
@@ -55,23 +56,23 @@ class MessageLine(QFrame):
         self._use(self._messages.said(Message(sentence, error, topic)))
 
     def attempt(self, topic: str) -> None:
-        """Take away what was said about earlier attempts of a kind."""
+        """Clear the messages of a category, before another attempt."""
         self._use(self._messages.without(topic))
 
     def keep_only(self, *topics: str) -> None:
-        """Take away all messages of other topics."""
+        """Clear all messages except those of some categories."""
         self._use(self._messages.only(*topics))
 
     def dismiss(self) -> None:
-        """Take away the message that is shown."""
+        """Dismiss the message that is shown."""
         self._use(self._messages.dismissed())
 
     def clear(self) -> None:
-        """Take away all messages."""
+        """Clear all messages."""
         self._use(Messages())
 
     def show_keys(self) -> None:
-        """Name the keys as they are now."""
+        """Name the current keys in the tool tip."""
         self._button.setToolTip(with_keys(tr("Dismiss ({key:escape})")))
 
     def use_theme(self, theme: Theme) -> None:

@@ -1,4 +1,4 @@
-"""What lies at a place of the canvas, and where what is selected lies."""
+"""Selection of the item at a place of the canvas, and positions of the selected items."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cpm_core.shapes import Charge, sides_of
 
 
 class Pointed:
-    """Finds and chooses what lies at a place: lines before areas, and those in front first."""
+    """Finds and selects the item at a place: lines before areas, front to back."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._session = workspace.session
@@ -24,16 +24,16 @@ class Pointed:
 
     @property
     def chosen(self) -> str:
-        """The name of what is chosen."""
+        """Kind of the selection: "charge", "shape", "object" or "image"."""
         shapes, selected = self._session.document.shapes, self._session.selected
         if selected is not None and selected < len(shapes):
             return "charge" if isinstance(shapes[selected], Charge) else "shape"
         return "object" if self._list.selected or self._selection.selecting else "image"
 
     def choose(self, at: Place, reach: float, here: Slice | None = None) -> str:
-        """The name of what lies at a place, which is chosen unless it is already; `reach` is in px of the image.
+        """Select the item at a place unless it already is, and return its kind; `reach` is in px of the image.
 
-        `here` is the slice that was pointed at, in a volume.
+        In a volume, `here` is the slice under the pointer.
         """
         if self._selection.selecting:
             return "object"
@@ -51,9 +51,12 @@ class Pointed:
 
 
 def selected_places(workspace: Workspace) -> list[Array]:
-    """Positions of the selected objects, proposals and contours, else of the selected shape.
+    """Return the positions of the selected objects, proposals and contours, else of the selected shape.
 
-    They are (row, col) in an image; those of a shape in a volume are (plane, row, col).
+    Returns
+    -------
+    list of ndarray, shape (N, 2) or (N, 3)
+        One array for each curve or box: (row, col) in an image, (plane, row, col) in a volume, in pixels.
     """
     session = workspace.session
     rows = workspace.object_list.selected_rows
@@ -72,7 +75,17 @@ def selected_places(workspace: Workspace) -> list[Array]:
 
 
 def part_around(places: Array, canvas: ImageView, slices: ShownSlices) -> QRectF:
-    """The part of the image around places; in a volume, in the slice through their middle, which is shown."""
+    """Return the rectangle around places; in a volume, first show the slices through their middle.
+
+    Parameters
+    ----------
+    places : ndarray, shape (N, 2) or (N, 3)
+        (row, col) in an image or (plane, row, col) in a volume [px].
+    canvas : ImageView
+        View that will show the rectangle.
+    slices : ShownSlices
+        Slices of the volume, moved to the middle of the places.
+    """
     if places.shape[1] == 3:
         slices.through(tuple((0.5 * (places.min(axis=0) + places.max(axis=0))).tolist()))
         places = places if canvas.here is None else canvas.here.flattened(places)

@@ -1,4 +1,4 @@
-"""Slices across the other axes of a volume next to the canvas, with a cross where the slices meet."""
+"""Slices across the other axes of a volume, next to the canvas, with a cross where the slices meet."""
 
 from __future__ import annotations
 
@@ -17,24 +17,26 @@ from cpm_app.views.items.item import image_rectangle, line_pen
 from cpm_app.views.theme import theme
 from cpm_core.numerics import Position
 
-_Z = 8.5
-_SMALLEST = 120
-"""Least width and height [px of the screen]."""
+_SLICE_CROSS_Z = 8.5
+"""Place of the cross in the stack, above the layers."""
+
+_MIN_SIDE_VIEW_SIZE = 120
+"""Minimum width and height [px of the screen]."""
 
 
 class Cross:
-    """Two lines in a view of a slice: where the two other slices cut it."""
+    """Two lines where the two other slices cut a view."""
 
     def __init__(self, view: ImageView) -> None:
         self._lines = [pg.InfiniteLine(angle=angle, pen=line_pen(theme.CHOSEN, 1.0)) for angle in (0, 90)]
         for line in self._lines:
-            line.setZValue(_Z)
+            line.setZValue(_SLICE_CROSS_Z)
             line.setOpacity(0.6)
             line.hide()
             view.view.addItem(line, ignoreBounds=True)
 
     def show(self, slices: Slices | None) -> None:
-        """Show where the slices meet; without slices nothing."""
+        """Show where the slices meet; without slices, show nothing."""
         for line in self._lines:
             line.setVisible(slices is not None)
         if slices is not None:
@@ -43,22 +45,22 @@ class Cross:
 
 
 class SideView(ImageView):
-    """Shows the slice across one axis, at first as a whole, and takes the tool in use.
+    """Shows the slice across one axis, and works with the tool in use.
 
-    The right button moves the cross, and a click of it on something opens its menu; the wheel goes through the slices,
-    with Ctrl it zooms, and the middle button pans.
+    The right button moves the cross, and its click on an item opens the menu; the wheel steps through the slices, with
+    Ctrl it zooms, and the middle button pans.
     """
 
     went = Signal(object)
-    """The user wants the slices through a place of the volume."""
+    """Place of the volume that the user wants the slices through."""
     passed = Signal(int, int)
-    """The user wants the slice so many further along an axis: axis, number."""
+    """Axis, and the number of slices by which the user wants to move along it."""
 
     def __init__(self, canvas: Canvas, parent: QWidget) -> None:
         super().__init__(original=canvas)
         self.setParent(parent)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.setMinimumSize(_SMALLEST, _SMALLEST)
+        self.setMinimumSize(_MIN_SIDE_VIEW_SIZE, _MIN_SIDE_VIEW_SIZE)
         self.cross = Cross(self)
         self._main = canvas
         self._wheel = Wheel()
@@ -78,7 +80,7 @@ class SideView(ImageView):
         self.cross.show(self.drawn.slices)
 
     def _move(self, at: Position) -> None:
-        """Pass the pointer to the tool in use."""
+        """Dispatch the move to the tool in use."""
         self._main.hold.move(self, at)
         self._main.placed_at.emit(self.placed(at))
 
@@ -92,7 +94,7 @@ class SideView(ImageView):
             self.pan(by.x(), by.y())
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Go through the slices of this view; with Ctrl zoom around the pointer, at the least to the whole slice."""
+        """Step through the slices of this view; with Ctrl, zoom around the pointer, out to the whole slice at most."""
         event.accept()
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())

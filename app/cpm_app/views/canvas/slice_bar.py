@@ -1,4 +1,4 @@
-"""The line below the canvas that chooses which slice of a volume is shown."""
+"""The bar below the canvas that selects the slice of a volume."""
 
 from __future__ import annotations
 
@@ -13,28 +13,31 @@ from cpm_app.views.widgets.containers import arrange, flat_button
 from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core import Image
 
-_TIPS = (
+_AXIS_TIPS = (
     tr("Show planes: rows run down, columns to the right."),
     tr("Show slices across the rows: planes run down, columns to the right."),
     tr("Show slices across the columns: planes run down, rows to the right."),
 )
-_JUMP = 10
+"""Tool tips of the buttons of the axes."""
+
+_SLICE_JUMP = 10
+"""Number of slices that a page key moves."""
 
 
 class SliceBar(PlaceBar):
-    """Axis, slider and number of the slice, and the size of a voxel; hidden while no volume is open."""
+    """Axis, slider and number of the slice, and the voxel size; hidden while no volume is open."""
 
     size_wanted = Signal()
     """The user wants to set the size of a voxel."""
     turned = Signal(int)
-    """The user wants slices across an axis."""
+    """Axis that the user wants slices across."""
 
     def __init__(self) -> None:
-        super().__init__(tr("Slice"), tr("Number of the slice"), _JUMP)
+        super().__init__(tr("Slice"), tr("Number of the slice"), _SLICE_JUMP)
         self.axes = [QToolButton() for _ in AXES]
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
-            button.setToolTip(_TIPS[axis])
+            button.setToolTip(_AXIS_TIPS[axis])
             button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXES[axis]))
             button.setCheckable(True)
             group.addButton(button, axis)
@@ -47,12 +50,12 @@ class SliceBar(PlaceBar):
         row.insertSpacing(len(self.axes), 8)
 
     def show_keys(self) -> None:
-        """Name the keys as they are now."""
-        said = tr("Move through the slices: {key:previous_slice} and {key:next_slice}, or Shift + wheel.")
-        self.slider.setToolTip(with_keys(said))
+        """Name the current keys in the tool tip."""
+        tip = tr("Move through the slices: {key:previous_slice} and {key:next_slice}, or Shift + wheel.")
+        self.slider.setToolTip(with_keys(tip))
 
     def show_slices(self, slices: Slices | None, image: Image | None) -> None:
-        """Show where the slices are, or hide when there are none."""
+        """Show the position of the slices, or hide when there are none."""
         self.setVisible(slices is not None)
         if slices is None or image is None:
             return

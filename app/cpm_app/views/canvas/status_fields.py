@@ -1,4 +1,4 @@
-"""What the status bar shows of the canvas: place and gray value under the pointer, and the zoom."""
+"""Fields of the status bar: place and gray value under the pointer, and the zoom."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from cpm_core.numerics.types import Integers
 
 
 class PointerReadout(QLabel):
-    """Row, column and gray value, in a volume also the plane; of a color image in the channel of the run.
+    """Row, column and gray value under the pointer, in a volume also the plane.
 
-    Where the size of a pixel is known, also the position in its unit.
+    Of a color image it shows the value in the channel of the run; where the pixel size is known, also the position in
+    its unit.
     """
 
     def __init__(self, session: Session, canvas: Canvas) -> None:
@@ -39,16 +40,16 @@ class PointerReadout(QLabel):
         lengths = [length_text(place, each, size.unit or "") for place, each in zip(pixel, size.spacing, strict=True)]
         places = dict(zip(("plane", "row", "col")[-image.ndim :], pixel, strict=True))
         named = dict(zip(("back", "down", "right")[-image.ndim :], lengths, strict=True))
-        return _WORDS[image.ndim, size.unit is not None].format(value=value, **places, **named)
+        return _READOUT_TEMPLATES[image.ndim, size.unit is not None].format(value=value, **places, **named)
 
 
-_WORDS = {
+_READOUT_TEMPLATES = {
     (2, False): tr("row {row}, col {col}:  {value:g}"),
     (2, True): tr("row {row}, col {col}  ({down}, {right}):  {value:g}"),
     (3, False): tr("plane {plane}, row {row}, col {col}:  {value:g}"),
     (3, True): tr("plane {plane}, row {row}, col {col}  ({back}, {down}, {right}):  {value:g}"),
 }
-"""What is shown, by the number of axes and whether the size of a pixel is known."""
+"""Templates by the number of axes and whether the pixel size is known."""
 
 
 class ZoomReadout(QLabel):

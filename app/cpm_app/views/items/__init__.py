@@ -1,1 +1,1 @@
-"""What a plot is made of: curves, discs, markers, labels and their pens."""
+"""Graphics items of the canvas: curves, discs, markers, labels, and their pens."""

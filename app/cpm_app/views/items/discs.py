@@ -1,4 +1,4 @@
-"""Discs on the canvas: those of starts, and the particles, which change in every frame."""
+"""Discs on the canvas: seeds of starts, and particles, which change in every frame."""
 
 from __future__ import annotations
 
@@ -17,26 +17,27 @@ from cpm_app.views.items.item import OverImage, to_xy
 from cpm_app.views.theme.theme import look
 from cpm_core.numerics import Array
 
-_SMALLEST = 2.4
-"""Least diameter of a disc [px of the screen]."""
+_MIN_DISC_DIAMETER = 2.4
+"""Minimum diameter of a disc [px of the screen]."""
 
-_SPAN = 2.4
+_DISC_SPAN = 2.4
 """Diameter of a disc [px of the image], slightly larger than the spacing of the particles."""
 
 Marks = NDArray[np.uint8]
 
 NO_POSITIONS: Array = np.empty((0, 2))
+"""No positions, shape (0, 2)."""
 
-_RIM = 16.0
+_DISC_RIM = 16.0
 """Margin around the image for particles on its border [px of the image]."""
 
 
 class Discs(OverImage):
     """Discs of one color or of a palette; their size follows the zoom within bounds.
 
-    All are drawn by a single call of the painter from one pixmap that contains the colors side by side. A scatter plot
-    of pyqtgraph does the same, but needs several milliseconds of preparation because its symbols may differ; a compiled
-    loop, as that of `MovingDiscs`, needs Numba, which is not there yet when the window opens.
+    A single call of the painter draws all discs from one pixmap with the colors side by side. A pyqtgraph scatter plot
+    does the same, but spends several milliseconds on preparation because its symbols may differ; the compiled loop of
+    `MovingDiscs` needs Numba, which is not loaded yet when the window opens.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ class Discs(OverImage):
     count = 0
 
     def __init__(self, color: str, diameter: float, z: float) -> None:
-        super().__init__(z, _RIM)
+        super().__init__(z, _DISC_RIM)
         self._own = (color,)
         self._colors: Sequence[str] = self._own
         self._diameter = diameter
@@ -69,21 +70,27 @@ class Discs(OverImage):
         self._stamped: tuple[object, ...] = ()
 
     def use_palette(self, colors: Sequence[str] = ()) -> None:
-        """Set the palette, by default the own color; call `show` afterwards."""
+        """Set the palette, by default the color of the item; call `show` afterwards."""
         self._colors = tuple(colors) or self._own
         self.update()
 
     def shrink(self, factor: float) -> None:
-        """Draw the discs smaller by a factor, 1 for their own size."""
+        """Scale the diameter of the discs by a factor."""
         if factor != self._shrunk:
             self._shrunk = factor
             self.update()
 
     def show(self, position: Array, color: Marks | None = None, opacity: Array | None = None) -> None:
-        """Show discs at (row, col), shape (N, 2); `color`, shape (N,), holds indices into the palette.
+        """Show discs, unless nothing has changed, as in slices far from moving particles.
 
-        `opacity`, shape (N,), is by default 1 for each. Where nothing has moved, as in a slice far from those that do,
-        nothing is drawn again.
+        Parameters
+        ----------
+        position : ndarray, shape (N, 2)
+            Centers (row, col) [px of the image].
+        color : ndarray of uint8, shape (N,), optional
+            Indices into the palette, by default 0.
+        opacity : ndarray, shape (N,), optional
+            Opacities from 0 to 1, by default 1.
         """
         shown = zip((position, color, opacity), (self.position, self._marks, self._opacity), strict=True)
         if all(one is other or np.array_equal(one, other) for one, other in shown):  # type: ignore[arg-type]  # None
@@ -100,7 +107,7 @@ class Discs(OverImage):
         origin = transform.map(QPointF(0.0, 0.0))
         x, y = to_xy(self.position)
         x, y = origin.x() + x * transform.m11(), origin.y() + y * transform.m22()
-        # A disc outside the visible part takes the painter as long as one inside.
+        # The painter spends as much time on a disc outside the visible part as on one inside.
         side = stamp.height()
         reach = side / ratio
         seen = (x > -reach) & (x < device.width() + reach) & (y > -reach) & (y < device.height() + reach)
@@ -124,8 +131,10 @@ class Discs(OverImage):
         painter.restore()
 
     def _stamp_for(self, ratio: float, zoom: float) -> QImage:
-        """Picture of the discs of all colors, for `ratio` device pixels per point and an image enlarged by `zoom`."""
-        diameter = round(ratio * self._shrunk * look().points * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
+        """Draw the discs of all colors side by side, for `ratio` device pixels per point, at magnification `zoom`."""
+        diameter = round(
+            ratio * self._shrunk * look().points * min(self._diameter, max(_MIN_DISC_DIAMETER, _DISC_SPAN * zoom)), 1
+        )
         colors = tuple(look().color(color) for color in self._colors)
         if self._stamped != (diameter, ratio, colors):
             self._stamped = (diameter, ratio, colors)
@@ -134,8 +143,8 @@ class Discs(OverImage):
             self._stamp.fill(Qt.GlobalColor.transparent)
             painter = QPainter(self._stamp)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            # A rim separates large discs from each other; around small ones it would hide the color.
-            strength = round(190 * min(1.0, max(0.0, (diameter / ratio - _SMALLEST) / 3.0)))
+            # A rim separates large discs; around small ones it would hide the color.
+            strength = round(190 * min(1.0, max(0.0, (diameter / ratio - _MIN_DISC_DIAMETER) / 3.0)))
             painter.setPen(QPen(QColor(0, 0, 0, strength), 0.9 * ratio) if strength else Qt.PenStyle.NoPen)
             for index, color in enumerate(colors):
                 painter.setBrush(QColor(color))
@@ -145,7 +154,7 @@ class Discs(OverImage):
 
 
 class MovingDiscs(Discs):
-    """Discs that move: a compiled loop stamps them into one picture, in a tenth of the time that the painter takes."""
+    """Moving discs, stamped into one picture by a compiled loop in a tenth of the time that the painter takes."""
 
     def __init__(self, color: str, diameter: float, z: float) -> None:
         super().__init__(color, diameter, z)
@@ -162,7 +171,7 @@ class MovingDiscs(Discs):
             apart = np.frombuffer(colors.constBits(), np.uint32).reshape(side := colors.height(), -1, side)
             stamps = np.pad(apart.swapaxes(0, 1), ((0, 0), (0, 0), (0, -side % LANES)))
             self._cut = colors, stamps
-        # those that are cut off by the border lie in a margin as a whole
+        # discs that the border cuts off lie wholly within this margin
         top, left = (math.floor(ratio * low) - stamps.shape[2] for low in (seen.top(), seen.left()))
         shape = tuple(math.ceil(ratio * length) + 2 * stamps.shape[2] for length in (seen.height(), seen.width()))
         if self._picture.shape != shape:

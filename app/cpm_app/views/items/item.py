@@ -1,4 +1,4 @@
-"""Common parts of items on the canvas: places, pens, caching, markers, names, and what does not move with the image."""
+"""Common parts of items on the canvas: coordinates, pens, caching, markers, labels, and pinned text."""
 
 from __future__ import annotations
 
@@ -20,37 +20,37 @@ from cpm_core.numerics.types import Extent
 
 
 def to_xy(positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """X and y on the canvas of positions (row, col), shape (N, 2)."""
+    """Return x and y on the canvas, each of shape (N,), of positions (row, col), shape (N, 2)."""
     return positions[:, 1], positions[:, 0]
 
 
 def to_position(point: QPointF) -> Position:
-    """Position (row, col) of a point on the canvas."""
+    """Return the position (row, col) of a point on the canvas."""
     return (point.y(), point.x())
 
 
 def image_rectangle(shape: Extent) -> QRectF:
-    """Rectangle of an image on the canvas; it begins half a pixel before the center of the first pixel."""
+    """Return the rectangle of an image on the canvas; it begins half a pixel before the center of the first pixel."""
     rows, cols = shape
     return QRectF(-0.5, -0.5, cols, rows)
 
 
 def line_pen(color: str, width: float, kind: Kind = "fixed") -> QPen:
-    """A pen whose width does not change with the zoom; color and width are as preferred for this kind of line."""
+    """Create a pen of constant width at any zoom; the preferences scale its width and adapt its color."""
     pen = QPen(QColor(look().color(color)), width * look().width(kind))
     pen.setCosmetic(True)
     return pen
 
 
 def cached(item: QGraphicsItem) -> None:
-    """Cache the rendered item until it changes: the items above it change much more often."""
+    """Cache the rendered item until it changes; the items above it change much more often."""
     item.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
 
 
 class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of its kinds takes what they draw
     """An item that covers the image and a rim around it.
 
-    It is an item of Qt: one of pyqtgraph follows each change of its view and of itself, which none of these needs.
+    It is a plain Qt item: a pyqtgraph item tracks every change of its view, which costs time and is not needed here.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
     """
 
     count = 1
-    """Number of things shown; without any the item is hidden and costs nothing in a frame."""
+    """Number of parts shown; without any, the item is hidden and costs nothing in a frame."""
 
     def __init__(self, z: float, rim: float) -> None:
         super().__init__()
@@ -82,13 +82,13 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
         super().setVisible(shown and self.count > 0)
 
     def renew(self, count: int) -> None:
-        """Draw again, so many things."""
+        """Set the number of parts, and draw again."""
         self.count = count
         self.update()
         self.setVisible(self._shown)
 
     def boundingRect(self) -> QRectF:
-        """The area that may be drawn on."""
+        """Return the area that may be drawn on."""
         return self._room
 
 
@@ -103,24 +103,26 @@ class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no typ
         self.setVisible(True)
 
     def show(self, positions: Collection[Place] | Array, **look: Any) -> None:
-        """Show them at (row, col), with a look of their own."""
+        """Show markers at positions (row, col), shape (N, 2) [px]; `look` overrides their appearance."""
         x, y = to_xy(np.array([*positions], dtype=float).reshape(-1, 2))
         self.setData(x=x, y=y, **look)
         self.setVisible(self._shown)
 
     def setVisible(self, shown: bool) -> None:
-        """Show or hide them; without any the item is hidden and costs nothing in a frame."""
+        """Show or hide the markers; without any, the item is hidden and costs nothing in a frame."""
         self._shown = shown
         super().setVisible(shown and len(self.data) > 0)
 
 
 _NAME_PAD = 4.0
+"""Padding of a text on its background [px of the screen]."""
+
 _NAME_RIM = 300.0
 """Margin around the image for text beyond its border [px of the image]."""
 
 
 class Names(OverImage):
-    """Texts at positions of the image, or `above` them, of the same size at any zoom."""
+    """Texts at positions of the image, or `above` them, at constant size for any zoom."""
 
     count = 0
 
@@ -160,35 +162,42 @@ class Names(OverImage):
         painter.restore()
 
 
-MARGIN = 12.0
-"""Distance from the border of the canvas [px of the screen]."""
+_PINNED_MARGIN = 12.0
+"""Default distance of pinned text from the border of the canvas [px of the screen]."""
 
-BACKGROUND, INK, FAINT = "#cc101216", "#f2f4f7", "#b6bec9"
-"""Colors behind text, of text, and of less important text."""
+_TEXT_BACKGROUND = "#cc101216"
+"""Color behind pinned text."""
 
-_Z = 20.0
+INK = "#f2f4f7"
+"""Color of pinned text."""
+
+FAINT = "#b6bec9"
+"""Color of less important pinned text."""
+
+_PINNED_Z = 20.0
+"""Place in the stack, above everything else."""
 
 
 class Pinned(pg.TextItem):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """Text on a dark ground near the edge of a view, which does not move with the image.
+    """Text on a dark background near the edge of a view; it does not move with the image.
 
     Parameters
     ----------
     view : pg.ViewBox
-        Its parent.
+        Parent of the text.
     edge : tuple of float
-        Which of its points lies at which of the view: fractions of width and height.
+        Anchor in the text and in the view, as fractions of width and height.
     gap : float
         Distance from the border of the view [px of the screen].
     """
 
-    def __init__(self, view: pg.ViewBox, edge: tuple[float, float], gap: float = MARGIN) -> None:
-        super().__init__(color=INK, fill=QColor(BACKGROUND), anchor=edge)
+    def __init__(self, view: pg.ViewBox, edge: tuple[float, float], gap: float = _PINNED_MARGIN) -> None:
+        super().__init__(color=INK, fill=QColor(_TEXT_BACKGROUND), anchor=edge)
         self._view, self._edge, self._gap = view, edge, gap
         self.html = ""
-        """What is shown."""
+        """Text that is shown."""
         self.setParentItem(view)
-        self.setZValue(_Z)
+        self.setZValue(_PINNED_Z)
         self.setVisible(False)
         view.sigResized.connect(self._place)
         self._place()

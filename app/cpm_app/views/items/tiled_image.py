@@ -1,4 +1,4 @@
-"""An image on the canvas that draws only its visible part, in about as many pixels as the screen has for it."""
+"""An image item that draws only its visible part, at about the resolution of the screen."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.views.items.item import OverImage
 from cpm_core.numerics.types import Pixels
 
-_BLOCK = 256
-"""Parts of a level begin and end at multiples of this, so that a small move of the view needs no other part [px]."""
+_TILE_BLOCK_SIZE = 256
+"""Grid on which parts of a level begin and end [px], so that small moves of the view reuse the same part."""
 
-_SMOOTH = 2.0
-"""Pixels of the screen for each of the image below which neighbors are blended: single pixels are not seen yet."""
+_SMOOTHING_LIMIT = 2.0
+"""Magnification below which neighboring pixels are blended; above it, single pixels become visible."""
 
 Part = tuple[int, int, int, int, int]
-"""A level, and first row, first column, end of rows and end of columns of a part of it."""
+"""Level, first row, first column, end of rows and end of columns of a part."""
 
 
 class TiledImage(OverImage):
-    """Draws a display image from the level whose pixels are the largest that the screen does not enlarge.
+    """Draws a display image from the coarsest level that still fills the resolution of the screen.
 
-    Gray shades can be given colors by a table, colored ones brightness and contrast by a curve. Nothing of the size of
-    the image is made here.
+    A table gives colors to gray shades, a curve brightness and contrast to colored ones. Nothing of the size of the
+    image is allocated here.
     """
 
     def __init__(self, z: float) -> None:
         super().__init__(z, 0.0)
         self.display: DisplayImage | None = None
-        """The image that is drawn."""
+        """Image that is drawn."""
         self._colors: list[int] | None = None
         self._curve: Pixels | None = None
         self._made: tuple[Part, QImage] | None = None
@@ -61,7 +61,7 @@ class TiledImage(OverImage):
         self._renew()
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, *_: Any) -> None:
-        """Draw the part that is seen; all that is exposed may be the whole image."""
+        """Draw the visible part; the exposed rectangle may be the whole image."""
         if self.display is None:
             return
         device = painter.device()
@@ -78,7 +78,7 @@ class TiledImage(OverImage):
         place = QRectF(left * size - 0.5, top * size - 0.5, (right - left) * size, (bottom - top) * size)
         painter.save()
         painter.setClipRect(self.boundingRect(), Qt.ClipOperation.IntersectClip)
-        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, zoom * size < _SMOOTH)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, zoom * size < _SMOOTHING_LIMIT)
         painter.drawImage(place, self._made[1])
         painter.restore()
 
@@ -87,7 +87,7 @@ class TiledImage(OverImage):
         self.update()
 
     def _picture(self, part: Part) -> QImage:
-        """The pixels of a part, as the screen has them."""
+        """Render the pixels of a part in the format of the screen."""
         assert self.display is not None
         level, top, left, bottom, right = part
         shades: Pixels = self.display.levels[level - self.display.finest][top:bottom, left:right]
@@ -106,7 +106,7 @@ class TiledImage(OverImage):
 
 
 def _view(shades: Pixels, kind: QImage.Format) -> QImage:
-    """Rows of an image, whose bytes stay where they are as long as it is used."""
+    """Wrap shades, shape (H, W) or (H, W, 3), in a QImage without a copy; keep them alive while it is used."""
     rows, cols = shades.shape[:2]
     last = (rows - 1) * shades.strides[0] + cols * shades.strides[1]
     flat = np.lib.stride_tricks.as_strided(shades, (last,), (1,), writeable=False)
@@ -114,15 +114,19 @@ def _view(shades: Pixels, kind: QImage.Format) -> QImage:
 
 
 def part_of(display: DisplayImage, seen: QRectF, zoom: float) -> Part:
-    """The part of a display image that is drawn for a visible rectangle [px of the image].
+    """Find the part of a display image to draw for a visible rectangle [px of the image].
 
-    `zoom` is the number of pixels of the screen for each of the image.
+    `zoom` is the number of pixels of the screen per pixel of the image.
     """
     coarsest = display.finest + len(display.levels) - 1
     level = min(max(math.floor(-math.log2(zoom) + 1e-6), display.finest), coarsest)
     size = 2.0**level
     rows, cols = display.levels[level - display.finest].shape[:2]
-    top, left = (max(int((first + 0.5) / size) // _BLOCK * _BLOCK, 0) for first in (seen.top(), seen.left()))
+    top, left = (
+        max(int((first + 0.5) / size) // _TILE_BLOCK_SIZE * _TILE_BLOCK_SIZE, 0) for first in (seen.top(), seen.left())
+    )
     ends = ((seen.bottom(), rows), (seen.right(), cols))
-    bottom, right = (min(-(-math.ceil((end + 0.5) / size) // _BLOCK) * _BLOCK, most) for end, most in ends)
+    bottom, right = (
+        min(-(-math.ceil((end + 0.5) / size) // _TILE_BLOCK_SIZE) * _TILE_BLOCK_SIZE, most) for end, most in ends
+    )
     return level, top, left, bottom, right

@@ -36,7 +36,7 @@ LAYERS: tuple[type[Layer], ...] = (
     ScaleBarLayer,
     OrientationLayer,
 )
-"""All layers in the order of panel and menu; each defines its own place in the stack."""
+"""All layers in the order of panel and menu; each sets its own place in the stack."""
 
 
 class Layers:
@@ -57,13 +57,13 @@ class Layers:
         return iter(self._layers.values())
 
     def draw(self, scene: Scene) -> None:
-        """Draw a scene; layers that show nothing in slices draw the image alone there."""
+        """Draw a scene; layers that show nothing in slices get only the image there."""
         bare = scene if scene.slices is None else Scene(scene.image, scene.display)
         for layer in self:
             layer.draw(scene if layer.in_slices else bare)
 
     def legend(self) -> list[LegendEntry]:
-        """What is shown: what has been found first, then the particles."""
+        """Collect the entries of all visible layers: contours and ground truth first, then the rest."""
         first = (self.contours, self["truth"])
         rest = [layer for layer in self if layer not in first]
         return [entry for layer in (*first, *rest) if layer.shown for entry in layer.legend_entries()]

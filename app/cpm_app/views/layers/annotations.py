@@ -1,4 +1,4 @@
-"""The layers of the scale bar, and of the letters at the edges that say how an image lies."""
+"""The layers of the scale bar and of the letters at the edges that give the orientation."""
 
 from __future__ import annotations
 
@@ -12,21 +12,26 @@ from cpm_core.image import Bar
 from cpm_core.numerics.types import Texts
 
 LONGEST = 160.0
-"""Largest length of the bar [px of the screen]; it is never shorter than 2/5 of it."""
+"""Maximum length of the bar [px of the screen]; the bar is at least 2/5 as long."""
 
-_LEAST, _BESIDE = 40.0, 70.0
-"""The same in a narrow view, and what is left in half its width for the letter in the middle [px of the screen]."""
+_MIN_SCALE_BAR_LENGTH = 40.0
+"""Lower limit of the maximum length in narrow views [px of the screen]."""
+
+_CENTER_LETTER_ROOM = 70.0
+"""Room for the letter in the middle, in half the width of a narrow view [px of the screen]."""
 
 _LETTER_GAP = 4.0
+"""Distance of the letters from the edge [px of the screen]."""
 
-_BAR = (
+_SCALE_BAR_HTML = (
     "<div align='center'>{label}</div><table align='center' cellspacing='0' cellpadding='0'><tr>"
     f"<td width='{{length}}' bgcolor='{INK}' style='font-size:2px'>&nbsp;</td></tr></table>"
 )
+"""Template of the scale bar: label above a bar of some length."""
 
 
 class ScaleBarLayer(Layer):
-    """A bar of round length in the unit of the image; for an image without a unit it is optional."""
+    """A bar of round length in the unit of the image; optional for images without a unit."""
 
     name = "scale_bar"
     title = tr("Scale bar")
@@ -36,20 +41,20 @@ class ScaleBarLayer(Layer):
     options = (Switch("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),)
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         self.item = Pinned(self.view, (0.0, 1.0))
         self.add(self.item)
         self.bar: Bar | None = None
-        """The bar shown."""
+        """Bar that is shown."""
         self.view.sigRangeChanged.connect(self._fit)
         self.view.sigResized.connect(self._fit)
 
     def show_or_hide(self) -> None:
-        """Show the bar where the size of a pixel is known, or on request."""
+        """Show the bar if the pixel size is known, or on request."""
         self._fit()
 
     def follow(self, before: Scene) -> None:
-        """Measure another image."""
+        """Fit the bar to another image."""
         if self.scene.image is not before.image:
             self._fit()
 
@@ -60,9 +65,11 @@ class ScaleBarLayer(Layer):
         if shown and image is not None:
             pixel = float(self.view.viewPixelSize()[0])
             size = shown_in(image.spacing, image.unit)
-            longest = min(LONGEST, max(0.5 * self.view.boundingRect().width() - _BESIDE, _LEAST))
+            longest = min(
+                LONGEST, max(0.5 * self.view.boundingRect().width() - _CENTER_LETTER_ROOM, _MIN_SCALE_BAR_LENGTH)
+            )
             self.bar = bar(longest * pixel, size.spacing[1], size.unit)
-            self.item.show_html(_BAR.format(label=self.bar.label, length=round(self.bar.pixels / pixel)))
+            self.item.show_html(_SCALE_BAR_HTML.format(label=self.bar.label, length=round(self.bar.pixels / pixel)))
 
 
 class OrientationLayer(Layer):
@@ -77,19 +84,19 @@ class OrientationLayer(Layer):
     """Top, bottom, left and right, as fractions of width and height."""
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         self.letters: Texts = ("",) * 4
-        """What is shown at the top, the bottom, the left and the right."""
+        """Letters at the top, the bottom, the left and the right."""
         self._letters = [Pinned(self.view, edge, _LETTER_GAP) for edge in self._EDGES]
         self.add(*self._letters)
         self._draw()
 
     def show_or_hide(self) -> None:
-        """Show the letters that there are."""
+        """Show the letters of the known directions."""
         self._draw()
 
     def follow(self, before: Scene) -> None:
-        """Show how another image, or another slice, lies."""
+        """Show the orientation of another image or slice."""
         if self.scene.ground != before.ground:
             self._draw()
 

@@ -17,13 +17,13 @@ from cpm_core import Truth
 from cpm_core.contours import middle
 from cpm_core.numerics import Array
 
-_SHORT = 0.06
+_SHORT_FRACTION = 0.06
 """Length of a short open contour, as a fraction of the diagonal of the image."""
 
 _SHORT_OPACITY = 0.6
-"""Opacity of short open contours: noise and texture recede behind outlines."""
+"""Opacity of short open contours, so that noise and texture recede behind outlines."""
 
-_KINDS: tuple[tuple[str, str, str, Sign], ...] = (
+_CONTOUR_KINDS: tuple[tuple[str, str, str, Sign], ...] = (
     (tr("found"), tr("Lines that particles have found, closed and open ones; short open ones are pale."),
      theme.CONTOUR, "line"),
     (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.CONTOUR, "dashed"),
@@ -54,7 +54,7 @@ class ContourLayer(Layer):
     )
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         self._hovered = Curves(theme.HOVERED, 3.7, width=7.0, halo=0.0)
         self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
         self.rejected = Curves(theme.REJECTED, 3.9, width=1.2, halo=0.0, dashed=True)
@@ -73,16 +73,16 @@ class ContourLayer(Layer):
 
     @property
     def counts(self) -> tuple[int, int]:
-        """Numbers of closed and of open contours that are not rejected."""
+        """Numbers of closed and open contours that are not rejected."""
         closed = [item.contour.closed for item in self._counting]
         return sum(closed), len(closed) - sum(closed)
 
     def legend_entries(self) -> Sequence[LegendEntry]:
-        """Kinds of contours."""
+        """Return an entry for each kind of contour."""
         kept = sum(item.reviewed.verdict == "kept" for item in self.scene.contours.items)
         rejected = self.rejected.count if self.chosen["rejected"] else 0
         counts = (sum(self.counts), self.bridges.count, self.by_hand.count, kept, rejected)
-        return [LegendEntry(count, *kind) for count, kind in zip(counts, _KINDS, strict=True)]
+        return [LegendEntry(count, *kind) for count, kind in zip(counts, _CONTOUR_KINDS, strict=True)]
 
     def fade(self) -> None:
         """Set the opacity; short open contours are paler."""
@@ -116,18 +116,18 @@ class ContourLayer(Layer):
         self.junctions.show({(float(row), float(col)) for row, col in ends})
 
     def _curves_of(self, item: Item) -> Curves:
-        """Where a contour is drawn: with a color or edited by hand, open, short and without a name, or else."""
+        """Return the item that draws a contour: for colored or hand-edited, short open unnamed, or other contours."""
         contour, image = item.contour, self.scene.image
         if contour.color or contour.by_hand:
             return self._other
         wanted = contour.closed or contour.name or item.reviewed.verdict == "kept"
-        if wanted or image is None or contour.length >= _SHORT * math.hypot(*image.shape):
+        if wanted or image is None or contour.length >= _SHORT_FRACTION * math.hypot(*image.shape):
             return self._curves
         return self.short
 
     @property
     def _counting(self) -> list[Item]:
-        """The contours that are not rejected."""
+        """Contours that are not rejected."""
         return [item for item in self.scene.contours.items if not item.reviewed.rejected]
 
 
@@ -145,7 +145,7 @@ class TruthLayer(Layer):
     colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         self._boundary = Curves(theme.TRUTH, 3.95, width=1.6, halo=0.0)
         self._missing = Curves(theme.MISSING, 4.3, width=3.4, halo=5.0, dashed=True)
         self._wrong = Curves(theme.WRONG, 4.4, width=5.0, halo=7.0)
@@ -153,11 +153,11 @@ class TruthLayer(Layer):
 
     @property
     def counts(self) -> tuple[int, int, int]:
-        """Numbers of boundaries, missing and wrong pieces shown."""
+        """Numbers of boundaries, missing pieces and wrong pieces shown."""
         return self._boundary.count, self._missing.count, self._wrong.count
 
     def legend_entries(self) -> Sequence[LegendEntry]:
-        """Boundaries and differences."""
+        """Return the entries of boundaries and differences."""
         true, missing, wrong = self.counts
         return (
             LegendEntry(true, tr("true"), tr("Boundaries of the ground truth."), theme.TRUTH),
@@ -166,7 +166,7 @@ class TruthLayer(Layer):
         )
 
     def follow(self, before: Scene) -> None:
-        """Show another truth, or other differences."""
+        """Show another ground truth, or other differences."""
         truth = self.scene.truth
         if truth is not before.truth:
             self._boundary.show([contour.path for contour in truth.contours] if isinstance(truth, Truth) else [])

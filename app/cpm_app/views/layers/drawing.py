@@ -40,25 +40,47 @@ from cpm_core.shapes import (
     Threshold,
 )
 
-_DIM_Z, _LINE_Z, _Z, _CHARGE_Z, _DRAFT_Z = 2.5, 6.5, 7.0, 7.6, 8.0
-"""Places in the stack: the veil lies below particles and contours, the lines above them."""
+_VEIL_Z = 2.5
+"""Place of the veil in the stack, below particles and contours."""
 
-_FAINT, _LIGHT = 0.45, 0.55
-"""Opacity of the drawing behind a run, and of particles that are computed from the image."""
+_LIMIT_Z = 6.5
+"""Place of regions and barriers in the stack, above particles and contours."""
 
-_DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0
-"""Diameter of a disc of strength 0, increase per unit of strength, and diameter of a sign [px of the screen]."""
+_START_Z = 7.0
+"""Place of starts in the stack."""
 
-_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
-"""Diameters of computed particles [px of the screen], smaller for kinds with many; None stands for areas."""
+_CHARGE_Z = 7.6
+"""Place of placed charges in the stack."""
+
+_DRAFT_Z = 8.0
+"""Place of drafts in the stack."""
+
+_BEHIND_RUN_OPACITY = 0.45
+"""Opacity of starts behind a run."""
+
+_COMPUTED_OPACITY = 0.55
+"""Opacity of particles computed from the image."""
+
+_CHARGE_DIAMETER = 18.0
+"""Diameter of the disc of a charge of strength 0 [px of the screen]."""
+
+_DIAMETER_PER_STRENGTH = 2.0
+"""Increase of the diameter per unit of strength [px of the screen]."""
+
+_CHARGE_SIGN_SIZE = 11.0
+"""Size of the sign of a charge [px of the screen]."""
+
+_SEED_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
+"""Diameters of computed particles [px of the screen], smaller for kinds with many; None means areas."""
 
 _Line = Circle | Ellipse | Polygon | Stroke | StartSection
 """Starts that are shown as lines with their particles."""
 
 _AnyCharge = Charge | ChargeSection
 
-# pyqtgraph keeps a picture of a symbol for every brush and pen: the same ones for the same colors
-_brush, _pen = lru_cache(pg.mkBrush), lru_cache(pg.mkPen)
+# pyqtgraph caches the picture of a symbol by its brush and pen objects, so equal colors must share them
+_cached_brush = lru_cache(pg.mkBrush)
+_cached_pen = lru_cache(pg.mkPen)
 
 
 class Dim(OverImage):
@@ -67,12 +89,12 @@ class Dim(OverImage):
     count = 0
 
     def __init__(self) -> None:
-        super().__init__(_DIM_Z, 0.0)
+        super().__init__(_VEIL_Z, 0.0)
         self._veil = QPainterPath()
         cached(self)
 
     def show(self, regions: list[Region]) -> None:
-        """Dim everything outside the regions; without regions, nothing."""
+        """Dim everything outside the regions; without regions, dim nothing."""
         if not regions and not self.count:
             return
         self._veil = QPainterPath()
@@ -80,7 +102,7 @@ class Dim(OverImage):
             self._veil.addRect(self._room)
             for outline in _outlines(regions):
                 inside = pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(outline)))
-                # A path that crosses itself has no holes: with this rule, all that it winds around is inside.
+                # A self-crossing path has no holes: by this rule, everything that it winds around is inside.
                 inside.setFillRule(Qt.FillRule.WindingFill)
                 self._veil = self._veil.subtracted(inside)
         self.renew(len(regions))
@@ -114,7 +136,7 @@ class Draft:
         self._corners.show(corners)
 
     def show_ring(self, rim: Array, color: str) -> None:
-        """Show the ring of a tool, shape (K, 2); an empty one hides it."""
+        """Show the ring of a tool, shape (K, 2); an empty array hides it."""
         _draw(self._ring, rim, color, 1.6, 3.4)
 
 
@@ -130,7 +152,7 @@ class DrawingLayer(Layer):
     """Shapes of the document; starts are opaque before a run and faint behind one.
 
     Limits and placed charges stay visible during a run, because they always act. The disc of a charge grows with its
-    strength; a thin ring shows where the force is largest, a dashed one, around the selected charge, where it vanishes.
+    strength; a thin ring shows where its force is largest, a dashed ring around the selected charge where it vanishes.
     """
 
     name = "drawing"
@@ -139,30 +161,32 @@ class DrawingLayer(Layer):
     shortcut = "Alt+6"
     in_slices = True
     draft_shown = Signal(object, object, str, bool)
-    """Another draft is shown: what `show_draft` takes."""
+    """Another draft is shown: the arguments of `show_draft`."""
     ring_shown = Signal(object, float, str, object)
-    """Another ring is shown: what `show_ring` takes."""
+    """Another ring is shown: the arguments of `show_ring`."""
     colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
     def make(self) -> None:
-        """Make its items."""
-        self._lines = _shapes(theme.DRAWING, _Z, 1.4)
-        self._chosen = _shapes(theme.CHOSEN, _Z + 0.1, 2.2)
-        self._areas = _shapes(theme.DRAWING, _Z, 1.2, dashed=True)
-        self.computed = {kind: Discs(theme.MOVING, diameter, _Z + 0.2) for kind, diameter in _DIAMETERS.items()}
-        self._seeds = Discs(theme.MOVING, 6.0, _Z + 0.6)
-        self._chosen_points = Discs(theme.CHOSEN, 9.0, _Z + 0.7)
+        """Create the items of the layer."""
+        self._lines = _shapes(theme.DRAWING, _START_Z, 1.4)
+        self._chosen = _shapes(theme.CHOSEN, _START_Z + 0.1, 2.2)
+        self._areas = _shapes(theme.DRAWING, _START_Z, 1.2, dashed=True)
+        self.computed = {
+            kind: Discs(theme.MOVING, diameter, _START_Z + 0.2) for kind, diameter in _SEED_DIAMETERS.items()
+        }
+        self._seeds = Discs(theme.MOVING, 6.0, _START_Z + 0.6)
+        self._chosen_points = Discs(theme.CHOSEN, 9.0, _START_Z + 0.7)
         self._handles = Markers(
-            _Z + 0.8, size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
+            _START_Z + 0.8, size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
         )
         self._starts = (self._lines, self._areas, self._seeds, self._chosen_points)
         self._dim = Dim()
-        self._regions = _shapes(theme.REGION, _LINE_Z, 1.8)
-        self._barriers = _shapes(theme.BARRIER, _LINE_Z + 0.1, 3.6, halo=5.6)
+        self._regions = _shapes(theme.REGION, _LIMIT_Z, 1.8)
+        self._barriers = _shapes(theme.BARRIER, _LIMIT_Z + 0.1, 3.6, halo=5.6)
         self._rings = _shapes(theme.ATTRACTING, _CHARGE_Z - 0.2, 1.8)
         self._reach = _shapes(theme.CHOSEN, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
-        self._charges = Markers(_CHARGE_Z, size=_DISC)
-        self._signs = Markers(_CHARGE_Z + 0.1, size=_SIGN, pen=None, brush=pg.mkBrush("w"))
+        self._charges = Markers(_CHARGE_Z, size=_CHARGE_DIAMETER)
+        self._signs = Markers(_CHARGE_Z + 0.1, size=_CHARGE_SIGN_SIZE, pen=None, brush=pg.mkBrush("w"))
         self.add(self._lines, self._areas, self._chosen, *self.computed.values(), self._seeds, self._chosen_points)
         self.add(self._handles, self._dim, self._regions, self._barriers, self._rings, self._reach)
         self.add(self._charges, self._signs)
@@ -170,23 +194,23 @@ class DrawingLayer(Layer):
 
     @property
     def selected(self) -> Section | None:
-        """The shape that is selected, as it is shown."""
+        """Selected shape, in a volume its section."""
         shapes, index = self._shapes, self.scene.selected
         return shapes[index] if index is not None and index < len(shapes) else None
 
     @property
     def _shapes(self) -> tuple[Section, ...]:
-        """The shapes: of a volume, their sections."""
+        """Shapes that are shown, in a volume their sections."""
         return self.scene.document.shapes
 
     def use_shape(self, shape: Extent) -> None:
-        """Cover an image of this shape; shapes may lie next to it."""
+        """Fit the items to an image of this shape, with a rim for shapes beyond its border."""
         for item, _ in self._items:
             if isinstance(item, OverImage):
                 item.use_shape(shape, 0.0 if item is self._dim else float(max(shape)) + REACH)
 
     def follow(self, before: Scene) -> None:
-        """Show other shapes, another selection, or the shapes behind a run."""
+        """Show other shapes, another selection, or fainter starts behind a run."""
         scene = self.scene
         others = scene.document.shapes is not before.document.shapes
         if others or (scene.selected, scene.has_particles) != (before.selected, before.has_particles):
@@ -203,7 +227,19 @@ class DrawingLayer(Layer):
         color: str = theme.DRAWING,
         closed: bool = False,
     ) -> None:
-        """Show the draft of a path; without arguments, none."""
+        """Show the draft of a path; without arguments, hide it.
+
+        Parameters
+        ----------
+        corners : sequence of tuple of float
+            Corners that are marked: (row, col) in an image or slice, (plane, row, col) in a volume [px].
+        path : sequence of tuple of float or ndarray, shape (K, 2) or (K, 3)
+            Vertices of the path, in the same coordinates.
+        color : str
+            Color of the path.
+        closed : bool
+            Whether to draw the closing segment.
+        """
         self._draft.show(self._flat(corners), self._flat(path), color, closed)
         self.draft_shown.emit(corners, path, color, closed)
 
@@ -214,23 +250,24 @@ class DrawingLayer(Layer):
         color: str = theme.DRAWING,
         axis: int | None = None,
     ) -> None:
-        """Show the ring of a tool, in a volume that of a ball in sides of the smallest voxel; None hides it.
+        """Show the ring of a tool, or hide it if `center` is None.
 
-        With an axis only slices across it show the ring.
+        In a volume it is the section of a ball with a radius in smallest sides of a voxel; with `axis`, only slices
+        across that axis show it.
         """
         here = None if self.scene.slices is None else self.scene.slices.axis
         self._draft.show_ring(self._ring(center if axis in (None, here) else None, radius), color)
         self.ring_shown.emit(center, radius, color, axis)
 
     def _flat(self, places: Sequence[Place] | Array) -> Array:
-        """Places as (row, col) in the slice that is shown, shape (K, 2)."""
+        """Return places as (row, col) in the slice that is shown, shape (K, 2)."""
         if not len(places):
             return NO_POSITIONS
         slices, flat = self.scene.slices, np.array(places, dtype=float)
         return flat if slices is None or flat.shape[1] == 2 else slices.current.flattened(flat)
 
     def _ring(self, center: Place | None, radius: float) -> Array:
-        """The line of a ring, shape (K, 2)."""
+        """Return the outline of a ring, shape (K, 2), empty if there is none."""
         if center is None:
             return NO_POSITIONS
         slices, volume = self.scene.slices, self.scene.volume
@@ -240,13 +277,13 @@ class DrawingLayer(Layer):
         return NO_POSITIONS if line is None else line.outline
 
     def _show_starts(self) -> None:
-        """Show lines, areas and handles; during a run, the particles that it started from would only hide its own."""
+        """Show lines, areas and handles; hide the seeds during a run, because they would cover its particles."""
         chosen, shapes = self.selected, self._shapes
         rest = [shape for shape in shapes if shape is not chosen]
         self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
         self._areas.show([shape.outline for shape in rest if _is_area(shape)])
         self._chosen.show(_outlines([chosen] if isinstance(chosen, _Line | Grid | Threshold | Limit) else []))
-        # A selected circle shows its handles; a selected stroke is recognized only by its particles.
+        # A selected circle shows handles; a selected stroke can be recognized only by its particles.
         pointed = [chosen] if isinstance(chosen, Points | Stroke) else []
         self._chosen_points.show(_particles(pointed))
         seen = () if self.scene.has_particles else rest if pointed else shapes
@@ -255,14 +292,14 @@ class DrawingLayer(Layer):
         self._show_computed()
 
     def _show_computed(self) -> None:
-        """Show the particles that are computed from the image."""
+        """Show the seeds computed from the image."""
         seeds = {} if self.scene.has_particles else self.scene.image_seeds
         starts = [start for start in self.scene.document.image_starts if start in seeds]
         for kind, discs in self.computed.items():
             discs.show(_joined([seeds[start] for start in starts if getattr(start, "kind", None) == kind]))
 
     def _show_limits_and_charges(self) -> None:
-        """Show what acts."""
+        """Show regions, barriers and placed charges."""
         chosen, shapes = self.selected, self._shapes
         regions = [shape for shape in shapes if isinstance(shape, Region)]
         self._dim.show(regions)
@@ -273,11 +310,14 @@ class DrawingLayer(Layer):
         self._reach.show([_ring(chosen, REACH)] if isinstance(chosen, _AnyCharge) else [])
         charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
         places = [charge.position for charge in charges]
-        rims = [_pen(theme.CHOSEN, width=2.6) if each is chosen else _pen(theme.HALO, width=1.4) for each in charges]
+        rims = [
+            _cached_pen(theme.CHOSEN, width=2.6) if each is chosen else _cached_pen(theme.HALO, width=1.4)
+            for each in charges
+        ]
         self._charges.show(
             places,
-            size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
-            brush=[_brush(_color(charge)) for charge in charges],
+            size=[_CHARGE_DIAMETER + _DIAMETER_PER_STRENGTH * abs(charge.strength) for charge in charges],
+            brush=[_cached_brush(_color(charge)) for charge in charges],
             pen=rims,
         )
         self._signs.show(places, symbol=["+" if charge.strength > 0.0 else "_" for charge in charges])
@@ -288,24 +328,24 @@ class DrawingLayer(Layer):
         chosen = self.selected
         if self.scene.has_particles and not isinstance(chosen, Start | StartSection):
             for item in self._starts:
-                item.setOpacity(self.opacity * _FAINT)
+                item.setOpacity(self.opacity * _BEHIND_RUN_OPACITY)
         for kind, discs in self.computed.items():
             strong = isinstance(chosen, Threshold) if kind is None else chosen == Everywhere(kind)
-            discs.setOpacity(self.opacity * (1.0 if strong else _LIGHT))
+            discs.setOpacity(self.opacity * (1.0 if strong else _COMPUTED_OPACITY))
 
 
 def _shapes(color: str, z: float, width: float, halo: float = 3.6, dashed: bool = False) -> Curves:
-    """Lines of the widths that are preferred for shapes."""
+    """Create curves with the line width preferred for shapes."""
     return Curves(color, z, width, halo, dashed, "shapes")
 
 
 def _is_area(shape: Section) -> bool:
-    """Whether a start is shown as an area with its particles."""
+    """Tell whether a start is shown as an area with its particles."""
     return isinstance(shape.line if isinstance(shape, StartSection) else shape, Grid | Threshold)
 
 
 def _outlines(shapes: Sequence[_Line | Grid | Threshold | Limit]) -> list[Array]:
-    """The lines of shapes; a region that lies in other slices of a volume has none."""
+    """Return the outlines of shapes, each of shape (K, 2); a region in other slices of a volume has none."""
     return [np.array(shape.outline) for shape in shapes if len(shape.outline)]
 
 

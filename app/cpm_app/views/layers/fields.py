@@ -19,11 +19,11 @@ from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels
 
-_STRONGEST = 235
+_MAX_EDGE_OPACITY = 235
 """Opacity of the strongest edges, out of 255."""
 
-_VEIL = 0.75
-"""Opacity of the potential over the image where the layer itself is fully opaque."""
+_POTENTIAL_OPACITY = 0.75
+"""Opacity of the potential over the image when the layer is fully opaque."""
 
 
 def _maps(names: Sequence[str], tip: str) -> Choice:
@@ -31,7 +31,7 @@ def _maps(names: Sequence[str], tip: str) -> Choice:
 
 
 class ScalarOverlay(Layer):
-    """An overlay of the worker, shape (H, W), in the colors of a map; it is requested only while shown."""
+    """A scalar overlay, shape (H, W), in the colors of a map; the worker computes it only while it is shown."""
 
     initially = False
     in_slices = True
@@ -39,7 +39,7 @@ class ScalarOverlay(Layer):
     """Place in the stack of layers."""
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         self._item = TiledImage(self.z)
         self._item.setVisible(False)
         cached(self._item)
@@ -63,18 +63,18 @@ class ScalarOverlay(Layer):
 
     def _show(self) -> None:
         shades = self.scene.overlays.get(self.name) if self.shown else None
-        # hidden, not cleared: the cached image of an item would stay on screen when its extent vanishes
+        # hidden, not cleared: the cached picture of an item stays on screen when its extent vanishes
         self._item.setVisible(isinstance(shades, DisplayImage))
         if isinstance(shades, DisplayImage):
             self._item.show_image(shades)
 
     def follow_choice(self, name: str) -> None:
-        """Change the colors, which take long to read, once they are seen."""
+        """Change the colors; load them only while they are visible, because reading them is slow."""
         if self.shown:
             self._item.use_table(self.table())
 
     def table(self) -> np.ndarray:
-        """Colors of the 256 shades."""
+        """Return the colors of the 256 shades, shape (256, 3) or (256, 4), uint8."""
         return color_maps.table(self.word("map"))
 
 
@@ -95,8 +95,8 @@ class EdgeMapLayer(ScalarOverlay):
     z = 1.0
 
     def table(self) -> np.ndarray:
-        """Colors whose opacity grows with the strength of the edge."""
-        return np.column_stack([super().table(), np.linspace(0, _STRONGEST, 256).astype(np.uint8)])
+        """Return colors, shape (256, 4), whose opacity grows with the strength of the edge."""
+        return np.column_stack([super().table(), np.linspace(0, _MAX_EDGE_OPACITY, 256).astype(np.uint8)])
 
 
 class PotentialLayer(ScalarOverlay):
@@ -116,12 +116,12 @@ class PotentialLayer(ScalarOverlay):
     z = 0.9
 
     def fade(self) -> None:
-        """Set the opacity; the image always remains visible below the colors."""
-        self._item.setOpacity(_VEIL * self.opacity)
+        """Set the opacity so that the image remains visible below the colors."""
+        self._item.setOpacity(_POTENTIAL_OPACITY * self.opacity)
 
 
 ARROW_SPACING = 22.0
-"""Least distance between two arrows of the field [px of the screen]."""
+"""Minimum distance between two arrows of the field [px of the screen]."""
 
 
 class FieldLayer(Layer):
@@ -136,7 +136,7 @@ class FieldLayer(Layer):
     colors = (theme.FIELD,)
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD, 1.0), antialias=True, connect="pairs")
         self._item.setZValue(2)
         cached(self._item)
@@ -168,7 +168,7 @@ class FieldLayer(Layer):
 
 
 def arrows(field: Array, seen: QRectF, pixel: float) -> tuple[Array, Array]:
-    """Starts and ends of arrows, evenly spaced within the visible part.
+    """Find the starts and ends of arrows, evenly spaced within the visible part.
 
     Parameters
     ----------
@@ -196,7 +196,18 @@ def arrows(field: Array, seen: QRectF, pixel: float) -> tuple[Array, Array]:
 
 
 def arrow_lines(starts: Array, ends: Array) -> Array:
-    """Pairs of points, shape (6 N, 2), that draw a shaft and two barbs for each arrow."""
+    """Build pairs of points that draw a shaft and two barbs for each arrow.
+
+    Parameters
+    ----------
+    starts, ends : ndarray, shape (N, 2)
+        (row, col) [px].
+
+    Returns
+    -------
+    ndarray, shape (6 N, 2)
+        Ends of three segments for each arrow.
+    """
     vectors = ends - starts
     across = np.stack([vectors[:, 1], -vectors[:, 0]], axis=1)
     left = ends - 0.30 * vectors + 0.18 * across

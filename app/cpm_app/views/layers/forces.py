@@ -26,19 +26,20 @@ KINDS = {
 }
 """Names and colors of the forces, in the order of the legend."""
 
-_ALWAYS = ("coulomb", "lorentz", "damping", "total")
-"""Forces that are listed even where they are zero."""
+_ALWAYS_LISTED = ("coulomb", "lorentz", "damping", "total")
+"""Forces that are listed even when they are zero."""
 
-_REACH = 24.0
-"""Largest distance of the particle from the pointer [px of the screen]."""
+_PROBE_RADIUS = 24.0
+"""Largest distance of the probed particle from the pointer [px of the screen]."""
 
-_NOTHING = 5e-4
+_MIN_SHOWN_FORCE = 5e-4
 """Force below which none is shown."""
 
-_WEAK = 0.2
-"""Force from which the longest arrow has its full length; where all forces are weaker, all arrows are shorter."""
+_FULL_ARROW_FORCE = 0.2
+"""Force from which the longest arrow has its full length; if all forces are weaker, all arrows are shorter."""
 
-_Z = 19.0
+_FORCE_Z = 19.0
+"""Place in the stack, below the legends."""
 
 
 class ForceLayer(Layer):
@@ -57,8 +58,8 @@ class ForceLayer(Layer):
     options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
 
     def make(self) -> None:
-        """Make its items."""
-        self._ring = Markers(_Z, size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
+        """Create the items of the layer."""
+        self._ring = Markers(_FORCE_Z, size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
         halo = line_pen(theme.HALO, 4.6)
         self._arrows = {
             name: pg.PlotCurveItem(pen=line_pen(color, 2.2), shadowPen=halo, antialias=True, connect="pairs")
@@ -66,10 +67,10 @@ class ForceLayer(Layer):
         }
         self.legend = Pinned(self.view, (1.0, 0.0))
         for item in self._arrows.values():
-            item.setZValue(_Z)
+            item.setZValue(_FORCE_Z)
         self.add(self._ring, *self._arrows.values(), self.legend)
         self.probed: Probed | None = None
-        """The forces shown."""
+        """Forces that are shown."""
         self.lines: list[tuple[str, str, str]] = []
         """Name, color and magnitude of each force in the legend."""
         self._pointer: Position | None = None
@@ -77,7 +78,7 @@ class ForceLayer(Layer):
         self.view.sigRangeChanged.connect(self._draw)
 
     def point_at(self, place: Position | None) -> None:
-        """Set the position (row, col) of the pointer, None when it has left."""
+        """Set the position (row, col) of the pointer, or None when it has left."""
         self._pointer = place
         self._ask()
 
@@ -91,7 +92,7 @@ class ForceLayer(Layer):
         self._draw()
 
     def follow(self, before: Scene) -> None:
-        """Show the forces that were requested; request them again when the particles have moved."""
+        """Show requested forces; request them again when the particles have moved."""
         snapshot, probed = self.scene.snapshot, self.scene.probed
         if snapshot is not before.snapshot:
             if snapshot is None:
@@ -108,7 +109,7 @@ class ForceLayer(Layer):
             return
         seen = self.view.viewRect().center()
         place = (seen.y(), seen.x()) if self._pointer is None else self._pointer
-        reach = math.inf if self._pointer is None else _REACH * float(self.view.viewPixelSize()[0])
+        reach = math.inf if self._pointer is None else _PROBE_RADIUS * float(self.view.viewPixelSize()[0])
         here = None if self.scene.slices is None else self.scene.slices.current
         self.requests.post(probe(snapshot.generation, place if here is None else here.lifted(place), reach))
 
@@ -116,7 +117,7 @@ class ForceLayer(Layer):
         self.probed = probed
         if probed is not None:
             sizes = probed.sizes
-            listed = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
+            listed = [name for name in KINDS if name in _ALWAYS_LISTED or sizes[name] >= _MIN_SHOWN_FORCE]
             self.lines = [(*KINDS[name], written(f"{sizes[name]:.3f}")) for name in listed]
             title = tr("Particle {number}", number=written(f"{probed.identity:,}"))
             rows = (
@@ -132,9 +133,9 @@ class ForceLayer(Layer):
             item.setVisible(probed is not None)
         if probed is None:
             return
-        longest = max(_WEAK, *(probed.sizes[name] for name in KINDS))
+        longest = max(_FULL_ARROW_FORCE, *(probed.sizes[name] for name in KINDS))
         at, pixel = np.array([probed.position]), np.array(self.view.viewPixelSize()[::-1])
         for name, item in self._arrows.items():
-            way = probed.forces[name] * (probed.sizes[name] >= _NOTHING)
+            way = probed.forces[name] * (probed.sizes[name] >= _MIN_SHOWN_FORCE)
             item.setData(*to_xy(arrow_lines(at, at + self.number("length") / longest * way * pixel)))
         self._ring.show(at)

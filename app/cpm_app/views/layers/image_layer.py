@@ -25,10 +25,17 @@ from cpm_app.views.layers.layer import Amount, Choice, Layer
 from cpm_app.views.theme import color_maps
 from cpm_core.numerics.types import Pixels
 
-WHOLE, AUTOMATIC, _HAND = "0", "0.1", "hand"
-"""Ranges of gray values: all, all but the most extreme, and one chosen by hand."""
+WHOLE = "0"
+"""Range of all gray values."""
+
+AUTOMATIC = "0.1"
+"""Range without the most extreme gray values [% at either end]."""
+
+_MANUAL_RANGE = "hand"
+"""Range set by hand."""
 
 WidthAndLevel = tuple[float, float]
+"""Width and middle of a window of gray values."""
 
 CT_WINDOWS: Mapping[str, WidthAndLevel] = MappingProxyType(
     {
@@ -42,14 +49,18 @@ CT_WINDOWS: Mapping[str, WidthAndLevel] = MappingProxyType(
 )
 """Width and level of the usual windows of CT, in Hounsfield units: radiopaedia.org, "Windowing (CT)"."""
 
-_IN_COLOR, _CHANNEL = "colors", "channel"
+_SHOW_COLORS = "colors"
+"""Value of the option that shows an image in color."""
+
+_SHOW_CHANNEL = "channel"
+"""Value of the option that shows the channel of the run."""
 
 _AT_ONCE = 1 << 22
-"""Largest number of pixels for which shades are made at once, within two frames; otherwise the worker makes them."""
+"""Largest number of pixels shaded immediately, which takes two frames; the worker shades larger images."""
 
 
 class ImageLayer(Layer):
-    """The image in a window of gray values, given by percentiles or chosen by hand."""
+    """The image in a window of gray values, set by percentiles or by hand."""
 
     name = "image"
     title = tr("Image")
@@ -60,8 +71,8 @@ class ImageLayer(Layer):
         Choice(
             "shown",
             tr("Shown"),
-            {_IN_COLOR: tr("In color"), _CHANNEL: tr("Channel of the run")},
-            _IN_COLOR,
+            {_SHOW_COLORS: tr("In color"), _SHOW_CHANNEL: tr("Channel of the run")},
+            _SHOW_COLORS,
             tr("A color image in its colors, or the channel in which a run finds edges."),
         ),
         Choice("map", tr("Colors"), color_maps.MAPS, color_maps.GRAY, tr("Colors from dark to bright.")),
@@ -73,7 +84,7 @@ class ImageLayer(Layer):
                 AUTOMATIC: tr("All except 0.1 % at either end"),
                 "1": tr("All except 1 % at either end"),
                 "5": tr("All except 5 % at either end"),
-                _HAND: tr("By hand"),
+                _MANUAL_RANGE: tr("By hand"),
             },
             WHOLE,
             tr("Range of gray values; values below are black, values above are white."),
@@ -90,14 +101,14 @@ class ImageLayer(Layer):
     )
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         self._item = TiledImage(0.0)
         cached(self._item)
         self.add(self._item)
         self.ends = self.window = (0.0, 1.0)
-        """Least and largest gray value of the image; gray values shown black and white."""
+        """Smallest and largest gray value of the image; gray values shown as black and white."""
         self.reach = self.ends
-        """Within which a window may be chosen: the ends, of CT also the usual windows."""
+        """Bounds of a window set by hand: the gray range, of CT extended by the usual windows."""
 
     @property
     def shades(self) -> Pixels | None:
@@ -106,13 +117,13 @@ class ImageLayer(Layer):
 
     @property
     def shown_window(self) -> IntensityWindow:
-        """The window with gamma, as it is shown."""
+        """Window with gamma, as shown."""
         return IntensityWindow(*self.window, self.number("gamma"))
 
     def choose_window(self, low: float, high: float) -> None:
         """Show gray values from `low`, black, to `high`, white."""
         if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self.window:
-            self.chosen["range"] = _HAND
+            self.chosen["range"] = _MANUAL_RANGE
             self._use_window(low, high)
 
     def follow_choice(self, name: str) -> None:
@@ -126,20 +137,20 @@ class ImageLayer(Layer):
             self._shade()
 
     def acts(self, name: str) -> bool:
-        """Whether an option has an effect: gray images have no channels, and colors no color map."""
+        """Tell whether an option has an effect: gray images have no channels, color images no color map."""
         colored = self.scene.image is not None and self.scene.image.colors is not None
-        return {"shown": colored, "map": not colored or self.word("shown") == _CHANNEL}.get(name, True)
+        return {"shown": colored, "map": not colored or self.word("shown") == _SHOW_CHANNEL}.get(name, True)
 
     def view_state(self) -> dict[str, object]:
-        """Its state, with the window where it is chosen by hand."""
+        """Return the state, with the window if it was set by hand."""
         state = super().view_state()
-        return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == _HAND else state
+        return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == _MANUAL_RANGE else state
 
     def use_view_state(self, state: dict[str, object]) -> None:
         """Restore the state and the window."""
         super().use_view_state(state)
         low, high = state.get("low"), state.get("high")
-        if self.word("range") == _HAND and isinstance(low, int | float) and isinstance(high, int | float):
+        if self.word("range") == _MANUAL_RANGE and isinstance(low, int | float) and isinstance(high, int | float):
             self.choose_window(float(low), float(high))
 
     def follow(self, before: Scene) -> None:
@@ -154,21 +165,21 @@ class ImageLayer(Layer):
             if whole.is_ct:
                 low, high = zip(self.ends, *map(window_at, CT_WINDOWS.values()), strict=True)
                 self.reach = min(low), max(high)
-            if self.word("range") == _HAND:
-                # a window chosen for another image does not apply to this one
+            if self.word("range") == _MANUAL_RANGE:
+                # a window set by hand for another image does not apply to this one
                 self.chosen["range"] = WHOLE
             self._find_window()
         elif (image, scene.display, channel) != (before.image, before.display, last):
-            self._shade()  # another slice of the same volume, pixels of another size, or a preview is completed
-        # of two pending requests, the older one may not win
+            self._shade()  # another slice of the volume, another pixel size, or a completed preview
+        # of two pending requests, only the newer one may be shown
         wanted = image, self.shown_window, self._channel
         if shaded not in (None, before.shaded) and (shaded.image, shaded.window, shaded.channel) == wanted:
             self._item.show_image(shaded.display)
 
     def _find_window(self) -> None:
-        """Use the chosen window."""
+        """Set the window from the selected range."""
         way, image = self.word("range"), self.scene.whole
-        if image is not None and way != _HAND:
+        if image is not None and way != _MANUAL_RANGE:
             self._use_window(*(self.ends if way == WHOLE else percentile_window(image.values, float(way))))
 
     def _use_window(self, low: float, high: float) -> None:
@@ -193,49 +204,50 @@ class ImageLayer(Layer):
 
     @property
     def _channel(self) -> str | None:
-        """Channel that is shown; None for an image in its colors."""
+        """Channel that is shown; None for an image in color."""
         image = self.scene.image
-        if image is None or (image.colors is not None and self.word("shown") == _IN_COLOR):
+        if image is None or (image.colors is not None and self.word("shown") == _SHOW_COLORS):
             return None
         return image.channel(self.scene.document.parameters.channel)
 
 
-_DRAG_REACH = 400.0
-"""A drag by so much changes width or middle by the whole range [px of the screen]."""
+_FULL_DRAG_LENGTH = 400.0
+"""Length of a drag that changes width or middle by the whole range [px of the screen]."""
 
-_NARROWEST = 1e-3
-"""Least width of the window, as a part of the range."""
+_MIN_WINDOW_WIDTH = 1e-3
+"""Minimum width of the window, as a fraction of the range."""
 
 Window = tuple[float, float]
+"""Gray values shown as black and as white."""
 
 
 def window_at(width_and_level: WidthAndLevel) -> Window:
-    """The window of gray values of a width around a level."""
+    """Return the window of gray values of a width around a level."""
     width, level = width_and_level
     return level - 0.5 * width, level + 0.5 * width
 
 
 def named(window: Window) -> str:
-    """Width and level of a window, as radiologists name it."""
+    """Format width and level of a window in the manner of radiology."""
     low, high = window
     return f"W {written(f'{high - low:.4g}')}  L {written(f'{0.5 * (low + high):.4g}')}"
 
 
 def dragged(window: Window, ends: Window, right: float, down: float) -> Window:
-    """The window of gray values after a drag to the right and down [px of the screen], within the whole range."""
+    """Return the window of gray values after a drag to the right and down [px of the screen], within `ends`."""
     span = ends[1] - ends[0]
-    width = window[1] - window[0] + span * right / _DRAG_REACH
-    width = min(max(width, _NARROWEST * span), span)
-    middle = 0.5 * (window[0] + window[1]) - span * down / _DRAG_REACH
+    width = window[1] - window[0] + span * right / _FULL_DRAG_LENGTH
+    width = min(max(width, _MIN_WINDOW_WIDTH * span), span)
+    middle = 0.5 * (window[0] + window[1]) - span * down / _FULL_DRAG_LENGTH
     middle = min(max(middle, ends[0]), ends[1])
     return max(middle - 0.5 * width, ends[0]), min(middle + 0.5 * width, ends[1])
 
 
 class LevelDrag(QObject):
-    """Takes such drags from a widget, and others that it watches, and moves the window of a layer."""
+    """Adjusts the window of a layer by Ctrl-drags with the right button on the watched widgets."""
 
     moved = Signal()
-    """The window follows the pointer."""
+    """The window has changed during a drag."""
     ended = Signal()
     """The button has been released."""
 
@@ -248,11 +260,11 @@ class LevelDrag(QObject):
         self._cursor = QCursor()
 
     def watch(self, widget: QWidget) -> None:
-        """Take the drags of a widget that shows the image."""
+        """Handle drags on a widget that shows the image."""
         widget.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Begin, follow and end a drag."""
+        """Begin, continue and end a drag."""
         if not isinstance(event, QMouseEvent) or not isinstance(watched, QWidget):
             return False
         kind, right = event.type(), Qt.MouseButton.RightButton

@@ -1,4 +1,4 @@
-"""A layer of the canvas: it can be shown or hidden, has options, and draws what has changed in a scene."""
+"""A layer of the canvas, with visibility, opacity and options; it draws the changed parts of a scene."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from cpm_app.views.items.item import OverImage
 from cpm_core.numerics.types import Extent, Texts, frozen
 
 Value = str | float | bool
+"""Value of an option."""
 
 
 @frozen
@@ -24,7 +25,7 @@ class Choice:
     Attributes
     ----------
     name, title, tip : str
-        Name in a session file, name in the panel, and what it does in one sentence.
+        Name in a session file, name in the panel, and a sentence on its effect.
     ways : mapping
         Names and titles of the alternatives.
     first : str
@@ -38,13 +39,13 @@ class Choice:
     tip: str
 
     def taken(self, value: object) -> Value | None:
-        """The value to store, None when it is not one of the alternatives."""
+        """Return the value to store, None if it is not one of the alternatives."""
         return value if isinstance(value, str) and value in self.ways else None
 
 
 @frozen
 class Amount:
-    """A number between `low` and `high` in increments of `step`, by default `first`; the rest is as in `Choice`."""
+    """A number from `low` to `high` in increments of `step`, by default `first`; other fields as in `Choice`."""
 
     name: str
     title: str
@@ -55,13 +56,13 @@ class Amount:
     tip: str
 
     def taken(self, value: object) -> Value | None:
-        """The value to store, None when it is not a number within the bounds."""
+        """Return the value to store, None if it is not a number within the bounds."""
         return float(value) if isinstance(value, int | float) and self.low <= value <= self.high else None
 
 
 @frozen
 class Switch:
-    """Something that is on or off, by default `first`; the rest is as in `Choice`."""
+    """An option that is on or off, by default `first`; other fields as in `Choice`."""
 
     name: str
     title: str
@@ -69,7 +70,7 @@ class Switch:
     tip: str
 
     def taken(self, value: object) -> Value | None:
-        """The value to store, None when it is not a truth value."""
+        """Return the value to store, None if it is not a bool."""
         return value if isinstance(value, bool) else None
 
 
@@ -77,25 +78,25 @@ Option = Choice | Amount | Switch
 
 
 Sign = Literal["line", "dashed", "dot", "check", "area"]
-"""How it is drawn: as a line, a dashed line, a disc, or not in a way of its own."""
+"""Way of drawing an item, for the legend: line, dashed line, disc, check mark or area."""
 
 
 @frozen
 class LegendEntry:
-    """One kind of thing on the canvas.
+    """A kind of item on the canvas.
 
     Attributes
     ----------
     count : int
-        How many there are.
+        Number of items.
     text : str
-        What they are, after their number.
+        Noun that follows the number.
     tip : str
-        What that means, in one sentence.
+        Sentence on their meaning.
     color : str
-        Their color.
+        Color of the items.
     sign : {"line", "dashed", "dot", "check", "area"}
-        How they are drawn.
+        Way of drawing.
     """
 
     count: int
@@ -106,7 +107,7 @@ class LegendEntry:
 
 
 class Requests(Protocol):
-    """Requests of layers to the worker; the answers arrive as parts of a scene."""
+    """Requests from layers to the worker; the answers arrive as parts of a scene."""
 
     def post(self, command: Command) -> None:
         """Send a command to the worker."""
@@ -116,7 +117,7 @@ class Requests(Protocol):
 
 
 class NoRequests:
-    """Ignores requests: the layers of another view have already made them."""
+    """Ignores requests, because the layers of another view have already made them."""
 
     def post(self, command: Command) -> None:
         """Do nothing."""
@@ -131,14 +132,14 @@ class Layer(QObject):
     Parameters
     ----------
     view : pg.ViewBox
-        Parent of its items.
+        Parent of the items.
     requests : Requests
-        Receives its requests to the worker.
+        Receiver of the requests to the worker.
 
     Attributes
     ----------
     scene : Scene
-        The scene drawn last.
+        Scene drawn last.
     """
 
     name: ClassVar[str]
@@ -146,7 +147,7 @@ class Layer(QObject):
     title: ClassVar[str]
     """Name in panel and menu."""
     tip: ClassVar[str] = ""
-    """What it shows, in one sentence."""
+    """Sentence on what it shows."""
     shortcut: ClassVar[str] = ""
     """Key that shows or hides the layer."""
     initially: ClassVar[bool] = True
@@ -154,7 +155,7 @@ class Layer(QObject):
     colors: ClassVar[Texts] = ()
     """Colors of its legend."""
     options: ClassVar[tuple[Option, ...]] = ()
-    """Its options besides the opacity."""
+    """Options besides the opacity."""
     in_slices: ClassVar[bool] = False
     """Whether it shows anything in the slices of a volume."""
 
@@ -173,33 +174,33 @@ class Layer(QObject):
         self.make()
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
 
     def add(self, *items: QGraphicsItem, switch: str = "") -> None:
-        """Put items on the canvas, unless they have their place there; they are shown while a `Switch` is on."""
+        """Put items without a parent on the canvas; with `switch`, items are visible only while that `Switch` is on."""
         for item in items:
             self._items.append((item, switch))
             if item.parentItem() is None:
                 self.view.addItem(item, ignoreBounds=True)
 
     def draw(self, scene: Scene) -> None:
-        """Draw what has changed since the last scene."""
+        """Set the scene, and draw the parts that have changed."""
         before, self.scene = self.scene, scene
         if scene.image is not None and (before.image is None or scene.image.shape != before.image.shape):
             self.use_shape(scene.image.shape)
         self.follow(before)
 
     def use_shape(self, shape: Extent) -> None:
-        """Cover an image of this shape."""
+        """Fit the items to an image of this shape."""
         for item, _ in self._items:
             if isinstance(item, OverImage):
                 item.use_shape(shape)
 
     def follow(self, before: Scene) -> None:
-        """Draw the parts of `scene` that differ from the scene before."""
+        """Draw the parts of `scene` that differ from the previous scene, `before`."""
 
     def legend_entries(self) -> Sequence[LegendEntry]:
-        """What the legend says of it while it is shown."""
+        """Return the entries of the legend while the layer is shown."""
         return ()
 
     def set_shown(self, shown: bool) -> None:
@@ -236,23 +237,23 @@ class Layer(QObject):
             self.changed.emit()
 
     def acts(self, name: str) -> bool:
-        """Whether an option has an effect together with the other ones."""
+        """Tell whether an option has an effect, given the other options."""
         return True
 
     def follow_choice(self, name: str) -> None:
-        """Apply an option that has changed, by default one that shows or hides items."""
+        """Apply an option that has changed; by default, show or hide items."""
         self.show_or_hide()
 
     def word(self, name: str) -> str:
-        """Value of a `Choice`."""
+        """Return the value of a `Choice`."""
         return str(self.chosen[name])
 
     def number(self, name: str) -> float:
-        """Value of an `Amount`."""
+        """Return the value of an `Amount`."""
         return float(self.chosen[name])
 
     def view_state(self) -> dict[str, object]:
-        """Its state for a session file."""
+        """Return the state for a session file."""
         return {"shown": self.shown, "opacity": self.opacity, **self.chosen}
 
     def use_view_state(self, state: dict[str, object]) -> None:

@@ -1,4 +1,4 @@
-"""The forms for the options of layers; that of the image has a histogram."""
+"""The forms for the options of layers; the form of the image has a histogram."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ from cpm_core import Image
 
 
 class LayerForm(QWidget):
-    """A row for each option of a layer; it also follows changes that are made elsewhere."""
+    """A row for each option of a layer; it also shows changes made elsewhere."""
 
     def __init__(self, layer: Layer) -> None:
         super().__init__()
         self.layer = layer
         self.fields: dict[str, QWidget] = {}
         self._shows: dict[str, Callable[[Any], object]] = {}
-        """What shows the value of an option in its field."""
+        """Functions that show the value of an option in its field."""
         grows = QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow
         self.rows = QFormLayout(self, horizontalSpacing=8, verticalSpacing=4, fieldGrowthPolicy=grows)
         self.rows.setContentsMargins(0, 0, 0, 0)
@@ -78,11 +78,11 @@ class LayerForm(QWidget):
             self.levels.show_window(*layer.window)
 
     def _field(self, option: Option) -> tuple[QWidget, Callable[[Any], object]]:
-        """The field of an option, and what shows a value in it."""
-        choose = partial(self.layer.choose, option.name)
+        """Create the field of an option, and the function that shows a value in it."""
+        set_option = partial(self.layer.choose, option.name)
         if isinstance(option, Switch):
             switch = QCheckBox(option.title)
-            switch.toggled.connect(choose)
+            switch.toggled.connect(set_option)
             return switch, switch.setChecked
         if isinstance(option, Choice):
             box = ChoiceBox(option.ways)
@@ -90,58 +90,64 @@ class LayerForm(QWidget):
             box.setIconSize(QSize(36, 12))
             for index, name in enumerate(option.ways):
                 box.setItemIcon(index, color_maps.icon(name) if name in color_maps.MAPS else QIcon())
-            box.chosen.connect(choose)
+            box.chosen.connect(set_option)
             return box, box.show_value
         slider = MarkedSlider(option.low, option.high, option.step, option.first)
-        slider.moved_to.connect(choose)
-        slider.restored.connect(lambda: choose(option.first))
+        slider.moved_to.connect(set_option)
+        slider.restored.connect(lambda: set_option(option.first))
         figure = QLabel(alignment=Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         figure.setMinimumWidth(figure.fontMetrics().horizontalAdvance("0.000"))
         both = QWidget()
         both.setFocusProxy(slider)
         arrange(QHBoxLayout(both), slider, figure, wide=slider)
 
-        def show(value: float) -> None:
+        def show_amount(value: float) -> None:
             slider.show_value(value)
             figure.setText(written(f"{value:g}"))
 
-        return both, show
+        return both, show_amount
 
 
-_BINS = 128
-_MOST = 100_000
+_HISTOGRAM_BINS = 128
+"""Number of bins of the histogram."""
+
+_MAX_SAMPLED_PIXELS = 100_000
 """Largest number of pixels counted; more would not visibly change the histogram."""
 
-_NARROW, _AROUND = 0.1, 2.0
-"""Part of the range below which a window is shown enlarged, and the margin next to it, in window widths."""
+_NARROW_FRACTION = 0.1
+"""Fraction of the range below which a window is shown enlarged."""
 
-_HEIGHT = 72
+_NARROW_MARGIN = 2.0
+"""Margin on either side of an enlarged window [widths of the window]."""
+
+_HISTOGRAM_HEIGHT = 72
+"""Height of the histogram [px of the screen]."""
 
 
 class Levels(QWidget):
     """Histogram of the gray values on a logarithmic scale, and their window: two lines to drag, and two fields.
 
-    Of CT it has the usual windows as well.
+    For CT it also offers the usual windows.
 
     Parameters
     ----------
     image : Image
         The image.
     ends : tuple of float
-        Within which the window may be chosen.
+        Bounds of the window.
     """
 
     moved = Signal(float, float)
-    """The user has chosen another window."""
+    """The user has set another window."""
 
     def __init__(self, image: Image, ends: tuple[float, float]) -> None:
         super().__init__()
         values = image.values
-        stride = max(1, int((values.size / _MOST) ** (1.0 / values.ndim)))
+        stride = max(1, int((values.size / _MAX_SAMPLED_PIXELS) ** (1.0 / values.ndim)))
         self._sample = values[(slice(None, None, stride),) * values.ndim].ravel()
         self._ends = ends
         self.histogram = pg.PlotWidget(background=None, enableMenu=False)
-        self.histogram.setFixedHeight(_HEIGHT)
+        self.histogram.setFixedHeight(_HISTOGRAM_HEIGHT)
         self.histogram.setMinimumWidth(100)
         self.histogram.hideAxis("left")
         self.histogram.hideAxis("bottom")
@@ -189,7 +195,7 @@ class Levels(QWidget):
         arrange(QVBoxLayout(self), self.histogram, row, below, spacing=4)
 
     def show_window(self, low: float, high: float) -> None:
-        """Show a window without emitting a signal; the lines and their axis do not change while one is held."""
+        """Show a window without emitting a signal; leave the lines and their axis alone while a line is dragged."""
         self.low.show_value(low)
         self.high.show_value(high)
         self.figures.setText(named((low, high)))
@@ -203,9 +209,9 @@ class Levels(QWidget):
     def _show_axis(self, low: float, high: float) -> None:
         """Show the whole range, or the surroundings of a narrow window."""
         begin, end = self._ends
-        if high - low < _NARROW * (end - begin):
-            reach = _AROUND * max(high - low, 1e-3 * (end - begin))
+        if high - low < _NARROW_FRACTION * (end - begin):
+            reach = _NARROW_MARGIN * max(high - low, 1e-3 * (end - begin))
             begin, end = max(begin, low - reach), min(end, high + reach)
-        counts, edges = np.histogram(self._sample, _BINS, range=(begin, end if end > begin else begin + 1.0))
+        counts, edges = np.histogram(self._sample, _HISTOGRAM_BINS, range=(begin, end if end > begin else begin + 1.0))
         self._bars.setData(edges, np.log1p(counts))
         self.histogram.setXRange(edges[0], edges[-1], padding=0.02)

@@ -1,4 +1,4 @@
-"""The layer of the objects: those accepted, by class, those that are offered, and what a click would change."""
+"""The layer of the objects: accepted objects, proposals, and the preview of a click."""
 
 from __future__ import annotations
 
@@ -21,23 +21,29 @@ from cpm_core.numerics import Array
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import CLASSES
 
-_OFFERED, _DOUBTFUL, _CHANGED = 0.2, 0.08, 0.4
-"""Opacity of the area of what is offered, of what is doubtful, and of what a click would change."""
+_PROPOSAL_OPACITY = 0.2
+"""Opacity of the area of a proposal."""
 
-_SPARSE = 2.5, 5.0
-"""Dashes around what is doubtful."""
+_DOUBTFUL_OPACITY = 0.08
+"""Opacity of the area of a doubtful proposal."""
 
-_FEW = 12
-"""Number of proposals up to which those that are doubtful are marked with their probability."""
+_PREVIEW_OPACITY = 0.4
+"""Opacity of the area that a click would add."""
 
-_MOST_MARKS = 60
-"""Largest number of places of one click that are marked."""
+_DOUBTFUL_DASHES = (2.5, 5.0)
+"""Lengths of dashes and gaps around a doubtful proposal [widths of the line]."""
+
+_MAX_MARKED_PROPOSALS = 12
+"""Largest number of proposals for which all doubtful ones are marked with their probability."""
+
+_MAX_CLICK_MARKS = 60
+"""Largest number of marked places of a click."""
 
 
 class ObjectLayer(Layer):
     """Shows objects with area and outline in the color of their class; stretches that follow no contour are dashed.
 
-    Proposals are dashed, in one color; those that are doubtful are sparse and pale. What a click would take away is
+    Proposals are dashed, in one color; doubtful ones are sparse and pale. The area that a click would remove is
     hatched.
     """
 
@@ -53,25 +59,25 @@ class ObjectLayer(Layer):
     )
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         self.fills = Fills(3.0)
         self._outlines = Curves(theme.CHOSEN, 4.3)
         self._gaps = Curves(theme.HALO, 4.35, halo=0.0, dashed=True)
         self._chosen = Curves(theme.CHOSEN, 4.25, width=5.0, halo=7.0)
         self._hovered = Curves(theme.HOVERED, 4.24, width=5.0, halo=0.0)
         self.offered_fill, self._offered = Fills(4.4), Curves(theme.PROPOSAL, 4.55, width=2.2, halo=4.0, dashed=True)
-        self._doubtful = Curves(theme.PROPOSAL, 4.5, width=1.4, halo=2.8, dashed=_SPARSE)
+        self._doubtful = Curves(theme.PROPOSAL, 4.5, width=1.4, halo=2.8, dashed=_DOUBTFUL_DASHES)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
         self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.HALO, width=1.2))
         self._paths: dict[int, tuple[tuple[Line, ...], list[Array]]] = {}
-        """Boundaries of the objects that are shown, by their numbers, and what is drawn of them."""
+        """Boundaries of the shown objects by object number, with the closed paths drawn for them."""
         self._names, self._likely = Names(5.8), Names(5.85, above=True)
         self.add(self.fills, self._outlines, self._gaps, self._chosen, self._hovered, self.offered_fill)
         self.add(self._offered, self._doubtful, self.added, self.removed, self._clicks, self._likely)
         self.add(self._names, switch="names")
 
     def legend_entries(self) -> Sequence[LegendEntry]:
-        """Objects, and those that are offered."""
+        """Return the entries of accepted objects and proposals."""
         offered, objects = self._proposals, self.scene.document.objects
         color = objects.color(objects.items[0]) if objects.items else theme.PROPOSAL
         return (
@@ -82,14 +88,14 @@ class ObjectLayer(Layer):
         )
 
     def follow_choice(self, name: str) -> None:
-        """Show areas in another opacity, or show or hide names."""
+        """Change the opacity of areas, or show or hide names."""
         if name == "fill":
             self._show_objects()
         else:
             super().follow_choice(name)
 
     def follow(self, before: Scene) -> None:
-        """Show other objects, another selection, or another proposal."""
+        """Show other objects, another selection, or other proposals."""
         scene, shown, last = self.scene, self.scene.objects, before.objects
         of, last_of = scene.document.objects, before.document.objects
         other = (of.items, of.classes, of.edited) != (last_of.items, last_of.classes, last_of.edited)
@@ -128,12 +134,12 @@ class ObjectLayer(Layer):
 
     @property
     def _proposals(self) -> list[tuple[int, Selection]]:
-        """What is offered and can be drawn, with its keys."""
+        """Proposals that can be drawn, with their keys."""
         offered = ((each.key, each.selection) for each in self.scene.objects.proposals)
         return [(key, found) for key, found in offered if isinstance(found, Selection) and found.found]
 
     def _paths_of(self, numbers: Iterable[int]) -> list[Array]:
-        """The boundaries of the objects of some numbers, and of proposals of some keys."""
+        """Find the boundaries of objects by number and of proposals by key, each of shape (K, 2)."""
         wanted = set(numbers)
         chosen = [found for key, found in self._proposals if key and key in wanted]
         own = [path for number, (_, paths) in self._paths.items() if number in wanted for path in paths]
@@ -143,16 +149,16 @@ class ObjectLayer(Layer):
         found = [selection for _, selection in self._proposals]
         sure = [each for each in found if each.confidence >= DOUBTFUL]
         doubtful = [each for each in found if each.confidence < DOUBTFUL]
-        areas = [(_curves_of(each), theme.PROPOSAL, _OFFERED) for each in sure]
-        self.offered_fill.show([*areas, *((_curves_of(each), theme.PROPOSAL, _DOUBTFUL) for each in doubtful)])
+        areas = [(_curves_of(each), theme.PROPOSAL, _PROPOSAL_OPACITY) for each in sure]
+        self.offered_fill.show([*areas, *((_curves_of(each), theme.PROPOSAL, _DOUBTFUL_OPACITY) for each in doubtful)])
         self._offered.show(_outlines(sure))
         self._doubtful.show(_outlines(doubtful))
 
     def _show_likely(self) -> None:
-        """Show how probable proposals are: of many only that under the pointer and chosen ones."""
+        """Show the probabilities of proposals; of many, only of the one under the pointer and of selected ones."""
         shown, offered = self.scene.objects, self._proposals
-        few = len(offered) <= _FEW
-        offered = offered if self.scene.volume is None else []  # how probable bodies are is not known
+        few = len(offered) <= _MAX_MARKED_PROPOSALS
+        offered = offered if self.scene.volume is None else []  # bodies have no probability
         marked = [
             found for key, found in offered
             if key in {*shown.chosen, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < DOUBTFUL)
@@ -162,23 +168,25 @@ class ObjectLayer(Layer):
         self._likely.show([(place, text, "#ffffff") for place, text in zip(highest, texts, strict=True)])
 
     def _show_preview(self) -> None:
-        """Show what a click would add, or take away: where the boundaries before and after it enclose an odd number."""
+        """Show the area that a click would add or remove, by the even-odd rule for the old and new boundaries."""
         preview = self.scene.objects.preview
         changed: list[Area] = []
         if preview is not None and isinstance(preview.after, Selection):
             curves = _curves_of(preview.after)
             if isinstance(preview.before, Selection):
                 curves += _curves_of(preview.before)
-            color, opacity = (theme.PROPOSAL, _CHANGED) if preview.adds else (theme.REMOVED, 1.0)
-            changed = [(curves, color, opacity)] if curves else []  # none in a slice beside it
+            color, opacity = (theme.PROPOSAL, _PREVIEW_OPACITY) if preview.adds else (theme.REMOVED, 1.0)
+            changed = [(curves, color, opacity)] if curves else []  # empty in a slice that misses the object
         adds = preview is not None and preview.adds
         self.added.show(changed if adds else [])
         self.removed.show([] if adds else changed)
 
     def _show_clicks(self) -> None:
-        """Mark the places of all clicks, of a long stroke only some."""
+        """Mark the places of all clicks, thinned out along long strokes."""
         clicks = self.scene.document.objects.clicks
-        marks = [(at, each.inside) for each in clicks for at in each.places[:: 1 + len(each.places) // _MOST_MARKS]]
+        marks = [
+            (at, each.inside) for each in clicks for at in each.places[:: 1 + len(each.places) // _MAX_CLICK_MARKS]
+        ]
         brushes = {True: pg.mkBrush(theme.RESTING), False: pg.mkBrush(theme.BARRIER)}
         self._clicks.show(
             [at for at, _ in marks],

@@ -20,39 +20,60 @@ from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
 BEGIN = 0.18
-"""Part of the maps that is too dark to be distinguished from a dark image."""
+"""Fraction of the color maps that is too dark to stand out from a dark image."""
 
 UNKNOWN = theme.JUNCTION
-"""Color of particles whose quantity is not known yet; no map contains it."""
+"""Color of particles whose quantity is not known yet; no color map contains it."""
 
-_WIDTH, _STRIP = 154, 8
+_LEGEND_WIDTH = 154
+"""Width of the legend [px]."""
 
-_LEGEND = (
-    f"<table width='{_WIDTH}' cellspacing='0' cellpadding='1'><tr><td colspan='3' align='center'>{{title}}</td></tr>"
-    f"<tr><td colspan='3'><img src='{{map}}' width='{_WIDTH}' height='{_STRIP}'></td></tr><tr><td>0</td>"
+_STRIP_HEIGHT = 8
+"""Height of the strip of colors in the legend [px]."""
+
+_LEGEND_HTML = (
+    f"<table width='{_LEGEND_WIDTH}' cellspacing='0' cellpadding='1'>"
+    "<tr><td colspan='3' align='center'>{title}</td></tr>"
+    f"<tr><td colspan='3'><img src='{{map}}' width='{_LEGEND_WIDTH}' height='{_STRIP_HEIGHT}'></td></tr><tr><td>0</td>"
     f"<td align='center' style='color:{UNKNOWN}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
 )
-"""Title, a strip of colors, and the values at its ends."""
+"""Template of the legend: title, a strip of colors, and the values at its ends."""
 
+_SMALL_AFTER_RUN = "small"
+"""Value of the option that shrinks particles after a run."""
 
-_SMALL, _SAME, _HIDDEN = "small", "same", "hidden"
-_RECEDING, _PALE = 0.55, 0.4
-"""Factors of the diameter and of the opacity of particles after the end of a run."""
+_SAME_AFTER_RUN = "same"
+"""Value of the option that leaves particles as they are after a run."""
 
-_ABOVE, _BELOW = 6.0, 3.1
-"""Places in the stack of the moving particles: above the contours during a run, and below them after its end."""
+_HIDDEN_AFTER_RUN = "hidden"
+"""Value of the option that hides particles after a run."""
 
-_FADED = 0.85
-"""How much of its opacity a particle has lost where it is so far from a slice that it is not shown any more."""
+_ENDED_DIAMETER_FACTOR = 0.55
+"""Factor of the diameter of particles after the end of a run."""
 
-_STATE = "state"
-_COLORS = ("viridis", "cividis", "magma")
+_ENDED_OPACITY_FACTOR = 0.4
+"""Factor of the opacity of particles after the end of a run."""
+
+_RUNNING_Z = 6.0
+"""Place of moving particles in the stack during a run, above the contours."""
+
+_ENDED_Z = 3.1
+"""Place of moving particles in the stack after the end of a run, below the contours."""
+
+_OFF_SLICE_FADING = 0.85
+"""Fraction of its opacity that a particle has lost at the largest distance from a slice at which it is shown."""
+
+_BY_STATE = "state"
+"""Value of the option that colors particles by state."""
+
+_QUANTITY_MAPS = ("viridis", "cividis", "magma")
+"""Color maps for quantities."""
 
 
 class ParticleLayer(Layer):
     """The particles, colored by state (moving or at rest) or by a quantity.
 
-    They lead during a run; after its end they recede behind what has been found.
+    During a run they lie in front; after its end they recede behind the contours.
     """
 
     name = "particles"
@@ -61,38 +82,42 @@ class ParticleLayer(Layer):
     shortcut = "Alt+1"
     in_slices = True
     colors = (theme.MOVING, theme.RESTING)
-    ways: ClassVar = {_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
-    """Names and titles of what the color can show."""
+    ways: ClassVar = {_BY_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
+    """Names and titles of the quantities that the color can show."""
     options = (
-        Choice("colour", tr("Color by"), ways, _STATE, " ".join(quantity.tip for quantity in QUANTITIES.values())),
+        Choice("colour", tr("Color by"), ways, _BY_STATE, " ".join(quantity.tip for quantity in QUANTITIES.values())),
         Choice(
             "map",
             tr("Colors"),
-            {name: color_maps.MAPS[name] for name in _COLORS},
+            {name: color_maps.MAPS[name] for name in _QUANTITY_MAPS},
             "viridis",
             tr("Colors from low to high."),
         ),
         Choice(
             "done",
             tr("After a run"),
-            {_SMALL: tr("Small and pale"), _SAME: tr("As during the run"), _HIDDEN: tr("Hidden")},
-            _SMALL,
+            {
+                _SMALL_AFTER_RUN: tr("Small and pale"),
+                _SAME_AFTER_RUN: tr("As during the run"),
+                _HIDDEN_AFTER_RUN: tr("Hidden"),
+            },
+            _SMALL_AFTER_RUN,
             tr("How particles are shown when a run has ended."),
         ),
     )
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         # Contours lie above the particles at rest and below those that still move.
         self._resting = MovingDiscs(theme.RESTING, 7.0, 3.0)
-        self._moving = MovingDiscs(theme.MOVING, 6.0, _ABOVE)
+        self._moving = MovingDiscs(theme.MOVING, 6.0, _RUNNING_Z)
         self.legend = Pinned(self.view, (1.0, 1.0))
         self._discs = (self._resting, self._moving)
         self.add(*self._discs, self.legend)
 
     @property
     def position(self) -> Array:
-        """Where particles are shown (row, col), shape (N, 2)."""
+        """Positions (row, col) of the shown particles, shape (N, 2)."""
         return np.concatenate([discs.position for discs in self._discs])
 
     @property
@@ -101,14 +126,18 @@ class ParticleLayer(Layer):
         return sum(discs.count for discs in self._discs)
 
     def size_of(self, snapshot: Snapshot | None) -> float:
-        """Factor for the diameter of the particles of a snapshot; 0 where they are hidden after its run."""
+        """Return the factor for the diameter of the particles of a snapshot; 0 if they are hidden after its run."""
         ended = snapshot is not None and snapshot.state.stop_reason
-        return {_SAME: 1.0, _SMALL: _RECEDING, _HIDDEN: 0.0}[self.word("done")] if ended else 1.0
+        return (
+            {_SAME_AFTER_RUN: 1.0, _SMALL_AFTER_RUN: _ENDED_DIAMETER_FACTOR, _HIDDEN_AFTER_RUN: 0.0}[self.word("done")]
+            if ended
+            else 1.0
+        )
 
     def legend_entries(self) -> Sequence[LegendEntry]:
-        """Particles by state during a run; those colored by a quantity have a legend on the canvas."""
+        """Return the entries of the states during a run; quantities have a legend on the canvas."""
         snapshot = self.scene.snapshot
-        if self.word("colour") != _STATE or (snapshot is not None and snapshot.state.stop_reason):
+        if self.word("colour") != _BY_STATE or (snapshot is not None and snapshot.state.stop_reason):
             return ()
         kinds = (
             (self._moving, tr("moving"), tr("Particles that move."), theme.MOVING),
@@ -121,25 +150,28 @@ class ParticleLayer(Layer):
         snapshot = self.scene.snapshot
         for discs in self._discs:
             discs.setVisible(self.shown and self.size_of(snapshot) > 0.0)
-        self.legend.setVisible(self.shown and snapshot is not None and self.word("colour") != _STATE)
+        self.legend.setVisible(self.shown and snapshot is not None and self.word("colour") != _BY_STATE)
 
     def fade(self) -> None:
         """Set opacity, size and place in the stack."""
         recede = self.size_of(self.scene.snapshot) < 1.0
         for discs in self._discs:
-            discs.setOpacity(self.opacity * (_PALE if recede else 1.0))
-            discs.shrink(_RECEDING if recede else 1.0)
-        self._moving.setZValue(_BELOW if recede else _ABOVE)
+            discs.setOpacity(self.opacity * (_ENDED_OPACITY_FACTOR if recede else 1.0))
+            discs.shrink(_ENDED_DIAMETER_FACTOR if recede else 1.0)
+        self._moving.setZValue(_ENDED_Z if recede else _RUNNING_Z)
 
     def acts(self, name: str) -> bool:
-        """Colors from low to high act only where a quantity is shown."""
-        return name != "map" or self.word("colour") != _STATE
+        """Tell whether an option has an effect: a color map has one only while a quantity is shown."""
+        return name != "map" or self.word("colour") != _BY_STATE
 
     def follow_choice(self, _: str) -> None:
-        """Change the colors, or how the particles are shown after a run."""
+        """Change the colors, or the appearance of particles after a run."""
         palette: list[str] = []
-        if self.word("colour") != _STATE:
-            palette, strip = _palette(name := self.word("map")), color_maps.strip(name, 2 * _WIDTH, 2 * _STRIP, BEGIN)
+        if self.word("colour") != _BY_STATE:
+            palette, strip = (
+                _palette(name := self.word("map")),
+                color_maps.strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, BEGIN),
+            )
             self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
         for discs in self._discs:
             discs.use_palette(palette)
@@ -147,20 +179,20 @@ class ParticleLayer(Layer):
 
     def follow(self, before: Scene) -> None:
         """Show the newest particles."""
-        if self.scene.snapshot is not before.snapshot:  # another slice shows others of the same particles
+        if self.scene.snapshot is not before.snapshot:  # another slice has a snapshot of its own
             self._show()
 
     def _show(self) -> None:
         snapshot, near, marks = self.scene.snapshot, self.scene.near, None
-        opacity = None if near is None else 1.0 - _FADED * near.away
-        if snapshot is not None and self.word("colour") != _STATE:
+        opacity = None if near is None else 1.0 - _OFF_SLICE_FADING * near.away
+        if snapshot is not None and self.word("colour") != _BY_STATE:
             quantity = QUANTITIES[self.word("colour")]
             shown = colored(quantity, snapshot.state, snapshot.metrics)
             marks = shown.marks if near is None else shown.marks[near.index]
             high = written(f"{shown.high:g}")
             unknown = tr("● too new") if (shown.marks == SHADES).any() else ""
             self.legend.show_html(
-                _LEGEND.format(title=quantity.title, map=self.word("map"), high=high, unknown=unknown)
+                _LEGEND_HTML.format(title=quantity.title, map=self.word("map"), high=high, unknown=unknown)
             )
         for discs in self._discs:
             if snapshot is None:
@@ -174,5 +206,5 @@ class ParticleLayer(Layer):
 
 
 def _palette(name: str) -> list[str]:
-    """Colors from low to high, and one for unknown values."""
+    """Build the palette: colors from low to high, and one for unknown values."""
     return [QColor(*map(int, row)).name() for row in color_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]

@@ -16,11 +16,14 @@ from cpm_core import Skeleton
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Sides
 
-_THICK = 95.0
-"""Percentile of the radii from which all are shown as thick, so that one wide place does not make all others thin."""
+_THICK_PERCENTILE = 95.0
+"""Percentile of the radii shown as thickest, so that a single wide place does not make all others look thin."""
 
-_DISK_EVERY, _CORNERS = 1.0, 48
-"""Distance of two disks along a branch in radii, and number of corners of the polygon that represents a disk."""
+_DISK_SPACING = 1.0
+"""Distance between two disks along a branch [radii]."""
+
+_DISK_CORNERS = 48
+"""Number of corners of the polygon of a disk."""
 
 
 class SkeletonLayer(Layer):
@@ -33,7 +36,7 @@ class SkeletonLayer(Layer):
     colors = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
 
     def make(self) -> None:
-        """Make its items."""
+        """Create the items of the layer."""
         self.branches = Curves(theme.THICKNESSES[0], 4.6, width=2.6, halo=4.4)
         self.disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
         self.add(self.disks, self.branches)
@@ -55,19 +58,27 @@ class SkeletonLayer(Layer):
 
 
 def banded(found: Skeleton, bands: int) -> Iterator[tuple[int, Array]]:
-    """Pieces of all branches of a skeleton, each with the index of its band of thickness."""
-    thickest = max(float(np.percentile(np.concatenate(found.radii), _THICK)), 1e-9)
+    """Split the branches of a skeleton into bands of thickness.
+
+    Yields
+    ------
+    band : int
+        Index of the band, from thin to thick, below `bands`.
+    piece : ndarray, shape (K, 2) or (K, 3)
+        Piece of a branch, in pixels of the skeleton.
+    """
+    thickest = max(float(np.percentile(np.concatenate(found.radii), _THICK_PERCENTILE)), 1e-9)
     for contour, radii in zip(found.contours, found.radii, strict=True):
         along = np.append(radii, radii[0]) if contour.closed else radii
         yield from by_thickness(contour.path, along / thickest, bands)
 
 
 def by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array]]:
-    """Pieces of a path, each with the index of its band of thickness.
+    """Split a path into bands of thickness; return pieces, each with the index of its band.
 
     Parameters
     ----------
-    path : ndarray, shape (K, 2)
+    path : ndarray, shape (K, 2) or (K, 3)
         Branch.
     share : ndarray, shape (K,)
         Thickness at its vertices as a fraction of the largest, from 0 to 1.
@@ -80,20 +91,35 @@ def by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array
 
 
 def _sides(scene: Scene) -> tuple[float, ...]:
-    """Sides of a pixel in the unit of the radii: in a slice of a volume that is the smallest side of a voxel."""
+    """Return the sides of a pixel in the unit of the radii, which in a volume is the smallest side of a voxel."""
     if scene.volume is None or scene.image is None:
         return 1.0, 1.0
     return tuple(side / min(scene.volume.spacing) for side in scene.image.spacing)
 
 
 def disks(path: Array, radii: Array, sides: Sides = (1.0, 1.0)) -> list[Array]:
-    """Outlines of inscribed disks along a branch, at least a radius apart; `sides` are those of a pixel."""
-    angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
+    """Return the outlines of inscribed disks along a branch, at least a radius apart.
+
+    Parameters
+    ----------
+    path : ndarray, shape (K, 2)
+        Branch (row, col) [px].
+    radii : ndarray, shape (K,)
+        Radii at its vertices.
+    sides : tuple of float
+        Sides of a pixel in the unit of the radii.
+
+    Returns
+    -------
+    list of ndarray, shape (48, 2)
+        Polygons (row, col) [px].
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, _DISK_CORNERS)
     around = np.stack([np.sin(angle), np.cos(angle)], axis=1) / np.array(sides)
     found, room = [], 0.0
     for index, (place, radius) in enumerate(zip(path, radii, strict=True)):
         room -= float(np.hypot(*(place - path[index - 1]))) if index else 0.0
         if room <= 0.0 and radius >= 1.0:
             found.append(place + radius * around)
-            room = _DISK_EVERY * float(radius)
+            room = _DISK_SPACING * float(radius)
     return found

@@ -32,4 +32,4 @@ TOOLS: tuple[type[Tool], ...] = (
     AttractTool,
     RepelTool,
 )
-"""All tools in the order shown, those of one group next to each other."""
+"""All tools in display order, those of a group next to each other."""

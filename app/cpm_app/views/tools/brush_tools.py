@@ -16,27 +16,27 @@ from cpm_app.views.tools.tool import SELECT, STROKE, ShapeTool
 from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Points
 
-_FACTOR = 1.2
-"""Factor by which one key press enlarges the ring."""
+_RING_GROWTH = 1.2
+"""Factor by which a key press enlarges the ring."""
 
-_APART = 2.0
-"""Least distance between two points of one gesture [px], equal to that of particles on drawn lines."""
+_SPRAY_SPACING = 2.0
+"""Minimum distance between two points of a gesture [px], as for particles on drawn lines."""
 
-_DENSITY = 0.05
+_SPRAY_DENSITY = 0.05
 """Candidate points per px² of the ring and per radius of movement."""
 
-_MOST_POINTS = 20_000
-"""Largest number of points of one gesture."""
+_MAX_SPRAY_POINTS = 20_000
+"""Largest number of points of a gesture."""
 
 
 class RingTool(ShapeTool):
-    """Works within a ring that follows the pointer and can be made smaller and larger."""
+    """Works within a ring that follows the pointer and can be resized."""
 
     color: str
     sized = True
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         super().set_up()
         self._chosen: float | None = None
         self._at: Place | None = None
@@ -48,7 +48,7 @@ class RingTool(ShapeTool):
         return self._chosen or first_radius(self._session.document.image)
 
     def work(self, path: tuple[Place, ...]) -> None:
-        """Apply the tool along a path of the ring, which has one place when the gesture begins."""
+        """Apply the tool along a path of the ring; the path is a single place when the gesture begins."""
         raise NotImplementedError
 
     def press(self, at: Place, reach: float) -> None:
@@ -73,7 +73,7 @@ class RingTool(ShapeTool):
 
     def resize(self, by: float) -> None:
         """Make the ring larger or smaller."""
-        self.set_radius(min(max(self.radius * _FACTOR**by, BRUSH[0]), BRUSH[1]))
+        self.set_radius(min(max(self.radius * _RING_GROWTH**by, BRUSH[0]), BRUSH[1]))
         if self._at is not None:
             self.hover(self._at)
 
@@ -100,17 +100,17 @@ class SprayTool(RingTool):
     by_keys = tr("Enter begins to spray, arrow keys continue, Enter ends; [ and ] change the ring.")
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         super().set_up()
         self._taken: Array = np.empty((0, 2))
-        """The points so far, in sides of the smallest voxel."""
+        """Points of the gesture so far [smallest side of a voxel], shape (N, 2)."""
 
     @cached_property
     def _random(self) -> np.random.Generator:
-        return np.random.default_rng(0)  # when it is needed, as it takes long to load
+        return np.random.default_rng(0)  # created late, because it is slow to load
 
     def work(self, path: tuple[Place, ...]) -> None:
-        """Scatter points along the path of the ring, none too near to another."""
+        """Scatter points along the path of the ring, none too close to another."""
         image, sides = self._session.document.image, np.array(self.sides)
         if image is None:
             return
@@ -118,22 +118,22 @@ class SprayTool(RingTool):
             self._taken = np.empty((0, 2))
         begin, end = (np.array(self.flat(place)) * sides for place in (path[0], path[-1]))
         far = math.dist(begin, end) / self.radius if len(path) > 1 else 2.0
-        many = self._random.poisson(_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)
+        many = self._random.poisson(_SPRAY_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)
         share = self._random.random(many)[:, None]
         angle, off = 2.0 * math.pi * self._random.random(many), self.radius * np.sqrt(self._random.random(many))
         places = begin + share * (end - begin) + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)
         last = np.array(image.shape if self.here is None else self.here.within(image.shape)) - 0.5
         inside = ((places >= -0.5 * sides) & (places <= last * sides)).all(axis=1)
         points = np.concatenate([self._taken, places[inside]])
-        near = scipy.spatial.cKDTree(points).query_pairs(_APART, output_type="ndarray")
-        self._taken = np.delete(points, near.max(axis=1), axis=0)[:_MOST_POINTS]
+        near = scipy.spatial.cKDTree(points).query_pairs(_SPRAY_SPACING, output_type="ndarray")
+        self._taken = np.delete(points, near.max(axis=1), axis=0)[:_MAX_SPRAY_POINTS]
         if len(self._taken):
             placed = (self.lifted((row, col)) for row, col in (self._taken / sides).tolist())
             self._put(tr("spray points"), Points(tuple(placed)))
 
 
 class EraserTool(RingTool):
-    """Erases the points in its ring, the other shapes that it touches, and the particles of a run in it."""
+    """Erases points and particles in its ring, and other shapes that it touches."""
 
     name = "eraser"
     text = tr("&Eraser")
@@ -145,7 +145,7 @@ class EraserTool(RingTool):
     by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; [ and ] change the ring.")
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         super().set_up()
         self._erasure: Erasure | None = None
         self._erased = False
@@ -160,12 +160,12 @@ class EraserTool(RingTool):
         self._erased = self._erased or run_changed or self._session.document is not before
 
     def release(self) -> None:
-        """Keep what is left."""
+        """Keep the erased state."""
         self._erasure = None
         super().release()
 
     def cancel(self) -> None:
-        """Bring back what the gesture has erased."""
+        """Restore what the gesture has erased."""
         erased = self._erasure is not None and self._erased
         self.release()
         if erased:

@@ -19,13 +19,13 @@ from cpm_core.shapes.solids import SMALLEST
 
 
 def box_between(one: Position, other: Position, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
-    """Two corners of a box: as deep as the shorter side of its rectangle, half on each side, within the volume."""
+    """Return two corners of a box in the volume, centered on the slice and as deep as its shorter side."""
     axis, low, high = here.axis, *np.sort([one, other], axis=0)
     high = np.maximum(high, low + SMALLEST)
     depth = ((high - low) * here.within(volume.spacing)).min()
     half = max(0.5 * float(depth) / volume.spacing[axis], SMALLEST)
     begin = max(here.index - half, 0.0)
-    # at least so deep, even in a volume of a single slice
+    # not flat, even in a volume of a single slice
     end = max(min(here.index + half, volume.shape[axis] - 1.0), begin + SMALLEST)
     first, last = ([*here.lifted(tuple(corner.tolist()))] for corner in (low, high))
     first[axis], last[axis] = begin, end
@@ -33,20 +33,20 @@ def box_between(one: Position, other: Position, here: Slice, volume: ImageRefere
 
 
 class DraggedTool(ShapeTool):
-    """Draws a shape between the place where the button goes down and the pointer."""
+    """Draws a shape between the place of the press and the pointer."""
 
     slip: str
-    """Message when the pointer has not been moved."""
+    """Message when the pointer has not moved."""
     slip_in_volume: str
-    """The same in a volume."""
+    """Message in a volume when the pointer has not moved."""
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         super().set_up()
         self._start: Position = (0.0, 0.0)
 
     def shape(self, begin: Position, at: Position) -> Shape:
-        """The shape between two places."""
+        """Build the shape between two places."""
         raise NotImplementedError
 
     def press(self, at: Position, reach: float) -> None:
@@ -82,7 +82,7 @@ class CircleTool(DraggedTool):
     by_keys = tr("Enter begins at the center, arrow keys move the rim, Enter ends.")
 
     def shape(self, begin: Position, at: Position) -> Circle | Sphere:
-        """The circle around `begin` through the pointer, in a volume the sphere."""
+        """Build the circle, or in a volume the sphere, around `begin` through the pointer."""
         if self.volume is not None:
             return Sphere.round(begin, SMALLEST, self.volume.spacing).with_handle_at(begin, at)
         return Circle(begin, max(math.dist(begin, at), SMALLEST_RADIUS))
@@ -105,7 +105,7 @@ class EllipseTool(DraggedTool):
     by_keys = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")
 
     def shape(self, begin: Position, at: Position) -> Ellipse | Box:
-        """The ellipse in the box, whose first radius lies along the row; in a volume the box."""
+        """Build the ellipse in the dragged box, its first radius along the row; in a volume, the box."""
         (top, left), (down, right) = self.flat(begin), map(operator.sub, self.flat(at), self.flat(begin))
         high, wide = self.sides
         if self.modifiers & Qt.KeyboardModifier.ShiftModifier:
@@ -144,14 +144,14 @@ class PointTool(ShapeTool):
 
 
 class ChargeTool(ShapeTool):
-    """Places a charge, or takes hold of an existing one; the charge follows the pointer while the button is down."""
+    """Places a charge or grabs an existing one; it follows the pointer while the button is down."""
 
     by_keys = tr("Enter places it or picks one up, arrow keys move it, Enter puts it down.")
     strength: float
-    """Strength of the charges, above zero for attracting ones."""
+    """Strength of new charges; positive ones attract."""
 
     def press(self, at: Place, reach: float) -> None:
-        """Take hold of the charge under the pointer, or place one."""
+        """Grab the charge under the pointer, or place one."""
         self.used = True
         self._begin(self._found(at, reach))
         if self._before is None:
@@ -169,7 +169,7 @@ class ChargeTool(ShapeTool):
         self._put(verb.format(charge=from_core(charge.title)), charge)
 
     def _found(self, at: Place, reach: float) -> int | None:
-        """Index of the charge nearest to the pointer, the topmost of equally near ones."""
+        """Find the index of the charge nearest to the pointer, of equally near ones the topmost."""
         near = [
             (math.dist(shape.position, at), -index)
             for index, shape in enumerate(self._session.document.shapes)

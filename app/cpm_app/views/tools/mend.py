@@ -24,15 +24,28 @@ from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.reconstruction import Contact, connect, deletion, pull
 
-_STILL = 0.5
-"""Move of the pointer, in reaches, up to which a press is a click and not a drag."""
+_CLICK_TOLERANCE = 0.5
+"""Largest move of the pointer during a click; beyond it, a press is a drag [hit tolerances]."""
 
-_JOINS = tr("Release on another end to join, elsewhere to extend. {key:escape} cancels.")
-_REDRAWS = tr("Release to redraw the line along the edge; Shift only bends it. {key:escape} cancels.")
-_TAKE = tr("Drag to erase from {name}. [ and ] change the brush.")
-_TAKE_LATER = tr("Drag over an object to erase from it. [ and ] change the brush.")
-_ADD = tr("Drag to add to {name}, Shift-drag to erase, Ctrl-drag to paint a new object. [ and ] change the brush.")
-_PAINT = tr("Drag to paint a new object. [ and ] change the brush.")
+_JOIN_ADVICE = tr("Release on another end to join, elsewhere to extend. {key:escape} cancels.")
+"""Advice while an end of a contour is dragged."""
+
+_REDRAW_ADVICE = tr("Release to redraw the line along the edge; Shift only bends it. {key:escape} cancels.")
+"""Advice while a line is dragged."""
+
+_ERASE_ADVICE = tr("Drag to erase from {name}. [ and ] change the brush.")
+"""Advice with Shift over an object."""
+
+_ERASE_ANYWHERE_ADVICE = tr("Drag over an object to erase from it. [ and ] change the brush.")
+"""Advice with Shift away from objects."""
+
+_ADD_ADVICE = tr(
+    "Drag to add to {name}, Shift-drag to erase, Ctrl-drag to paint a new object. [ and ] change the brush."
+)
+"""Advice over an object."""
+
+_PAINT_ADVICE = tr("Drag to paint a new object. [ and ] change the brush.")
+"""Advice away from objects."""
 
 
 class MendTool(RingTool):
@@ -51,7 +64,7 @@ class MendTool(RingTool):
     by_keys = tr("Enter picks up or paints, with Shift cuts or erases; arrow keys move, Enter ends.")
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         super().set_up()
         self._editing, self._review = self._workspace.hand_editing, self._workspace.review
         self._list = self._workspace.object_list
@@ -84,11 +97,11 @@ class MendTool(RingTool):
 
     @property
     def advice(self) -> str:
-        """What a press, or a release, does here."""
+        """Sentence on what a press or a release does here."""
         held, item, away = self._held, self._item, self._takes_away
         name = "" if item is None else self._list.title(item)
         if held is not None and self._dragged:
-            return with_keys(_JOINS if held.at_end else _REDRAWS)
+            return with_keys(_JOIN_ADVICE if held.at_end else _REDRAW_ADVICE)
         if held is not None and item is not None:
             words = tr("Drag to bend the boundary of {name}.") if away else tr("Drag to pull the boundary of {name}.")
         elif held is not None:
@@ -96,13 +109,13 @@ class MendTool(RingTool):
         elif self._at is None:
             words = self.tip
         elif away:
-            words = _TAKE if item is not None else _TAKE_LATER
+            words = _ERASE_ADVICE if item is not None else _ERASE_ANYWHERE_ADVICE
         else:
-            words = _ADD if item is not None else _PAINT
+            words = _ADD_ADVICE if item is not None else _PAINT_ADVICE
         return with_keys(words, name=name)
 
     def _on_contour(self, held: Contact) -> str:
-        """What can be done at a place of a contour."""
+        """Return the advice for a place of a contour."""
         if held.at_end:
             return tr("Drag to another end to join them, elsewhere to extend this contour.")
         if self._takes_away:
@@ -114,7 +127,7 @@ class MendTool(RingTool):
         return tr("Drag to pull the contour, click to mark a place, Shift-click to cut.")
 
     def press(self, at: Position, reach: float) -> None:
-        """Take hold of the line under the pointer, or begin to paint."""
+        """Grab the line under the pointer, or begin to paint."""
         self._find(at, reach)
         self.used, self._pressed, self._dragged = True, at, False
         if self._held is None:
@@ -124,12 +137,12 @@ class MendTool(RingTool):
             self._way = self._editing.way_from_end(self._held)
 
     def drag(self, at: Position) -> None:
-        """Show what a release here would do, or paint on."""
+        """Preview a release here, or continue to paint."""
         if self._held is None:
             super().drag(at)
         elif self._pressed is not None:
             self._at = at
-            self._dragged = self._dragged or math.dist(self._pressed, at) > _STILL * self._reach
+            self._dragged = self._dragged or math.dist(self._pressed, at) > _CLICK_TOLERANCE * self._reach
             self._show()
 
     def release(self) -> None:
@@ -149,14 +162,14 @@ class MendTool(RingTool):
         self._put_down()
 
     def hover(self, at: Position) -> None:
-        """Show what a press here would take hold of, or paint."""
+        """Preview what a press here would grab or paint."""
         self._at = at
         if self._pressed is None:
             self._find(at, self._reach)
         self._show()
 
     def work(self, path: Line) -> None:
-        """Begin a stroke, or paint on."""
+        """Begin a stroke, or continue it."""
         if len(path) == 1:
             self._objects = self._session.document.objects
             axis = None if self.here is None or self._list.ball else self.here.axis
@@ -165,7 +178,7 @@ class MendTool(RingTool):
             self._brush.paint(path[-1])
 
     def finish(self) -> None:
-        """Keep the marks: they are what keys and menus act on."""
+        """Keep the marks, because keys and menus act on them."""
 
     def take_back(self) -> None:
         """Delete the marked stretch, or remove a single mark."""
@@ -191,7 +204,7 @@ class MendTool(RingTool):
         self._drawing.show_ring()
 
     def cursor(self, at: Position, reach: float) -> Cursor | QCursor:
-        """Links over an end, a knife or a hand over a line, the ring of the brush elsewhere."""
+        """Return links over an end, a knife or a hand over a line, a cross elsewhere."""
         if self.volume is None:
             self._editing.prepare()
         if self._reach != max(reach, 1.0) and self._at is not None:
@@ -213,7 +226,7 @@ class MendTool(RingTool):
         return bool(self.modifiers & Qt.KeyboardModifier.ControlModifier) and not self._takes_away
 
     def _find(self, at: Place, reach: float) -> None:
-        """Find what a press at a place means."""
+        """Find the line or object that a press at a place would act on."""
         self._reach = max(reach, 1.0)
         self._item = self._held = None
         if self.volume is None:
@@ -223,7 +236,7 @@ class MendTool(RingTool):
             self._item = self._brush.target((at,), self.radius)
 
     def _click(self, held: Contact, item: SegmentedObject | None) -> None:
-        """Choose the object that was clicked, select the contour and mark the place on it, or cut it there."""
+        """Select the clicked object or contour, mark the place on the contour, or cut it there."""
         key = self._editing.key_of(held)
         if item is not None:
             self._list.choose((item.number,))
@@ -239,7 +252,7 @@ class MendTool(RingTool):
             self._editing.mark((*marked, held) if second else (held,))
 
     def _meant(self, held: Contact) -> tuple[Sequence[HandEdit], Array, list[Position]]:
-        """What a release now would do: the edits, the line that they add, and the places that are held and met."""
+        """Compute the edits of a release now, the line that they add, and the places that are held and met."""
         at = self._at
         assert at is not None
         if not held.at_end:

@@ -12,18 +12,18 @@ from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import OBJECT, TAKING_AWAY, Cursor, Tool
 from cpm_core.numerics import Place
 
-_APART = 3.0
-"""Least distance between two places of a stroke [px]."""
+_STROKE_SPACING = 3.0
+"""Minimum distance between two places of a stroke [px]."""
 
-_MOST = 200
+_MAX_STROKE_PLACES = 200
 """Largest number of places of a stroke; a longer one is thinned out."""
 
 
 class ObjectTool(Tool):
-    """Selects the object under the pointer; with Shift a click says what does not belong to it.
+    """Selects the object under the pointer; a click with Shift marks what does not belong to it.
 
-    A stroke says the same of all that it crosses. A click in an object, or in one of several proposals, chooses it, and
-    in a chosen one begins to correct it; with Ctrl it selects another object there. Enter accepts what is offered.
+    A stroke is a click on everything that it crosses. A click in an object, or in one of several proposals, selects it,
+    and in a selected one begins a correction; with Ctrl it selects another object there. Enter accepts the proposal.
     """
 
     name = "objects"
@@ -37,7 +37,7 @@ class ObjectTool(Tool):
     lasting = True
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         self._selection, self._list = self._workspace.object_selection, self._workspace.object_list
         self._path: list[Place] = []
 
@@ -48,12 +48,12 @@ class ObjectTool(Tool):
 
     @property
     def sized(self) -> bool:  # type: ignore[override]
-        """Whether there is something to make smaller or larger."""
+        """Whether there is an object to make smaller or larger."""
         return self.drafting or bool(self._selection.proposals or self._list.chosen)
 
     @property
     def advice(self) -> str:
-        """What to do next."""
+        """Sentence on what to do next."""
         if not self._selection.ready:
             return ""
         if self._list.chosen and not self._selection.selecting:
@@ -66,11 +66,11 @@ class ObjectTool(Tool):
         return self._selection.advice or tr("Click in an object, or drag across it.")
 
     def set_in_use(self, in_use: bool) -> None:
-        """Let the image be prepared while the tool is in use."""
+        """Keep the image prepared while the tool is in use."""
         self._selection.set_in_use(in_use)
 
     def press(self, at: Place, reach: float) -> None:
-        """Begin a click or a stroke, or choose the object under the pointer; when it is chosen, begin to correct it."""
+        """Begin a click or a stroke, or select the object under the pointer; if it is selected, begin to correct it."""
         self.used = True
         existing = self._existing(at)
         offered = [each.key for each in self._selection.proposals]
@@ -83,29 +83,29 @@ class ObjectTool(Tool):
 
     def drag(self, at: Place) -> None:
         """Continue a stroke."""
-        if self._path and math.dist(self._path[-1], at) >= _APART:
+        if self._path and math.dist(self._path[-1], at) >= _STROKE_SPACING:
             self._path.append(at)
             color = theme.RESTING if self._inside else theme.BARRIER
             self._drawing.show_draft((), self._path, color)
 
     def release(self) -> None:
-        """Say that the places of the click or stroke are inside, or outside."""
+        """Add the places of the click or stroke as positive or negative points."""
         path = tuple(self._path)
         self._end_stroke()
         if not path:
             return
         if not self._selection.selecting:
             self._list.choose(())
-        self._selection.click(path[:: math.ceil(len(path) / _MOST)], self._inside)
+        self._selection.click(path[:: math.ceil(len(path) / _MAX_STROKE_PLACES)], self._inside)
 
     def hover(self, at: Place) -> None:
-        """Show what a click would choose, or what it would change."""
+        """Preview what a click would select or change."""
         existing = self._existing(at)
         self._list.hover(("object" if existing > 0 else "proposal", existing) if existing else None)
         self._selection.point(None if existing else at, self._inside)
 
     def resize(self, by: float) -> None:
-        """Take the next larger candidate, or the next smaller one."""
+        """Propose the next larger candidate, or the next smaller one."""
         self._selection.step(1 if by > 0 else -1)
 
     def finish(self) -> None:
@@ -113,32 +113,32 @@ class ObjectTool(Tool):
         self._selection.when_answered(self._list.accept)
 
     def take_back(self) -> None:
-        """Take back the last click."""
+        """Remove the last click."""
         self._selection.take_back()
 
     def cancel(self) -> None:
-        """Drop the stroke, or what is being selected."""
+        """Drop the stroke, or the selection in progress."""
         if self._path:
             self._end_stroke()
         else:
             self._selection.drop()
 
     def put_away(self) -> None:
-        """Hide what a click would take."""
+        """Hide the preview of a click."""
         self._list.hover(None)
         self._selection.point(None)
 
     def cursor(self, at: Place, reach: float) -> Cursor:
-        """A hand over an object that a click would choose."""
+        """Return a hand over an object that a click would select, a cross elsewhere."""
         return Cursor.PointingHandCursor if self._existing(at) else Cursor.CrossCursor
 
     @property
     def _inside(self) -> bool:
-        """Whether a click adds: with Shift it says what does not belong to the object."""
+        """Whether a click adds a positive point; with Shift it adds a negative one."""
         return not self.modifiers & TAKING_AWAY
 
     def _existing(self, at: Place) -> int:
-        """Number of the object, or key of the proposal, that a click would choose; 0 while one is being selected."""
+        """Find the number of the object, or key of the proposal, that a click would select; 0 if none."""
         another = self._selection.selecting or self.modifiers & Qt.KeyboardModifier.ControlModifier
         return 0 if another or not self._inside else self._selection.under(at)
 

@@ -12,34 +12,28 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.hand_editing import Way
 from cpm_app.session.signals import EDITING
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import OBJECT, Cursor, Tool
+from cpm_app.views.tools.tool import FREEHAND_SPACING, MIN_DRAWN_AREA, OBJECT, Cursor, Tool
 from cpm_core.numerics import Array, Position, polyline
 from cpm_core.reconstruction import Contact, connect, on_ridge
 
-_FINEST = 1.0
-"""Least distance between two corners of a freehand path [px]."""
-
-_SMALLEST = 4.0
-"""Area below which an outline is taken for an accident [px²]."""
-
 
 class _Anchor(NamedTuple):
-    """Where the line is fixed, where the pointer was before it moved onto the edge, and what leads to it."""
+    """Place where the line is fixed, the click before snapping, and the piece of line that leads to the place."""
 
     place: Position
     click: Position
     piece: Array
 
     def at(self, place: Position, reach: float) -> bool:
-        """Whether a click at a place means it."""
+        """Tell whether a click at a place is on this anchor."""
         return min(math.dist(place, self.place), math.dist(place, self.click)) <= reach
 
 
 class OutlineTool(Tool):
     """Draws an object, or an open contour: clicks set anchors, and the line between them follows the edges.
 
-    With Shift the line is straight, a drag draws freehand. A line that begins or ends on a contour joins it there, one
-    between two places of the same contour takes the place of the stretch between them.
+    With Shift the line is straight, a drag draws freehand. A line that begins or ends on a contour joins it there; a
+    line between two places of the same contour replaces the stretch between them.
     """
 
     name = "outline"
@@ -52,7 +46,7 @@ class OutlineTool(Tool):
     by_keys = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         self._editing = self._workspace.hand_editing
         self._anchors: list[_Anchor] = []
         self._freehand: list[Position] = []
@@ -69,7 +63,7 @@ class OutlineTool(Tool):
 
     @property
     def advice(self) -> str:
-        """One sentence on what to do now."""
+        """Sentence on what to do next."""
         if not self._anchors:
             return "" if self.used else self.tip
         return tr(
@@ -100,12 +94,12 @@ class OutlineTool(Tool):
             return
         if not self._freehand and math.dist(self._pressed, at) > self._reach:
             self._freehand = [self._pressed]
-        if self._freehand and math.dist(self._freehand[-1], at) >= _FINEST:
+        if self._freehand and math.dist(self._freehand[-1], at) >= FREEHAND_SPACING:
             self._freehand.append(at)
             self._show()
 
     def release(self) -> None:
-        """Keep what was drawn freehand, and close it where it has come back to its beginning."""
+        """Keep the freehand line, and close it if it has returned to its beginning."""
         drawn, self._freehand, self._pressed = self._freehand, [], None
         if len(drawn) < 2:
             return
@@ -121,20 +115,20 @@ class OutlineTool(Tool):
             self._show()
 
     def hover(self, at: Position) -> None:
-        """Lead the line to the pointer."""
+        """Extend the line to the pointer."""
         self._pointer = at
         if self._anchors:
             self._show()
 
     def finish(self, closed: bool = False) -> None:
-        """Make a contour of the line, which ends at its last anchor."""
+        """Turn the line into an object or contour that ends at the last anchor."""
         begin, pieces = self._begin, self._pieces
         last = self._contact(self._anchors[-1].place) if pieces else None
         self.cancel()
         if not pieces:
             return
         path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
-        if closed and polyline.area(path) < _SMALLEST:
+        if closed and polyline.area(path) < MIN_DRAWN_AREA:
             self._session.say(tr("That is too small for an outline. {advice}", advice=self.tip), topic=EDITING)
         elif closed:
             self._workspace.object_list.choose((self._editing.outline(path[:-1]),))
@@ -156,7 +150,7 @@ class OutlineTool(Tool):
         self._show()
 
     def cursor(self, at: Position, reach: float) -> Cursor:
-        """A cross; the edges are prepared as the tool is taken."""
+        """Return a cross, and prepare the edges."""
         self._editing.prepare()
         return Cursor.CrossCursor
 
@@ -170,18 +164,18 @@ class OutlineTool(Tool):
         return [anchor.piece for anchor in self._anchors[1:]]
 
     def _contact(self, at: Position) -> Contact | None:
-        """What a line that begins or ends at a place touches."""
+        """Find the contour that a line touches where it begins or ends."""
         return None if self._straight else self._editing.contact(at, 0.5 * self._reach)
 
     def _place(self, at: Position) -> Position:
-        """Where an anchor is set: on the contour or the edge under the pointer, with Shift at the pointer."""
+        """Snap a place to the contour or edge under the pointer; with Shift, keep it."""
         if self._straight:
             return at
         contact = self._contact(at)
         return contact.place if contact is not None else self._editing.snapped(at)
 
     def _piece(self, place: Position) -> Array:
-        """The line from the last anchor to a place, which keeps off what has been drawn."""
+        """Trace the line from the last anchor to a place, shape (K, 2), clear of the pieces drawn before."""
         begin = self._anchors[-1].place if self._anchors else place
         if self._straight or not self._anchors:
             return np.array([begin, place], dtype=float)

@@ -14,7 +14,7 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.session.signals import EDITING
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.drawn import box_between
-from cpm_app.views.tools.tool import AREA, CIRCLE, LIMIT, STROKE, Tool
+from cpm_app.views.tools.tool import AREA, CIRCLE, FREEHAND_SPACING, LIMIT, MIN_DRAWN_AREA, STROKE, Tool
 from cpm_core.numerics import Place, polyline
 from cpm_core.numerics.types import Line
 from cpm_core.shapes import (
@@ -32,32 +32,29 @@ from cpm_core.shapes import (
     Wall,
 )
 
-_FINEST = 1.0
-"""Least distance between two corners of a freehand path [px]."""
-
-_SHORTEST, _SMALLEST = 1.0, 4.0
-"""Length [px] and area [px²] below which a path is taken for an accident."""
+_MIN_PATH_LENGTH = 1.0
+"""Length below which an open path is taken for an accident [px]."""
 
 
 class PathTool(Tool):
     """Draws a path: a drag draws it freehand and finishes it; clicks place corners until it is finished.
 
-    In a slice a drag around an area draws a rectangle. The draft is not part of the document, which therefore changes
-    only once.
+    In a slice, a drag around an area draws a rectangle. The draft is kept out of the document, so that the document
+    changes only once.
     """
 
     clicks = True
     by_keys = tr("Enter places a corner; Enter once more on the same place ends it.")
     made: type[Stroke | Polygon | Grid | Threshold | Region | Barrier]
-    """What the path becomes in an image."""
+    """Class of the shape in an image."""
     color = theme.DRAWING
     closed = True
     """Whether the last corner is joined to the first."""
     spatial = False
-    """Whether it is a path in space in a volume, and not one in a slice."""
+    """Whether the path of a volume lies in space rather than in a slice."""
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         self._corners: list[Place] = []
         self._pointer: Place | None = None
         self._pressed: Place | None = None
@@ -66,7 +63,7 @@ class PathTool(Tool):
         self._reach = 0.0
 
     def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
-        """What a path in a slice becomes in a volume."""
+        """Build the shape in a volume from a path in a slice."""
         raise NotImplementedError
 
     @property
@@ -76,7 +73,7 @@ class PathTool(Tool):
 
     @property
     def advice(self) -> str:
-        """One sentence on what to do with this tool."""
+        """Sentence on what to do next."""
         if not self._corners:
             return "" if self.used else self.tip
         if self._freehand and self._first:
@@ -114,7 +111,7 @@ class PathTool(Tool):
             corners = ((top, left), (top, right), (bottom, right), (bottom, left))
             self._corners, self._boxed = list(map(self.lifted, corners)), True
             self._changed()
-        elif math.dist(self._corners[-1], at) >= max(_FINEST, 0.25 * self._reach):
+        elif math.dist(self._corners[-1], at) >= max(FREEHAND_SPACING, 0.25 * self._reach):
             self._corners.append(at)
             self._changed()
 
@@ -132,14 +129,14 @@ class PathTool(Tool):
             self._changed()
 
     def finish(self) -> None:
-        """Make a shape from the path."""
+        """Turn the path into a shape."""
         if not self._corners:
             return
         begun, volume = self._begun, self.volume
         path = tuple(self._corners) if self._boxed else polyline.thinned(self._corners)
         flat = path if begun is None or (self.spatial and not self.closed) else tuple(map(begun.within, path))
         shape: Shape | None = None
-        if polyline.area(flat) >= _SMALLEST if self.closed else polyline.length(flat) >= _SHORTEST:
+        if polyline.area(flat) >= MIN_DRAWN_AREA if self.closed else polyline.length(flat) >= _MIN_PATH_LENGTH:
             if begun is None or volume is None or self.spatial:
                 shape = self.made(path)
             else:
@@ -170,7 +167,7 @@ class PathTool(Tool):
         self._changed()
 
     def _straight(self, at: Place) -> Place:
-        """With Shift, the place nearest to the pointer in one of eight directions from the last corner."""
+        """Snap a place, with Shift, to the nearest of eight directions from the last corner."""
         if not (self.modifiers & Qt.KeyboardModifier.ShiftModifier and self._corners):
             return at
         (row, col), (high, wide) = self.flat(self._corners[-1]), self.sides
@@ -222,7 +219,7 @@ class GridTool(PathTool):
     made = Grid
 
     def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
-        """A grid in the box around the path."""
+        """Build a grid in the box around the path."""
         return BoxGrid.between(*_box_around(path, here, volume), volume.spacing)
 
 
@@ -239,7 +236,7 @@ class ThresholdTool(PathTool):
     made = Threshold
 
     def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
-        """The box around the path."""
+        """Build the box around the path."""
         return BoxThreshold(*_box_around(path, here, volume))
 
 
@@ -255,7 +252,7 @@ class RegionTool(PathTool):
     color = theme.REGION
 
     def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
-        """The box around a rectangle that has been dragged, or all that is seen through the area."""
+        """Build the box around a dragged rectangle, or the prism of another path through all slices."""
         if self._boxed:
             return BoxRegion(*_box_around(path, here, volume))
         return PrismRegion(path, here.axis, 0.0, volume.shape[here.axis] - 1.0)
@@ -274,7 +271,7 @@ class BarrierTool(PathTool):
     closed = False
 
     def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
-        """A wall across all slices."""
+        """Build a wall across all slices."""
         return Wall(path, here.axis, 0.0, volume.shape[here.axis] - 1.0)
 
 

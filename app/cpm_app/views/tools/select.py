@@ -16,16 +16,18 @@ from cpm_app.views.tools.tool import SELECT, Cursor, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Circle
 
-_ADDING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
-_REMOVING = Qt.KeyboardModifier.ControlModifier
+_SELECTION_MODIFIERS = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
+"""Keys that change the selection instead of replacing it."""
+
+_DESELECT_MODIFIER = Qt.KeyboardModifier.ControlModifier
+"""Key that removes what lies in the frame from the selection."""
 
 
 class SelectTool(ShapeTool):
-    """Selects by a click, or by a frame around what is to be selected.
+    """Selects by a click, or by a frame around several items.
 
-    A shape moves with the pointer, and reshapes by its handles. Shift adds to the selection, Ctrl removes from it; a
-    click with either of them removes what is selected, and adds what is not. In a volume a click next to all moves
-    the cross.
+    A shape moves with the pointer, and its handles reshape it. A frame with Shift adds to the selection, with Ctrl
+    removes from it; a click with either key toggles the item. In a volume, a click beside all items moves the cross.
     """
 
     name = "select"
@@ -41,7 +43,7 @@ class SelectTool(ShapeTool):
     by_keys = tr("Enter picks up what lies under the cross-hair, arrow keys move it, Enter puts it down.")
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         super().set_up()
         self._review, self._list = self._workspace.review, self._workspace.object_list
         self._part = ""
@@ -49,14 +51,14 @@ class SelectTool(ShapeTool):
         self._crossing = False
         self._reach = 0.0
         self._corner: Position | None = None
-        """Where a frame begins."""
+        """Corner where the frame begins."""
         self._chosen: frozenset[Key] = frozenset()
         self._found: frozenset[Key] = frozenset()
         self._removes = False
 
     @property
     def advice(self) -> str:
-        """What can be done with what is selected."""
+        """Sentence on what can be done with the selection."""
         if self._corner is not None:
             return with_keys(tr("Shift adds to the selection, Ctrl removes from it; {key:escape} cancels."))
         kinds = {row.kind for row in self._list.selected_rows}
@@ -78,7 +80,9 @@ class SelectTool(ShapeTool):
             return
         self._crossing = key is None and self.here is not None
         self._found = frozenset(() if key is None else (key,))
-        self._removes = key in self._chosen if self.modifiers & _ADDING else bool(self.modifiers & _REMOVING)
+        self._removes = (
+            key in self._chosen if self.modifiers & _SELECTION_MODIFIERS else bool(self.modifiers & _DESELECT_MODIFIER)
+        )
         self._corner = self.flat(at) if self.here is None else None
         if key is not None:
             self._show()
@@ -100,14 +104,14 @@ class SelectTool(ShapeTool):
             self._put(tr("move {shape}", shape=from_core(shape.title)), shape.moved(by))
 
     def release(self) -> None:
-        """Keep what is selected; a click next to everything selects nothing."""
-        if self._before is None and not self._found and not self.modifiers & _ADDING:
+        """Keep the selection; a click beside all items clears it."""
+        if self._before is None and not self._found and not self.modifiers & _SELECTION_MODIFIERS:
             self._list.select(())
         self._leave()
         super().release()
 
     def cancel(self) -> None:
-        """Restore the shape, select what was selected before, and highlight nothing."""
+        """Restore the shape and the selection, and highlight nothing."""
         if self._corner is not None:
             known = {row.key for row in self._list.rows}
             self._list.select(self._chosen & known)
@@ -120,7 +124,7 @@ class SelectTool(ShapeTool):
         self._list.hover(None)
 
     def cursor(self, at: Place, reach: float) -> Cursor:
-        """Arrows over a shape, a hand over what can be selected, which is also highlighted."""
+        """Highlight the item under the pointer, and return arrows over a shape, a hand over another item."""
         found, key = self._met(at, reach)
         self._list.hover(key)
         if found is None:
@@ -134,12 +138,12 @@ class SelectTool(ShapeTool):
         return Cursor.SizeVerCursor if upright else Cursor.SizeHorCursor
 
     def grips(self, at: Place, reach: float) -> bool:
-        """Whether a handle of the selected shape lies under the pointer."""
+        """Tell whether a handle of the selected shape lies under the pointer."""
         found = self._hit(at, reach)
         return found is not None and found.part == "handle"
 
     def _met(self, at: Place, reach: float) -> tuple[Hit | None, Key | None]:
-        """The shape under a place, or else the row: lines come before areas, and the selected shape first."""
+        """Find the shape at a place, or else the row: lines before areas, the selected shape first."""
         found = self._hit(at, reach)
         if found is not None:
             shape = self._session.document.shapes[found.index]
@@ -153,21 +157,21 @@ class SelectTool(ShapeTool):
         return hit_in(self._session.scene, at, reach, self.here)
 
     def _draw_frame(self, corner: Position, at: Position) -> None:
-        """Select what lies in the frame, once it is larger than a click."""
+        """Select the items in the frame, once it is larger than a click."""
         if max(abs(at[0] - corner[0]), abs(at[1] - corner[1])) <= self._reach:
             return
         frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
-        self._removes = bool(self.modifiers & _REMOVING)
+        self._removes = bool(self.modifiers & _DESELECT_MODIFIER)
         self._found = self._list.within(frame)
         self._drawing.show_draft((), (*frame, corner), theme.CHOSEN)
         self._show()
 
     def _show(self) -> None:
-        """Select what has been found, as the modifier keys say."""
+        """Combine the found items with the selection according to the modifier keys."""
         if self._removes:
             self._list.select(self._chosen - self._found)
         else:
-            self._list.select(self._found | self._chosen if self.modifiers & _ADDING else self._found)
+            self._list.select(self._found | self._chosen if self.modifiers & _SELECTION_MODIFIERS else self._found)
         self._advised()
 
     def _leave(self) -> None:

@@ -17,19 +17,16 @@ from cpm_app.model.volume.surface_section import holds
 from cpm_app.session.signals import EDITING
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import pointer
-from cpm_app.views.tools.tool import MEND, Cursor, Tool
+from cpm_app.views.tools.tool import FREEHAND_SPACING, MEND, Cursor, Tool
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Halves, SegmentedObject, split, split_along
 from cpm_core.reconstruction import Contact
 
-_FINEST = 1.0
-"""Least distance between two places of a line [px]."""
+_SAMPLED_PLACES = 16
+"""Number of places along a line that are searched for objects."""
 
-_PLACES = 16
-"""Places along a line at which is looked for what it crosses."""
-
-_RESTS = 40
-"""Time after which the pointer rests, and a preview is made [ms]."""
+_PREVIEW_DELAY = 40
+"""Time without a move of the pointer after which the preview is drawn [ms]."""
 
 
 class SplitTool(Tool):
@@ -45,15 +42,15 @@ class SplitTool(Tool):
     by_keys = tr("Enter in one half, then in the other; Enter on a contour cuts it.")
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         self._editing, self._list = self._workspace.hand_editing, self._workspace.object_list
         self._whole: SegmentedObject | None = None
-        """The object of which one half has been clicked."""
+        """Object with one half clicked."""
         self._first: Place = (0.0, 0.0)
         self._path: list[Place] = []
         self._at: Place | None = None
         self._reach, self._dragged = 1.0, False
-        self._preview = QTimer(self._list, singleShot=True, interval=_RESTS)
+        self._preview = QTimer(self._list, singleShot=True, interval=_PREVIEW_DELAY)
         self._preview.timeout.connect(self._show)
 
     @property
@@ -63,7 +60,7 @@ class SplitTool(Tool):
 
     @property
     def advice(self) -> str:
-        """What the next click does."""
+        """Sentence on what the next click does."""
         if self._dragged:
             return with_keys(tr("Release to split along the line; {key:escape} cancels."))
         if self._whole is not None:
@@ -81,7 +78,7 @@ class SplitTool(Tool):
 
     def drag(self, at: Place) -> None:
         """Draw a line."""
-        if self._path and self.volume is None and math.dist(self._path[-1], at) >= _FINEST:
+        if self._path and self.volume is None and math.dist(self._path[-1], at) >= FREEHAND_SPACING:
             self._path.append(at)
             self._dragged = self._dragged or math.dist(self._path[0], at) > self._reach
             self._show()
@@ -97,7 +94,7 @@ class SplitTool(Tool):
         self._show()
 
     def hover(self, at: Place) -> None:
-        """Show where a click here would split the object, as soon as the pointer rests."""
+        """Schedule the preview of a split here, for when the pointer rests."""
         self._at = at
         self._preview.start()
         self._advised()
@@ -118,14 +115,14 @@ class SplitTool(Tool):
         self._show()
 
     def cursor(self, at: Place, reach: float) -> Cursor | QCursor:
-        """A knife; the edges are prepared as the tool is taken."""
+        """Return a knife, and prepare the edges."""
         self._reach = max(reach, 1.0)
         if self.volume is None:
             self._editing.prepare()
         return pointer("knife")
 
     def _contact(self, at: Place) -> Contact | None:
-        """The place of a contour in an image that a click would cut."""
+        """Find the place of a contour in an image that a click would cut."""
         return None if self.volume is not None else self._editing.contact(at, self._reach)
 
     def _click(self, at: Place) -> None:
@@ -140,7 +137,7 @@ class SplitTool(Tool):
             self._session.say(tr("There is no object here. {advice}", advice=self.tip), topic=EDITING)
 
     def _split_along(self, path: list[Place]) -> None:
-        places = polyline.middles(np.array(path), _PLACES).tolist()
+        places = polyline.middles(np.array(path), _SAMPLED_PLACES).tolist()
         crossed = [whole for row, col in places if (whole := self._whole_at((row, col))) is not None]
         if crossed:
             most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))
@@ -149,7 +146,7 @@ class SplitTool(Tool):
             self._session.say(tr("The line crosses no object. {advice}", advice=self.tip), topic=EDITING)
 
     def _use(self, whole: SegmentedObject, halves: Callable[[], Halves], at: Place = ()) -> None:
-        """Put the halves in the place of an object, or report why there are none; in a volume split it at a place."""
+        """Replace an object by its halves, or report why that fails; in a volume, split it at a place."""
         self._whole = None
         if whole.frozen:
             name = self._list.title(whole)
@@ -164,14 +161,14 @@ class SplitTool(Tool):
             self._session.say(from_core(str(error)), topic=EDITING)
 
     def _whole_at(self, at: Place) -> SegmentedObject | None:
-        """The object, proposal or closed contour around a place, a selected one first, then the smallest."""
+        """Find the object, proposal or closed contour around a place: a selected one first, then the smallest."""
         rows, under = self._list.selected_rows, ("object", self._list.under(at))
         key = under if under[1] else self._list.at(at, 0.0)
         wholes = [self._list.whole(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))]
         return next((item for item in wholes if item is not None and holds(item, at)), None)
 
     def _show(self) -> None:
-        """Draw the line, or the clicked half and where a click here would split the object."""
+        """Draw the line, or the clicked half and the cut that a click here would make."""
         path: Sequence[Place] | Array = self._path if self._dragged else ()
         whole, at = self._whole, self._at
         if not (self._dragged or self.volume or whole is None or at is None) and holds(whole, at):

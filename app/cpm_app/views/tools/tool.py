@@ -1,4 +1,4 @@
-"""The base class of the tools with which the pointer edits the drawing, and the tool in use."""
+"""The base classes of tools, with which the pointer edits the drawing."""
 
 from __future__ import annotations
 
@@ -21,29 +21,52 @@ from cpm_core.shapes import Shape, sides_of
 Cursor = Qt.CursorShape
 
 TAKING_AWAY = Qt.KeyboardModifier.ShiftModifier
-"""The key with which a click cuts or takes away; window managers on Linux keep clicks with Alt for themselves."""
+"""Key with which a click cuts or removes; window managers on Linux reserve clicks with Alt."""
 
-GROUPS = OBJECT, SELECT, MEND, CIRCLE, STROKE, AREA, AUTO, LIMIT, CHARGE = (
-    tr("Objects"),
-    tr("Select"),
-    tr("Mend"),
-    tr("Circle"),
-    tr("Stroke"),
-    tr("Area"),
-    tr("Auto"),
-    tr("Limit"),
-    tr("Charge"),
-)
-"""Groups of tools by purpose, in the order shown; that of starts that need no drawing has no tools."""
+FREEHAND_SPACING = 1.0
+"""Minimum distance between two corners of a freehand path [px]."""
+
+MIN_DRAWN_AREA = 4.0
+"""Area below which a closed path is taken for an accident [px²]."""
+
+OBJECT = tr("Objects")
+"""Group of the tools that select and draw objects."""
+
+SELECT = tr("Select")
+"""Group of the tools that select and erase."""
+
+MEND = tr("Mend")
+"""Group of the tools that mend contours and objects."""
+
+CIRCLE = tr("Circle")
+"""Group of the closed starts."""
+
+STROKE = tr("Stroke")
+"""Group of the open starts and points."""
+
+AREA = tr("Area")
+"""Group of the starts that fill an area."""
+
+AUTO = tr("Auto")
+"""Group of the starts that need no drawing; it has no tools."""
+
+LIMIT = tr("Limit")
+"""Group of regions of interest and barriers."""
+
+CHARGE = tr("Charge")
+"""Group of the placed charges."""
+
+GROUPS = (OBJECT, SELECT, MEND, CIRCLE, STROKE, AREA, AUTO, LIMIT, CHARGE)
+"""Groups of tools in display order."""
 
 _gestures = itertools.count()
 
 
 class Tool:
-    """What a tool does with the pointer; positions are (row, col) in px of the image, or (plane, row, col) in a volume.
+    """Base class of tools; positions are (row, col) in px of the image, or (plane, row, col) in a volume.
 
-    By default a gesture lasts as long as the button is down, and the tool has no size and no draft. `drawing` shows
-    drafts and rings; `advised` is called when the advice of the tool may have changed.
+    By default a gesture lasts while the button is down, and the tool has no size and no draft. `drawing` shows drafts
+    and rings; `advised` is called when the advice of the tool may have changed.
     """
 
     name: str
@@ -51,25 +74,25 @@ class Tool:
     text: str
     """Text in the menu."""
     shortcut: str
-    """Its key."""
+    """Key that selects the tool."""
     group: str
-    """Its purpose, one of the groups above."""
+    """One of `GROUPS`."""
     panel: Literal["objects", "run"] = "run"
     """The tab of the right column that belongs to it."""
     tip: str = ""
-    """One sentence on what the tool does."""
+    """Sentence on what the tool does."""
     guidance: str = ""
     """Advice until the tool has been used."""
     by_keys: str
-    """One sentence on what Enter does with it at the cross-hair."""
+    """Sentence on what Enter does at the cross-hair."""
     clicks = False
     """Whether Enter is a click; otherwise Enter presses the button, and the next Enter releases it."""
     sized = False
-    """Whether it works with something that has a size."""
+    """Whether the tool has a size."""
     lasting = False
-    """Whether its draft stays while another tool is used."""
+    """Whether the draft stays while another tool is used."""
     here: Slice | None = None
-    """The slice that the pointer is in; None in an image."""
+    """Slice under the pointer; None in an image."""
     modifiers = Qt.KeyboardModifier.NoModifier
     """Modifier keys that are held; they may constrain the shape."""
 
@@ -80,25 +103,25 @@ class Tool:
         self.set_up()
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
 
     @property
     def volume(self) -> ImageReference | None:
-        """The volume that is open; None for an image."""
+        """Volume that is open; None for an image."""
         image = self._session.document.image
         return image if image is not None and image.is_volume else None
 
     def flat(self, place: Place) -> Place:
-        """A place as (row, col) in the view that the pointer is in."""
+        """Return a place as (row, col) in the view under the pointer."""
         return place if self.here is None or len(place) == 2 else self.here.within(place)
 
     def lifted(self, position: Place) -> Place:
-        """The place in the image or in the volume of (row, col) in the view that the pointer is in."""
+        """Return the place in the image or in the volume of (row, col) in the view under the pointer."""
         return position if self.here is None else self.here.lifted(position)
 
     @property
     def sides(self) -> tuple[float, float]:
-        """Height and width of a pixel in the view that the pointer is in, in the smallest side of a voxel."""
+        """Height and width of a pixel in the view under the pointer [smallest side of a voxel]."""
         if self.here is None or self.volume is None:
             return 1.0, 1.0
         down, right = self.here.within(sides_of(self.volume.spacing))
@@ -106,12 +129,12 @@ class Tool:
 
     @property
     def drafting(self) -> bool:
-        """Whether it has an unfinished draft while the button is up."""
+        """Whether the tool has an unfinished draft while the button is up."""
         return False
 
     @property
     def advice(self) -> str:
-        """One sentence on what to do with it, or empty."""
+        """Sentence on what to do next, or empty."""
         return "" if self.used else self.guidance
 
     def press(self, at: Place, reach: float) -> None:
@@ -127,7 +150,7 @@ class Tool:
         """Handle a move with the button up."""
 
     def resize(self, by: float) -> None:
-        """Make what it works with larger, or smaller for `by` below 0."""
+        """Enlarge the tool; negative values of `by` make it smaller."""
 
     def finish(self) -> None:
         """Finish the draft."""
@@ -139,27 +162,27 @@ class Tool:
         """Undo the gesture."""
 
     def set_in_use(self, in_use: bool) -> None:
-        """It is the tool in use from now on, or no longer."""
+        """Prepare for use, or end it."""
 
     def put_away(self) -> None:
-        """Hide its marks: the pointer has left, or another tool is used."""
+        """Hide the marks of the tool when the pointer has left or another tool is used."""
 
     def cursor(self, at: Place, reach: float) -> Cursor | QCursor:
-        """Shape of the pointer over a position."""
+        """Return the cursor over a position."""
         return Cursor.CrossCursor
 
     def grips(self, at: Place, reach: float) -> bool:
-        """Whether a handle of the selected shape lies at a position, so that a press there belongs to this tool."""
+        """Tell whether a handle of the selected shape lies at a position, so that a press there goes to this tool."""
         return False
 
 
 class ShapeTool(Tool):
-    """A tool whose gesture makes or changes one shape of the document, as one step of undo."""
+    """Base class of tools whose gesture adds or changes one shape of the document, as one step of undo."""
 
     by_keys = tr("Enter picks up, arrow keys move, Enter puts down.")
 
     def set_up(self) -> None:
-        """Set what it keeps between events."""
+        """Initialize the state kept between events."""
         self._index: int | None = None
         self._before: Shape | None = None
         self._gesture = ""
@@ -169,7 +192,7 @@ class ShapeTool(Tool):
         self._end()
 
     def cancel(self) -> None:
-        """Restore the shape, or delete it when the gesture has made it."""
+        """Restore the shape, or delete it when the gesture has added it."""
         index = self._index
         if self._before is not None:
             self._put(tr("move"), self._before)
@@ -179,7 +202,7 @@ class ShapeTool(Tool):
 
     @property
     def _drawn(self) -> Shape | None:
-        """The shape of the gesture, None while the document does not contain it."""
+        """Shape of the gesture; None while the document does not contain it."""
         shapes = self._session.document.shapes
         return shapes[self._index] if self._index is not None and self._index < len(shapes) else None
 

@@ -1,1 +1,1 @@
-"""Volumes in the window."""
+"""The view of a volume in space."""

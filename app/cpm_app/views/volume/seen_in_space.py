@@ -1,4 +1,4 @@
-"""What a scene with a volume shows in space; parts are made again only when they have changed."""
+"""The view in space of a scene with a volume; only parts that have changed are built again."""
 
 from __future__ import annotations
 
@@ -29,19 +29,20 @@ from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape, sides_of
 
-NOTHING: Mapping[int, Surface] = MappingProxyType({})
+_NO_SURFACES: Mapping[int, Surface] = MappingProxyType({})
+"""No surfaces of painted objects."""
 
 
 class SeenInSpace:
-    """Makes the view in space of the scenes of a session."""
+    """Builds the view in space of the scenes of a session."""
 
     def __init__(self) -> None:
         self._parts = IdentityCache()
 
-    def of(self, scene: Scene, layers: Layers, bodies: Mapping[int, Surface] = NOTHING) -> ViewInSpace | None:
-        """What a scene shows; particles, gray values and what is drawn as their layers show them on the canvas.
+    def of(self, scene: Scene, layers: Layers, bodies: Mapping[int, Surface] = _NO_SURFACES) -> ViewInSpace | None:
+        """Build the view in space of a scene, with the settings of the layers on the canvas; None without a volume.
 
-        Painted objects have the surfaces in `bodies`, by their numbers, which are made on another thread.
+        `bodies` are the surfaces of painted objects by object number, which another thread computes.
         """
         image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
         if image is None or slices is None:
@@ -89,7 +90,7 @@ def _objects(
     spacing: Sides,
     bodies: Mapping[int, Surface],
 ) -> tuple[ColoredMesh, ...]:
-    """The objects except hidden ones and the one that is being changed, and those that are offered."""
+    """Build the meshes of the objects, except hidden and edited ones, and of the proposals."""
     if objects is None:
         return ()
     seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
@@ -108,15 +109,15 @@ def _truth(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMe
     return (_colored(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
 
 
-_MESHES: WeakKeyDictionary[Surface, Mesh] = WeakKeyDictionary()
-"""What has been drawn of surfaces that are there."""
+_MESH_CACHE: WeakKeyDictionary[Surface, Mesh] = WeakKeyDictionary()
+"""Meshes of surfaces that are still in use."""
 
 
 def _colored(surface: Surface, spacing: Sides, color: str) -> ColoredMesh:
-    """A surface in a color; its mesh is the same as before, with its normals, while others change."""
-    mesh, shade = _MESHES.get(surface), QColor(color)
+    """Color a surface; reuse its mesh, with the normals, from the last view."""
+    mesh, shade = _MESH_CACHE.get(surface), QColor(color)
     if mesh is None or mesh.surface.spacing != spacing:
-        mesh = _MESHES[surface] = Mesh(replace(surface, spacing=spacing))
+        mesh = _MESH_CACHE[surface] = Mesh(replace(surface, spacing=spacing))
     return ColoredMesh(mesh, (shade.red(), shade.green(), shade.blue()))
 
 

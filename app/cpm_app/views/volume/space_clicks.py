@@ -1,4 +1,4 @@
-"""What a click on something that is seen in space draws or selects."""
+"""Clicks in the view in space: drawing and selecting at the clicked place."""
 
 from __future__ import annotations
 
@@ -16,15 +16,18 @@ from cpm_core.numerics import Place
 from cpm_core.numerics.types import Sides
 from cpm_core.shapes import Points, Shape, Sphere
 
-_SMALL, _LEAST = 0.03, 2.0
-"""Radius of a new sphere, as a fraction of the shortest side of the volume, and at least [sides of a voxel]."""
+_NEW_SPHERE_FRACTION = 0.03
+"""Radius of a new sphere, as a fraction of the shortest side of the volume."""
 
-_BEHIND = (0.5, 1.0, 1.5, 2.0, 3.0)
-"""How far behind what is seen the inside of it is looked for [smallest sides of a voxel]."""
+_MIN_NEW_RADIUS = 2.0
+"""Minimum radius of a new sphere [smallest side of a voxel]."""
+
+_INSIDE_DEPTHS = (0.5, 1.0, 1.5, 2.0, 3.0)
+"""Depths behind a visible surface that are searched for its inside [smallest side of a voxel]."""
 
 
 def draw_at(session: Session, tool: str, at: Place) -> None:
-    """Draw what a tool draws at a place of the volume; most tools need a slice to draw in."""
+    """Draw the shape of a tool at a place of the volume, if the tool needs no slice to draw in."""
     image = session.image
     if image is None or image.ndim != 3 or tool not in ("circle", "points"):
         return
@@ -32,19 +35,22 @@ def draw_at(session: Session, tool: str, at: Place) -> None:
     name = tr("place point")
     if tool == "circle":
         shortest = min(n * side for n, side in zip(image.shape, image.spacing, strict=True)) / min(image.spacing)
-        shape, name = Sphere.round(at, max(_SMALL * shortest, _LEAST), image.spacing), tr("draw sphere")
+        shape, name = (
+            Sphere.round(at, max(_NEW_SPHERE_FRACTION * shortest, _MIN_NEW_RADIUS), image.spacing),
+            tr("draw sphere"),
+        )
     session.edit(name, lambda document: edits.add_shape(document, shape))
     session.select(len(session.document.shapes) - 1)
 
 
 def select_at(selection: ObjectSelection, camera: Camera, spacing: Sides, at: Place) -> None:
-    """Report that the body behind a place on something seen belongs to the object; with Shift, not.
+    """Add a positive point, with Shift a negative one, inside the body behind a clicked place.
 
-    Where none lies behind it, the place itself is meant.
+    If no body lies behind it, add the place itself.
     """
     partition = selection.partitions.partition
     way = min(spacing) * camera.axes[2] / np.array(spacing)
-    places = np.array(at) + np.outer((0.0, *_BEHIND), way)
+    places = np.array(at) + np.outer((0.0, *_INSIDE_DEPTHS), way)
     within = partition.bodies_at(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
     place = places[1 + int(np.argmax(within[1:]))] if np.any(within[1:]) else places[0]
     inside = not QGuiApplication.keyboardModifiers() & TAKING_AWAY

@@ -1,4 +1,4 @@
-"""The panel of the view in space: its controls, and what its menu offers."""
+"""The panel of the view in space: its controls and its menu."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.widgets.containers import arrange
 from cpm_app.views.widgets.fields import MarkedSlider
 
-PARTS = {
+_SHOWN_PARTS = {
     "particles": (tr("Particles"), tr("Show the particles.")),
     "surface": (tr("Surface"), tr("Show the surface that the particles have found.")),
     "objects": (tr("Objects"), tr("Show the objects that have been selected, in the colors of their classes.")),
@@ -30,30 +30,31 @@ PARTS = {
 }
 """Titles and tips of the parts by their fields in `ShownParts`."""
 
-_CUTS = ((tr("No cut"), None), (tr("Cut planes"), 0), (tr("Cut rows"), 1), (tr("Cut columns"), 2))
+_CUT_AXES = ((tr("No cut"), None), (tr("Cut planes"), 0), (tr("Cut rows"), 1), (tr("Cut columns"), 2))
+"""Titles of the cuts, and the axes across which they run."""
 
 
 class SpaceBar(QWidget):
-    """Controls of what is shown in space."""
+    """Controls for the parts shown in space."""
 
     changed = Signal(object)
-    """The user has chosen other parts."""
+    """The user has changed the shown parts: `ShownParts`."""
 
     def __init__(self) -> None:
         super().__init__()
         self.shown = ShownParts()
-        """What is chosen."""
-        self.checks = {name: QCheckBox(title) for name, (title, _) in PARTS.items()}
+        """Parts that are shown."""
+        self.checks = {name: QCheckBox(title) for name, (title, _) in _SHOWN_PARTS.items()}
         self.opacity = _slider(tr("Opacity of surface and objects"), 0.05, self.shown.opacity)
         self.opacity.setToolTip(tr("Through a transparent surface, particles and slices behind it are visible."))
         self.cut = QComboBox()
         self.cut.setAccessibleName(tr("Axis of the cut"))
         self.cut.setToolTip(tr("Cut away the front of the surface and particles to look inside."))
-        for title, axis in _CUTS:
+        for title, axis in _CUT_AXES:
             self.cut.addItem(title, axis)
         self.cut_at = _slider(tr("Position of the cut"), 0.01, self.shown.cut_at)
         for name, check in self.checks.items():
-            check.setToolTip(PARTS[name][1])
+            check.setToolTip(_SHOWN_PARTS[name][1])
             check.setChecked(getattr(self.shown, name))
             check.toggled.connect(self._choose)
         looks = arrange(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity)
@@ -65,20 +66,20 @@ class SpaceBar(QWidget):
         self._enable()
 
     def _choose(self) -> None:
-        chosen = replace(
+        shown = replace(
             self.shown,
             **{name: check.isChecked() for name, check in self.checks.items()},
             opacity=self.opacity.exact,
             cut_axis=self.cut.currentData(),
             cut_at=self.cut_at.exact,
         )
-        if chosen != self.shown:
-            self.shown = chosen
+        if shown != self.shown:
+            self.shown = shown
             self._enable()
-            self.changed.emit(chosen)
+            self.changed.emit(shown)
 
     def _enable(self) -> None:
-        """Controls without an effect are gray."""
+        """Disable the controls that have no effect."""
         self.opacity.setEnabled(self.shown.surface or self.shown.objects)
         self.cut_at.setEnabled(self.shown.cut_axis is not None)
 
@@ -92,62 +93,63 @@ def _slider(name: str, step: float, first: float) -> MarkedSlider:
 
 
 class SpacePanel(QWidget):
-    """The controls, and the view that shows a volume as they say, which is next to the slices."""
+    """The controls, and the view next to the slices that shows a volume accordingly."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
         self.contents: ViewInSpace | None = None
-        """What is shown."""
+        """View that is shown."""
         self.bar = SpaceBar()
         self.view = SpaceView(session)
         self.bar.changed.connect(lambda: self.show_contents(self.contents))
         arrange(QVBoxLayout(self), self.bar)
 
     def show_contents(self, contents: ViewInSpace | None) -> None:
-        """Show another volume, or what a run has found in it since."""
+        """Show another volume, or newer results of a run."""
         self.contents = None if contents is None else replace(contents, shown=self.bar.shown)
         self.view.show_view(self.contents)
 
 
-_MENU = ">" + tr("In space")
+_SPACE_MENU = ">" + tr("In space")
+"""Submenu of the view in space."""
 
-_FROM = {"A": tr("From the &front"), "P": tr("From the &front"), "L": tr("From the &left side"),
+_PATIENT_VIEWS = {"A": tr("From the &front"), "P": tr("From the &front"), "L": tr("From the &left side"),
          "R": tr("From the &left side"), "S": tr("From &below"), "I": tr("From &below")}  # fmt: skip
-"""Where a patient is seen from along an axis that ends at a letter, as slices across it are."""
+"""Titles of the views along an axis, by the letter at its end, as slices across the axis are seen."""
 
 
 def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
-    """The actions of the view in space."""
+    """Return the actions of the view in space."""
 
-    def copy() -> None:
+    def copy_picture() -> None:
         QApplication.clipboard().setImage(panel.view.grab().toImage())
         session.say(tr("The view in space was copied."), topic=EXPORTING)
 
-    def along(axis: int) -> ActionSpec:
-        """A view along an axis, in words of a patient where it is known how the volume lies."""
+    def create_axis_action(axis: int) -> ActionSpec:
+        """Create the action for a view along an axis, titled by anatomy where the orientation is known."""
         plain = tr("Along the &{axis}").format(axis=AXES[axis])
 
-        def text(_: Situation) -> str:
+        def format_title(_: Situation) -> str:
             image = session.scene.image
             if image is None or image.geometry is None or image.ndim != 3:
                 return plain
-            return _FROM[ends_of(image)[axis][1]]
+            return _PATIENT_VIEWS[ends_of(image)[axis][1]]
 
-        return ActionSpec(f"space_along_{axis}", _MENU, plain,
+        return ActionSpec(f"space_along_{axis}", _SPACE_MENU, plain,
                           tr("Look along this axis: {axis} ({key} in the view).")
                           .format(axis=AXES[axis], key=axis + 1), partial(panel.view.look_along, axis),
-                          there=has_volume, worded=text)  # fmt: skip
+                          there=has_volume, worded=format_title)  # fmt: skip
 
-    def part(name: str) -> ActionSpec:
-        (title, tip), check = PARTS[name], panel.bar.checks[name]
-        return ActionSpec(f"space_{name}", _MENU, title, tip, check.toggle,
+    def create_part_action(name: str) -> ActionSpec:
+        (title, tip), check = _SHOWN_PARTS[name], panel.bar.checks[name]
+        return ActionSpec(f"space_{name}", _SPACE_MENU, title, tip, check.toggle,
                           there=has_volume, holds=lambda _: check.isChecked())  # fmt: skip
 
-    yield ActionSpec("space_whole", _MENU, "&Whole volume",
+    yield ActionSpec("space_whole", _SPACE_MENU, "&Whole volume",
                      "Show the whole volume from the initial direction (0 in the view).", panel.view.show_all,
                      there=has_volume)  # fmt: skip
-    yield from map(along, range(3))
-    yield from map(part, PARTS)
-    yield ActionSpec("copy_space", _MENU, "&Copy picture",
-                     "Copy the view in space to the clipboard.", copy,
+    yield from map(create_axis_action, range(3))
+    yield from map(create_part_action, _SHOWN_PARTS)
+    yield ActionSpec("copy_space", _SPACE_MENU, "&Copy picture",
+                     "Copy the view in space to the clipboard.", copy_picture,
                      there=has_volume)  # fmt: skip

@@ -1,4 +1,4 @@
-"""The view in space: a volume with its particles and surface, which the mouse turns."""
+"""The view in space: a volume with its particles and surface, turned by the mouse."""
 
 from __future__ import annotations
 
@@ -34,37 +34,52 @@ from cpm_app.views.volume.space_marks import LOOK, draw_marks, write
 from cpm_core.numerics import Array, Place
 from cpm_core.numerics.types import record
 
-_STEP, _ZOOM = radians(5.0), 1.2
-"""What a press of a key turns and enlarges."""
+_KEY_TURN_ANGLE = radians(5.0)
+"""Angle that a key press turns [rad]."""
 
-_TURNS = {
-    Qt.Key.Key_Left: (-_STEP, 0.0),
-    Qt.Key.Key_Right: (_STEP, 0.0),
-    Qt.Key.Key_Up: (0.0, -_STEP),
-    Qt.Key.Key_Down: (0.0, _STEP),
+_KEY_ZOOM_FACTOR = 1.2
+"""Factor that a key press enlarges."""
+
+_TURN_KEYS = {
+    Qt.Key.Key_Left: (-_KEY_TURN_ANGLE, 0.0),
+    Qt.Key.Key_Right: (_KEY_TURN_ANGLE, 0.0),
+    Qt.Key.Key_Up: (0.0, -_KEY_TURN_ANGLE),
+    Qt.Key.Key_Down: (0.0, _KEY_TURN_ANGLE),
 }
-_ZOOMS = {Qt.Key.Key_Plus: _ZOOM, Qt.Key.Key_Equal: _ZOOM, Qt.Key.Key_Minus: 1.0 / _ZOOM}
-_AXES = {Qt.Key.Key_1: 0, Qt.Key.Key_2: 1, Qt.Key.Key_3: 2}
-_WHOLE = (Qt.Key.Key_0, Qt.Key.Key_Home)
+"""Angles (to the right, down) of the keys that turn [rad]."""
 
-_STILL = 150
+_ZOOM_KEYS = {
+    Qt.Key.Key_Plus: _KEY_ZOOM_FACTOR,
+    Qt.Key.Key_Equal: _KEY_ZOOM_FACTOR,
+    Qt.Key.Key_Minus: 1.0 / _KEY_ZOOM_FACTOR,
+}
+"""Factors of the keys that zoom."""
+
+_AXIS_KEYS = {Qt.Key.Key_1: 0, Qt.Key.Key_2: 1, Qt.Key.Key_3: 2}
+"""Axes of the keys that look along one."""
+
+_WHOLE_VIEW_KEYS = (Qt.Key.Key_0, Qt.Key.Key_Home)
+"""Keys that show the whole volume."""
+
+_STILL_DELAY = 150
 """Time without a change after which the picture is drawn at full size [ms]."""
 
-_SMOOTH = 0.02
-"""Time that a picture may take while the view turns [s]; a slower one is drawn coarser."""
+_MAX_TURNING_TIME = 0.02
+"""Time that a picture may take while the view turns [s]; slower ones are drawn coarser."""
 
-_COARSEST = 4
+_MAX_COARSENESS = 4
+"""Largest pixel of a coarse picture [px of the screen]."""
 
-_WHEEL = 1.0015
-"""What an eighth of a degree of the wheel enlarges."""
+_WHEEL_FACTOR = 1.0015
+"""Factor that an eighth of a degree of the wheel enlarges."""
 
-_CLICK = 4.0
-"""Distance within which a press and a release are a click [px of the screen]."""
+_MAX_CLICK_MOVE = 4.0
+"""Largest distance between press and release of a click [px of the screen]."""
 
 
 @record
 class _Frame:
-    """A picture that has been drawn, of which particles, and how."""
+    """A picture, and the particles, camera and settings it was drawn with."""
 
     picture: Picture
     particles: Particles | None
@@ -75,10 +90,10 @@ class _Frame:
 
 
 class SpaceView(QWidget):
-    """Draws a view on a thread of its own, the newest first; coarser while something moves, in full once it is still.
+    """Draws the newest view on its own thread: coarsely while it moves, at full resolution once it is still.
 
-    Drag to turn, with Shift or the middle button to move, with Ctrl to roll; the wheel enlarges; a double click shows
-    everything again. A click on something picks the place, one with the right button opens the menu.
+    Drag to turn, with Shift or the middle button to move, with Ctrl to roll; the wheel zooms; a double click shows
+    everything again. A click on something picks the place, a right click opens the menu.
     """
 
     picked = Signal(object)
@@ -98,16 +113,16 @@ class SpaceView(QWidget):
         self._last = QPointF()
         self._drag = (Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
         self._painter = LatestOnlyWorker(session, "cpm-space", tr("drawing the view in space"))
-        self._still = QTimer(self, interval=_STILL, singleShot=True)
+        self._still = QTimer(self, interval=_STILL_DELAY, singleShot=True)
         self._still.timeout.connect(partial(self._ask, 1))
         self._parts = IdentityCache()
 
     def sizeHint(self) -> QSize:
-        """A square."""
+        """Return the size of a square."""
         return QSize(420, 420)
 
     def show_view(self, view: ViewInSpace | None) -> None:
-        """Show something else; one of another size is seen as a whole, otherwise the camera stays."""
+        """Show another view; keep the camera unless the volume has another size."""
         before, self._view = self._view, view
         if view is None:
             self._frame, self.camera = None, None
@@ -119,44 +134,44 @@ class SpaceView(QWidget):
 
     @property
     def idle(self) -> bool:
-        """Whether the picture shows all that was asked for, in full."""
+        """Whether the picture shows the last request at full resolution."""
         shown = 0 if self._frame is None else self._frame.number
         return not self._still.isActive() and (self._view is None or shown == self._asked)
 
     @property
     def positions(self) -> Array | None:
-        """Positions of the particles in the picture [voxels]; None without any."""
+        """Positions of the particles in the picture [voxels], shape (N, 3); None without any."""
         return None if self._frame is None or self._frame.particles is None else self._frame.particles.positions
 
     @property
     def room(self) -> tuple[int, int]:
-        """Rows and columns of the picture in full."""
+        """Rows and columns of the picture at full resolution."""
         ratio = self.devicePixelRatioF()
         return max(1, round(self.height() * ratio)), max(1, round(self.width() * ratio))
 
     def show_all(self) -> None:
-        """See the whole volume from where it is seen first."""
+        """Show the whole volume from the initial direction."""
         if self._view is not None:
             image = self._view.image
             self.use(Camera.on(self._view.lengths, self.room, directions_of(image)[first_seen(image)]))
 
     def look_along(self, axis: int) -> None:
-        """See the volume as its slices across an axis lie."""
+        """Look along an axis, in the orientation of the slices across it."""
         if self._view is not None and self.camera is not None:
             self.use(replace(self.camera, axes=directions_of(self._view.image)[axis]))
 
     def use(self, camera: Camera) -> None:
-        """See the volume from elsewhere."""
+        """Show the volume from another camera."""
         self.camera = camera
         self._changed()
 
     def close_thread(self) -> None:
-        """End the thread that draws."""
+        """End the drawing thread."""
         self._still.stop()
         self._painter.close()
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """Its menu; see `MenuOwner`."""
+        """Return the menu of the view; see `MenuOwner`."""
         return "" if self._view is None else "space", point or self.rect().center()
 
     # Qt interface
@@ -177,7 +192,7 @@ class SpaceView(QWidget):
         painter.end()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the volume as large in the view as it was."""
+        """Keep the size of the volume relative to the view."""
         before = min(event.oldSize().width(), event.oldSize().height())
         if self.camera is not None and before > 0:
             self.camera = self.camera.enlarged(max(min(self.width(), self.height()), 1) / before)
@@ -206,9 +221,9 @@ class SpaceView(QWidget):
             self.use(camera.turned(half_turn * way.x(), half_turn * way.y()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Pick what was clicked; a click of the right button opens the menu."""
+        """Pick the clicked place; a right click opens the menu."""
         begin, self._pressed = self._pressed, None
-        if begin is None or (event.position() - begin).manhattanLength() > _CLICK:
+        if begin is None or (event.position() - begin).manhattanLength() > _MAX_CLICK_MOVE:
             return
         if event.button() == Qt.MouseButton.RightButton:
             reason, point = QContextMenuEvent.Reason.Other, event.position().toPoint()
@@ -219,43 +234,43 @@ class SpaceView(QWidget):
                 self.picked.emit(position)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Leave the menu to the window; the right button opens it when it is released without a drag."""
+        """Leave the menu to the window; the right button opens it when released without a drag."""
         event.setAccepted(event.reason() == QContextMenuEvent.Reason.Mouse)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """See everything."""
+        """Show the whole volume."""
         self.show_all()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Enlarge at the pointer."""
         if self.camera is not None:
             off = (event.position() - QPointF(self.rect().center())) * self.devicePixelRatioF()
-            self.use(self.camera.zoomed(_WHEEL ** event.angleDelta().y(), off.x(), off.y()))
+            self.use(self.camera.zoomed(_WHEEL_FACTOR ** event.angleDelta().y(), off.x(), off.y()))
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Turn, enlarge, look along an axis, or see everything."""
+        """Turn, zoom, look along an axis, or show the whole volume."""
         key, camera = Qt.Key(event.key()), self.camera
-        if camera is not None and key in _TURNS:
-            self.use(camera.turned(*_TURNS[key]))
-        elif camera is not None and key in _ZOOMS:
-            self.use(camera.zoomed(_ZOOMS[key]))
-        elif key in _AXES:
-            self.look_along(_AXES[key])
-        elif key in _WHOLE:
+        if camera is not None and key in _TURN_KEYS:
+            self.use(camera.turned(*_TURN_KEYS[key]))
+        elif camera is not None and key in _ZOOM_KEYS:
+            self.use(camera.zoomed(_ZOOM_KEYS[key]))
+        elif key in _AXIS_KEYS:
+            self.look_along(_AXIS_KEYS[key])
+        elif key in _WHOLE_VIEW_KEYS:
             self.show_all()
         else:
             super().keyPressEvent(event)
 
     def showEvent(self, event: object) -> None:
-        """Draw what was not drawn while it was hidden."""
+        """Draw the view, which is not drawn while hidden."""
         self._ask(1)
 
     def _changed(self) -> None:
-        self._ask(min(_COARSEST, max(1, round((self._seconds / _SMOOTH) ** 0.5))))
+        self._ask(min(_MAX_COARSENESS, max(1, round((self._seconds / _MAX_TURNING_TIME) ** 0.5))))
 
     def _ask(self, coarseness: int) -> None:
-        """Draw with one pixel for so many of the screen; in full after a while without a change."""
+        """Request a picture with pixels of `coarseness` px of the screen, and later one at full resolution."""
         if self._view is None or self.camera is None or not self.isVisible():
             return
         if coarseness > 1:
@@ -268,7 +283,7 @@ class SpaceView(QWidget):
         self._painter.ask(partial(_draw, self._parts, *given), self._take)
 
     def _take(self, frame: _Frame) -> None:
-        """Show a picture that has been drawn."""
+        """Show a finished picture."""
         if self._view is None:
             return
         self._frame = frame
@@ -277,7 +292,7 @@ class SpaceView(QWidget):
         self.update()
 
     def _at(self, point: QPointF) -> Place | None:
-        """Position [voxels] of what is seen at a point, None where nothing is."""
+        """Find the position [voxels] of the item seen at a point; None where there is none."""
         frame, view = self._frame, self._view
         if frame is None or view is None:
             return None
@@ -300,12 +315,12 @@ def _draw(
     coarseness: int,
     number: int,
 ) -> _Frame:
-    """Draw on the thread."""
+    """Draw a frame on the drawing thread."""
     begin, particles = time.perf_counter(), view.particles
     look, seen = replace(LOOK, radius=max(LOOK.radius / coarseness, 0.6)), camera.enlarged(1.0 / coarseness)
     if view.shown.opacity < 1.0:
         picture = view.drawn(seen, size, look)
-    else:  # what does not flow is drawn only once
+    else:  # everything except the particles is drawn only once
         still = replace(view, particles=None)
         made_of = *(getattr(still, one.name) for one in fields(still)), camera, size
         picture = parts.named("still", lambda: still.drawn(seen, size, look), *made_of).copy()
