@@ -1,7 +1,7 @@
-"""Interventions: edits of the document change the run that exists at once.
+"""The run updater: edits of the document change the existing run at once.
 
-Regions of interest, barriers and placed charges apply to every run: each change is sent to the worker, and of many
-changes in a row the last is executed. The particles of new starts join the run when the gesture that draws them ends.
+Regions of interest, barriers and placed charges apply to every run: each change is sent to the worker, which executes
+only the last of many changes in a row. The particles of new starts join the run when the gesture that draws them ends.
 When a start is moved or removed after the run has begun, the run is only marked as out of date.
 """
 
@@ -25,14 +25,15 @@ from cpm_app.session.worker.run import Run
 from cpm_core.numerics import Place
 from cpm_core.shapes import Interest, Shape
 
-_LAG = 2.0
+_MOTION_ALLOWANCE = 2.0
 """Distance by which particles may have moved since they were shown [px]."""
 
-_NONE: Counter[Hashable] = Counter()
+_NO_SOURCES: Counter[Hashable] = Counter()
+"""Sources of the particles while no run is shown."""
 
 
 class Live:
-    """Compares documents and sends changes to the worker."""
+    """Sends the differences between two documents to the worker."""
 
     def __init__(self, board: Board, post: Callable[[Command], None]) -> None:
         self._board = board
@@ -47,25 +48,25 @@ class Live:
         self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable] | None, bool] = (None, None, False)
 
     def begin(self, run: int, document: Document) -> None:
-        """The run of this generation starts from a document."""
+        """Record that the run of this generation starts from a document."""
         self._run = run
         self._late[run], self.executed[run] = document.late, document.sources
         self._drawn, self._last_shapes = document.sources, document.shapes
 
     def use(self, run: int) -> None:
-        """Another run of the timeline is shown, the one that began as this generation."""
+        """Make the run of the timeline that began as this generation the current one."""
         if run in self.executed:
             self._run = run
 
     def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
-        """The runs of a session are there: their first documents and the sources of their particles."""
+        """Take over the runs of a session: their first documents and the sources of their particles."""
         document = self._board.scene.document
         self._drawn, self._last_shapes = document.sources, document.shapes
         for run, (first, executed) in begun.items():
             self._late[run], self.executed[run] = replace(first, image=document.image).late, executed
 
     def forget(self) -> None:
-        """Forget all runs: another image has been opened."""
+        """Remove all runs, because another image has been opened."""
         self._late.clear()
         self.executed.clear()
         self._run = 0
@@ -73,14 +74,14 @@ class Live:
     @property
     def _executed(self) -> Counter[Hashable]:
         """The sources of the particles of the run that is shown."""
-        return self.executed.get(self._run, _NONE)
+        return self.executed.get(self._run, _NO_SOURCES)
 
     def _execute(self, executed: Counter[Hashable]) -> None:
         if self._run in self.executed:
             self.executed[self._run] = executed
 
     def outdated(self, document: Document) -> bool:
-        """Whether a run from the current document would begin otherwise than the existing one did.
+        """Return whether a run from the current document would begin differently from the existing one.
 
         Starts that have only been added join the run.
         """
@@ -91,7 +92,7 @@ class Live:
         return self._outdated[2] or document.late != self._late.get(self._run, ())
 
     def follow(self, before: Document, after: Document, complete: bool) -> None:
-        """The document has changed; unless `complete`, the gesture that changes it continues."""
+        """Send the changes of the document to the worker; unless `complete`, the gesture is still going on."""
         board = self._board
         if before.parameters != after.parameters:
             self._post(run_call(None, Run.set_parameters, after.parameters))
@@ -110,7 +111,7 @@ class Live:
             self.end_gesture()
 
     def end_gesture(self) -> None:
-        """A gesture has ended: the starts that it has added join the run."""
+        """End a gesture: the starts that it has added join the run."""
         document = self._board.scene.document
         if document.shapes is self._last_shapes:
             return  # most often only parameters changed, and many points take a while to compare
@@ -128,12 +129,12 @@ class Live:
             self._post(run_call(self._board.generation, Run.join, only))
 
     def begin_erasure(self) -> Erasure:
-        """An erasure that has not removed anything yet."""
+        """Return an erasure that has not removed anything yet."""
         self._erasures += 1
         return Erasure(self._erasures)
 
     def erase(self, path: tuple[Place, ...], radius: float, erasure: Erasure) -> tuple[Document, bool]:
-        """Remove the particles near a path: the document without the shapes near it, and whether the run changes.
+        """Remove the particles near a path; return the document without its shapes there, and whether the run changes.
 
         Run and document stay consistent, so that the run is not out of date afterwards.
         """
@@ -145,12 +146,12 @@ class Live:
             return rest, False
         erasure.sources += lost
         self._post(run_call(board.generation, Run.erase, path, radius, erasure.number))
-        # particles are near the path as far as the window knows; while they move, some px farther away
-        scene, erased = board.scene, Erased(path, radius + _LAG * (board.status.phase == "running"))
+        # the window knows where particles were a moment ago; while they move, they may be some pixels farther on
+        scene, erased = board.scene, Erased(path, radius + _MOTION_ALLOWANCE * (board.status.phase == "running"))
         if lost or scene.snapshot is None or scene.image is None:
             return rest, True
         return rest, bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))
 
     def turn(self, erasure: Erasure, back: bool) -> None:
-        """Particles that were erased come back, or go again, and with them those of the shapes erased."""
+        """Bring back the particles of an erasure and of the shapes it removed, or remove them again."""
         self._execute(self._executed + erasure.sources if back else self._executed - erasure.sources)

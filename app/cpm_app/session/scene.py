@@ -1,7 +1,7 @@
 """The scene: everything that the canvas shows, one frozen value that the session replaces as a whole.
 
-A view keeps the scene that it has drawn last and draws what is another object in the next one. Another canvas, such as
-that of an animation, draws another scene: ``dataclasses.replace(session.scene, snapshot=...)``.
+A view keeps the scene that it has drawn last and redraws only the parts that are not the same objects in the next one.
+Another canvas, such as an animation, draws another scene: ``dataclasses.replace(session.scene, snapshot=...)``.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Item:
 
     @property
     def title(self) -> str:
-        """Its name, or its number."""
+        """Name of the contour, or its number."""
         return self.contour.name or tr("contour {number}", number=self.measures.number)
 
 
@@ -51,8 +51,8 @@ class Item:
 class ReviewedContours:
     """The contours of a reconstruction, longest first, with their marks.
 
-    `tracked` is the reconstruction, None while there is none, and `result` the same with kept contours that it lacks,
-    and with rejected ones.
+    `tracked` is the reconstruction, None while there is none. `result` also has the kept contours that are missing from
+    it, and the rejected ones.
     """
 
     items: tuple[Item, ...] = ()
@@ -70,24 +70,25 @@ class ReviewedContours:
 
 
 NO_CONTOURS = ReviewedContours()
+"""No contours, before there is a reconstruction."""
 
 
 @record
 class Proposal:
-    """An object that is offered.
+    """An object that is offered to the user.
 
     Attributes
     ----------
     selection : Selection or VolumeSelection
         The object.
     clicks : tuple of Click
-        What it was selected by.
+        The clicks that selected it.
     number : int
         Number of the object that it would replace; 0 for a new one.
     key : int
-        What it is chosen by, below 0, the same as long as it is offered; 0 for the object of the clicks.
+        Key for selecting it, below 0, constant while it is offered; 0 for the object of the clicks.
     followed : SegmentedObject or None
-        The object that it becomes, when it has been followed from the page before.
+        The object that it becomes, if it has been followed from the previous page.
     """
 
     selection: AnySelection
@@ -98,22 +99,22 @@ class Proposal:
 
     @cached_property
     def item(self) -> SegmentedObject:
-        """The object that it would become, of the first class unless it was followed; it has to have a boundary."""
+        """The object that accepting it would create, of the first class unless it was followed; needs a boundary."""
         return self.followed or made(self.selection, self.clicks, self.number or 1, 1)
 
 
 @record
 class Preview:
-    """What a click under the pointer would change.
+    """The effect that a click under the pointer would have.
 
     Attributes
     ----------
     after : Selection or VolumeSelection
         The object after the click.
     before : Selection, VolumeSelection or None
-        The object as it is; None when the click would begin one.
+        The present object; None when the click would begin one.
     adds : bool
-        Whether the click adds to it; otherwise it takes away.
+        Whether the click adds to the object; otherwise it removes a part.
     """
 
     after: AnySelection
@@ -123,16 +124,16 @@ class Preview:
 
 @record
 class ShownObjects:
-    """What is shown of the selection of objects next to those of the document.
+    """Proposals, the preview and the selection of objects, shown together with the objects of the document.
 
     Attributes
     ----------
     proposals : tuple of Proposal
-        Objects that are offered: that of the clicks, and those of the run.
+        Offered objects: the object of the clicks, and those of the run.
     preview : Preview or None
-        What a click under the pointer would change.
+        Effect that a click under the pointer would have.
     chosen : frozenset of int
-        Numbers of the chosen objects, and keys of the chosen proposals.
+        Numbers of the selected objects, and keys of the selected proposals.
     hovered : int
         Number of the object, or key of the proposal, under the pointer; 0 for none.
     """
@@ -150,9 +151,9 @@ class NearParticles:
     Attributes
     ----------
     index : ndarray of int, shape (M,)
-        Which of all particles they are.
+        Indices among all particles.
     away : ndarray, shape (M,)
-        How far they are from the slice: 0 in it, 1 where they are no longer shown.
+        Distances from the slice: 0 in it, 1 where particles are no longer shown.
     """
 
     index: Index
@@ -161,10 +162,10 @@ class NearParticles:
 
 @record
 class Scene:
-    """What is shown on the canvas.
+    """Everything shown on the canvas.
 
-    The image of the scene of a session may be a volume; each view draws the scene of a slice of it, which
-    `cpm_app.session.features.slices` makes: that has an image, and `volume` and `near` next to it.
+    The image of a session's scene may be a volume. Each view then draws the scene of a slice, made by
+    `cpm_app.session.features.slices`, whose image is the slice and whose `volume` and `near` are set.
 
     Attributes
     ----------
@@ -190,16 +191,16 @@ class Scene:
         Keys of the selected contours.
     hovered_contour : int or None
         Key of the contour under the pointer.
-    overlays : mapping of str to what is drawn
+    overlays : mapping of str to Drawn
         The requested overlays by name; see `cpm_app.session.worker.prepared_methods`.
     probed : Probed or None
         Forces on a particle.
     truth : Truth, VolumeTruth or None
-        What results are compared with, unless that is what is shown.
+        Ground truth that results are compared with, unless the reference is the shown result.
     differences : tuple of Difference
-        Where the contours, or the surface, that are compared differ from it.
+        Places where the compared contours or surface differ from the reference.
     apart : tuple of Apart
-        The same in a volume, as parts of the surfaces.
+        In a volume, the parts of the surfaces that differ.
     objects : ShownObjects
         The selection of objects.
     slices : Slices or None
@@ -207,7 +208,7 @@ class Scene:
     volume : Image or None
         The volume whose slice `image` is; None for an image of its own, and for the volume itself.
     near : NearParticles or None
-        Which of the particles of a volume are shown in a slice.
+        Particles of a volume that are shown in a slice.
     """
 
     image: Image | None = None
@@ -233,12 +234,12 @@ class Scene:
 
     @property
     def whole(self) -> Image | None:
-        """The image as it was opened: the volume where a slice is shown."""
+        """The image as it was opened: the volume if a slice is shown."""
         return self.image if self.volume is None else self.volume
 
     @property
     def ground(self) -> tuple[Image | None, int | None]:
-        """What a view shows a part of: an image, or the slices of a volume across an axis."""
+        """The image that a view shows a part of, and the axis of the slices if it is a volume."""
         return self.whole, self.slices.axis if self.slices is not None else None
 
     @property

@@ -35,19 +35,19 @@ from cpm_core.formats import Reading
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.shapes import Sphere
 
-_PREPARING = tr("Preparing (takes longer the first time)…")
+_PREPARING_TEXT = tr("Preparing (takes longer the first time)…")
 
 LOOK = 4
-"""Time between two looks for what the worker has left, so that a step is seen soon after it is taken [ms]."""
+"""Time between two polls of the worker, short enough that a step is seen soon after it is taken [ms]."""
 
 FRAME = 0.013
-"""Least time between two changes of what is shown, so that a fast run leaves the window time for the user [s]."""
+"""Shortest time between two displayed frames, so that a fast run leaves the window time for the user [s]."""
 
 
 class Session(QObject):
     """Document, history and run, and the files that they are read from and written to.
 
-    Views follow its signals, and read its scene; work that takes long is done by the worker thread and by tasks.
+    Views connect to its signals and read its scene; long work is done by the worker thread and by tasks.
     """
 
     def __init__(self, core: Core | None = None) -> None:
@@ -66,7 +66,7 @@ class Session(QObject):
         self._numbered = 0
         self._resolved: tuple[Situation, Resolved] | None = None
         self.history = History()
-        """What can be undone and redone."""
+        """The changes that can be undone and redone."""
         self.live = Live(board, self.post)
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
@@ -78,14 +78,14 @@ class Session(QObject):
         self.set_pace(PACES[FIRST_PACE])
         self._opener = Opener(core, self.tasks)
         self._mode_before = self.document.mode
-        """The mode in use when the image that is being opened was asked for."""
+        """The mode in use when the image that is being opened was requested."""
         self._asked_scales = self._used_scales = self.document.parameters.scales
         self.keeps_parameters = False
         """Whether the next image begins with the parameters of the one before it."""
         self.former_parameters: Parameters | None = None
         """Parameters of the image that was open before this one."""
         self.may_replace: Callable[[Opened], bool] = lambda opened: True
-        """Whether an image may replace what is open at once; where not, `use` opens it later."""
+        """Whether an image may replace the open one at once; if not, `use` opens it later."""
         self.listen(ImageReady, lambda ready: self.use(ready.opened) if self.may_replace(ready.opened) else None)
         self.listen(Opened, self._accept)
         self.listen(
@@ -145,7 +145,7 @@ class Session(QObject):
 
     @property
     def resolved(self) -> Resolved:
-        """What the window shows."""
+        """Everything that the window shows and enables, derived from the situation."""
         situation = self.situation
         if self._resolved is None or self._resolved[0] != situation:
             self._resolved = situation, resolve(situation)
@@ -158,7 +158,7 @@ class Session(QObject):
 
     @property
     def idle(self) -> bool:
-        """Whether no work is going on and every report has been shown."""
+        """Whether there is no work and every report has been shown."""
         return self._worker_thread.idle and self.tasks.idle
 
     # Editing
@@ -168,9 +168,9 @@ class Session(QObject):
     ) -> None:
         """Change the document in a way that can be undone.
 
-        `name` is what follows "Undo" in the menu. Edits in a row with the same gesture are undone together, and with
-        them the `erasure` of particles. A gesture that changes what particles at rest feel, such as the drag of a
-        slider, wakes them. A `ValueError` of `edit` is shown to the user and changes nothing.
+        `name` follows "Undo" in the menu. Successive edits with the same gesture are undone together, as is the
+        `erasure` of particles. A gesture that changes the forces on particles at rest, such as the drag of a slider,
+        wakes them. A `ValueError` of `edit` is shown to the user and changes nothing.
         """
         before = self.document
         try:
@@ -192,12 +192,12 @@ class Session(QObject):
         self.edit(name, lambda document: document if document.mode == mode else use_mode(document, mode))
 
     def seal(self) -> None:
-        """End a gesture: the next edit is undone separately."""
+        """End a gesture, so that the next edit is undone separately."""
         self.history.seal()
         self.live.end_gesture()
 
     def undo(self) -> None:
-        """Take back the last edit."""
+        """Undo the last edit."""
         self._turn(self.history.undo(), back=True)
 
     def redo(self) -> None:
@@ -205,7 +205,7 @@ class Session(QObject):
         self._turn(self.history.redo(), back=False)
 
     def select(self, index: int | None) -> None:
-        """Select a shape, or none; none, too, in place of one that could not be drawn."""
+        """Select a shape, or none; an index beyond the shapes, one that could not be drawn, selects none."""
         if index is not None and index >= len(self.document.shapes):
             index = None
         if index != self.selected:
@@ -227,7 +227,7 @@ class Session(QObject):
             self.edit(name, lambda document: edits.delete_shape(document, index))
 
     def begin_document(self, document: Document, before: Document | None = None) -> None:
-        """Use another document, with an empty undo history, in place of the present one or of one `before` it."""
+        """Replace the document, or the one `before` it, by another one with an empty undo history."""
         self.history = History()
         self._board.scene = replace(self.scene, selected=None)
         self._use(document, before=before)
@@ -235,7 +235,7 @@ class Session(QObject):
     # Running
 
     def run(self) -> None:
-        """Continue, or restart when the shapes have changed or the run is over and no parameter has changed since."""
+        """Continue the run; restart it if the shapes have changed, or if it has ended and no parameter has changed."""
         if not self._ready():
             return
         if self.status.phase != "running":
@@ -262,7 +262,7 @@ class Session(QObject):
             self.hold(run_call(self._board.generation, Run.go, 1))
 
     def reset(self) -> None:
-        """Take the particles away and go back to the initialization; the run stays on the timeline."""
+        """Remove the particles and go back to the start; the run stays on the timeline."""
         if self.status.started:
             self.attempt(RUNNING)
             kept = self.status.step > 0
@@ -276,7 +276,7 @@ class Session(QObject):
                 self.say(with_keys(kept_on))
 
     def hold(self, command: Command) -> None:
-        """Pause the run by a command after which it stays at some step."""
+        """Send a command after which the run stays at some step."""
         self._board.phase("paused")
         self.post(command)
 
@@ -285,7 +285,7 @@ class Session(QObject):
         self.post(run_call(None, Run.set_pace, steps_per_second))
 
     def want_overlay(self, name: str, wanted: bool) -> None:
-        """Choose whether an overlay is kept up to date; see `cpm_app.session.worker.prepared_methods`."""
+        """Set whether an overlay is kept up to date; see `cpm_app.session.worker.prepared_methods`."""
         before = self._overlays
         self._overlays = before | {name} if wanted else before - {name}
         if self._overlays != before:
@@ -304,20 +304,20 @@ class Session(QObject):
         self._timer.stop()
         self.tasks.close()
         self._worker_thread.close()
-        self._board.blockSignals(True)  # what follows them may be gone
+        self._board.blockSignals(True)  # their receivers may already be deleted
 
     # Files
 
     @property
     def opening(self) -> str:
-        """What is being opened, in words; empty when nothing is. The image that is open stays in use meanwhile."""
+        """Name of the task that opens an image, empty if there is none; the open image stays in use meanwhile."""
         return self._opener.opening
 
     @property
     def wanted_parameters(self) -> Parameters:
-        """The parameters as another image would take them over: with all scales, if this one has no room for them.
+        """The parameters that the next image would take over, with all scales even if this image has no room for them.
 
-        Those of a volume suit no image.
+        Parameters of a volume do not suit an image, so the previous ones are used.
         """
         parameters = self.document.parameters
         if self.scene.slices is not None:
@@ -334,9 +334,9 @@ class Session(QObject):
     ) -> None:
         """Open an image or a session file.
 
-        What is open stays until the new image is known to be usable. An image that `resumes` is opened with the session
-        next to it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind. `reading` is how,
-        and which part of the file.
+        The open image stays until the new one is known to be usable. An image that `resumes` is opened with the session
+        next to it. A stack is opened `as_volume`, or one plane of it; None leaves that to the kind of file. `reading`
+        says which part of the file is read, and how.
         """
         path = Path(path)
         sample = sample_like(path)
@@ -351,25 +351,25 @@ class Session(QObject):
         self._opener.open(wanted)
 
     def use(self, opened: Opened) -> None:
-        """Replace what is open."""
+        """Replace the open image."""
         self._worker_thread.report(opened)
         self._wake()
 
     def export(self, order: ExportOrder, then: Callable[[tuple[bytes, ...]], object] | None = None) -> None:
-        """Write files, all or none, or prepare what they would hold for `then`."""
+        """Write files, all or none, or only encode them and pass their contents to `then`."""
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Writing {name}…", name=order.files[0].path.name))
         self.post(write_files(task, self.scene.reconstruction, self.document, order, then))
 
     def warm_up(self) -> None:
-        """Compile or load the kernels ahead of the first step."""
-        self._board.busy("preparing", _PREPARING)
+        """Compile or load the kernels before the first step needs them."""
+        self._board.busy("preparing", _PREPARING_TEXT)
         self._opener.afterwards(lambda: self.post(warm_up()))
 
     # Internal
 
     def _turn(self, change: Change | None, back: bool) -> None:
-        """Use the document before or after a change, and bring particles back or take them away again."""
+        """Use the document before or after a change, and restore or remove its erased particles."""
         if change is None:
             return
         if change.erasure is not None:
@@ -391,7 +391,7 @@ class Session(QObject):
             self.run()
 
     def _rest_before(self, after: Document) -> tuple[int, int, int] | None:
-        """Where the run is at rest, if another document makes it continue; see `Change`."""
+        """Return where the run is at rest, if another document makes it continue; see `Change`."""
         status, shown = self.status, self.scene.snapshot
         if shown is None or status.phase != "finished" or status.stale:
             return None
@@ -400,7 +400,7 @@ class Session(QObject):
         return self.generation, shown.timeline.branch, shown.state.step
 
     def _use(self, document: Document, complete: bool = True, before: Document | None = None) -> None:
-        """Show another document, or the same one after the history has changed."""
+        """Show another document, or the same one after its history has changed."""
         before, scene = before or self.document, self.scene
         if document != before:
             self.attempt(EDITING, RUNNING)  # an edit may be the remedy for why a run did not begin
@@ -409,7 +409,7 @@ class Session(QObject):
                 selected = None
             if document.marks != before.marks:
                 contours = ReviewedContours.of(contours.tracked, document.marks)
-            # the size of a pixel that has been set by hand, before all that follows from an edit
+            # a pixel size set by hand has to apply before everything else that depends on the edit
             sized = image if image is None or document.image is None else document.image.sized(image)
             self._board.scene = replace(scene, image=sized, document=document, selected=selected, contours=contours)
             if sized is not None and sized is not image:
@@ -462,13 +462,13 @@ class Session(QObject):
             self._timer.stop()
 
     def _accept(self, opened: Opened) -> None:
-        """Use an image that has been opened."""
+        """Replace the open image and its document by those of the report."""
         if self.document.image is not None:
             self.former_parameters = self.wanted_parameters
         self._asked_scales, self._used_scales = opened.scales, opened.parameters.scales
         self._board.generation = self._board.image_generation = self._next_generation()
         self.post(run_call(None, Run.use, self._board.generation, opened.method, opened.parameters))
-        # With its own document from the first moment: the shapes of the former one may have another number of axes.
+        # With its own document from the start: the shapes of the previous one may have another number of axes.
         before, document = self.document, _document(opened, self._mode_before)
         slices = Slices.of(opened.image.shape)
         first = next((shape for shape in document.shapes if isinstance(shape, Sphere)), None)
@@ -482,16 +482,16 @@ class Session(QObject):
         self.post(run_call(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(run_call(None, Run.set_parameters, opened.parameters))
         if opened.image.ndim == 3:
-            self._board.busy("preparing", _PREPARING)
+            self._board.busy("preparing", _PREPARING_TEXT)
             self.post(warm_up(volumes=True))
         self._restore_runs(opened)
         if before.mode != self._mode_before and opened.saved is None and opened.image.ndim == 2:
-            self.use_mode(before.mode)  # chosen meanwhile
+            self.use_mode(before.mode)  # selected meanwhile
         if opened.notes:
             self.say(" ".join(map(from_core, opened.notes)))
 
     def _restore_runs(self, opened: Opened) -> None:
-        """Bring back the runs of a session if its image is still the same."""
+        """Restore the runs of a session if its image is unchanged."""
         image = self.document.image
         if opened.saved is None or not opened.saved.file.runs or image is None:
             return
@@ -505,10 +505,10 @@ class Session(QObject):
 
 
 def _document(opened: Opened, mode: Mode) -> Document:
-    """The document that an image or a session begins with; the mode stays unless it is a sample or a session."""
+    """Return the document that an image or a session begins with; only a sample or a session changes the mode."""
     image, path, sample = opened.image, opened.path, sample_like(opened.path)
     if image.ndim == 3 and opened.saved is None and sample is None:
-        mode = "shape"  # starts everywhere take long in a volume, and skeletons there are none
+        mode = "shape"  # starts everywhere take long in a volume, which has no skeletons either
     reference = ImageReference.of(path, image, opened.reading)
     if opened.saved is not None:
         return restored(opened.saved.file, reference, opened.parameters)

@@ -1,4 +1,4 @@
-"""The board: what is shown of a session, and the signals and reports by which views follow it."""
+"""The scene store: the scene that a session shows, its signals for views, and the reports of the worker."""
 
 from __future__ import annotations
 
@@ -36,32 +36,55 @@ from cpm_core.numerics.types import Texts
 
 R = TypeVar("R", bound=Report)
 
-OPENING, RUNNING, EDITING, SAVING = "opening", "running", "editing", "saving"
-EXPORTING, FILMING, CONTOURS = "exporting", "filming", "contours"
-"""Kinds of attempts that messages belong to."""
+OPENING = "opening"
+"""Category of messages about opening an image or a session."""
 
-RECOVERY, JOURNAL, UNEXPECTED = "recovery", "journal", "unexpected"
+RUNNING = "running"
+"""Category of messages about the run."""
+
+EDITING = "editing"
+"""Category of messages about edits of the document."""
+
+SAVING = "saving"
+"""Category of messages about saving the session."""
+
+EXPORTING = "exporting"
+"""Category of messages about exported files."""
+
+FILMING = "filming"
+"""Category of messages about animations."""
+
+CONTOURS = "contours"
+"""Category of messages about the reconstruction of contours."""
+
+RECOVERY = "recovery"
+"""Category of messages about work restored after a crash."""
+
+JOURNAL = "journal"
+"""Category of messages about the journal of unsaved work."""
+
+UNEXPECTED = "unexpected"
+"""Category of messages about unexpected errors."""
 
 OF_THE_PROGRAM = (RECOVERY, JOURNAL, UNEXPECTED)
-"""Topics of messages that do not concern the open image, and stay when another one is opened."""
+"""Categories of messages that do not concern the open image, and stay when another one is opened."""
 
-
-_COMPILING = tr("Preparing for the first run on this computer: {percent} %")
+_COMPILING_TEXT = tr("Preparing for the first run on this computer: {percent} %")
 
 _ENDED_BY: Mapping[type[Report], Texts] = {
     Opened: ("seeding", "restoring"), RunsRestored: ("restoring",), RunFailed: ("restoring",),
     SeedsFound: ("seeding",), WarmedUp: ("preparing",),
 }  # fmt: skip
-"""What is no longer being prepared once a report arrives."""
+"""Activities that have ended once a report arrives."""
 
-_FIGURES_EVERY = 0.1
+_STATUS_INTERVAL = 0.1
 """Time between two updates of the numbers in the window [s]."""
 
 
 class Board(QObject):
-    """What is shown of a session: the scene and the state of the run, the signals that views follow, and reports.
+    """The scene that a session shows and the state of its run, with signals for views.
 
-    Snapshots and reports of the worker are taken once in each display frame, checked, and passed on.
+    Snapshots and reports of the worker are taken once per display frame, checked, and dispatched.
     """
 
     scene_changed = Signal()
@@ -73,9 +96,9 @@ class Board(QObject):
     status_changed = Signal()
     """`resolved` may have changed."""
     said = Signal(str, bool, str)
-    """A sentence for the user, whether it is an error message, and the kind of attempt that it belongs to, or ""."""
+    """A message for the user, whether it is an error, and its category, or ""."""
     attempted = Signal(str)
-    """Something of this kind is attempted again: what was said about the last attempt no longer applies."""
+    """Messages of this category no longer apply, because what they were about is attempted again."""
 
     def __init__(self, worker_thread: WorkerThread, parent: QObject) -> None:
         super().__init__(parent)
@@ -107,7 +130,7 @@ class Board(QObject):
 
     @contextmanager
     def gathering(self) -> Iterator[None]:
-        """Announce a changed status once at the end, since all actions of the window follow it."""
+        """Announce a changed status only once, at the end: every action of the window is updated by it."""
         if self._gathering:
             yield
             return
@@ -120,26 +143,26 @@ class Board(QObject):
                 self.status_changed.emit()
 
     def listen(self, kind: type[R], take: Callable[[R], object]) -> None:
-        """Call `take` with all reports of one kind from now on."""
+        """Call a listener with all reports of one kind from now on."""
         self._listeners.setdefault(kind, []).append(take)
 
     def stop_listening(self, kind: type[R], take: Callable[[R], object]) -> None:
-        """Call `take` no longer."""
+        """Stop calling a listener."""
         self._listeners[kind].remove(take)
 
     def pass_on(self, report: Report) -> None:
-        """Pass a report to the listeners of its kind."""
+        """Call the listeners of a report's kind."""
         for take in tuple(self._listeners.get(type(report), ())):
             take(report)
 
     def say(self, sentence: str, trouble: bool = False, topic: str = "") -> None:
-        """Show one sentence to the user; it belongs to an attempt of a kind, such as `EXPORTING`."""
+        """Show one sentence to the user; its category, such as `EXPORTING`, decides when it is cleared."""
         self.said.emit(shortened(sentence), trouble, topic)
 
     def trouble(self, sentence: str, topic: str) -> None:
-        """Tell what work that is done again and again failed with, and with an empty sentence that it succeeded.
+        """Show the error of work that is repeated; an empty one clears it, because the work has succeeded.
 
-        The same sentence is shown only once, so that it can be dismissed; success takes it back.
+        The same error is shown only once, so that the user can dismiss it.
         """
         before = self._troubles.pop(topic, "")
         if sentence:
@@ -150,7 +173,7 @@ class Board(QObject):
             self.attempt(topic)
 
     def attempt(self, *topics: str) -> None:
-        """Announce that something is attempted again; see `attempted`."""
+        """Clear the messages of some categories, because what they were about is attempted again."""
         for topic in topics:
             self.attempted.emit(topic)
 
@@ -162,24 +185,24 @@ class Board(QObject):
         return replace(self._known, busy=next(iter(self._busy.values()), ""))
 
     def busy(self, what: str, text: str) -> None:
-        """Show `text` while something is being prepared."""
+        """Show `text` while an activity is in progress."""
         self._busy = {what: text} | {key: value for key, value in self._busy.items() if key != what}
         self.show_status()
 
     def phase(self, phase: Phase) -> None:
-        """The user has started or stopped the run."""
+        """Set the phase of the run, which the user has started or stopped."""
         self._known = replace(self._known, phase=phase)
         self.show_status()
 
     def forget(self, method: str = "cpm") -> None:
-        """Clear what is shown of the previous run; `method` is the name of the next one's method."""
+        """Clear everything shown of the previous run; `method` is the name of the next run's method."""
         self._known = RunStatus(phase="ready", method=method)
         self.trouble("", CONTOURS)
         self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None)
         self.show_status()
 
     def look(self) -> None:
-        """Take what has arrived; drop what belongs to another run or image."""
+        """Take the messages of the worker; drop those of another run or image."""
         for report in self._worker_thread.reports():
             self._take_report(report)
         snapshot = self._worker_thread.run.snapshots.take()
@@ -228,7 +251,7 @@ class Board(QObject):
         )
         self._show(snapshot=snapshot)
         now = time.perf_counter()
-        if self._known.phase != "running" or before != "running" or now - self._shown_at >= _FIGURES_EVERY:
+        if self._known.phase != "running" or before != "running" or now - self._shown_at >= _STATUS_INTERVAL:
             self._shown_at = now
             self.show_status()
 
@@ -255,7 +278,7 @@ class Board(QObject):
             case CommandFailed(sentence, topic):
                 self.say(sentence, True, topic)
             case Compiling(percent) if "preparing" in self._busy:
-                self._busy["preparing"] = _COMPILING.format(percent=percent)
+                self._busy["preparing"] = _COMPILING_TEXT.format(percent=percent)
             case Probed():
                 self.trouble(report.trouble, "forces")
                 self._show(probed=report)

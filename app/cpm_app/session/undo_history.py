@@ -10,13 +10,14 @@ from cpm_app.model.document.document import Document, ImageReference
 from cpm_core.numerics.types import frozen
 
 DEEPEST = 500
+"""Largest number of changes that can be undone."""
 
 
 @dataclass(eq=False)
 class Erasure:
-    """The particles that a gesture takes away from a run, which undo brings back: its number among all of them.
+    """Particles that a gesture removes from a run and that undo brings back, by a number of its own.
 
-    `sources` are the drawn shapes that it takes away, as far as particles of the run come from them.
+    `sources` are the drawn shapes that it removes, as far as particles of the run come from them.
     """
 
     number: int
@@ -27,8 +28,8 @@ class Erasure:
 class Change:
     """A change that can be undone.
 
-    Changes in a row with the same gesture, such as the drag of a slider, become one; an empty one never merges. A
-    change that wakes particles has the `rest` before it: the generation of the run, its branch and step.
+    Successive changes with the same gesture, such as the drag of a slider, are merged; an empty gesture never merges.
+    For a change that wakes particles, `rest` is where the run was at rest before: generation, branch and step.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Change:
 
 
 class History:
-    """Changes that are done and undone."""
+    """Undo stack and redo stack of changes of the document."""
 
     def __init__(self) -> None:
         self._done: list[Change] = []
@@ -85,9 +86,9 @@ class History:
         return self._turn(self._undone, self._done)
 
     def on(self, image: ImageReference | None) -> History:
-        """The same history for the image as it has been opened again, by another path perhaps.
+        """Apply the history to the image as it has been reopened, perhaps by another path.
 
-        Without the erasures of particles, whose runs have ended with the image.
+        Erasures of particles are dropped, because their runs have ended with the image.
         """
         for changes in (self._done, self._undone):
             if any(change.after.image != image or change.erasure is not None for change in changes):

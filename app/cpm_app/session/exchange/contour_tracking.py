@@ -1,4 +1,4 @@
-"""Contour tracking: the measures of each contour, and which contour of the last reconstruction it is."""
+"""Contour tracking: measures of each contour, and its counterpart in the last reconstruction."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from cpm_core.numerics.types import Integers, record
 
 @record
 class TrackedContours:
-    """The contours of a reconstruction, each with a key that later reconstructions keep, and its measures."""
+    """The contours of a reconstruction, each with its measures and a key that stays the same in later ones."""
 
     result: Result
     keys: Integers
     measures: tuple[Measures, ...]
 
     def keeping(self, marks: Sequence[Mark]) -> TrackedContours:
-        """The same with kept contours that the reconstruction lacks; their keys are their numbers below zero."""
+        """Add the kept contours that the reconstruction lacks; their keys are their numbers, negated."""
         result = with_kept(self.result, marks)
         if result is self.result:
             return self
@@ -35,28 +35,28 @@ class TrackedContours:
         return TrackedContours(result, tuple(known.get(one, -row.number) for one, row in each), measures)
 
     def contrasted(self) -> TrackedContours:
-        """The same with the contrast of each contour, which takes as long as all else that is measured."""
+        """Add the contrast of each contour, which takes as long as all other measures together."""
         return replace(self, measures=measure(self.result.contours, self.result.spacing))
 
 
 class ContourTracker:
-    """Recognizes the contours of one reconstruction after the other, and numbers those of an image, by where they pass.
+    """Recognizes contours by their position from one reconstruction to the next, and numbers those of an image.
 
-    A number is never given to another contour. While particles move, contours come and go: those that are new have
-    numbers only until the next reconstruction. The numbers of the last one of a run stay, also those of contours that a
-    filter leaves out and later shows again.
+    A number is never given to another contour. While particles move, contours come and go: numbers of new ones last
+    only until the next reconstruction. Numbers of the last reconstruction of a run stay, also of contours that a filter
+    leaves out and later shows again.
     """
 
     def __init__(self, places: Mapping[int, Position] | None = None) -> None:
         self._fresh = itertools.count()
         self._seen: list[tuple[int, Position]] = []
         self.places = places or {}
-        """A place of each numbered contour; never changed, but replaced."""
+        """A place on each numbered contour; the mapping is replaced, never changed."""
 
     def track(self, result: Result, thorough: bool) -> TrackedContours:
-        """Number and measure the contours of a reconstruction.
+        """Identify, measure and number the contours of a reconstruction.
 
-        Where `thorough`, because no other one follows soon, the numbers stay. A volume has a surface and no contours.
+        If `thorough`, because no other one follows soon, the numbers stay. A volume has a surface and no contours.
         """
         if len(result.shape) == 3:
             return TrackedContours(result, (), ())
@@ -70,10 +70,10 @@ class ContourTracker:
         return TrackedContours(replace(result, contours=contours) if contours else result, keys, measures)
 
     def numbers(self, contours: Contours, *, lasting: bool) -> Integers:
-        """Number of each contour: that of the one that passed there before, or a new one.
+        """Give each contour the number of the contour that was there before, or a new one.
 
-        Of several numbers at one contour the oldest wins, so that contours which a filter has cut apart have their
-        number again when they are whole again; distances below one pixel are alike.
+        Of several numbers at one contour the oldest wins, so that a contour cut apart by a filter gets its number back
+        once it is whole again; distances below one pixel count as equal.
         """
         found: dict[int, int] = {}
         given = set()

@@ -1,7 +1,4 @@
-"""What the worker calls of the core, and its messages.
-
-Of snapshots the newest wins; reports are few and never lost.
-"""
+"""The core's functions that the worker calls, and its messages: the newest snapshot wins, reports are never lost."""
 
 from __future__ import annotations
 
@@ -50,11 +47,10 @@ log = logging.getLogger(__name__)
 class Core:
     """The core's functions that run on the worker thread.
 
-    `load_image` and `load_volume` take a path, what they may call while they read, which raises when the image is no
-    longer wanted, and by name which part of the file is read;
-    `methods` makes a method of an image, parameters and regions; `encode` makes the bytes of a file, as
-    `cpm_core.formats.encoded` does; `warm_up` compiles or loads the kernels until its first argument
-    returns True, and calls its second one with the fraction that is compiled; `warm_up_volumes` does so for volumes.
+    `load_image` and `load_volume` take a path, a callback that raises once the image is no longer wanted, and as
+    keywords the part of the file to read; `methods` make a method from an image, parameters and regions; `encode` makes
+    the bytes of a file, as `cpm_core.formats.encoded` does; `warm_up` compiles or loads the kernels until its first
+    argument returns True, and calls its second one with the compiled fraction; `warm_up_volumes` does so for volumes.
     """
 
     load_image: Callable[..., Image] = load_image
@@ -68,10 +64,10 @@ class Core:
 
 
 def sentence(error: Exception, activity: str) -> str:
-    """One sentence on what went wrong during an activity such as ``tr("opening {name}")``.
+    """Describe in one sentence what went wrong during an activity such as ``tr("opening {name}")``.
 
-    The texts of `ValueError` and `OSError` are used. Any other error, except for lack of memory, is a defect of the
-    program and is logged in full.
+    The text of a `ValueError` or `OSError` is used. Any other error, except for lack of memory, is a defect of the
+    program and is logged with its traceback.
     """
     if isinstance(error, ValueError | OSError):
         text = reason(error)
@@ -90,10 +86,11 @@ def sentence(error: Exception, activity: str) -> str:
     text = " ".join(text.split())
     if text.partition(" ")[0].isalpha():  # file names are not changed
         text = text[:1].upper() + text[1:]
-    return text if text.endswith(_ENDS) else f"{text}."
+    return text if text.endswith(_SENTENCE_ENDS) else f"{text}."
 
 
-_ENDS = (".", "!", "?", "。", "！", "？")
+_SENTENCE_ENDS = (".", "!", "?", "。", "！", "？")
+"""Punctuation that ends a sentence, in all languages of the window."""
 
 
 # Snapshots: the newest wins.
@@ -114,7 +111,7 @@ class Snapshot:
     position : ndarray, shape (N, 2)
         (row, col) in px of the image.
     resting : ndarray of bool, shape (N,)
-        Particles that are at rest.
+        Whether each particle is at rest.
     steps_per_second : float
         Measured speed.
     metrics : RunMetrics
@@ -135,9 +132,9 @@ class Snapshot:
 
 @record
 class Reconstruction:
-    """The contours of a recent snapshot, with edits by hand; `tracked` is None for a skeleton.
+    """The contours of a recent snapshot, with manual edits; `tracked` is None for a skeleton.
 
-    `missed` are the indices of the edits that have not found their contours, as soon as no other snapshot follows.
+    `missed` are the indices of the edits without a matching contour, known once no other snapshot follows.
     """
 
     generation: int
@@ -147,7 +144,7 @@ class Reconstruction:
 
     @classmethod
     def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
-        """The contours of a run with their keys and measures."""
+        """Identify and measure the contours of a run."""
         if isinstance(result, Skeleton):
             return cls(generation, result, None)
         tracked = tracker.track(result, thorough)
@@ -157,14 +154,14 @@ class Reconstruction:
 
 @frozen
 class ReconstructionFailed:
-    """The contours of a recent snapshot could not be reconstructed; those made last stay."""
+    """The contours of a recent snapshot could not be reconstructed; the last ones stay."""
 
     generation: int
     sentence: str
 
 
 Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce
-"""An overlay: an array or an image, or what those of the slices of a volume are made from."""
+"""Data of an overlay: an array or an image, or for a volume the data that its slices are made from."""
 
 
 @record
@@ -173,7 +170,7 @@ class Overlays:
 
     See `cpm_app.session.worker.prepared_methods`.
 
-    `trouble` says what those that are missing failed with.
+    `trouble` is the error of those that are missing.
     """
 
     generation: int
@@ -199,8 +196,8 @@ class Finished(Report):
 class Saved(Report):
     """A session file has been written or read; `path` is None for work that has none yet.
 
-    Where `recovered`, it was found after a crash and is not saved yet. Where `turned`, it is another page of the stack
-    that is open, of which the file has the document `known`, None where it has another one.
+    If `recovered`, it was found after a crash and is not saved yet. If `turned`, it is another page of the open stack,
+    and `known` is the document of that page in the file, None if the file has a different one.
     """
 
     path: Path | None
@@ -214,10 +211,10 @@ class Saved(Report):
 class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
-    `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images next to it,
-    itself among them, and `beside` is a session of it that has not been opened with it. A volume has no `display`,
-    which each view makes of the slice that it shows. `parts` are what the file holds, None where that is not known, and
-    `reading` says which of them is open.
+    `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images of its
+    folder, including itself, and `beside` is a session of it that has not been opened with it. A volume has no
+    `display`; each view makes one of its slice. `parts` are the contents of the file, None if unknown, and `reading`
+    says which of them is open.
     """
 
     image: Image
@@ -244,14 +241,14 @@ class ImageReady(Report):
 
 @frozen
 class NotOpened(Report):
-    """An image could not be used; what is open stays."""
+    """An image could not be used; the open one stays."""
 
     sentence: str
 
 
 @record
 class RunsKept(Report):
-    """The runs on the timeline while none of them is shown, as after a reset."""
+    """The runs on the timeline while none of them is shown, for example after a reset."""
 
     generation: int
     timeline: Outline
@@ -283,7 +280,7 @@ class SeedsFound(Report):
 
 @frozen
 class Exported(Report):
-    """A file has been written, the first of several where `counts` says so, and how much they hold."""
+    """A file has been written, or several of which it is the first; `counts` says how much they contain."""
 
     path: Path
     counts: str = ""
@@ -291,7 +288,7 @@ class Exported(Report):
 
 @frozen
 class CommandFailed(Report):
-    """A command failed and nothing changed; the sentence belongs to an attempt of the kind `topic`."""
+    """A command failed and nothing changed; `topic` is the category of the message."""
 
     sentence: str
     topic: str = ""
@@ -299,7 +296,7 @@ class CommandFailed(Report):
 
 @frozen
 class Compiling(Report):
-    """The kernels are being compiled, this part of them is done."""
+    """Compiling the kernels has come this far."""
 
     percent: int
 

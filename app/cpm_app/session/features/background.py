@@ -1,4 +1,4 @@
-"""Work on other threads of which only the newest counts, and parts that are made again only when they would differ."""
+"""Work on other threads, of which only the newest matters, and caches of parts that depend on their inputs."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from cpm_app.session.exchange.messages import sentence
 from cpm_app.session.session import Session
 from cpm_core.numerics.types import Callback
 
-P = ParamSpec("P")
-T = TypeVar("T")
+Arguments = ParamSpec("Arguments")
+Made = TypeVar("Made")
 
 
 class LatestOnlyWorker(QObject):
-    """Does the newest work on a thread of its own; work that still waits is dropped for it.
+    """Does the newest work on a thread of its own; work that is still waiting is dropped for it.
 
-    What the work fails with is shown by the session, with `activity`, which follows "while" in the sentence.
+    Errors of the work are shown by the session; `activity` follows "while" in their messages.
     """
 
     _done = Signal(str, object)
-    """What a piece of work failed with, if it did, and what follows; sent by the thread that works."""
+    """The error message of the work or "", and the callback that follows; sent by the thread that works."""
 
     def __init__(self, session: Session, name: str, activity: str) -> None:
         super().__init__(session)
@@ -42,10 +42,10 @@ class LatestOnlyWorker(QObject):
         """Whether there is no work."""
         return self._newest is None or self._newest.done()
 
-    def ask(self, work: Callable[[], T], then: Callable[[T], object], failed: Callback = lambda: None) -> None:
-        """Do this in place of work that is still waiting; nothing is done any more once this is closed.
+    def ask(self, work: Callable[[], Made], then: Callable[[Made], object], failed: Callback = lambda: None) -> None:
+        """Do this work in place of work that is still waiting; after `close` nothing is done.
 
-        On the window's thread, `then` is called with the result, or else `failed`.
+        On the window's thread, `then` is called with the result, or `failed` after an error.
         """
         self.forget()
         if self._pool is not None:
@@ -57,13 +57,13 @@ class LatestOnlyWorker(QObject):
             self._newest.cancel()
 
     def close(self) -> None:
-        """Drop waiting work, take no more, and wait for the current one."""
+        """Drop waiting work, accept no more, and wait for the current one."""
         self.forget()
         if self._pool is not None:
             self._pool.shutdown()
             self._pool = None
 
-    def _work(self, work: Callable[[], T], then: Callable[[T], object], failed: Callback) -> None:
+    def _work(self, work: Callable[[], Made], then: Callable[[Made], object], failed: Callback) -> None:
         try:
             result = work()
         except Exception as error:  # shown to the user
@@ -71,43 +71,43 @@ class LatestOnlyWorker(QObject):
         else:
             self._done.emit("", partial(then, result))
 
-    def _finish(self, trouble: str, then: Callback) -> None:  # Qt calls no lambda on the window's thread
+    def _finish(self, trouble: str, then: Callback) -> None:  # a method: Qt would call a lambda on the sending thread
         self._session.trouble(trouble, self._name)
         then()
 
 
 class IdentityCache:
-    """The newest part of each name, with what it was made of."""
+    """The newest part of each name, with the inputs that it was made from."""
 
     def __init__(self) -> None:
         self._made: dict[object, tuple[tuple[Any, ...], Any]] = {}
 
-    def get(self, make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
-        """What the function has made of the same things before, or makes now."""
+    def get(self, make: Callable[Arguments, Made], *given: Arguments.args, **named: Arguments.kwargs) -> Made:
+        """Return the function's result for these arguments, computed again only if they differ from the last ones."""
         return self.named(make, lambda: make(*given, **named), *given)
 
-    def named(self, name: object, make: Callable[[], T], *given: object) -> T:
-        """The same of a part with a name of its own."""
+    def named(self, name: object, make: Callable[[], Made], *given: object) -> Made:
+        """Return the part with a name, made again only if its inputs differ from the last ones."""
         known = self._made.get(name)
         if known is None or not is_same(known[0], given):
             known = self._made[name] = (given, make())
-        made: T = known[1]
+        made: Made = known[1]
         return made
 
     def replace(self, name: object, given: tuple[Any, ...], part: object) -> bool:
-        """Put another part in the place of one, if that is still made of the same things."""
+        """Replace a part, if its inputs are still the same; return whether they are."""
         same = is_same(self._made[name][0], given)
         if same:
             self._made[name] = given, part
         return same
 
     def forget(self) -> None:
-        """Keep nothing."""
+        """Remove all parts."""
         self._made.clear()
 
 
 def is_same(known: tuple[Any, ...], given: tuple[Any, ...]) -> bool:
-    """Whether what something is made of is what it was made of: the same objects, or equal values."""
+    """Return whether two tuples of inputs agree: each the same object, or equal and neither array nor mapping."""
     return len(known) == len(given) and all(
         one is other or (not isinstance(one, np.ndarray | Mapping) and one == other)
         for one, other in zip(known, given, strict=True)
@@ -118,7 +118,7 @@ class AsyncCache(QObject):
     """Makes the newest parts of the slice of one view on other threads, each by its name."""
 
     completed = Signal()
-    """A part that was asked for is whole now."""
+    """A requested part is complete."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -126,16 +126,16 @@ class AsyncCache(QObject):
         self._parts = IdentityCache()
         self._workers: dict[str, LatestOnlyWorker] = {}
 
-    def named(self, name: str, make: Callable[[], T], meanwhile: Callable[[], T], *given: object) -> T:
-        """What is made of something, or at first what is in its place meanwhile."""
+    def named(self, name: str, make: Callable[[], Made], meanwhile: Callable[[], Made], *given: object) -> Made:
+        """Return the part made from these inputs, or `meanwhile` until it is ready."""
 
-        def begin() -> T:
+        def start_making() -> Made:
             if name not in self._workers:
                 self._workers[name] = LatestOnlyWorker(self._session, "cpm-slices", tr("drawing a slice"))
             self._workers[name].ask(make, partial(self._take, name, given))
             return meanwhile()
 
-        return self._parts.named(name, begin, *given)
+        return self._parts.named(name, start_making, *given)
 
     def close(self) -> None:
         """End the threads."""

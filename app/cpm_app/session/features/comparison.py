@@ -1,4 +1,4 @@
-"""Results that are compared with one another: each with a reference, which is what is shown or a ground truth."""
+"""Comparison of results: each with a reference, which is one of them or a ground truth."""
 
 from __future__ import annotations
 
@@ -45,9 +45,11 @@ from cpm_core.numerics.types import Entries, record
 from cpm_core.objects.segmented import SegmentedObject
 
 NOW = 0
-"""Key of what is shown now, which is always compared."""
+"""Key of the present result, which is always compared."""
 
-_TOPIC = "comparing"
+_COMPARISON_CATEGORY = "comparing"
+"""Category of messages about the comparison."""
+
 _QUIET = 200
 """Time without another step after which another run is shown at the same step [ms]."""
 
@@ -66,19 +68,19 @@ class Row:
     title : str
         Its name.
     found : Result or None
-        Contours, or a surface, without those that are rejected; None while there are none.
+        Contours that are not rejected, or a surface; None while there are none.
     scene : Scene
-        What is shown of it, without the image.
+        Scene of the result, without the image.
     state : str
-        How far its run is, or what it has failed with; empty once it is there.
+        Progress of its run, or its error; empty once the result is there.
     seconds : float or None
         Time of its run [s].
     trial : Trial or None
-        What it is the result of, where it was run to be compared.
+        Trial that it is the result of, if it was run for the comparison.
     branch : int or None
-        The branch of the timeline that it is taken from.
+        Branch of the timeline that it is taken from.
     truth : Truth, VolumeTruth or None
-        The ground truth that it is.
+        The ground truth, if the row is one.
     """
 
     key: int
@@ -105,21 +107,20 @@ class Row:
 
     @property
     def usable(self) -> bool:
-        """Whether there is something in it that the document can take over."""
+        """Whether the document can take over something from the row."""
         return self.key != NOW and self.found is not None
 
 
 class ComparedResults(QObject):
-    """Holds results, runs those that are to be compared, and compares all with the reference on a separate thread.
+    """Holds results, runs trials, and compares all results with the reference on a separate thread.
 
-    One of them may be chosen: the canvas shows it beyond the divider. In a volume the tolerance is in smallest sides of
-    a voxel.
+    The canvas shows the selected result beyond the divider. In a volume the tolerance is in smallest sides of a voxel.
     """
 
     changed = Signal()
     """The rows, their figures or the reference have changed."""
     chosen_changed = Signal()
-    """Another row is chosen, or shows something else."""
+    """Another row is selected, or its scene has changed."""
     _news = Signal(int, object)
     """Parts of a row have changed; sent by the thread that runs it."""
 
@@ -151,13 +152,13 @@ class ComparedResults(QObject):
 
     @property
     def subject(self) -> int:
-        """The row whose differences from the reference are marked: the chosen one, or else what is shown now."""
+        """The row whose differences from the reference are marked: the selected one, or else the present result."""
         return self.chosen if self.chosen != self.reference else NOW
 
     # Rows
 
     def keep(self) -> None:
-        """Keep the present result, to compare later ones with it."""
+        """Keep the present result, so that later ones can be compared with it."""
         scene = self._session.scene
         step = scene.snapshot.state.step if scene.snapshot is not None else 0
         title = tr("Kept, step {step}", step=step) if step else tr("Kept")
@@ -168,7 +169,7 @@ class ComparedResults(QObject):
         self._add(Row(next(self._keys), title, self._found, shown))
 
     def add_branch(self, identity: int) -> None:
-        """Add another run or branch of the timeline, at its end, or at the step that is shown if that is no end."""
+        """Add another run or branch of the timeline, at its end, or at the shown step if the run is not at an end."""
         branch = self._navigation.branch(identity)
         if branch is not None:
             row = Row(next(self._keys), branch.name, state=tr("waiting"), branch=identity)
@@ -176,7 +177,7 @@ class ComparedResults(QObject):
             self._take_branch(row.key)
 
     def run(self, trials: Sequence[Trial]) -> None:
-        """Run trials, without changing the run of the session; ValueError when there is no start."""
+        """Run trials without changing the run of the session; raise ValueError if there is no start."""
         image, document = self._session.image, self._session.document
         if any(trial.method for trial in trials):
             start_of(document)
@@ -201,7 +202,7 @@ class ComparedResults(QObject):
             self._look()
 
     def remove(self, key: int) -> None:
-        """Remove a row; what is shown now stays."""
+        """Remove a row; the present result stays."""
         if key == NOW or key not in self.rows:
             return
         if self.rows.pop(key).truth is not None:
@@ -212,7 +213,7 @@ class ComparedResults(QObject):
         self.refer_to(self.reference if key != self.reference else NOW)
 
     def forget(self) -> None:
-        """Another image has been opened."""
+        """Remove all rows, because another image has been opened."""
         self.cancel()
         self._latest.forget()
         self.rows, self._path, self._made = {NOW: Row(NOW, tr("Shown now"))}, None, IdentityCache()
@@ -220,10 +221,10 @@ class ComparedResults(QObject):
         self.chosen_changed.emit()
         self.refer_to(NOW)
 
-    # What is chosen
+    # Selection and reference
 
     def choose(self, key: int) -> None:
-        """Show a row beyond the divider; what is shown now ends that."""
+        """Show a row beyond the divider; the present result removes the divider."""
         if key != self.chosen and key in self.rows:
             self.chosen = key
             self._take_branch()
@@ -231,14 +232,14 @@ class ComparedResults(QObject):
             self._compare()
 
     def refer_to(self, key: int) -> None:
-        """Compare all others with a row."""
+        """Compare all other rows with this one."""
         self.reference, self.agreed = key, {}
         self._show(self.rows[key].truth)
         self._compare()
         self.changed.emit()
 
     def use(self, key: int) -> None:
-        """Take a row over: its parameters, its branch, or its contours as objects."""
+        """Apply a row to the session: its parameters, its branch, or its contours as objects."""
         row, image = self.rows[key], self._session.image
         trial, found = row.trial, row.found
         if trial is not None and trial.values:
@@ -253,14 +254,14 @@ class ComparedResults(QObject):
                 tr("Adding objects from {name}…", name=row.title),
                 lambda task: _objects(row, found, image),
                 tr("adding objects from {name}", name=row.title),
-                partial(CommandFailed, topic=_TOPIC),
+                partial(CommandFailed, topic=_COMPARISON_CATEGORY),
                 then=lambda made: self._session.edit(
                     tr("add objects from {name}", name=row.title), lambda document: add_objects(document, made)
                 ),
             )
 
     def far(self) -> Scene:
-        """The scene beyond the divider."""
+        """Return the scene that is shown beyond the divider."""
         scene = self._session.scene
         return replace(
             self.rows[self.chosen].scene, image=scene.image, display=scene.display, shaded=scene.shaded,
@@ -271,14 +272,14 @@ class ComparedResults(QObject):
     # Ground truth
 
     def load(self, path: str | Path) -> None:
-        """Read a mask or contours as the ground truth of the image, or labels as that of a volume: the reference."""
+        """Read a ground truth, which becomes the reference: a mask or contours for an image, labels for a volume."""
         image = self._session.image
-        self._session.attempt(_TOPIC)
+        self._session.attempt(_COMPARISON_CATEGORY)
         if image is None:
             return
         file, generation, holes = Path(path), self._session.image_generation, self.holes
 
-        def use(row: Row) -> None:
+        def add_truth(row: Row) -> None:
             if generation == self._session.image_generation:
                 known = (each.key for each in self.rows.values() if each.truth is not None)
                 key, self._path = next(known, NOW) or next(self._keys), file
@@ -289,13 +290,13 @@ class ComparedResults(QObject):
             tr("Reading {name}…", name=file.name),
             lambda task: _read(file, image, holes),
             tr("reading {name}", name=file.name),
-            partial(CommandFailed, topic=_TOPIC),
-            then=use,
+            partial(CommandFailed, topic=_COMPARISON_CATEGORY),
+            then=add_truth,
         )
 
     @property
     def file(self) -> TruthFile | None:
-        """The ground truth as a session keeps it."""
+        """The ground truth as stored in a session."""
         if self._path is None:
             return None
         return TruthFile(str(self._path.absolute()), tolerance=self.tolerance, holes=self.holes)
@@ -325,7 +326,7 @@ class ComparedResults(QObject):
     # Internal
 
     def _add(self, row: Row) -> None:
-        """Add a row, or replace that of its key; of several with the same title the later ones get a number."""
+        """Add a row, or replace the one with its key; later rows with the same title get a number."""
         self.rows[NOW] = replace(self.rows[NOW], found=self._found)
         titles = {other.title for other in self.rows.values() if other.key != row.key}
         names = (f"{row.title} ({number})" if number > 1 else row.title for number in itertools.count(1))
@@ -349,7 +350,7 @@ class ComparedResults(QObject):
                 self.remove(row.key)
 
     def _take_branch(self, key: int | None = None) -> None:
-        """Ask for a row of the timeline, that of the chosen branch by default, at the step that is wanted."""
+        """Request the frame of a branch of the timeline, by default the selected one, at the current step."""
         row, (here, step) = self.rows[self.chosen if key is None else key], self._navigation.place
         if row.branch is None or self._navigation.branch(row.branch) is None:
             return
@@ -374,15 +375,15 @@ class ComparedResults(QObject):
 
     @property
     def _found(self) -> Result | None:
-        """What is shown now: the objects, if there are any, or else what the run has found."""
+        """The present result: the objects, if there are any, or else the contours of the run."""
         scene = self._session.scene
         objects = self._seen.named("objects", lambda: objects_result(scene.document), scene.document.objects.items)
         return objects or self._seen.get(_unrejected, scene.contours)
 
     def _follow(self) -> None:
-        """Compare what is shown now anew; show the chosen branch at the same step.
+        """Compare the present result again, and show the selected branch at the same step.
 
-        Objects of a volume change many times while they are painted, and are then measured, which makes their surfaces.
+        This waits for objects of a volume, which change many times while they are painted; their surfaces take long.
         """
         if len(self.rows) == 1:
             return
@@ -393,7 +394,7 @@ class ComparedResults(QObject):
             self._quiet.start()
 
     def _take_now(self) -> None:
-        """Compare what is shown now anew if it has changed."""
+        """Compare the present result again if it has changed."""
         found = self._found
         if found is not self.rows[NOW].found:
             self.rows[NOW] = replace(self.rows[NOW], found=found)
@@ -414,7 +415,7 @@ class ComparedResults(QObject):
             return
         tolerance, holes = self.tolerance, self.holes
 
-        def work() -> tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]:
+        def compare_rows() -> tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]:
             make, named = partial(_truth_of, reference, holes), self._made.named
             truth = reference.truth or named("reference", make, reference.found, holes)
             agreed = {
@@ -423,15 +424,15 @@ class ComparedResults(QObject):
             }
             return truth, agreed, _marked(subject.found, truth, agreed.get(subject.key))
 
-        def take(done: tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]) -> None:
+        def show_agreement(done: tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]) -> None:
             truth, agreed, marked = done
             if reference.key == self.reference and image is self._session.image:
                 self.agreed = agreed if everything else {**self.agreed, **agreed}
                 self._show(truth if reference.key else None, marked)
                 self.changed.emit()
 
-        # no figures rather than those of other contours
-        self._latest.ask(work, take, lambda: self._show(reference.truth))
+        # after an error: no figures rather than those of other contours
+        self._latest.ask(compare_rows, show_agreement, lambda: self._show(reference.truth))
 
     def _show(self, truth: Truth | VolumeTruth | None, marked: _Marked = ((), ())) -> None:
         scene, (different, apart) = self._session.scene, marked
@@ -440,7 +441,7 @@ class ComparedResults(QObject):
 
 
 def _unrejected(reviewed: ReviewedContours) -> Result | None:
-    """A result without the contours that are rejected."""
+    """Return the result without the rejected contours."""
     if reviewed.result is None:
         return None
     kept = tuple(item.contour for item in reviewed.items if not item.reviewed.rejected)
@@ -448,7 +449,7 @@ def _unrejected(reviewed: ReviewedContours) -> Result | None:
 
 
 def _read(file: Path, image: Image, holes: bool) -> Row:
-    """The ground truth of an image, or of a volume with all that slices need of it."""
+    """Read the ground truth of an image, or of a volume with everything that its slices need."""
     truth: Truth | VolumeTruth
     if image.ndim == 2:
         truth = load_truth(file, image.shape, holes=holes, spacing=image.spacing, unit=image.unit)
@@ -459,12 +460,12 @@ def _read(file: Path, image: Image, holes: bool) -> Row:
     found = Result(
         np.empty((0, image.ndim)), contours, surface, 0, True, "", image.shape, image.spacing, image.unit, file.name
     )
-    _ = truth.objects  # made on this thread, not on that of the window
+    _ = truth.objects  # cached on this thread, not on the window's
     return Row(NOW, file.name, found, scene_of(found), truth=truth)
 
 
 def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
-    """A result as a ground truth; ValueError for a surface that encloses nothing."""
+    """Convert a result into a ground truth; raise ValueError for a surface that is not closed."""
     assert row.found is not None
     found, surface = row.found, row.found.surface
     if len(found.shape) == 2:
@@ -483,14 +484,14 @@ def _agreement(found: Result, truth: Truth | VolumeTruth, tolerance: float, hole
 
 
 def _sized(truth: VolumeTruth, found: Result) -> VolumeTruth:
-    """The ground truth with voxels of the size that a result has."""
+    """Return the ground truth with the voxel size of a result."""
     if (found.spacing, found.unit) == (truth.spacing, truth.unit):
         return truth
     return replace(truth, spacing=found.spacing, unit=found.unit)
 
 
 def _marked(found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | None) -> _Marked:
-    """Where a result differs from the reference, the largest first; in a volume also as parts of surfaces."""
+    """Find where a result differs from the reference, the largest first; in a volume also as parts of surfaces."""
     if found is None or agreed is None:
         return (), ()
     if isinstance(truth, VolumeTruth) and isinstance(agreed, SurfaceComparison):
@@ -502,11 +503,11 @@ def _marked(found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | N
 
 
 def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ...]:
-    """The objects of a row; all that the contours of a method enclose is one, with its name."""
+    """Make objects of a row; for a trial, everything that its contours enclose is one object with its name."""
     closed = [contour for contour in found.contours if contour.closed]
     if found.surface is not None:
         made = bodies_of(found.surface, image) if found.surface.closed else ()
-    elif isinstance(row.truth, Truth):  # where objects touch, both have a boundary of their own
+    elif isinstance(row.truth, Truth):  # from labels, as touching objects each have a boundary of their own
         made = objects_of(
             [
                 Contour(points, True, group=number, hole=hole)

@@ -1,4 +1,4 @@
-"""The contours of the scene: which lie where, and which rows of all are selected."""
+"""The contours of the scene: finding them by position, and the selection of contours, objects and proposals."""
 
 from __future__ import annotations
 
@@ -17,18 +17,24 @@ from cpm_core.contours import anchors, neighborhood
 from cpm_core.numerics import Array, Index, PathTree, Position, polyline
 from cpm_core.numerics.types import Line
 
-_PLACES = 24
-"""Number of places along a contour that are compared with an outline."""
+_SAMPLES_PER_CONTOUR = 24
+"""Number of points of a contour that are compared with an outline."""
 
-_ON, _MOST, _PIECE = 1.0, 0.9, 32
-"""Distance up to which a contour runs along a boundary [px], the share of it that has to, and corners of a piece."""
+_ON_BOUNDARY_DISTANCE = 1.0
+"""Distance up to which a point of a contour lies on a boundary [px]."""
 
-_LINES = 4096
-"""Closed lines of which is remembered what runs along them."""
+_MAX_SHARE_ON_BOUNDARY = 0.9
+"""Share of a contour on a boundary from which the contour counts as that boundary."""
+
+_CORNERS_PER_PIECE = 32
+"""Number of segments of a boundary that are searched together."""
+
+_MAX_CACHED_LINES = 4096
+"""Number of closed lines for which the contours along them are cached."""
 
 
 class ContourReview(QObject):
-    """Finds and selects the contours of the scene; where `rejected_seen`, rejected ones are shown and can be picked.
+    """Finds and selects the contours of the scene; if `rejected_seen`, rejected ones are shown and can be picked.
 
     There is one selection: objects, proposals and contours are selected together by `choose`.
     """
@@ -46,7 +52,7 @@ class ContourReview(QObject):
         self._around: PathTree | None = None
         self._places: Array | None = None
         self._along: dict[int, tuple[Line, Index]] = {}
-        """Closed lines by their identity, with the indices of the places of contours along them."""
+        """Closed lines by identity, with the indices of the sampled points of contours along them."""
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(self.choose)
 
@@ -59,7 +65,7 @@ class ContourReview(QObject):
 
     @property
     def result(self) -> Result | None:
-        """The reconstruction, with rejected contours too."""
+        """The reconstruction, including rejected contours."""
         return self._session.scene.contours.result
 
     @property
@@ -74,47 +80,51 @@ class ContourReview(QObject):
         return tuple(item for item in self.items if item.key in selected) if selected else ()
 
     def near(self, place: Position, reach: float) -> list[Item]:
-        """The shown contours within `reach` [px] of a place (row, col), nearest first."""
+        """Find the shown contours within `reach` [px] of a place (row, col), nearest first."""
         if self._around is None:
             self._around = neighborhood([item.contour for item in self.items])
         return list(filter(self.sees, map(self.items.__getitem__, self._around.passing(place, reach))))
 
     def sees(self, item: Item) -> bool:
-        """Whether a contour is shown."""
+        """Return whether a contour is shown."""
         return self.rejected_seen or not item.reviewed.rejected
 
     def within(self, outline: Sequence[Position]) -> frozenset[int]:
-        """Keys of the shown contours that lie inside a closed outline of places (row, col) for half of their length."""
-        inside = polyline.inside(outline, self._sampled).reshape(-1, _PLACES).mean(axis=1)
+        """Find the keys of the shown contours at least half inside a closed outline of places (row, col)."""
+        inside = polyline.inside(outline, self._sampled).reshape(-1, _SAMPLES_PER_CONTOUR).mean(axis=1)
         lie = zip(self.items, inside.tolist(), strict=True)
         return frozenset(item.key for item, part in lie if part >= 0.5 and self.sees(item))
 
     def apart(self, boundaries: Sequence[Line]) -> tuple[Item, ...]:
-        """The contours of which less than most runs along one of some closed lines of places (row, col) [px]."""
+        """Find the contours that do not run along any of some closed lines of places (row, col) [px]."""
         if not boundaries or not self.items:
             return self.items
         self._compare([line for line in boundaries if id(line) not in self._along])
         along = np.zeros(len(self._sampled), bool)
         along[np.concatenate([self._along[id(line)][1] for line in boundaries])] = True
-        for line in [*self._along][: len(self._along) - _LINES]:
+        for line in [*self._along][: len(self._along) - _MAX_CACHED_LINES]:
             del self._along[line]
-        share = along.reshape(-1, _PLACES).mean(axis=1).tolist()
-        return tuple(item for item, part in zip(self.items, share, strict=True) if part < _MOST)
+        share = along.reshape(-1, _SAMPLES_PER_CONTOUR).mean(axis=1).tolist()
+        return tuple(item for item, part in zip(self.items, share, strict=True) if part < _MAX_SHARE_ON_BOUNDARY)
 
     def _compare(self, lines: Sequence[Line]) -> None:
-        """Find what runs along closed lines."""
+        """Find the sampled points of contours along closed lines."""
         if not lines:
             return
         paths = [np.array((*line, line[0])) for line in lines]
-        pieces = [path[first : first + _PIECE + 1] for path in paths for first in range(0, len(path) - 1, _PIECE)]
-        of = np.repeat(np.arange(len(paths)), [-(-(len(path) - 1) // _PIECE) for path in paths])
-        place, piece, _ = PathTree(pieces).pairs(self._sampled, _ON)
+        pieces = [
+            path[first : first + _CORNERS_PER_PIECE + 1]
+            for path in paths
+            for first in range(0, len(path) - 1, _CORNERS_PER_PIECE)
+        ]
+        of = np.repeat(np.arange(len(paths)), [-(-(len(path) - 1) // _CORNERS_PER_PIECE) for path in paths])
+        place, piece, _ = PathTree(pieces).pairs(self._sampled, _ON_BOUNDARY_DISTANCE)
         order = np.argsort(of[piece], kind="stable")
         found = np.split(place[order], np.searchsorted(of[piece][order], np.arange(1, len(paths))))
         self._along.update((id(line), (line, places)) for line, places in zip(lines, found, strict=True))
 
     def targets(self, items: Iterable[Item]) -> list[Target]:
-        """Contours as edits of the document name them."""
+        """Return the targets by which edits of the document refer to contours."""
         given, known = [*items], () if self.result is None else self.result.contours
         fresh = [item.reviewed.index for item in given if item.reviewed.mark is None]
         made = iter(anchors(known, fresh))
@@ -126,7 +136,7 @@ class ContourReview(QObject):
     # Selecting
 
     def choose(self, contours: Iterable[int] = (), objects: Iterable[int] = ()) -> None:
-        """Select only contours of these keys, objects of these numbers and proposals of these keys, below 0."""
+        """Select only the contours of these keys, and the objects of these numbers, or proposals of keys below 0."""
         scene, keys, numbers = self._session.scene, frozenset(contours), frozenset(objects)
         if (keys, numbers) != (scene.selected_contours, scene.objects.chosen):
             shown = replace(scene.objects, chosen=numbers)
@@ -136,14 +146,16 @@ class ContourReview(QObject):
 
     @property
     def _sampled(self) -> Array:
-        """Places along each contour, one contour after the other, shape (N, 2)."""
+        """Points along each contour, one contour after the other, shape (N, 2) [px]."""
         if self._places is None:
             paths = [item.contour.path for item in self.items]
-            self._places = polyline.middles_of(paths, _PLACES).reshape(-1, 2) if paths else np.empty((0, 2))
+            self._places = (
+                polyline.middles_of(paths, _SAMPLES_PER_CONTOUR).reshape(-1, 2) if paths else np.empty((0, 2))
+            )
         return self._places
 
     def hover(self, key: int | None) -> None:
-        """Set the contour under the pointer, or None."""
+        """Set the contour under the pointer, None for none."""
         scene = self._session.scene
         if key != scene.hovered_contour:
             self._session.show(replace(scene, hovered_contour=key))

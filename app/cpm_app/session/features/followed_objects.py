@@ -1,4 +1,4 @@
-"""Objects followed through the pages of a stack: offered on the page that is opened, or accepted on all that follow."""
+"""Objects followed through the pages of a stack: offered on the opened page, or accepted on all later ones."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
 from cpm_core.pages import FollowedObject, ObjectFollower, fitting
 
-_SOON = 100
-"""Time after which it is looked again whether a page has been opened [ms]."""
+_RETRY_DELAY = 100
+"""Time after which accepting objects on a page that is being opened is tried again [ms]."""
 
-_MOST_EVENTS = 3
+_MAX_LISTED_EVENTS = 3
 """Number of events that a message lists; the table has all."""
 
 
@@ -41,14 +41,14 @@ class Former:
     taken: int
 
     def follower(self) -> ObjectFollower:
-        """What follows the objects; it reads these pages."""
+        """Make a follower of the objects, which reads these pages."""
         made = ObjectFollower(self.taken)
         for number, document in self.pages:
             _take(made, self.source.pages[number - 1], document)
         return made
 
     def offered(self, number: int, session: Session, partition: Partition, task: Task) -> tuple[Proposal, ...]:
-        """What is found on a page; what has split off gets its number when it is accepted."""
+        """Find the objects on a page as proposals; parts that have split off get their numbers when accepted."""
         found, events = self.follower().follow(number, partition, task.check_cancelled)
         items = _items(found, self.pages[-1][1].objects.items)
         if events:
@@ -60,7 +60,7 @@ class Former:
 
 
 class FollowedObjects(QObject):
-    """Offers the objects of the page before on the page that is opened, and follows them through all pages."""
+    """Offers the objects of the previous page on the opened page, and follows them through all pages."""
 
     def __init__(self, session: Session, pages: StackPages, selection: ObjectSelection) -> None:
         super().__init__(session)
@@ -77,7 +77,7 @@ class FollowedObjects(QObject):
         return not self._task.over
 
     def run(self) -> None:
-        """Accept the objects of the open page on all that follow it, except on those with objects of their own."""
+        """Accept the objects of the open page on all later pages without objects of their own."""
         session, pages, here = self._session, self._pages, self._session.document
         session.attempt(RUNNING)
         if not here.objects.items:
@@ -86,7 +86,7 @@ class FollowedObjects(QObject):
         documents, former, base = pages.documents, self._former(pages.number + 1), bare(here)
         source, numbers = pages.source, range(pages.number + 1, pages.count + 1)
 
-        def work(task: Task) -> tuple[list[TrackEvent], int]:
+        def follow_objects(task: Task) -> tuple[list[TrackEvent], int]:
             happened: list[TrackEvent] = []
             follower, before = former.follower(), here
             for number in numbers:
@@ -108,18 +108,18 @@ class FollowedObjects(QObject):
             return happened, 0
 
         title = tr("Following objects on {count} pages…", count=len(numbers))
-        self._task = session.tasks.start(title, work, tr("following objects"), then=self._report)
+        self._task = session.tasks.start(title, follow_objects, tr("following objects"), then=self._report)
 
     # Internal
 
     def _former(self, number: int) -> Former:
-        """What is known of the pages before one."""
+        """Return the last pages with objects before a page."""
         found = ((page, each) for page, each in sorted(self._pages.documents.items()) if page < number)
         with_objects = [(page, each) for page, each in found if each.objects.items]
         return Former(self._pages.source, tuple(with_objects[-2:]), self._pages.taken)
 
     def _look(self) -> None:
-        """Offer what is followed on a page that has been opened and has no object yet."""
+        """Offer the followed objects on an opened page that has no objects yet."""
         session, number = self._session, self._pages.number
         if self._image is not session.image:
             self._image, former = session.image, self._former(number)
@@ -130,39 +130,39 @@ class FollowedObjects(QObject):
     def _accept(self, number: int, image: ImageReference, items: tuple[SegmentedObject, ...]) -> None:
         """Accept objects on a page, unless another stack is open or the page has objects of its own by now."""
         if number == self._pages.ahead != self._pages.number:  # it is being opened
-            QTimer.singleShot(_SOON, self, partial(self._accept, number, image, items))
+            QTimer.singleShot(_RETRY_DELAY, self, partial(self._accept, number, image, items))
             return
         known = self._pages.documents.get(number)
         if self._pages.source.path != image.path or (known is not None and known.objects.items):
             return
 
-        def edit(document: Document) -> Document:
+        def accept_items(document: Document) -> Document:
             taken = max(document.objects.taken, *(item.number for item in items))
             same = document.image if known is not None else image
             return objects.accept(replace(numbered(document, taken), image=same), items)
 
-        self._pages.change(number, tr("follow objects"), edit)
+        self._pages.change(number, tr("follow objects"), accept_items)
 
     def _report(self, done: tuple[list[TrackEvent], int]) -> None:
-        """Report what has happened, and where nothing was found any more."""
+        """Report what has happened to the objects, and the page on which none was found any more."""
         events, lost = done
         taken = self._pages.taken
-        if taken >= self._session.document.objects.next_number:  # what has split off has numbers of its own
+        if taken >= self._session.document.objects.next_number:  # parts that have split off have numbers of their own
             self._session.edit(tr("follow objects"), lambda document: numbered(document, taken))
-        said = [_sentences(events)] if events else []
+        messages = [_sentences(events)] if events else []
         if lost:
-            said.append(tr("Page {number}: no object was found again. Accept one there to follow it.", number=lost))
-        self._session.say(" ".join(said) or tr("The objects were followed through all pages."))
+            messages.append(tr("Page {number}: no object was found again. Accept one there to follow it.", number=lost))
+        self._session.say(" ".join(messages) or tr("The objects were followed through all pages."))
 
 
 def _take(follower: ObjectFollower, image: Image, document: Document) -> None:
-    """Let a follower take the objects of a page."""
+    """Pass the objects of a page to a follower."""
     found = {item.number: selection_of(item, image.shape) for item in document.objects.items}
     follower.take(image.gray(document.parameters.channel), found)
 
 
 def _items(found: Sequence[FollowedObject], before: Iterable[SegmentedObject]) -> tuple[SegmentedObject, ...]:
-    """What has been found as objects with the classes and colors, and the same ones with the names, of those before."""
+    """Make objects of what was found, with class and color of their origin, and its name if it is the same object."""
     like, items = {item.number: item for item in before}, []
     for one in found:
         known, shape = like[one.origin], one.selection.mask.shape
@@ -173,6 +173,6 @@ def _items(found: Sequence[FollowedObject], before: Iterable[SegmentedObject]) -
 
 
 def _sentences(events: Sequence[TrackEvent]) -> str:
-    """What happens, in words; the table has all of it."""
-    said = [from_core(event.sentence) for event in events[:_MOST_EVENTS]]
-    return " ".join([*said, "…"] if len(events) > _MOST_EVENTS else said)
+    """Describe the first events in words; the table has all of them."""
+    sentences = [from_core(event.sentence) for event in events[:_MAX_LISTED_EVENTS]]
+    return " ".join([*sentences, "…"] if len(events) > _MAX_LISTED_EVENTS else sentences)

@@ -1,4 +1,4 @@
-"""Editing of contours by hand: what the pointer takes hold of, lines that follow the edges, and the edits made."""
+"""Manual editing of contours: hits of the pointer, lines that follow edges, and the edits."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ from cpm_core.parameters import invalidating
 from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, wire_from
 
 Way = Callable[[Position], Array]
-"""The path from some place to another one, shape (K, 2) [px]."""
+"""Finds the path from a fixed place to another one, shape (K, 2) [px]."""
 
-_SNAP = 3.0
-"""Distance from an edge within which a place that is clicked is moved onto it [px]."""
+_SNAP_DISTANCE = 3.0
+"""Distance from an edge within which a clicked place is moved onto it [px]."""
 
-_SAME = 1.0
-"""Distance by which a contour has to be nearer than the boundary of an object to be meant [px]."""
+_CONTOUR_PREFERENCE = 1.0
+"""Distance by which a contour has to be nearer than the boundary of an object to be hit instead of it [px]."""
 
-_NOT_FOUND = tr(
+_UNMATCHED_TEXT = tr(
     "{count} of {all} manual edits no longer match a contour. Their lines stay; the menu Objects removes them."
 )
 
 
 class HandEditing(QObject):
-    """Edits the contours of the scene by hand, and holds the places that are marked on one of them.
+    """Edits the contours of the scene by hand, and holds the places marked on one of them.
 
-    The edges are asked for when they are first needed; until they are there, lines are straight.
+    The edges are requested when they are first needed; until they arrive, lines are straight.
     """
 
     changed = Signal()
@@ -54,41 +54,41 @@ class HandEditing(QObject):
         self._review = review
         self._contours: ReviewedContours | None = None
         self._lines: tuple[SegmentedObjects, list[tuple[SegmentedObject, Contour]], PathTree] | None = None
-        """Objects, and the curves of the boundaries of those that are shown."""
+        """Objects, and the boundary curves of the shown ones."""
         self._ends: tuple[list[Contour], Array] | None = None
-        """The open contours, and the places of both ends of each, in turn, shape (2 N, 2) [px]."""
+        """The open contours, and both ends of each in turn, shape (2 N, 2) [px]."""
         self.edges: ScaleField | None = None
-        """Fields of the image in which lines follow the edges; None until they are there."""
+        """Fields of the image whose edges the lines follow; None until they arrive."""
         self._asked: tuple[object, ...] = ()
         self._then: Callback | None = None
-        """What is done as soon as the edges are there."""
+        """Called as soon as the edges arrive."""
         self._reported: Integers = ()
         session.image_changed.connect(self._forget)
         session.scene_changed.connect(self._follow)
 
-    # What the pointer takes hold of
+    # Hits of the pointer
 
     def prepare(self) -> None:
-        """Ask for the edges of the image, unless they are there or on their way."""
+        """Request the edges of the image, unless they are there or have been requested."""
         document, generation = self._session.document, self._session.image_generation
         wanted = (generation, document.regions, *(getattr(document.parameters, name) for name in invalidating("field")))
         if document.image is not None and wanted != self._asked:
             self._asked = wanted
             self._session.attempt(EDGES)
 
-            def use(edges: ScaleField) -> None:
+            def on_edges_found(edges: ScaleField) -> None:
                 if generation == self._session.image_generation:
                     self.edges = edges
                     then, self._then = self._then, None
                     if then is not None:
                         then()
 
-            self._session.post(find_edges(generation, document.parameters, use))
+            self._session.post(find_edges(generation, document.parameters, on_edges_found))
 
     def contact(self, at: Position, reach: float) -> Contact | None:
-        """The end of a contour within reach of a place [px], or else the nearest place on a contour; None without one.
+        """Find the end of a contour within reach of a place [px], or else the nearest place on a contour, or None.
 
-        Of several ends at a junction it is that of the contour nearest to the place.
+        Of several ends at a junction, the one of the contour nearest to the place is returned.
         """
         if self._ends is None:  # only when the pointer asks: contours change many times a second during a run
             contours = [item.contour for item in self._review.items if not item.contour.closed]
@@ -103,7 +103,7 @@ class HandEditing(QObject):
         return Contact.at(lines[0].contour, at) if lines else None
 
     def boundary(self, at: Position, reach: float) -> tuple[SegmentedObject, Contact] | None:
-        """The nearest place on the boundary of an object within reach of a place [px], unless a contour is nearer."""
+        """Find the nearest place on the boundary of an object within `reach` [px], unless a contour is nearer."""
         objects = self._session.document.objects
         if self._lines is None or self._lines[0] is not objects:
             shown = [item for item in objects.items if not item.hidden]
@@ -115,12 +115,14 @@ class HandEditing(QObject):
             return None
         item, contour = curves[found[0]]
         held, other = Contact.at(contour, at), self.contact(at, reach)
-        if other is not None and (other.at_end or _SAME + other.line.nearest(at)[1] < held.line.nearest(at)[1]):
+        if other is not None and (
+            other.at_end or _CONTOUR_PREFERENCE + other.line.nearest(at)[1] < held.line.nearest(at)[1]
+        ):
             return None
         return item, held
 
     def key_of(self, contact: Contact) -> int | None:
-        """Key of the contour that a place lies on, if it is still there."""
+        """Return the key of the contour that a place lies on, None if it is gone."""
         item = self._item(contact)
         return None if item is None else item.key
 
@@ -133,20 +135,20 @@ class HandEditing(QObject):
     # Lines that follow the edges
 
     def way_from(self, start: Position, avoided: Sequence[Array] = ()) -> Way:
-        """Paths from a place along the edges that keep off some lines, each of shape (K, 2)."""
+        """Return a finder of paths along the edges from a place; they avoid some lines, each of shape (K, 2) [px]."""
         if self.edges is None:
             return lambda place: np.array([start, place], float)
         return LiveWire(self.edges, start, avoided, [tuple(line[0].tolist()) for line in avoided]).to
 
     def way_from_end(self, end: Contact) -> Way:
-        """Paths from the end of a contour along the edges, not back along it."""
+        """Return a finder of paths along the edges from the end of a contour, not back along it."""
         if self.edges is None:
             return self.way_from(end.place)
         return wire_from(self.edges, end).to
 
     def snapped(self, place: Position) -> Position:
-        """A place moved onto the edge next to it, if there is one."""
-        return place if self.edges is None else nearest_ridge(place, self.edges, _SNAP)
+        """Move a place onto the edge next to it, if there is one."""
+        return place if self.edges is None else nearest_ridge(place, self.edges, _SNAP_DISTANCE)
 
     # Edits
 
@@ -161,14 +163,14 @@ class HandEditing(QObject):
         )
 
     def outline(self, path: Array) -> int:
-        """Make an object of a closed line that has been drawn, shape (K, 2) [px]; returns its number."""
+        """Make an object of a drawn closed line, shape (K, 2) [px]; return its number."""
         objects = self._session.document.objects
         item = outlined(bounded(objects.next_number, objects.category, [Contour(path, True)]), self.edges)
         self._session.edit(NAMES["outline"], lambda document: accept(document, (item,)))
         return item.number
 
     def add(self, edits: Sequence[HandEdit]) -> None:
-        """Carry out edits, as one step of undo."""
+        """Carry out edits as one undo step."""
         if edits:
             self.mark(())
             self._session.edit(NAMES[edits[-1].kind], lambda document: add_hand_edits(document, edits))
@@ -202,7 +204,7 @@ class HandEditing(QObject):
 
     @property
     def missed(self) -> Integers:
-        """Indices of the edits that have not found their contours in the present ones."""
+        """Indices of the edits without a matching contour among the present ones."""
         found = self._session.scene.reconstruction
         return found.missed if found is not None else ()
 
@@ -214,7 +216,7 @@ class HandEditing(QObject):
     # Internal
 
     def _item(self, contact: Contact) -> Item | None:
-        """The contour of a place, if it can be seen and has not been replaced."""
+        """Return the contour of a place, if it is shown and has not been replaced."""
         found = (item for item in self._review.items if item.contour is contact.line.source)
         return next(filter(self._review.sees, found), None)
 
@@ -231,11 +233,11 @@ class HandEditing(QObject):
         if self.marked:
             still = {id(item.contour) for item in contours.items}
             self.mark([mark for mark in self.marked if id(mark.line.source) in still])
-        # said once, after a run
+        # reported once, after a run
         missed, found = self.missed, self._session.scene.reconstruction
         if missed == self._reported or found is None or (missed and not getattr(found.result, "steps", 0)):
             return
         new = [index for index in missed if index not in self._reported]
         self._reported = missed
         if new:
-            self._session.say(_NOT_FOUND.format(count=len(missed), all=len(self._session.document.hand_edits)))
+            self._session.say(_UNMATCHED_TEXT.format(count=len(missed), all=len(self._session.document.hand_edits)))

@@ -16,15 +16,21 @@ from cpm_core.formats import SUFFIX, SessionFile, save_session
 from cpm_core.numerics.types import frozen
 
 TOPIC = "batch"
-"""What messages on it belong to."""
+"""Category of messages about the batch."""
 
-_RESULTS, _APPLIED, _TABLE = "contours", f"session{SUFFIX}", "summary.csv"
-"""The folder of the results in that of the images, and in it the session they were made with and the table of all."""
+_RESULTS_FOLDER = "contours"
+"""Name of the folder of results, inside the folder of images."""
+
+_APPLIED_SESSION = f"session{SUFFIX}"
+"""Name of the session that the results were made with, in their folder."""
+
+_SUMMARY_TABLE = "summary.csv"
+"""Name of the table of all results, in their folder."""
 
 
 @frozen
 class BatchDone:
-    """All images of a folder are done: how many there are, how many could not be used, and the table of all."""
+    """All images of a folder are done: their number, the number of unusable ones, and the table of all results."""
 
     images: int
     failed: int
@@ -32,7 +38,7 @@ class BatchDone:
 
 
 def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], object]) -> Task:
-    """Apply the session as it is to the images of a folder, on a thread; what is done there is not done again."""
+    """Apply the present session to the images of a folder, on a thread; finished images are not run again."""
     session.attempt(TOPIC)
     document = session.document
     if document.mode == "skeleton":
@@ -50,7 +56,7 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
     from cpm_core.cli.batch import WRITTEN, Batch
     from cpm_core.cli.workers import here
 
-    images, output = tuple(map(str, images_in(folder))), folder / _RESULTS
+    images, output = tuple(map(str, images_in(folder))), folder / _RESULTS_FOLDER
     if not images:
         raise ValueError(tr("This folder contains no readable image: choose another one."))
     try:
@@ -59,9 +65,9 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
         raise ValueError(
             tr("{folder} is not a folder and cannot be created: {reason}.", folder=output, reason=cause(error))
         ) from error
-    save_session(session, output / _APPLIED)
-    batch = Batch(images, session, output / _APPLIED, output, WRITTEN)
+    save_session(session, output / _APPLIED_SESSION)
+    batch = Batch(images, session, output / _APPLIED_SESSION, output, WRITTEN)
     for _ in batch.write(here(batch.jobs, None, task.check_cancelled)):
         task.fraction = len(batch.rows) / len(images)
     failed = sum(bool(row.trouble) for row in batch.rows.values())
-    return BatchDone(len(images), failed, output / _TABLE)
+    return BatchDone(len(images), failed, output / _SUMMARY_TABLE)

@@ -1,4 +1,4 @@
-"""Contours, surfaces and points of files and of the clipboard, read on a thread, and pictures of the clipboard."""
+"""Contours, surfaces and points from files and the clipboard, read on a thread, and pictures from the clipboard."""
 
 from __future__ import annotations
 
@@ -29,56 +29,56 @@ from cpm_core.shapes import Points
 MOST_POINTS = 100_000
 """Largest number of points that can be drawn."""
 
-_TABLE = ".csv"
-
+_TABLE_SUFFIX = ".csv"
+"""Suffix of tables, which hold contours or points."""
 
 Found = Imported | Points
-"""What a file holds: contours, surfaces and center lines, or points."""
+"""Content of a file: contours, surfaces and center lines, or points."""
 
 
 def read_file(session: Session, path: Path, use: Callable[[Found], object]) -> None:
     """Start to read contours, a surface or points."""
     image, plane = session.image, plane_of(session.image)
 
-    def work(task: Task) -> Found:
+    def read_content(task: Task) -> Found:
         if image is not None and image.ndim == 3:
-            return _points(path, 3) if path.suffix.lower() == _TABLE else _in_volume(path, image)
+            return _points(path, 3) if path.suffix.lower() == _TABLE_SUFFIX else _in_volume(path, image)
         try:
             return Imported.of(read_contours(path, plane), path.name)
         except ValueError as error:
-            if path.suffix.lower() != _TABLE or _names_contours(path):
+            if path.suffix.lower() != _TABLE_SUFFIX or _names_contours(path):
                 raise
             try:
                 return _points(path)
             except ValueError as other:
                 raise other from error
 
-    _start(session, path.name, work, f"reading {path.name}", use)
+    _start(session, path.name, read_content, f"reading {path.name}", use)
 
 
 def read_pasted(session: Session, content: bytes, use: Callable[[Found], object]) -> None:
-    """Start to read contours of the clipboard."""
+    """Start to read contours from the clipboard."""
     plane, name = plane_of(session.image), tr("the clipboard")
 
-    def work(task: Task) -> Found:
+    def decode_content(task: Task) -> Found:
         return Imported.of(decode_contours(content, name, plane), name)
 
-    _start(session, name, work, "reading the clipboard", use)
+    _start(session, name, decode_content, "reading the clipboard", use)
 
 
 def _start(
     session: Session, name: str, work: Callable[[Task], Found], activity: str, use: Callable[[Found], object]
 ) -> None:
-    """Read on a thread, and use what has been found unless another image has been opened."""
+    """Read on a thread, and use the content unless another image has been opened."""
     image = session.image_generation
     then: Callable[[Found], object] = lambda found: use(found) if image == session.image_generation else None  # noqa: E731
     session.tasks.start(tr("Reading {name}…", name=name), work, activity, then=then)
 
 
 def keep_picture(session: Session, picture: QImage, use: Callable[[Path], object]) -> None:
-    """Start to write a picture of the clipboard to a file, because a session needs one."""
+    """Start to write a picture from the clipboard to a file, because a session needs one."""
 
-    def work(task: Task) -> Path:
+    def write_picture(task: Task) -> Path:
         buffer = QBuffer()
         buffer.open(QIODevice.OpenModeFlag.WriteOnly)
         if not picture.save(buffer, "PNG"):  # type: ignore[call-overload]  # bytes are refused
@@ -90,16 +90,16 @@ def keep_picture(session: Session, picture: QImage, use: Callable[[Path], object
         write_together([(path, content)])
         return path
 
-    session.tasks.start(tr("Reading {name}…", name=tr("the clipboard")), work, "keeping the picture", then=use)
+    session.tasks.start(tr("Reading {name}…", name=tr("the clipboard")), write_picture, "keeping the picture", then=use)
 
 
 def folder_of_pasted() -> Path:
-    """The folder of pasted pictures among the user's data."""
+    """Return the folder of pasted pictures in the user's data folder."""
     return Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericDataLocation)) / "cpm/pasted"
 
 
 def _in_volume(path: Path, volume: Image) -> Imported:
-    """A surface or center lines in a volume."""
+    """Read a surface or center lines for a volume."""
     suffix, notes = path.suffix.lower(), list[str]()
     if suffix in CONTOURS_READABLE:
         raise ValueError(tr("{name} has contours for an image, but a volume is open.", name=path.name))
@@ -119,7 +119,7 @@ def _points(path: Path, axes: int = 2) -> Points:
 
 
 def _names_contours(path: Path) -> bool:
-    """Whether the first line of a table has a column of contours."""
+    """Return whether the first line of a table has a column of contours."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as stream:
             first = stream.readline(2**14)

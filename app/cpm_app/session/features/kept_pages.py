@@ -1,4 +1,4 @@
-"""Pages of a stack that are not open: the file, what is kept of each, their runs, tracks and part of a session."""
+"""Pages of a stack that are not open: their file, state, runs and tracks, and their part of a session."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from cpm_core.shapes import SeedCache, Start, check_axes
 
 @record
 class StackSource:
-    """A file whose pages are images of their own.
+    """A file whose pages are separate images.
 
     Attributes
     ----------
@@ -41,11 +41,11 @@ class StackSource:
     count : int
         Number of its pages; 0 where nothing is open, or a volume.
     by_channel : bool
-        Whether its pages are its channels, as it has neither planes nor times.
+        Whether its pages are its channels, because it has neither planes nor times.
     reading : Reading
         How its pages are read.
     usual : int
-        The page that is read when nobody chooses.
+        The page that is read by default.
     """
 
     path: str = ""
@@ -56,7 +56,7 @@ class StackSource:
 
     @classmethod
     def of(cls, path: str, parts: Parts | None, reading: Reading) -> StackSource:
-        """The stack that a file holds."""
+        """Describe the stack in a file."""
         if parts is None:
             return cls(path)
         by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1
@@ -64,17 +64,17 @@ class StackSource:
         return cls(path, count if count > 1 else 0, by_channel, reading, parts.usual)
 
     def number_of(self, reading: Reading) -> int:
-        """The page that is read so."""
+        """Return the number of the page that a reading selects."""
         return (reading.channel or 1) if self.by_channel else (reading.page or self.usual)
 
     def reading_of(self, number: int) -> Reading:
-        """How a page is read; that which is read when nobody chooses needs no number."""
-        chosen = None if number == (1 if self.by_channel else self.usual) else number
-        return replace(self.reading, channel=chosen) if self.by_channel else replace(self.reading, page=chosen)
+        """Return the reading of a page; the default page needs no number."""
+        selected = None if number == (1 if self.by_channel else self.usual) else number
+        return replace(self.reading, channel=selected) if self.by_channel else replace(self.reading, page=selected)
 
     @cached_property
     def pages(self) -> Pages:
-        """The pages, which are read from the file when they are asked for; not on the window's thread."""
+        """The pages, each read from the file on access; not for use on the window's thread."""
         given = self.reading.arguments
         given.pop("page", None)
         if self.by_channel:
@@ -84,7 +84,7 @@ class StackSource:
 
 @record
 class KeptPage:
-    """What is kept of a page while another one is open.
+    """The state of a page while another one is open.
 
     Attributes
     ----------
@@ -93,11 +93,11 @@ class KeptPage:
     runs : mapping
         Its runs, as plain JSON.
     history : History
-        What can be undone in it.
+        Its undo history.
     known : Document or None
-        The document that the session file has of it; None where it has another one.
+        Its document in the session file; None if the file has a different one.
     given : tuple of Start
-        Starts that it was given by what was found on the page before, which the user has not drawn.
+        Starts taken from the results of the previous page, not drawn by the user.
     runs_unsaved : bool
         Whether there are runs that are in no file.
     """
@@ -116,41 +116,42 @@ class KeptPage:
 
     @property
     def unsaved(self) -> bool:
-        """Whether closing would lose something of it."""
+        """Whether closing would lose changes of it."""
         return self.runs_unsaved or self.document != self.known
 
 
 def started_by(document: Document, starts: tuple[Start, ...]) -> Document:
-    """A document with these starts in place of its own; limits and charges stay."""
+    """Replace the starts of a document; limits and charges stay."""
     others = (shape for shape in document.shapes if not isinstance(shape, Start))
     return replace(document, shapes=(*starts, *others))
 
 
 def bare(document: Document) -> Document:
-    """What a page takes over from another one: drawing, parameters, mode and classes, but nothing that was found."""
+    """Keep the settings of a document for another page: shapes, parameters, mode and classes, but no results."""
     known = SegmentedObjects(classes=document.objects.classes, category=document.objects.category)
     return Document(document.image, document.shapes, document.parameters, mode=document.mode, objects=known)
 
 
 def numbered(document: Document, taken: int) -> Document:
-    """A document in which new objects get larger numbers than those that are taken."""
+    """Let new objects of a document get numbers above the taken ones."""
     return replace(document, objects=replace(document.objects, taken=taken))
 
 
 Table = tuple[StackResult | None, tuple[PageRow, ...]]
-"""What has been found on all pages, and the rows of its table."""
+"""The results of all pages, and the rows of their table."""
 
 NOTHING: Table = (None, ())
+"""The table while there are no results."""
 
 Listed = Literal["objects", "contours"]
-"""What is shown of all pages."""
+"""Kind of results that is shown of all pages."""
 
 Measured = Mapping[int, tuple[SegmentedObjects, Result | None]]
-"""The objects of each page, and what is known of them: with their mean gray values; None where there are none."""
+"""The objects of each page, and a result with their mean gray values; None where there are no objects."""
 
 
 class Linked(NamedTuple):
-    """What has been found on all pages of a stack, with tracks."""
+    """The results of all pages of a stack, with tracks."""
 
     source: StackSource
     measured: Measured
@@ -164,7 +165,7 @@ def linked(
     documents: Mapping[int, Document],
     known: Measured,
 ) -> Linked:
-    """Number the contours of all pages by their tracks, page by page, and measure objects that are not `known`."""
+    """Link the contours of all pages to tracks, page by page, and measure objects that are not `known`."""
     follower = Follower()
     pages = [found[number] for number in sorted(found)]
     pages = [follower.take(page.number, page.result) if page.result else page for page in pages]
@@ -186,8 +187,8 @@ def linked(
     return Linked(source, measured, tables)
 
 
-_MOST = 24 * 2**20
-"""Largest size of the recorded runs of other pages in a session file [characters]; contours and drawings all stay."""
+_MAX_PAGE_RUNS_CHARACTERS = 24 * 2**20
+"""Largest size of the recorded runs of other pages in a session file [characters]; all else is always written."""
 
 
 def pages_to_plain(
@@ -197,13 +198,13 @@ def pages_to_plain(
     given: bool,
     result: StackResult | None,
 ) -> Entries:
-    """What a session file holds of a stack, as `StoredPages`; runs are left out beyond a size that can be read.
+    """Encode the pages of a stack for a session file, to be read by `StoredPages`; runs are left out beyond a size.
 
-    `others` are the pages that are not open, `given` is whether that which is open was given its starts.
+    `others` are the pages that are not open, `given` is whether the open page was given its starts.
     """
     if not others and result is None:
         return {}
-    left, sessions = _MOST, []
+    left, sessions = _MAX_PAGE_RUNS_CHARACTERS, []
     for number, page in sorted(others.items()):
         session = json.loads(encode(replace(to_file(page.document, {}), image=None), Path()))
         size = len(json.dumps(page.runs))
@@ -222,22 +223,22 @@ def pages_to_plain(
 
 @record
 class StoredPages:
-    """What a session file holds of the pages of a stack.
+    """The pages of a stack as stored in a session file.
 
     Attributes
     ----------
     kept : dict of int to KeptPage
         The pages that are not open, by number.
     found : dict of int to Page
-        What was found on each page.
+        Results of each page.
     following : bool
-        Whether each page starts from the contours of the one before.
+        Whether each page starts from the contours of the previous one.
     drawn : tuple of mapping
-        What was drawn before all pages were run.
+        Shapes drawn before all pages were run.
     given : tuple of Start
-        Starts of the page that is open, if it was given them by the one before.
+        Starts of the open page, if they were given by the previous one.
     trouble : str
-        What had to be left out, in a sentence.
+        Message on what had to be left out, or "".
     """
 
     kept: dict[int, KeptPage]
@@ -249,9 +250,9 @@ class StoredPages:
 
     @classmethod
     def of(cls, plain: Plain, here: Document, source: StackSource) -> StoredPages:
-        """The pages of a session file, of which that with the document `here` is open; what is damaged is left out."""
+        """Read the pages of a session file; damaged ones are left out. The open page has the document `here`."""
 
-        def session(entry: Plain) -> tuple[int, KeptPage]:
+        def read_session(entry: Plain) -> tuple[int, KeptPage]:
             number = _checked(entry["page"], source)
             file = decode(json.dumps(entry["session"]).encode(), tr("page {number}", number=number))
             image = here.image and replace(here.image, reading=source.reading_of(number))
@@ -262,12 +263,15 @@ class StoredPages:
             given = document.starts if entry.get("given") is True else ()
             return number, KeptPage(document, file.runs, known=document, given=given)
 
-        def found(entry: Plain) -> tuple[int, Page]:
+        def read_page(entry: Plain) -> tuple[int, Page]:
             page = page_from_plain(entry)
             return _checked(page.number, source), page
 
         faults: list[Exception] = []
-        kept, pages = dict(sound(plain, "sessions", session, faults)), dict(sound(plain, "found", found, faults))
+        kept, pages = (
+            dict(sound(plain, "sessions", read_session, faults)),
+            dict(sound(plain, "found", read_page, faults)),
+        )
         drawn = tuple(sound(plain, "drawn", dict, []))
         given = here.starts if plain.get("given") is True else ()
         trouble = tr("Some pages of the stack are damaged in the session and were skipped.")
@@ -275,7 +279,7 @@ class StoredPages:
 
 
 class PlainPages(Mapping[str, Any]):
-    """Pages as plain JSON, made when it is asked for: on the thread that writes a file, and not in the window's."""
+    """Pages as plain JSON, encoded on access: on the thread that writes a file, not on the window's."""
 
     def __init__(self, make: Callable[[], Entries]) -> None:
         self._make = make
@@ -302,7 +306,7 @@ def _checked(given: object, source: StackSource) -> int:
 
 @record
 class PageDone:
-    """A page that has been run: its document with the starts that it was given, its run and what was found."""
+    """A page that has been run: its document with the given starts, its run and its results."""
 
     page: Page
     document: Document
@@ -322,10 +326,10 @@ def run_pages(
     before: Sequence[Page],
     task: Task,
 ) -> Iterator[PageDone]:
-    """Run pages, each as soon as the one before is done; `Cancelled` when the task has been.
+    """Run pages, each as soon as the previous one is done; raise `Cancelled` if the task has been cancelled.
 
-    `document_of` gives the document that a page is run with, and the starts that it is given by the page before, by its
-    number and the lines along the contours of that one; `before` are the pages before the first one.
+    `document_of` takes the number of a page and the starts along the contours of the previous page; it returns the
+    document to run the page with, and the starts that were given. `before` are the pages before the first one.
     """
     follower = Follower(before)
     for done, number in enumerate(numbers):

@@ -1,4 +1,4 @@
-"""The objects in one list with what is proposed and the contours under them: figures, selection, verbs, the brush."""
+"""One list of objects, proposals and contours: their figures, selection and commands, and the brush."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from cpm_core.objects.segmented import (
 from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.shapes import sides_of
 
-T = TypeVar("T")
+Made = TypeVar("Made")
 
 BINS = 32
 """Number of bars of a histogram."""
@@ -52,13 +52,13 @@ class Figures:
     Attributes
     ----------
     gray : float
-        Mean gray value; NaN where it has no pixel.
+        Mean gray value; NaN if it has no pixel.
     counts : tuple of int
-        Numbers of pixels for `BINS` equal steps of gray value, over the range of the image.
+        Numbers of pixels in `BINS` equal steps of gray value, over the range of the image.
     volume, area : float
-        Of an object in a volume, in the unit of the image; 0 in an image, as the rest.
+        Volume and surface area of an object in a volume, in the unit of the image; 0 in an image, as are the rest.
     parts, euler : int
-        Parts of its surface that do not hang together, and its Euler characteristic.
+        Number of connected parts of its surface, and its Euler characteristic.
     body : Surface or None
         Its surface in a volume [voxels].
     """
@@ -73,34 +73,36 @@ class Figures:
 
 
 Key = tuple[Literal["object", "proposal", "contour"], int]
-"""What identifies a row: the number of an object, the key of a proposal, which is below 1, or that of a contour."""
+"""Identity of a row: the number of an object, the key of a proposal, which is below 1, or the key of a contour."""
 
-_DRAFT: Key = ("proposal", 0)
+_DRAFT_KEY: Key = ("proposal", 0)
 """The key of the object that is being selected."""
 
 Kind = Literal["object", "proposal", "closed", "open", "rejected"]
+"""Kind of a row; rejected are objects and contours."""
+
 KINDS: tuple[Kind, ...] = get_args(Kind)
-"""What a row can be, in the order shown."""
+"""Kinds of rows, in the order shown."""
 
 
 @record
 class Row:
-    """One row of the list: an object, what accepting it would make an object, or a contour.
+    """One row of the list: an object, a proposal or a contour.
 
     Attributes
     ----------
     key : tuple of str and int
-        What identifies it.
+        Its identity.
     kind : {"object", "proposal", "closed", "open", "rejected"}
-        What it is; rejected are objects and contours.
+        Its kind; rejected are objects and contours.
     title : str
-        Its name, or what it is and its number.
+        Its name, or its kind and number.
     item : SegmentedObject or None
-        The object; that of a proposal has a number that is only its own until it is accepted.
+        The object; for a proposal with a preliminary number until it is accepted.
     contour : Item or None
         The contour; None for objects and proposals.
     figures : Figures or None
-        Figures of the object; None while they are not known.
+        Figures of the object; None while unknown.
     """
 
     key: Key
@@ -112,12 +114,12 @@ class Row:
 
     @property
     def name(self) -> str:
-        """The name that the user has given it, or empty."""
+        """The name given by the user, or ""."""
         return self.item.name if self.item is not None else self.contour.contour.name if self.contour else ""
 
     @property
     def drawn(self) -> SegmentedObject | None:
-        """The object where it is shown, which hidden and rejected ones are not; None for a contour."""
+        """The object if it is shown; None for hidden and rejected ones, and for a contour."""
         return None if self.item is None or self.item.hidden or self.kind == "rejected" else self.item
 
 
@@ -126,7 +128,7 @@ def _boundary(item: SegmentedObject) -> object:
 
 
 def histogram(values: Array, image: Image) -> tuple[int, ...]:
-    """How many values lie in each of `BINS` equal steps of the gray values of an image."""
+    """Count the values in each of `BINS` equal steps of the gray range of an image; `values` have any shape."""
     low, high = image.gray_range
     return tuple(np.histogram(values, BINS, (low, max(high, low + 1e-9)))[0].tolist())
 
@@ -137,7 +139,7 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
     body = item.body
     if body is None:
         return Figures(gray, counts)
-    # limits are made of it, and it is painted, on the window's thread
+    # cached on this thread, because the window's thread needs it for limits and painting
     assert all(len(packed.shell.mask) and packed.painted for packed in item.surface)
     surface = replace(body, spacing=image.spacing, unit=image.unit)
     volume = item.surface[0].volume * math.prod(image.spacing)
@@ -145,7 +147,7 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
 
 
 def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple[SegmentedObject, ...]:
-    """The objects that proposals would become, each with a number that no other row has."""
+    """Make the objects that proposals would become, each with a unique number."""
     found = enumerate((each for each in offered if each.selection.found), start=known.next_number)
     return tuple(
         replace(each.item, number=each.number or fresh, category=(each.followed or known).category)
@@ -158,7 +160,7 @@ def _boundaries(items: Iterable[SegmentedObject]) -> list[Line]:
 
 
 def _holds(row: Row, place: Place) -> bool:
-    """Whether a place (row, col) [px], or (plane, row, col), lies inside what a row shows."""
+    """Return whether a place (row, col) [px], or (plane, row, col), lies inside the object or contour of a row."""
     if row.drawn is None:
         line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
         return line is not None and len(place) == 2 and bool(polyline.inside(line.points, np.array([place]))[0])
@@ -170,19 +172,19 @@ def _size(row: Row) -> float:
 
 
 DOUBTFUL = 0.7
-"""Probability below which an object is doubtful."""
+"""Confidence below which an object is doubtful."""
 
 BRUSH = 0.5, 500.0
 """Limits of the radius of the brush [px]."""
 
 
 def first_radius(image: ImageReference | None) -> float:
-    """Radius of a brush at first, which depends on the size of the image [px]."""
+    """Return the default radius of the brush, which depends on the size of the image [px]."""
     return max(0.03 * max(image.shape), 4.0) if image is not None else 4.0
 
 
 class ObjectList(QObject):
-    """Lists objects, proposals and contours, selects among all of them, and does what is done to the selected ones."""
+    """Lists objects, proposals and contours, selects among them, and carries out commands on the selected ones."""
 
     changed = Signal()
     """The rows, their classes or their gray values have changed."""
@@ -197,15 +199,15 @@ class ObjectList(QObject):
         self.selection_changed = review.selection_changed
         self._brush: float | None = None
         self.ball, self.over_others = False, True
-        """Whether the brush paints in space, and not only in one slice; whether it takes from other objects there."""
+        """Whether the brush paints in space, not in one slice; whether it takes voxels from other objects there."""
         self.painting = False
-        """Whether a stroke has begun, after which objects are measured."""
+        """Whether a stroke is going on; objects are measured only after it."""
         self._seen: tuple[object, ...] = ()
-        """Objects, image and proposals that have been listed."""
+        """Objects, image and proposals that the rows were made from."""
         self._figures: dict[int, tuple[Image, object, Figures]] = {}
-        """Figures in an image by the identity of the boundary, which stays when a proposal becomes an object."""
+        """Figures in an image by the identity of the boundary, which is the same once a proposal becomes an object."""
         self.bodies: Mapping[int, Surface] = {}
-        """The surfaces of the objects of a volume by their numbers, as they were last measured."""
+        """The surfaces of the objects of a volume by number, as last measured."""
         self._parts = IdentityCache()
         self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
         self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
@@ -223,18 +225,18 @@ class ObjectList(QObject):
 
     @property
     def chosen(self) -> frozenset[int]:
-        """Numbers of the chosen objects."""
+        """Numbers of the selected objects."""
         return frozenset(number for number in self._session.scene.objects.chosen if number > 0)
 
     @property
     def items(self) -> tuple[SegmentedObject, ...]:
-        """The chosen objects, in the order in which they were accepted."""
-        chosen = self.chosen
-        return tuple(item for item in self.objects.items if item.number in chosen)
+        """The selected objects, in the order in which they were accepted."""
+        selected = self.chosen
+        return tuple(item for item in self.objects.items if item.number in selected)
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """All rows: objects, proposals, contours that bound none of them, closed ones first, and what is rejected."""
+        """All rows: objects, proposals, contours that bound none of them, closed ones first, and rejected ones."""
         scene, image = self._session.scene, self._session.image
         made_of = self.objects, scene.objects.proposals, scene.contours, self._figures, image
         return self._parts.named("rows", self._listed, *made_of)
@@ -243,21 +245,21 @@ class ObjectList(QObject):
         known, proposals = self.objects, self._session.scene.objects.proposals
         offered = self._parts.get(_as_objects, proposals, known)
         lines = _boundaries((*known.items, *offered, *known.rejected))
-        alike = frozenset(map(id, lines))  # no others when a proposal becomes an object
+        alike = frozenset(map(id, lines))  # unchanged when a proposal becomes an object
         own, self._lines = self._parts.named(
             "own", lambda: (self._review.apart(lines), lines), self._session.scene.contours, alike
         )
         keys = [each.key for each in proposals if each.selection.found]
 
-        def row(kind: Kind, one: SegmentedObject, key: Key | None = None, title: str = "") -> Row:
+        def make_row(kind: Kind, one: SegmentedObject, key: Key | None = None, title: str = "") -> Row:
             title = title or self.title(one)
             return Row(key or ("object", one.number), kind, title, one, figures=self.figures(one))
 
         rows = [
-            *(row("object", one) for one in known.items),
-            *(row("proposal", one, ("proposal", key), tr("proposal {number}", number=-key or 1 - min(keys)))
+            *(make_row("object", one) for one in known.items),
+            *(make_row("proposal", one, ("proposal", key), tr("proposal {number}", number=-key or 1 - min(keys)))
               for key, one in zip(keys, offered, strict=True)),
-            *(row("rejected", one) for one in known.rejected),
+            *(make_row("rejected", one) for one in known.rejected),
             *(Row(("contour", one.key), "rejected" if one.reviewed.rejected else
                   "closed" if one.contour.closed else "open", one.title, contour=one) for one in own),
         ]  # fmt: skip
@@ -274,21 +276,21 @@ class ObjectList(QObject):
 
     @property
     def selected_rows(self) -> tuple[Row, ...]:
-        """The selected rows, those among them that are listed."""
+        """The selected rows that are in the list."""
         selected = self.selected
         return tuple(row for row in self.rows if row.key in selected) if selected else ()
 
     def figures(self, item: SegmentedObject) -> Figures | None:
-        """Figures of an object; None while they are not known for its boundary in the present image."""
+        """Return the figures of an object; None while unknown for its boundary in the present image."""
         image, _, figures = self._figures.get(id(_boundary(item)), (None, None, None))
         return figures if image is self._session.image else None
 
     def title(self, item: SegmentedObject) -> str:
-        """Name of an object, or the name of its class and its number."""
+        """Return the name of an object, or the name of its class and its number."""
         return objects.title(self.objects, item)
 
     def under(self, at: Place) -> int:
-        """Number of the smallest shown object at a place (row, col) [px], or (plane, row, col); 0 for none."""
+        """Return the number of the smallest shown object at a place (row, col) or (plane, row, col), 0 for none."""
         if len(at) == 3:
             around = [item for item in self.objects.items if not item.hidden and holds(item, at)]
         else:
@@ -297,16 +299,16 @@ class ObjectList(QObject):
         return min(around, key=size_of).number if around else 0
 
     def near(self, places: Array, reach: float) -> list[SegmentedObject]:
-        """The shown objects whose boxes come within reach of one of some places, shape (N, 2) [px]."""
+        """Find the shown objects whose bounding boxes are within `reach` of places, shape (N, 2) [px]."""
         shown = [item for item in self.objects.items if not item.hidden and item.boundary]
         low, high = np.array([item.box for item in shown]).reshape(-1, 2, 2).swapaxes(0, 1)
         meets = ((low <= places.max(axis=0) + reach) & (high >= places.min(axis=0) - reach)).all(axis=1)
         return [item for item, near in zip(shown, meets.tolist(), strict=True) if near]
 
     def at(self, place: Place, reach: float, areas: bool = True) -> Key | None:
-        """The row at a place: a contour within `reach` [px], or else the smallest one around it.
+        """Find the row at a place: a contour within `reach` [px], or else the smallest row that contains it.
 
-        The inside of a closed contour counts only where `areas` do; that of objects and proposals always does.
+        The inside of a closed contour counts only if `areas`; the inside of objects and proposals always does.
         """
         lines = self._review.near(place, reach) if len(place) == 2 else []
         listed = {row.key for row in self.rows}
@@ -325,16 +327,16 @@ class ObjectList(QObject):
         return min(away)[1] if away else None
 
     def within(self, outline: Sequence[Position]) -> frozenset[Key]:
-        """Keys of the shown rows that lie inside a closed outline of places (row, col) for half of their length."""
+        """Find the keys of the shown rows at least half inside a closed outline of places (row, col)."""
         contours = self._review.within(outline)
 
-        def inside(row: Row) -> bool:
+        def is_inside(row: Row) -> bool:
             if row.contour is not None:
                 return row.contour.key in contours
             corners = row.drawn.boundary if row.drawn is not None else ()
             return bool(corners) and bool(polyline.inside(outline, np.concatenate(corners)).mean() >= 0.5)
 
-        return frozenset(row.key for row in self.rows if inside(row))
+        return frozenset(row.key for row in self.rows if is_inside(row))
 
     # The brush
 
@@ -349,7 +351,7 @@ class ObjectList(QObject):
         self.brush_changed.emit(self.brush)
 
     def turn_brush(self, way: Literal["ball", "over_others"]) -> None:
-        """Let the brush paint in space in a volume, or in a slice; over other objects, or beside them."""
+        """Toggle whether the brush paints in space or in a slice, or whether it paints over other objects."""
         setattr(self, way, not getattr(self, way))
         self.brush_changed.emit(self.brush)
 
@@ -378,23 +380,23 @@ class ObjectList(QObject):
 
     @property
     def open_rows(self) -> list[Row]:
-        """What can be accepted: the object that is being selected, or else the selected rows; all proposals without."""
+        """Rows that can be accepted: the object being selected, else the selected rows, else all proposals."""
         if self.objects.clicks:
-            return [row for row in self.rows if row.key == _DRAFT]
+            return [row for row in self.rows if row.key == _DRAFT_KEY]
         selected = [row for row in self.selected_rows if row.kind != "object"]
         return selected or [row for row in self.rows if row.kind == "proposal" and not self.selected]
 
     @property
     def meant(self) -> list[Row]:
-        """What is accepted of `open_rows`: doubtful ones next to others have to be selected."""
+        """The `open_rows` that Enter accepts: doubtful ones among others only if they are selected."""
         rows, picked = self.open_rows, bool(self.selected)
         sure = [row for row in rows if picked or (row.item is not None and row.item.confidence >= DOUBTFUL)]
         return sure or rows
 
     def accept(self) -> None:
-        """Make objects of what is meant: proposals and closed contours; open ones are kept.
+        """Make objects of proposals and closed contours, and keep open ones; see `meant`.
 
-        What has been rejected is there again.
+        Rejected rows among them are restored.
         """
         offered, rows = self.open_rows, self.meant
         if not rows:
@@ -406,25 +408,28 @@ class ObjectList(QObject):
             self._session.say(tr("Doubtful proposals are left: select one to accept it."), topic=EDITING)
 
     def reject(self) -> None:
-        """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too.
+        """Dismiss the selected proposals, remove objects, and reject contours, including those along their boundaries.
 
-        Without a selection, all proposals are dismissed; the object that is being selected is dropped.
+        Without a selection, all proposals are dismissed; the object being selected is dropped.
         """
         rows = [row for row in self.selected_rows or self.open_rows if row.kind != "rejected"]
-        draft = any(row.key == _DRAFT for row in rows)
-        offered = [row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != _DRAFT]
+        draft = any(row.key == _DRAFT_KEY for row in rows)
+        offered = [
+            row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != _DRAFT_KEY
+        ]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
         lines = self._targets(rows)
 
-        def edit(document: Document) -> Document:
+        def reject_rows(document: Document) -> Document:
             marked = contours.judge(document, lines, "rejected")
-            marked = objects.select(marked, ()) if draft else marked  # the user has asked for it, and may ask again
+            # the draft is not kept as a rejected object: the user selected it, and may select it again
+            marked = objects.select(marked, ()) if draft else marked
             return objects.reject(marked, numbers, offered)
 
-        self._edit(tr("reject {what}"), rows, edit)
+        self._edit(tr("reject {what}"), rows, reject_rows)
 
     def delete(self) -> None:
-        """Remove the selected objects, and dismiss or reject the rest; rejected objects are forgotten."""
+        """Remove the selected objects, and dismiss or reject the rest; rejected objects are removed for good."""
         rows = self.selected_rows
         if all(row.key[0] == "object" for row in rows):
             self._edit(tr("delete {what}"), rows, lambda d: objects.delete(d, [row.key[1] for row in rows]))
@@ -434,7 +439,7 @@ class ObjectList(QObject):
     # Editing
 
     def rename(self, key: Key, name: str) -> None:
-        """Name a row, unless it has gone while its name was typed; a proposal and a closed contour are accepted."""
+        """Name a row, unless it has disappeared meanwhile; a proposal or a closed contour is accepted."""
         rows = [row for row in self.rows if row.key == key and row.name != name.strip()]
         if rows and (rows[0].kind in ("proposal", "closed")):
             self._with_objects(tr("name {what}"), rows, lambda d, numbers: objects.rename(d, numbers, name))
@@ -445,9 +450,9 @@ class ObjectList(QObject):
             self._edit(tr("name {what}"), rows, lambda d: objects.rename(d, (key[1],), name))
 
     def classify(self, category: int) -> None:
-        """Give the selected objects, and the next ones, a class; proposals and closed contours are accepted.
+        """Set the class of the selected objects and of new ones; proposals and closed contours are accepted.
 
-        Without a selection the object that is being selected is accepted too.
+        Without a selection, the object being selected is accepted.
         """
         known, rows = self.objects, [row for row in self.selected_rows if row.kind in ("object", "proposal", "closed")]
         if not rows and known.clicks:
@@ -463,33 +468,33 @@ class ObjectList(QObject):
         self._session.edit(tr("name class"), lambda document: objects.name_class(document, category, name, color))
 
     def paint(self, color: str) -> None:
-        """Color the selected objects and contours; an empty color is that of their class, or of contours."""
+        """Color the selected objects and contours; an empty color restores the color of their class, or of contours."""
         rows = [row for row in self.selected_rows if row.kind != "proposal"]
         numbers = [row.item.number for row in rows if row.item is not None]
         targets = self._review.targets(row.contour for row in rows if row.contour is not None)
 
-        def edit(document: Document) -> Document:
+        def color_rows(document: Document) -> Document:
             return objects.amend(contours.paint(document, targets, color), numbers, color=color)
 
-        self._edit(tr("color {what}"), rows, edit)
+        self._edit(tr("color {what}"), rows, color_rows)
 
     def toggle(self, state: Literal["frozen", "hidden"]) -> None:
-        """Freeze or hide objects, or take that back when all are so."""
+        """Freeze or hide the selected objects, or unfreeze or show them if all of them are frozen or hidden."""
         on = not all(getattr(item, state) for item in self.items)
         words = {
             "hidden": (tr("show {what}"), tr("hide {what}")),
             "frozen": (tr("unfreeze {what}"), tr("freeze {what}")),
         }
-        self.do(words[state][on], lambda d, chosen: objects.amend(d, chosen, **{state: on}))
+        self.do(words[state][on], lambda d, numbers: objects.amend(d, numbers, **{state: on}))
 
     def do(self, words: str, edit: Callable[[Document, Collection[int]], Document]) -> None:
-        """Edit the selected objects; `words` say what is done to ``{what}``."""
+        """Edit the selected objects; `words` name the edit of ``{what}`` for undo."""
         rows = [row for row in self.selected_rows if row.kind == "object"]
         numbers = [row.key[1] for row in rows]
         self._edit(words, rows, lambda document: edit(document, numbers))
 
     def merge(self) -> None:
-        """Make one object of several; in a volume that is done on another thread."""
+        """Merge the selected objects into one; in a volume on another thread."""
         rows = [row for row in self.selected_rows if row.kind in ("object", "proposal", "closed")]
         if not self._session.document.is_about_volume:
             if len(rows) > 1:
@@ -497,22 +502,22 @@ class ObjectList(QObject):
             return
         items, rows = self.items, [row for row in rows if row.kind == "object"]
 
-        def use(whole: SegmentedObject) -> None:
+        def replace_by_union(whole: SegmentedObject) -> None:
             self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
             self.choose((whole.number,))
 
         if len(items) > 1:
-            self._change_later(items, lambda: reduce(union, items), use)
+            self._change_later(items, lambda: reduce(union, items), replace_by_union)
 
     def fill_between(self) -> None:
-        """Fill the slices between those across the axis in use that the selected object of a volume is painted in."""
+        """Fill the slices across the axis in use between those in which the selected object is painted."""
         slices, image, items = self._session.scene.slices, self._session.document.image, self.items
         if slices is None or image is None or len(items) != 1:
             return
         (item,), axis, over_others = items, slices.axis, self.over_others
         name = self.title(item)
 
-        def use(found: tuple[Part, int]) -> None:
+        def add_part(found: tuple[Part, int]) -> None:
             part, count = found
             if not count:
                 self._session.say(tr("{name} has no gap between the slices across this axis.", name=name))
@@ -521,14 +526,14 @@ class ObjectList(QObject):
             self._session.edit(words, partial(paint_in_volume, number=item.number, part=part, over_others=over_others))
             self._session.say(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
 
-        self._change_later(items, lambda: between_slices(item.surface[0], axis, image.spacing), use)
+        self._change_later(items, lambda: between_slices(item.surface[0], axis, image.spacing), add_part)
 
     def whole(self, row: Row) -> SegmentedObject | None:
-        """The object that a row is, or would be once it is accepted; None for one that is hidden, rejected or open."""
+        """Return the object of a row, or the one that accepting it would make; None if hidden, rejected or open."""
         return next(iter(self._bounded([row])), row.drawn)
 
     def split_in_volume(self, whole: SegmentedObject, first: Place, second: Place) -> None:
-        """Split an object of a volume between two places, on another thread, unless it has changed meanwhile."""
+        """Split an object of a volume between two places, on another thread; discarded if it has changed meanwhile."""
         image = self._session.document.image
         if image is not None:
             sides, items = sides_of(image.spacing), [one for one in self.objects.items if one is whole]
@@ -536,7 +541,7 @@ class ObjectList(QObject):
             self._change_later(items, cut, partial(self.split, whole))
 
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
-        """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""
+        """Replace an object, or one that is not accepted yet, by its halves, and select them."""
         before = {item.number for item in self.objects.items} - {whole.number}
         words = tr("split {what}", what=self.title(whole))
         self._session.edit(words, lambda document: objects.split(document, whole, halves))
@@ -555,14 +560,14 @@ class ObjectList(QObject):
         rows: Sequence[Row],
         then: Callable[[Document, Collection[int]], Document] = lambda document, _: document,
     ) -> None:
-        """Make objects of rows, keep open ones, and do what follows with the numbers of all objects."""
+        """Make objects of rows, keep open contours, and then edit the objects with the numbers of all of them."""
         given = [row.item for row in rows if row.item is not None and row.kind != "object"] + self._bounded(rows)
         kept, undecided = (self._targets([row for row in rows if row.kind == kind]) for kind in ("open", "rejected"))
-        ends = any(row.key == _DRAFT for row in rows)
+        ends = any(row.key == _DRAFT_KEY for row in rows)
         old = {row.key[1] for row in rows if row.kind == "object"}
         numbers: list[int] = []
 
-        def edit(document: Document) -> Document:
+        def accept_and_edit(document: Document) -> Document:
             before = {item.number for item in document.objects.items}
             document = contours.judge(contours.judge(document, kept, "kept"), undecided, "")
             document = objects.accept(document, given, ends=ends)
@@ -571,45 +576,45 @@ class ObjectList(QObject):
             return then(document, numbers)
 
         with self._session.gathering():
-            self._edit(words, rows, edit)
+            self._edit(words, rows, accept_and_edit)
             if given:
                 self.choose(item.number for item in self.objects.items if item.number in numbers)
 
     def _targets(self, rows: Sequence[Row]) -> list[Target]:
-        """The contours that rows are, and those that run along their boundaries."""
+        """Return the targets of the contours of rows, and of contours along the boundaries of rows."""
         apart = {item.key for item in self._review.apart(_boundaries(row.item for row in rows if row.item))}
         left = apart - {row.contour.key for row in rows if row.contour}
         return self._review.targets(item for item in self._review.items if item.key not in left)
 
     def _bounded(self, rows: Sequence[Row]) -> list[SegmentedObject]:
-        """The objects that closed contours make, not accepted yet: each with the holes directly in it, and bridges.
+        """Make objects of the closed contours of rows, not accepted yet: each with its direct holes, and bridges.
 
         A contour in a hole of a selected one bounds an object of its own again.
         """
         known, result = self.objects, self._review.result
         closed = {item.measures.number: item for item in self._review.items
                   if item.contour.closed and not item.reviewed.rejected}  # fmt: skip
-        chosen = {row.contour.measures.number for row in rows if row.kind == "closed" and row.contour is not None}
+        selected = {row.contour.measures.number for row in rows if row.kind == "closed" and row.contour is not None}
 
-        def around(number: int) -> list[int]:
+        def enclosing(number: int) -> list[int]:
             found: list[int] = []
             while number := closed[number].measures.inside if number in closed else 0:
                 found.append(number)
             return [each for each in found if each in closed]
 
         made = []
-        for number in sorted(chosen):
-            outer = around(number)
-            highest = next((depth for depth in reversed(range(len(outer))) if outer[depth] in chosen), -1)
-            if result is not None and highest % 2:  # none is around it, or an even number of contours
-                holes = [each for each in closed if around(each)[:1] == [number]]
+        for number in sorted(selected):
+            outer = enclosing(number)
+            highest = next((depth for depth in reversed(range(len(outer))) if outer[depth] in selected), -1)
+            if result is not None and highest % 2:  # enclosed by none, or by an even number of contours
+                holes = [each for each in closed if enclosing(each)[:1] == [number]]
                 bounds = [closed[each].contour for each in (number, *holes)]
                 gaps = (bridge.points for bridge in bridges_on(result.bridges, bounds))
                 made.append(objects.bounded(known.next_number, known.category, bounds, gaps))
         return made
 
     def _edit(self, words: str, rows: Sequence[Row], edit: Callable[[Document], Document]) -> None:
-        """Edit the document, as a step of undo that names what is edited."""
+        """Edit the document, as an undo step that names the edited rows."""
         lines = all(row.contour is not None for row in rows)
         several = tr("{count} contours") if lines else tr("{count} objects")
         what = rows[0].title if len(rows) == 1 else several.format(count=len(rows))
@@ -617,7 +622,7 @@ class ObjectList(QObject):
             self._session.edit(words.format(what=what), edit)
 
     def _follow(self) -> None:
-        """Keep the objects and proposals selected that are still there."""
+        """Deselect objects and proposals that have disappeared, and measure new ones."""
         scene, known = self._session.scene, self.objects
         seen = known, self._session.image, scene.objects.proposals
         if is_same(seen, self._seen):
@@ -630,7 +635,7 @@ class ObjectList(QObject):
         self.changed.emit()
 
     def measure(self) -> None:
-        """Measure what has not been measured, on another thread: large objects have many pixels."""
+        """Measure objects without figures, on another thread, because large ones have many pixels."""
         image, known = self._session.image, self.objects
         offered = self._parts.get(_as_objects, self._session.scene.objects.proposals, known)
         missing = [item for item in (*known.items, *known.rejected, *offered) if self.figures(item) is None]
@@ -639,7 +644,7 @@ class ObjectList(QObject):
 
         there = {id(_boundary(item)) for item in (*known.items, *known.rejected, *offered)}
 
-        def use(measured: list[tuple[SegmentedObject, Figures]]) -> None:
+        def keep_figures(measured: list[tuple[SegmentedObject, Figures]]) -> None:
             self._figures = {key: kept for key, kept in self._figures.items() if key in there}
             for item, figures in measured:
                 self._figures[id(_boundary(item))] = image, _boundary(item), figures
@@ -647,36 +652,36 @@ class ObjectList(QObject):
             self.bodies = {**self.bodies, **bodies}
             self.changed.emit()
 
-        self._latest.ask(lambda: [(item, _measured(item, image)) for item in missing], use)
+        self._latest.ask(lambda: [(item, _measured(item, image)) for item in missing], keep_figures)
 
     def _forget(self) -> None:
-        """Another image has been opened."""
+        """Remove the figures, because another image has been opened."""
         self._merging.forget()
         self._figures, self.bodies = {}, {}
 
     def _change_later(
-        self, items: Sequence[SegmentedObject], work: Callable[[], T], use: Callable[[T], object]
+        self, items: Sequence[SegmentedObject], work: Callable[[], Made], use: Callable[[Made], object]
     ) -> None:
-        """Change objects by what is made on another thread, unless they have changed meanwhile."""
+        """Change objects by a result of another thread, unless they have changed meanwhile."""
 
-        def check(made: T) -> None:
+        def use_if_unchanged(made: Made) -> None:
             if all(any(known is item for known in self.objects.items) for item in items):
                 use(made)
             else:
                 self._session.say(tr("The objects changed meanwhile: try again."), True)
 
-        self._merging.ask(work, check)
+        self._merging.ask(work, use_if_unchanged)
 
 
-_LEAST_MOVE = 0.3
-"""Distance that the brush moves before it paints on [px]."""
+_MIN_BRUSH_MOVE = 0.3
+"""Smallest distance between two points of a stroke [px]."""
 
 
 class ObjectBrush:
     """Paints one object from the press of the button to its release.
 
-    Of the objects that the brush touches, one that is chosen comes first, then the one that it is in. A brush that adds
-    and touches none when it is pressed makes a new object; one that takes away waits until it comes to one.
+    Of the objects that the brush touches, a selected one comes first, then the one under the pointer. A brush that adds
+    makes a new object if it touches none when pressed; one that removes waits until it touches one.
     """
 
     def __init__(self, session: Session, object_list: ObjectList) -> None:
@@ -687,17 +692,17 @@ class ObjectBrush:
         self._number, self._radius, self._gesture = 0, 0.0, ""
         self._axis: int | None = None
         self.adds = True
-        """Whether the stroke adds, and does not take away."""
+        """Whether the stroke adds; otherwise it removes."""
 
     @property
     def painting(self) -> bool:
-        """Whether a stroke has begun."""
+        """Whether a stroke is going on."""
         return bool(self._path)
 
     def begin(self, at: Place, radius: float, adds: bool, gesture: str, axis: int | None, fresh: bool) -> None:
-        """Begin a stroke at a place, in a volume across an axis; `gesture` makes one step of undo of it.
+        """Begin a stroke at a place, in a volume across an axis; `gesture` merges it into one undo step.
 
-        A `fresh` one makes a new object.
+        If `fresh`, the stroke makes a new object.
         """
         self._path, self._radius, self.adds, self._gesture, self._axis = [at], radius, adds, gesture, axis
         self._number = self._list.objects.next_number if fresh else 0
@@ -706,13 +711,13 @@ class ObjectBrush:
         self._apply()
 
     def paint(self, to: Place) -> None:
-        """Paint on to a place."""
-        if self._path and math.dist(self._path[-1], to) >= _LEAST_MOVE:
+        """Extend the stroke to a place."""
+        if self._path and math.dist(self._path[-1], to) >= _MIN_BRUSH_MOVE:
             self._path.append(to)
             self._apply()
 
     def end(self) -> None:
-        """End the stroke; say so if it has come to no object."""
+        """End the stroke, with a message if it has touched no object."""
         if self._path and not self._number:
             self._session.say(tr("There is no object under the brush to erase from."))
         self._path = []
@@ -720,23 +725,24 @@ class ObjectBrush:
         self._list.measure()
 
     def target(self, newest: Sequence[Place], radius: float) -> SegmentedObject | None:
-        """The object that a stroke along some places would paint; None where it would begin a new one.
+        """Find the object that a stroke along some places would paint; None if it would begin a new one.
 
-        In a volume it is a chosen one even where the brush does not touch it, so that it continues in other slices.
+        In a volume, a selected object is painted even where the brush does not touch it, so that it continues in other
+        slices.
         """
-        under, chosen = self._list.under(newest[-1]), self._list.chosen
+        under, selected = self._list.under(newest[-1]), self._list.chosen
         if len(newest[-1]) == 3:
-            near = [one for one in self._list.objects.items if one.number in {*chosen, under} and not one.hidden]
+            near = [one for one in self._list.objects.items if one.number in {*selected, under} and not one.hidden]
         else:
-            way = polyline.sampled(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
+            path = polyline.sampled(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
             near = [
-                item for item in self._list.near(way, radius)
-                if item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any()
+                item for item in self._list.near(path, radius)
+                if item.encloses(path).any() or (polyline.distances_from_closed(item.boundary, path) < radius).any()
             ]  # fmt: skip
-        return min(near, key=lambda one: (one.number not in chosen, one.number != under, one.area), default=None)
+        return min(near, key=lambda one: (one.number not in selected, one.number != under, one.area), default=None)
 
     def _apply(self) -> None:
-        """Paint the newest stretch of the path; a frozen object is left alone, with a word to the user."""
+        """Paint the newest stretch of the path; a frozen object stays as it is, with a message."""
         image, stretch = self._session.document.image, self._path[-2:]
         if image is None:
             return
@@ -755,7 +761,7 @@ class ObjectBrush:
         self._list.choose((self._number,) if there else ())
 
     def _painted(self, image: ImageReference, stretch: Sequence[Place]) -> Callable[[Document], Document]:
-        """The edit that paints a stretch of the path."""
+        """Make the edit that paints a stretch of the path."""
         if image.is_volume:
             part = brush_in(image.shape, stretch, self._radius, sides_of(image.spacing), self._axis)
             return partial(

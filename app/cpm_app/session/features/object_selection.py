@@ -1,4 +1,4 @@
-"""Proposals: by clicks, the pointer and the run; objects anew by their own clicks, and all that are like one."""
+"""Proposals from clicks, the pointer and the run; refitting of objects by their clicks, and search for similar ones."""
 
 from __future__ import annotations
 
@@ -38,21 +38,21 @@ from cpm_core.objects.segmented import Click, selection_of
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import Everywhere, Start
 
-_COVERED = 0.5
-"""Share of an object that others cover from which it counts as one of them."""
+_SAME_OBJECT_COVERAGE = 0.5
+"""Share of an object covered by others from which it counts as one of them."""
 
 
 def percent(selection: AnySelection) -> str:
-    """How probable an object is, as text; empty in a volume, where that is not known."""
+    """Format the confidence of an object as text; empty in a volume, where it is unknown."""
     return written(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
 
 
 @frozen
 class Question:
-    """What is asked for: the object of some clicks, and what the run offers.
+    """A request for the object of some clicks, and for what the run offers.
 
-    Of one more click at the pointer, `said`, what it would change of the object of the clicks before, and by how many
-    candidates an object shall become larger, or smaller below 0; both come with their selector and those clicks.
+    `pointed` also asks for the effect of one more click, at the pointer; `stepped` for a candidate that is some steps
+    larger, or smaller below 0. Both come with their selector and the clicks before.
     """
 
     selector: Selector
@@ -61,7 +61,7 @@ class Question:
     stepped: tuple[Selector, Clicks, int] | None
 
     def answer(self) -> Answer:
-        """The answer; it takes some milliseconds for each click that is new."""
+        """Compute the answer, which takes some milliseconds for each new click."""
         selector, clicks = self.selector, self.clicks
         selection, offered = selector.selection(clicks), selector.proposals
         if selection is not None:
@@ -70,12 +70,12 @@ class Question:
             rest = [each for each, within in zip(rest, held, strict=True) if not within]
             offered = (Proposal(selection, clicks, selector.edited), *rest)
         for each in offered:
-            _ = each.item if each.selection.found else None  # made on this thread, not on that of the window
+            _ = each.item if each.selection.found else None  # cached on this thread, not on the window's
         preview, candidate = None, None
         if self.pointed is not None:
-            selector, before, said = self.pointed
-            after = selector.selection((*before, said)) if selector.quick((*before, said)) else None
-            preview = None if after is None else Preview(after, selector.selection(before), said.inside)
+            selector, before, click = self.pointed
+            after = selector.selection((*before, click)) if selector.quick((*before, click)) else None
+            preview = None if after is None else Preview(after, selector.selection(before), click.inside)
         if self.stepped is not None:
             selector, before, by = self.stepped
             candidate = selector.stepped(before, by)
@@ -83,7 +83,7 @@ class Question:
 
 
 Answer = tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int, int] | None]
-"""What is offered, what a click would change, and the clicks of a candidate with its number and how many there are."""
+"""Proposals, the effect of a click, and the clicks of a candidate with its number and the number of candidates."""
 
 
 Search = Callable[[Partition, Task], tuple[Proposal, ...]]
@@ -91,7 +91,7 @@ Search = Callable[[Partition, Task], tuple[Proposal, ...]]
 
 
 class ObjectSelection(QObject):
-    """Keeps the proposals and the preview of the scene up to date, and makes objects of the document of proposals."""
+    """Keeps the proposals and the preview of the scene up to date, and changes the clicks of the document."""
 
     changed = Signal()
     """The proposals have changed, or whether one can be made."""
@@ -121,7 +121,7 @@ class ObjectSelection(QObject):
         session.image_changed.connect(self._forget)
         self.offers_for: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
         self.followed: Callable[[], Search | None] = lambda: None
-        """What finds the objects of the page before in the image, if there are any to be found."""
+        """Returns the search for the objects of the previous page in the image, None if there are none."""
 
     # State
 
@@ -132,7 +132,7 @@ class ObjectSelection(QObject):
 
     @property
     def proposals(self) -> tuple[Proposal, ...]:
-        """The objects that are offered, that of the clicks first."""
+        """The offered objects, the one of the clicks first."""
         return self._session.scene.objects.proposals
 
     @property
@@ -147,45 +147,45 @@ class ObjectSelection(QObject):
 
     @property
     def advice(self) -> str:
-        """What can be done with what is offered; empty where nothing is, or where Enter means none of it."""
+        """Hint on what can be done with the proposals; empty if there are none, or if Enter accepts none of them."""
         offered = self.proposals
         keys = {row.key for row in self._list.meant} if offered else set()
-        meant = [each for each in offered if ("proposal", each.key) in keys]
+        accepted = [each for each in offered if ("proposal", each.key) in keys]
         if self.selecting:
-            said = tr(
+            hint = tr(
                 "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
             )
-        elif 1 < len(meant) < len(offered):
-            said = tr("{chosen} of {count} objects are selected. Enter: accept them · {key:reject}: reject them")
+        elif 1 < len(accepted) < len(offered):
+            hint = tr("{chosen} of {count} objects are selected. Enter: accept them · {key:reject}: reject them")
             if not self._list.selected:
-                said = tr("{chosen} of {count} objects are likely. Enter: accept them · {key:reject}: reject all")
-        elif len(meant) > 1 and self._in_use:
-            said = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
-        elif len(meant) > 1:
-            said = tr("{count} objects found. Enter: accept all · {key:objects}: choose · {key:reject}: reject")
-        elif len(offered) > 1 and meant:
-            said = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
-        elif meant:
-            said = tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · {key:reject}: reject")
+                hint = tr("{chosen} of {count} objects are likely. Enter: accept them · {key:reject}: reject all")
+        elif len(accepted) > 1 and self._in_use:
+            hint = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
+        elif len(accepted) > 1:
+            hint = tr("{count} objects found. Enter: accept all · {key:objects}: choose · {key:reject}: reject")
+        elif len(offered) > 1 and accepted:
+            hint = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
+        elif accepted:
+            hint = tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · {key:reject}: reject")
         else:
             return ""
-        likely = percent(meant[0].selection) if meant else ""
-        return with_keys(said, count=len(offered), chosen=len(meant), likely=likely and f", {likely}")
+        likely = percent(accepted[0].selection) if accepted else ""
+        return with_keys(hint, count=len(offered), chosen=len(accepted), likely=likely and f", {likely}")
 
     def under(self, at: Place) -> int:
-        """Number of the smallest object at a place, or key of the proposal there, which comes first; 0 for none."""
+        """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
         place = np.array([at], float)
         around = [each for each in self.proposals if each.key and each.selection.holds(place)[0]]
         return min(around, key=lambda each: extent(each.selection)).key if around else self._list.under(at)
 
     def set_in_use(self, in_use: bool) -> None:
-        """Whether the tool is in use, so that the partition is kept up to date."""
+        """Set whether the tool is in use, so that the partition is kept up to date."""
         self._in_use = in_use
         self.partitions.look(again=in_use)
         self._follow()
 
     def search(self) -> None:
-        """Look again for what is offered."""
+        """Search again for objects to offer."""
         self._searched = None
         self.partitions.look()
         self._follow()
@@ -193,57 +193,57 @@ class ObjectSelection(QObject):
     # Clicks
 
     def point(self, at: Place | None, inside: bool = True) -> None:
-        """Show what a click at a place would change; None for no place."""
+        """Preview the effect of a click at a place; None for no place."""
         self._pointed = Click((at,), inside) if at is not None else None
         if at is None:
             self._show(preview=None)
         self._follow()
 
     def click(self, places: tuple[Place, ...], inside: bool = True) -> None:
-        """Say that places are inside of the object, or outside of it."""
-        said = Click(places, inside)
-        clicks, number = self._before(self._corrected(said))
-        self._select(tr("select") if inside else tr("remove from selection"), (*clicks, said), number)
+        """Add a click: positive points of the object, or negative ones."""
+        click = Click(places, inside)
+        clicks, number = self._before(self._corrected(click))
+        self._select(tr("select") if inside else tr("remove from selection"), (*clicks, click), number)
 
     def correct(self, number: int) -> None:
-        """Select the object of a number, or the proposal of a key, anew, beginning with what it is."""
+        """Continue to select an object, given by its number, or a proposal, given by its key."""
         self._select(tr("correct object"), *self._before(number))
         self._list.choose((number,) if number > 0 else ())
 
     def step(self, by: int) -> None:
-        """Take a larger candidate for what is being selected or chosen, or a smaller one for `by` below 0."""
+        """Step to a larger candidate for the object of the clicks or the selected one, a smaller one if `by` < 0."""
         self._steps += by
         self._follow()
 
     def when_answered(self, do: Callback) -> None:
-        """Do something with the object of the clicks, as soon as it is known."""
+        """Call a function as soon as the object of the clicks is known."""
         if self.selecting and not any(each.clicks == self._session.document.objects.clicks for each in self.proposals):
             self._next = do
         else:
             do()
 
     def take_back(self) -> None:
-        """Take back the last click."""
+        """Undo the last click."""
         if self.selecting:
             known = self._session.document.objects
             self._select(tr("undo a click"), known.clicks[:-1], known.edited)
 
     def drop(self) -> None:
-        """Give up the object that is being selected."""
+        """Discard the object being selected."""
         if self.selecting:
             self._select(tr("discard the selection"), ())
 
     # Objects of the document
 
     def fit(self, numbers: frozenset[int]) -> None:
-        """Select the objects of these numbers anew by their own clicks; frozen ones stay as they are."""
+        """Select the objects of these numbers again by their own clicks; frozen ones stay as they are."""
         partition, items = self.partitions.partition, self._session.document.objects.items
         fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
         if partition is None or not fitted:
             self._session.say(tr("There is nothing to fit: choose objects that are not frozen."))
             return
 
-        def work(task: Task) -> list[tuple[AnySelection, Clicks, int]]:
+        def select_again(task: Task) -> list[tuple[AnySelection, Clicks, int]]:
             found = []
             selector = Selector(partition, items, 0, Offer())
             for done, item in enumerate(fitted):
@@ -253,36 +253,38 @@ class ObjectSelection(QObject):
                     found.append((selection, item.clicks, item.number))
             return found
 
-        def use(found: list[tuple[AnySelection, Clicks, int]]) -> None:
+        def replace_boundaries(found: list[tuple[AnySelection, Clicks, int]]) -> None:
             if partition.image is self._session.image:
                 self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, found))
 
-        self._session.tasks.start(tr("Fitting objects to the contours…"), work, tr("fitting objects"), then=use)
+        self._session.tasks.start(
+            tr("Fitting objects to the contours…"), select_again, tr("fitting objects"), then=replace_boundaries
+        )
 
     def find_like(self, number: int) -> None:
-        """Add all objects that are like one and not among the objects yet."""
+        """Add all objects that are similar to one and not among the objects yet."""
         partition, known = self.partitions.partition, self._session.document.objects
-        if not isinstance(partition, Partition):  # a volume has no objects that are alike
+        if not isinstance(partition, Partition):  # not available in a volume
             self.partitions.look(again=True)
             self._session.say(tr("The image is still being prepared: try again in a moment."))
             return
-        chosen = known[number]
+        example = known[number]
 
-        def work(task: Task) -> list[Selection]:
-            alike = select_all(partition, [selection_of(chosen, partition.shape)])[1:]
+        def find_new(task: Task) -> list[Selection]:
+            alike = select_all(partition, [selection_of(example, partition.shape)])[1:]
             taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
-            return [each for each in alike if (each.mask & taken).sum() < _COVERED * each.mask.sum()]
+            return [each for each in alike if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
 
-        def use(found: list[Selection]) -> None:
+        def add_found(found: list[Selection]) -> None:
             if partition.image is not self._session.image:
                 return
             if not found:
                 self._session.say(tr("No other object like this one was found."))
                 return
-            self._session.edit(tr("all like this"), lambda document: objects.add(document, found, chosen.category))
+            self._session.edit(tr("all like this"), lambda document: objects.add(document, found, example.category))
             self._session.say(tr("{count} objects like this one were found.").format(count=len(found)))
 
-        self._session.tasks.start(tr("Finding objects like this one…"), work, tr("finding objects"), then=use)
+        self._session.tasks.start(tr("Finding objects like this one…"), find_new, tr("finding objects"), then=add_found)
 
     def close(self) -> None:
         """End the threads."""
@@ -294,18 +296,17 @@ class ObjectSelection(QObject):
     def _select(self, words: str, clicks: Clicks, number: int = 0) -> None:
         followed = [each.item for each in self.proposals if each.number == number and each.followed is not None]
 
-        def edit(document: Document) -> Document:
-            """An object of the page before is accepted as it is, and changed like any other."""
+        def accept_and_select(document: Document) -> Document:
+            """Accept an object of the previous page as it is, so that it can be changed like any other."""
             return objects.select(objects.accept(document, followed), clicks, number)
 
-        self._session.edit(words, edit)
+        self._session.edit(words, accept_and_select)
 
     def _corrected(self, said: Click) -> int:
-        """Number of the object, or key of the proposal, that a click corrects: the one it takes from, or the only one.
+        """Return the number or key of the object or proposal that a click corrects; 0 if it begins a new object.
 
-        One that was followed is whole, and a click next to it begins another one.
-
-        0 when it begins another one, or one is being selected.
+        A negative click corrects the object under it, a positive one the only proposal. While an object is being
+        selected, the click belongs to it. A followed object is complete: a click next to it begins a new one.
         """
         if self.selecting:
             return 0
@@ -315,7 +316,7 @@ class ObjectSelection(QObject):
         return self.proposals[0].key if alone else 0
 
     def _before(self, number: int) -> tuple[Clicks, int]:
-        """The clicks of what is being selected, or of an object, or a proposal, and the number of the object."""
+        """Return the clicks being made, or else those of an object or proposal, and the number of the object."""
         document = self._session.document
         if self.selecting or not number:
             return document.objects.clicks, document.objects.edited
@@ -327,8 +328,8 @@ class ObjectSelection(QObject):
     def _offering(self) -> tuple[Start, ...]:
         """The starts whose objects are offered, because the run from them has ended with a result.
 
-        On a large image there are none, nor where `offers_for` is False for the document, unless the tool for objects
-        is in use.
+        On a large image, or if `offers_for` is False for the document, there are none unless the tool for objects is in
+        use.
         """
         document, result = self._session.document, self._session.scene.contours.result
         if result is None or not result.stop_reason or document.mode == "skeleton":
@@ -338,7 +339,7 @@ class ObjectSelection(QObject):
         return document.starts
 
     def _follow_run(self) -> None:
-        """Offer what a run has found once it has ended, and nothing of one that has been reset or continues."""
+        """Offer the objects of a run once it has ended, but none of one that has been reset or continues."""
         result = self._session.scene.contours.result
         over = result is not None and bool(result.stop_reason)
         if over != self._over:
@@ -346,7 +347,7 @@ class ObjectSelection(QObject):
             self._follow()
 
     def _offer_of(self, partition: AnyPartition) -> Offer:
-        """The objects of the page before, or what the run offers: everything when it has started everywhere."""
+        """Return the objects of the previous page, or the offer of the run: everything if it has started everywhere."""
         starts, source, rejected = self._offering, self.partitions.source, self._session.document.objects.rejected
         search = self.followed()
         if not (isinstance(partition, Partition) and (search or any(isinstance(each, Everywhere) for each in starts))):
@@ -370,7 +371,7 @@ class ObjectSelection(QObject):
                 self._session.say(tr("No object was found: click one, or start the run there."))
 
     def _selector(self, partition: AnyPartition, number: int) -> Selector:
-        """What selects the object of a number anew, or a new one."""
+        """Return the selector for the object of a number, or for a new one."""
         items, offer = self._session.document.objects.items, self._offer_of(partition)
         if any(
             (each.partition, each.items, each.offer) != (partition, items, offer) for each in self._selectors.values()
@@ -381,13 +382,13 @@ class ObjectSelection(QObject):
         return self._selectors[number]
 
     def _follow(self) -> None:
-        """Ask for what has changed."""
+        """Request an answer if anything that it depends on has changed."""
         partition, known = self.partitions.partition, self._session.document.objects
         if partition is None:
             self._offer(())
             return
         changed = self._asked is not None and known.items is not self._asked.selector.items
-        gone = {item.clicks for item in known.items} if changed else set()  # what has been accepted
+        gone = {item.clicks for item in known.items} if changed else set()  # accepted meanwhile
         self._offer(tuple(each for each in self.proposals if each.clicks not in gone and (each.key or known.clicks)))
         pointed, stepped = None, None
         if self._pointed is not None:
@@ -403,9 +404,9 @@ class ObjectSelection(QObject):
 
     @property
     def _stepping(self) -> tuple[Clicks, int]:
-        """The clicks of what is being selected or chosen, and the number of the object."""
-        chosen = self._session.scene.objects.chosen or {each.key for each in self.proposals}
-        return self._before(next(iter(chosen)) if len(chosen) == 1 else 0)
+        """The clicks of the object being selected, or of the only selected one, and the number of the object."""
+        selected = self._session.scene.objects.chosen or {each.key for each in self.proposals}
+        return self._before(next(iter(selected)) if len(selected) == 1 else 0)
 
     def _use(self, question: Question, answer: Answer) -> None:
         proposals, preview, candidate = answer
@@ -427,7 +428,7 @@ class ObjectSelection(QObject):
             do()
 
     def _use_step(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
-        """Select a candidate, and report which one it is."""
+        """Select a candidate, and show its number."""
         (_, asked, by), (before, edited) = step, self._stepping
         self._forget_steps()
         if asked != before:
@@ -445,7 +446,7 @@ class ObjectSelection(QObject):
         self._steps = 0
 
     def _offer(self, proposals: tuple[Proposal, ...]) -> None:
-        """Show other proposals, or nothing while there is no partition."""
+        """Replace the proposals; there are none while there is no partition."""
         before, ready = self.proposals, self.ready
         same = [(each.key, each.selection) for each in before] == [(each.key, each.selection) for each in proposals]
         if same and ready == self._was_ready:
@@ -468,7 +469,7 @@ class ObjectSelection(QObject):
 
 
 def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:
-    """A sentence on the newest click if it has changed nothing of the object; else empty."""
+    """Return a message if the newest click has not changed the object; else ""."""
     if not before or not after or after[0].key or len(after[0].clicks) != len(before[0].clicks) + 1:
         return ""
     one, other = before[0].selection, after[0].selection

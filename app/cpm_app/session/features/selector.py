@@ -1,4 +1,4 @@
-"""The partition of an image or a volume, kept up to date with the run, and selections of clicks on it."""
+"""The partition of an image or a volume, kept up to date with the run, and selections by clicks on it."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
 
 _QUIET = 250
-"""Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""
+"""Time without a change of parameters or limits after which a run from everywhere is repeated [ms]."""
 
 
 @frozen
 class Everywhere:
-    """What a run from everywhere depends on."""
+    """Inputs of a run from everywhere."""
 
     image: Image
     parameters: Parameters
@@ -57,22 +57,20 @@ class Everywhere:
 
 
 AnyPartition = Partition | VolumePartition
-"""What objects are selected from, in an image or in a volume."""
+"""Partition of an image or a volume, from which objects are selected."""
 
 Source = Result | Everywhere
-"""What a partition is made from."""
-
+"""Input that a partition is made from."""
 
 Prepared = tuple[Source, AnyPartition]
-"""What a partition was made from, and the partition, ready to select from."""
+"""Source of a partition, and the partition, ready to select from."""
 
 
 class Partitions(QObject):
-    """Makes partitions on other threads: of the contours of the run, or without a run, of one from everywhere.
+    """Makes partitions on other threads: from the contours of the run, or without one, from a run from everywhere.
 
-    Until the latter ends, one without contours answers.
-
-    `wanted` returns whether a partition is needed now; call `look` when its answer may have changed.
+    Until the latter ends, a partition without contours is used. `wanted` returns whether a partition is needed now;
+    call `look` whenever its answer may have changed.
     """
 
     changed = Signal()
@@ -84,7 +82,7 @@ class Partitions(QObject):
         self._session = session
         self._wanted = wanted
         self.source: Source | None = None
-        """What `partition` was made from."""
+        """Source of `partition`."""
         self._asked_for: Source | None = None
         self._everywhere: Prepared | None = None
         self._task = OVER
@@ -97,11 +95,11 @@ class Partitions(QObject):
 
     @property
     def preparing(self) -> bool:
-        """Whether a run from everywhere continues."""
+        """Whether a run from everywhere is going on."""
         return not self._task.over
 
     def look(self, again: bool = False) -> None:
-        """Begin to make the partition that is needed now, if there is another one; `again` where that failed before."""
+        """Start to make the partition that is needed now if its source is new; `again` even if it has failed before."""
         if again and self._latest.idle and not self.preparing:
             self._asked_for = self.source
         source, known = self._source(), self._everywhere
@@ -116,7 +114,7 @@ class Partitions(QObject):
             self._task.cancel()
             if isinstance(source, Everywhere):
                 alone = source.image.ndim == 3 or math.prod(source.image.shape) > MOST_OFFERED
-                if self.partition is None or alone:  # answers at once; contours follow
+                if self.partition is None or alone:  # usable at once; contours follow
                     self._use((source, _without_run(source)))
                 if not alone:
                     self._run(source)
@@ -137,12 +135,12 @@ class Partitions(QObject):
         return Everywhere(scene.image, parameters_everywhere(scene.document), scene.document.regions)
 
     def _run(self, source: Everywhere) -> None:
-        def work(task: Task) -> Prepared:
+        def run_everywhere(task: Task) -> Prepared:
             return source, _ready(from_everywhere(source, task))
 
         name = tr("Finding contours everywhere, to outline objects exactly…")
         activity = tr("preparing the selection of objects")
-        self._task = self._session.tasks.start(name, work, activity, then=self._take)
+        self._task = self._session.tasks.start(name, run_everywhere, activity, then=self._take)
         self.changed.emit()
 
     def _take(self, prepared: Prepared) -> None:
@@ -163,7 +161,7 @@ class Partitions(QObject):
         self.look()
 
     def _use_document(self, document: Document) -> None:
-        """Wait until parameters and limits rest before another run from everywhere."""
+        """Wait until parameters and limits stop changing before another run from everywhere."""
         source, before = self._source(), self._asked_for
         if isinstance(source, Everywhere) and isinstance(before, Everywhere) and source != before:
             self._quiet.start()
@@ -177,7 +175,7 @@ class Partitions(QObject):
 
 
 def from_everywhere(source: Everywhere, task: Task) -> Partition:
-    """A partition with the contours of a run from everywhere; without, where that would take too long."""
+    """Make a partition with the contours of a run from everywhere; without contours if that would take too long."""
     image, regions = source.image, source.regions
     if math.prod(image.shape) > MOST_OFFERED:
         return Partition(image, (), of_plane(regions), source.parameters.channel)
@@ -187,25 +185,25 @@ def from_everywhere(source: Everywhere, task: Task) -> Partition:
 
 
 def parameters_everywhere(document: Document) -> Parameters:
-    """Parameters of a run from everywhere: those of a partition, with what differs from the preset of the mode."""
-    preset, chosen = PRESETS[MODES[document.mode].preset], document.parameters
+    """Return the parameters of a run from everywhere: those of a partition, with the user's changes to the preset."""
+    preset, current = PRESETS[MODES[document.mode].preset], document.parameters
     changed = {
-        field.name: getattr(chosen, field.name)
+        field.name: getattr(current, field.name)
         for field in fields(Parameters)
-        if getattr(chosen, field.name) != getattr(preset, field.name)
+        if getattr(current, field.name) != getattr(preset, field.name)
     }
     return replace(EVERYWHERE, **changed)
 
 
 def _without_run(source: Everywhere) -> AnyPartition:
-    """A partition without contours or a surface, which answers all the same."""
+    """Make a partition without contours or a surface, which selects less exactly."""
     if source.image.ndim == 3:
         return VolumePartition(source.image, regions=source.regions)
     return Partition(source.image, (), of_plane(source.regions), source.parameters.channel)
 
 
 def _ready(made: AnyPartition) -> AnyPartition:
-    """A partition that has computed all that a selection needs, so that the first answer comes at once."""
+    """Have a partition compute and cache everything that a selection needs, so that the first one is fast."""
     middle = np.array([[0.5 * (side - 1) for side in made.shape]])
     if isinstance(made, VolumePartition):
         made.bodies_at(middle)
@@ -215,26 +213,25 @@ def _ready(made: AnyPartition) -> AnyPartition:
 
 
 MOST_OFFERED = 1 << 23
-"""Pixels up to which a run from everywhere is begun, and objects of starts are offered, without being asked for."""
+"""Number of pixels up to which a run from everywhere is started and objects are offered without a request."""
 
-_MOST_PLACES = 20
-"""Places of a start by which its body is found."""
+_MAX_START_POINTS = 20
+"""Number of seeds of a start that are used as clicks on its body."""
 
-_SAME_OBJECT = 0.5
-"""Overlap (intersection over union) from which the selections of two starts are of one object."""
+_SAME_OBJECT_OVERLAP = 0.5
+"""Overlap (intersection over union) from which the selections of two starts are the same object."""
 
-_UNCHANGED = 0.97
-"""Overlap from which a selection is what an object is already."""
+_UNCHANGED_OVERLAP = 0.97
+"""Overlap (intersection over union) from which a selection is identical to an existing object."""
 
-_MUCH = 2.0
-"""How many times as large as another one an object is that does not count as the same."""
+_MUCH_LARGER = 2.0
+"""Ratio of sizes from which two objects do not count as the same."""
 
-_PLACES = 100
-"""About so many pixels by which the object of a selection is found."""
+_SAMPLED_PIXELS = 100
+"""Approximate number of pixels by which the object of a selection is found."""
 
-_MOST_SELECTIONS = 50
+_MAX_KEPT_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
-
 
 Drawn = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | BoxGrid
 """Starts whose seeds are known without the image."""
@@ -242,7 +239,7 @@ Drawn = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | Box
 
 @frozen
 class Offer:
-    """What a run offers: the objects of its starts, or all that it has found, without those that were rejected."""
+    """Offer of a run: the objects of its starts, or all found objects, and the rejected ones to leave out."""
 
     starts: tuple[Drawn, ...] = ()
     found: tuple[Proposal, ...] = ()
@@ -250,18 +247,18 @@ class Offer:
 
 
 class Selector:
-    """Selects on one partition; in an image, with the selection without the last click as evidence.
+    """Selects objects on one partition; in an image, based on the selection without the last click.
 
     Parameters
     ----------
     partition : Partition or VolumePartition
         The partition.
     items : sequence of SegmentedObject
-        The objects that there are.
+        The existing objects.
     edited : int
-        Number of the object that is being changed, 0 for none: with its own clicks it is as it is.
+        Number of the object being changed, 0 for none; its own clicks select it unchanged.
     offer : Offer
-        What a run offers: what it has found is with its clicks as it is, too.
+        Offer of a run; the clicks of a found object select it unchanged, too.
     """
 
     def __init__(self, partition: AnyPartition, items: Sequence[SegmentedObject], edited: int, offer: Offer) -> None:
@@ -269,18 +266,18 @@ class Selector:
         self._known: dict[Clicks, AnySelection | None] = {}
         self._given: dict[Clicks, AnySelection] = {each.clicks: each.selection for each in offer.found}
         self._stepped: tuple[Clicks, tuple[Sequence[AnySelection], int]] | None = None
-        """The clicks whose candidates were asked for last, and the candidates, which take long in a volume."""
+        """The clicks whose candidates were requested last, and the candidates, which take long in a volume."""
         self._changed = next((item for item in items if item.number == edited), None)
-        # the places of frozen objects that lie in them: not those of a line that was drawn around one
+        # positive points of frozen objects, except for points of a line drawn around one
         frozen = [item for item in items if item.frozen and item.number != edited and item.body is None]
         within = (item.inside[item.encloses(item.inside)] for item in frozen)
         self._elsewhere = np.concatenate([np.empty((0, 2)), *within])
 
     def selection(self, clicks: Clicks) -> AnySelection | None:
-        """The object that clicks select; None while none of them is inside."""
+        """Return the object that clicks select; None if none of them is positive."""
         selection = self._known.pop(clicks) if clicks in self._known else self._select(clicks)
-        if len(self._known) == _MOST_SELECTIONS:
-            del self._known[next(iter(self._known))]  # the one that has not been asked for the longest
+        if len(self._known) == _MAX_KEPT_SELECTIONS:
+            del self._known[next(iter(self._known))]  # the least recently used one
         self._known[clicks] = selection
         return selection
 
@@ -303,29 +300,29 @@ class Selector:
             known = (one for one in self._known.values() if isinstance(one, VolumeSelection) and one.same(made))
             made = next((one for one in known if one.remark == made.remark), made)
             if made.found:
-                _ = made.packed, made.holds(inside)  # made on this thread, not on that of the window
+                _ = made.packed, made.holds(inside)  # cached on this thread, not on the window's
         return made
 
     def quick(self, clicks: Clicks) -> bool:
-        """Whether what clicks select is known at once, so that it can be shown while the pointer moves."""
+        """Return whether the selection takes so little time that it can be shown while the pointer moves."""
         if not isinstance(self.partition, VolumePartition) or clicks in self._known:
             return True
         places = np.concatenate([np.array(each.places) for each in clicks])
         return bool(self.partition.bodies_at(places).all())
 
     def _rest(self, clicks: Clicks) -> Entries:
-        """What a selection depends on except for the places inside."""
+        """Return the arguments of a selection other than the positive points."""
         inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
         previous = self.selection(clicks[:-1])
         if isinstance(self.partition, VolumePartition):
             return {"outside": outside, "previous": previous}
         areas = [item.area for item in self.items if item.number != self.edited]
-        if previous is None and len(self._elsewhere):  # frozen objects only take away
+        if previous is None and len(self._elsewhere):  # frozen objects are negative points only
             previous = self.partition.select(inside, outside, areas=areas)
         return {"outside": np.concatenate([outside, self._elsewhere]), "previous": previous, "areas": areas}
 
     def _candidates(self, clicks: Clicks) -> tuple[Sequence[AnySelection], int]:
-        """What clicks may mean, from small to large, and which of it is their answer without a step."""
+        """Find the candidates for clicks, from small to large, and the index of the one selected without a step."""
         clicks = (*clicks[:-1], replace(clicks[-1], step=0))
         if self._stepped is None or self._stepped[0] != clicks:
             found = self.partition.candidates(places_of(clicks, inside=True), **self._rest(clicks))
@@ -334,7 +331,7 @@ class Selector:
         return self._stepped[1]
 
     def stepped(self, clicks: Clicks, by: int) -> tuple[Clicks, int, int]:
-        """The clicks of a candidate so many steps larger, or smaller below 0; its number, from 1, and how many are."""
+        """Return the clicks of a candidate some steps larger, or smaller below 0, its number from 1, and the count."""
         if self.selection(clicks) is None:
             return clicks, 1, 1
         found, first = self._candidates(clicks)
@@ -344,9 +341,9 @@ class Selector:
 
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:
-        """What the run offers, except what has been rejected; of frozen objects there is nothing.
+        """The offered objects, except for rejected and frozen ones.
 
-        An object that exists already is offered only if a start has made it another one, and never in a volume.
+        An existing object is offered only if a start would change it, and never in a volume.
         """
         partition, offer = self.partition, self.offer
         if isinstance(partition, VolumePartition):
@@ -355,26 +352,26 @@ class Selector:
         return (*found, *_uncovered(offer.found, (*self.items, *offer.rejected)))
 
     def _of_starts(self, partition: Partition, starts: Sequence[Drawn]) -> list[Proposal]:
-        """The objects in which runs were started."""
+        """Propose the objects in which runs were started."""
         found: list[Proposal] = []
         for key, start in enumerate(starts, start=1):
             clicks = (Click(as_line(start.seeds())),)
             selection = self.selection(clicks)
             if not isinstance(selection, Selection) or not selection.contours or selection.only_places:
                 continue  # nothing was found, as from a start across an edge
-            if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
+            if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT_OVERLAP for other in found):
                 continue
-            places = selection.inside[selection.holds(selection.inside)]  # none where a line was drawn around it
+            places = selection.inside[selection.holds(selection.inside)]  # none if a line was drawn around it
             places = places if len(places) else _places_in(selection)
             known = next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
             if known is None:
                 found.append(Proposal(selection, clicks, key=-key))
-            elif not known.frozen and overlap(known.mask(partition.shape), selection.mask) < _UNCHANGED:
+            elif not known.frozen and overlap(known.mask(partition.shape), selection.mask) < _UNCHANGED_OVERLAP:
                 found.append(Proposal(selection, clicks, known.number, -key))
         return found
 
     def _bodies(self, partition: VolumePartition, starts: Sequence[Drawn]) -> list[Proposal]:
-        """The bodies in which most seeds of a start lie."""
+        """Propose, for each start, the body that contains most of its seeds."""
         found: list[Proposal] = []
         clicked = (first_clicks(item, partition.shape) for item in (*self.items, *self.offer.rejected))
         within = (partition.bodies_at(places_of(clicks, inside=True)).tolist() for clicks in clicked)
@@ -385,7 +382,7 @@ class Selector:
             body = int(np.bincount(bodies[bodies > 0], minlength=1).argmax())
             if body not in taken:
                 taken.add(body)
-                clicks = (Click(as_line(seeds[bodies == body][:_MOST_PLACES])),)
+                clicks = (Click(as_line(seeds[bodies == body][:_MAX_START_POINTS])),)
                 selection = self.selection(clicks)
                 if selection is not None and selection.found:
                     found.append(Proposal(selection, clicks, key=-key))
@@ -393,16 +390,16 @@ class Selector:
 
 
 def all_objects(partition: Partition, task: Task) -> tuple[Proposal, ...]:
-    """All objects of an image, each as what a click where it is widest means."""
+    """Find all objects of an image, each as the selection of a click where it is widest."""
     found = enumerate(everywhere(partition, task.check_cancelled))
     return tuple(Proposal(one, (Click(as_line(one.inside)),), key=~index) for index, one in found)
 
 
 def _uncovered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
-    """Proposals at least half of which lies in no objects, or in ones that are much larger."""
+    """Return the proposals at least half of which is not covered by objects, not counting much larger ones."""
     left = []
     for each in found:
-        places, most = _places_in(cast("Selection", each.selection)), _MUCH * extent(each.selection)
+        places, most = _places_in(cast("Selection", each.selection)), _MUCH_LARGER * extent(each.selection)
         within = [item.encloses(places) for item in items if item.area < most]
         if not within or np.any(within, axis=0).mean() < 0.5:
             left.append(each)
@@ -410,26 +407,26 @@ def _uncovered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> l
 
 
 def _box_of(selection: Selection) -> tuple[slice, ...]:
-    """Rows and columns of an object."""
+    """Return the slices of rows and columns that contain an object."""
     low, high = (np.array([contour.box[end] for contour in selection.contours]) for end in (0, 1))
     first = np.maximum(np.floor(low.min(axis=0)), 0).astype(int).tolist()
     return tuple(map(slice, first, np.ceil(high.max(axis=0) + 1).astype(int).tolist()))
 
 
 def _places_in(selection: Selection) -> Array:
-    """Some of the pixels of an object, all over it, shape (N, 2)."""
+    """Sample pixels of an object, spread over all of it, shape (N, 2) [px]."""
     box = _box_of(selection)
     pixels = np.argwhere(selection.mask[box]) + [part.start for part in box]
-    return np.asarray(pixels[:: max(len(pixels) // _PLACES, 1)], float)
+    return np.asarray(pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)], float)
 
 
 def extent(selection: AnySelection) -> float:
-    """Volume of a selection; its area [px²] in an image."""
+    """Measure the volume of a selection; in an image its area [px²]."""
     return selection.volume if isinstance(selection, VolumeSelection) else float(np.count_nonzero(selection.mask))
 
 
 def _likeness(one: AnySelection, other: AnySelection) -> float:
-    """How much alike two selections of the same places are: their overlap, or how near their volumes are."""
+    """Measure the similarity of two selections: their overlap, or in a volume the negative difference of volumes."""
     if isinstance(one, Selection) and isinstance(other, Selection):
         return overlap(one.mask, other.mask)
     return -abs(extent(one) - extent(other))

@@ -10,7 +10,7 @@ from cpm_core import Parameters
 
 
 class Skeletons(QObject):
-    """Finds the skeleton again, in three steps at most, when a parameter changes, or what it is of."""
+    """Recomputes the skeleton, in three steps at most, when a parameter or its subject changes."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -26,10 +26,10 @@ class Skeletons(QObject):
             self._changed = document.mode == "skeleton"
             self._parameters = document.parameters
         regions = document.regions
-        of = (document.outlines, document.outlined_surfaces, regions.interest if regions is not None else ())
-        before, self._of = self._of, of
+        subject = (document.outlines, document.outlined_surfaces, regions.interest if regions is not None else ())
+        before, self._of = self._of, subject
         status = self._session.status
-        if before != of and document.mode == "skeleton" and status.method == "skeleton" and status.started:
+        if before != subject and document.mode == "skeleton" and status.method == "skeleton" and status.started:
             self._session.reset()
             self._session.run()
 

@@ -1,11 +1,11 @@
-"""The slices of a volume: which are shown, the scene of each, and what lies under the pointer."""
+"""The slices of a volume: the shown ones, the scene of each, and hits of the pointer."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TypeVar, cast
+from typing import cast
 
 import numpy as np
 
@@ -30,15 +30,16 @@ from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import ImageSeeds, ImageStart, Shape, sides_of
 
 AT_ONCE = 1 << 21
-"""Largest number of pixels of a slice that is made at once: three of them take a third of a frame of 50 ms."""
+"""Largest number of pixels of a slice that is made at once: three of these take a third of a frame of 50 ms."""
 
 MANY = 20_000
-"""Number of faces from which a surface is cut later while a run goes on: 200,000 take 25 ms, in each of three views."""
+"""Largest number of faces of a surface that is cut at once: 200,000 take 25 ms in each of three views."""
 
 Lines = tuple[Reconstruction | None, ReviewedContours]
+"""Result in a slice: center lines, or the contours in which it cuts the surface."""
 
-T = TypeVar("T")
 Overlay = DisplayImage | Array
+"""Overlay of a slice: an image, or arrows of a field."""
 
 
 class Sections:
@@ -47,9 +48,9 @@ class Sections:
     Parameters
     ----------
     axis : int, optional
-        The axis across which the view shows its slices; by default that which is worked on.
+        The axis across which the view shows its slices; by default the axis in use.
     later : AsyncCache, optional
-        Makes what takes long on other threads; without it that is made at once, as a film needs it.
+        Makes slow parts on other threads; without it they are made at once, as needed for a film.
     """
 
     def __init__(self, axis: int | None = None, later: AsyncCache | None = None) -> None:
@@ -59,7 +60,7 @@ class Sections:
         self._shown: tuple[Slice, Lines] | None = None
 
     def of(self, scene: Scene) -> Scene:
-        """The scene of a slice; any other scene is returned as it is."""
+        """Make the scene of a slice from the scene of a volume; any other scene is returned as it is."""
         volume, slices = scene.image, scene.slices
         if volume is None or slices is None or scene.volume is not None:
             return scene
@@ -92,7 +93,7 @@ class Sections:
         )
 
     def _lines(self, found: Reconstruction | None, here: Slice) -> Lines:
-        """What a slice shows of a result; a large surface is cut later, and its last cut is shown meanwhile."""
+        """Cut a result by a slice; a large surface is cut later, and its last cut is shown meanwhile."""
         before, faces = self._shown, len(getattr(getattr(found.result, "surface", None), "faces", ())) if found else 0
         if self.later is None or faces <= MANY or before is None or before[0] != here:
             lines = self._parts.get(_result, found, here)
@@ -102,17 +103,17 @@ class Sections:
         return lines
 
     def _display(self, image: Image, window: IntensityWindow) -> DisplayImage:
-        """The slice in the window of the volume, so that it does not flicker from slice to slice."""
+        """Display a slice in the intensity window of the volume, so that brightness is the same in all slices."""
 
-        def make() -> DisplayImage:
+        def make_display() -> DisplayImage:
             return DisplayImage.of(apply_window(image.values, window))
 
         if image.values.size > AT_ONCE and self.later is not None:
-            return self.later.named("display", make, lambda: DisplayImage.preview(image.values, window), image)
-        return self._parts.named("display", make, image)
+            return self.later.named("display", make_display, lambda: DisplayImage.preview(image.values, window), image)
+        return self._parts.named("display", make_display, image)
 
     def _overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, Overlay]:
-        """The slices of the overlays."""
+        """Cut the overlays by a slice."""
         found: dict[str, Overlay] = {}
         for name, drawn in scene.overlays.items():
             if isinstance(drawn, DisplayVolume):
@@ -127,7 +128,7 @@ def _image(volume: Image, here: Slice) -> Image:
 
 
 def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:
-    """The particles of starts all over the volume that are near the slice."""
+    """Return the seeds near the slice of the starts all over the volume."""
     sides = sides_of(volume.spacing)
     return {
         cut: here.flattened(at[_index(at, here, volume, reach)[0]])
@@ -138,7 +139,7 @@ def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> Image
 
 
 def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> Probed | None:
-    """What a slice shows of the forces on a particle: their parts along the slice, where the particle is near it."""
+    """Return the components along the slice of the forces on a particle, if the particle is near it."""
     if probed is None or len(probed.position) != len(volume.shape):
         return probed
     if not len(_index(np.array([probed.position]), here, volume, reach)[0]):
@@ -149,7 +150,7 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
 
 
 def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Section]]:
-    """What a slice shows of shapes, each with the number of its shape."""
+    """Iterate over the sections of shapes by a slice, each with the index of its shape."""
     sides = sides_of(volume.spacing)
     for index, shape in enumerate(shapes):
         for cut in sections(shape, here, sides):
@@ -159,18 +160,18 @@ def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator
 def _document(
     document: Document, here: Slice, volume: Image, objects: SegmentedObjects
 ) -> tuple[Document, dict[int | None, int]]:
-    """The document with the sections of its shapes and objects, and the place of the first section of each shape."""
+    """Return the document with sections of its shapes, and the index of the first section of each shape."""
     places: dict[int | None, int] = {}
     shapes: list[Section] = []
     for index, cut in sections_of(document.shapes, here, volume):
         places.setdefault(index, len(shapes))
         shapes.append(cut)
-    # a layer draws the sections as it draws the shapes of an image
+    # layers draw sections as they draw the shapes of an image
     return replace(document, shapes=cast("tuple[Shape, ...]", tuple(shapes)), objects=objects), places
 
 
 def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
-    """What a slice shows of the selection of objects."""
+    """Cut the proposals and the preview by a slice."""
     offered = tuple(replace(each, selection=selection_in(each.selection, here)) for each in shown.proposals)
     preview = shown.preview
     if preview is not None:
@@ -180,14 +181,14 @@ def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
 
 
 def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:
-    """The particles within `reach` of the slice, in sides of the smallest voxel."""
+    """Find the particles within `reach` of the slice, in sides of the smallest voxel."""
     if snapshot is None:
         return None
     return NearParticles(*_index(snapshot.position, here, volume, reach))
 
 
 def _index(position: Array, here: Slice, volume: Image, reach: float) -> tuple[Index, Array]:
-    """Which of positions, shape (N, 3), are near a slice, and how far they are from it, 1 at the reach."""
+    """Find positions, shape (N, 3), near a slice: their indices, shape (M,), and distances in units of `reach`."""
     side = sides_of(volume.spacing)[here.axis]
     away = np.abs(position[:, here.axis] - here.index) * (side / reach)
     index = np.flatnonzero(away < 1.0)
@@ -202,7 +203,7 @@ def _snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice
 
 
 def _result(reconstruction: Reconstruction | None, here: Slice) -> Lines:
-    """What the slice shows of center lines, or else the lines in which it cuts the surface."""
+    """Return the center lines in the slice, or else the lines in which it cuts the surface."""
     if reconstruction is None:
         return None, NO_CONTOURS
     if isinstance(reconstruction.result, Skeleton):
@@ -217,19 +218,19 @@ def _result(reconstruction: Reconstruction | None, here: Slice) -> Lines:
 
 
 def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> Hit | None:
-    """The shape of a scene under a place; of a volume only what a slice shows can be hit.
+    """Find the shape of a scene under a place; in a volume only sections in a slice can be hit.
 
-    The slice is by default the one that is worked on.
+    The slice is by default the one in use.
     """
     shapes, selected = scene.document.shapes, scene.selected
     if scene.slices is None or scene.whole is None:
         return hit(shapes, place, tolerance, selected)
     here = scene.slices.current if here is None else here
     seen = list(sections_of(shapes, here, scene.whole))
-    chosen: list[int | None] = [number for number, (index, _) in enumerate(seen) if index == selected]
+    candidates: list[int | None] = [number for number, (index, _) in enumerate(seen) if index == selected]
     cuts = cast("tuple[Shape, ...]", tuple(section for _, section in seen))
     found = None
-    for number in chosen or [None]:  # a shape may have several sections, each with handles
+    for number in candidates or [None]:  # a shape may have several sections, each with handles
         found = hit(cuts, here.within(place), tolerance, number)
         if found is not None and found.part == "handle":
             break
@@ -239,23 +240,23 @@ def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = No
     return replace(found, index=seen[found.index][0], at=at)
 
 
-_FAR = 10**6
-"""Largest index that is taken from a file [voxels]."""
+_MAX_FILE_INDEX = 10**6
+"""Largest index that is accepted from a file [voxels]."""
 
 
 class ShownSlices:
-    """Chooses the slices of the volume that is open; without a volume there are none, and nothing happens."""
+    """Navigates the slices of the open volume; without a volume there are none, and nothing happens."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
 
     @property
     def now(self) -> Slices | None:
-        """The slices that are shown; None while no volume is open."""
+        """The shown slices; None while no volume is open."""
         return self._session.scene.slices
 
     def go(self, by: int) -> None:
-        """Show the slice so many further along its axis."""
+        """Show the slice `by` slices further along its axis."""
         self._use(lambda now: now.at(now.current.index + by))
 
     def at(self, index: int) -> None:
@@ -263,11 +264,11 @@ class ShownSlices:
         self._use(lambda now: now.at(index))
 
     def pass_on(self, axis: int, by: int) -> None:
-        """Show the slice so many further along an axis, whichever is worked on."""
+        """Show the slice `by` slices further along an axis, even if another one is in use."""
         self._use(lambda now: now.turned(axis).at(now.voxel[axis] + by).turned(now.axis))
 
     def turn(self, axis: int) -> None:
-        """Work on the slice across another axis."""
+        """Use the slice across another axis."""
         self._use(lambda now: now.turned(axis))
 
     def through(self, place: Place) -> None:
@@ -275,7 +276,7 @@ class ShownSlices:
         self._use(lambda now: now.through(place))
 
     def view_state(self) -> dict[str, object]:
-        """Where the slices are, as plain JSON for a session file; empty for an image."""
+        """Return the positions of the slices as plain JSON for a session file; empty for an image."""
         now = self.now
         return {} if now is None else {"slices": {"voxel": list(now.voxel), "axis": now.axis}}
 
@@ -288,7 +289,7 @@ class ShownSlices:
         if axis in (0, 1, 2) and not isinstance(axis, bool):
             self.turn(int(axis))
         known = voxel if isinstance(voxel, list) and len(voxel) == len(self.now.voxel) else []
-        if known and all(isinstance(at, int) and abs(at) <= _FAR for at in known):
+        if known and all(isinstance(at, int) and abs(at) <= _MAX_FILE_INDEX for at in known):
             self.through(tuple(known))
 
     def _use(self, change: Callable[[Slices], Slices]) -> None:

@@ -1,4 +1,4 @@
-"""The pages of the stack that is open: which is shown, all of them run in the background, and what was found on all."""
+"""The pages of the open stack: the shown page, runs of all pages in the background, and the results of all."""
 
 from __future__ import annotations
 
@@ -48,41 +48,46 @@ from cpm_core.numerics.types import Plain
 from cpm_core.pages import StackResult
 from cpm_core.shapes import Start, starts_along
 
-_QUIET, _WHILE_RUNNING = 200, 1500
-"""Time from a change until the tracks are found again, at rest and while pages are run [ms]."""
+_QUIET = 200
+"""Time from a change until the pages are linked again [ms]."""
 
+_WHILE_RUNNING = 1500
+"""Time from a change until the pages are linked again while pages are run in the background [ms]."""
 
-_NEAR, _ALIKE = 1.0, 0.02
-"""How far the center of a contour may lie from where it was [px], and by how much its length may differ, of 1."""
+_SAME_CENTER_DISTANCE = 1.0
+"""Distance up to which the center of a contour counts as unchanged [px]."""
+
+_SAME_LENGTH_TOLERANCE = 0.02
+"""Relative difference up to which the length of a contour counts as unchanged."""
 
 
 class StackPages(QObject):
-    """Goes through the pages of a stack, runs all of them, and knows what was found on each."""
+    """Navigates the pages of a stack, runs all of them, and holds the results of each."""
 
     changed = Signal()
-    """Another page is open, or pages are being run, or no longer."""
+    """Another page is open, or runs of pages have begun or ended."""
     found = Signal()
-    """What has been found on all pages has changed: `result`."""
+    """The results of all pages have changed: `result`."""
 
     def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__(session)
         self.following = True
-        """Whether each page starts from the contours of the one before."""
+        """Whether each page starts from the contours of the previous one."""
         self._session = session
         self._file: DocumentFile
         self.source = StackSource()
         self.number = 1
-        """The page that is open, from 1."""
+        """Number of the open page, from 1."""
         self.ahead = 0
-        """The page that is wanted, which is open or being opened."""
+        """Number of the requested page, which is open or being opened."""
         self._turning = False
         self._kept: dict[int, KeptPage] = {}
         self._found: dict[int, Page] = {}
         self._given: tuple[Start, ...] = ()
         self.listed: Listed = "objects"
-        """What is shown of all pages and exported, if there are both."""
+        """Kind of results that is shown and exported, if there are both."""
         self.tables: Mapping[Listed, Table] = {}
-        """What has been found on all pages that are done, with tracks, and its rows; nothing is left out."""
+        """The results of all finished pages, with tracks, and their rows; nothing is filtered."""
         self._measured: Measured = {}
         self.task: Task | None = None
         self._seen: Result | None = None
@@ -101,17 +106,17 @@ class StackPages(QObject):
         self.changed.connect(self._select_wanted)
         session.listen(Opened, self._take_opened)
 
-        def take_written(written: Written) -> None:
+        def on_session_written(written: Written) -> None:
             if self._file.is_current(written):
                 for number, page in self._kept.items():
                     self._kept[number] = replace(page, known=page.document, runs_unsaved=False)
 
-        session.listen(Written, take_written)
+        session.listen(Written, on_session_written)
         session.scene_changed.connect(self._look)
         session.tasks.changed.connect(self._look_at_task)
 
     def set_session_file(self, document_file: DocumentFile) -> None:
-        """Be saved with the session file."""
+        """Save the pages with this session file."""
         self._file = document_file
         document_file.pages = self._plain
         document_file.pages_unsaved = lambda: any(
@@ -129,7 +134,7 @@ class StackPages(QObject):
 
     @property
     def table(self) -> Table:
-        """What is shown of all pages: the objects, or the contours with their tracks; None while there is nothing."""
+        """The shown results of all pages: the objects, or the contours with their tracks; None while there are none."""
         return self.tables.get(self.listed) or next(iter(self.tables.values()), NOTHING)
 
     def show_kind(self, listed: Listed) -> None:
@@ -139,7 +144,7 @@ class StackPages(QObject):
 
     @property
     def result(self) -> StackResult | None:
-        """What is shown of all pages, and exported; None while there is nothing."""
+        """The shown results of all pages, which are exported; None while there are none."""
         return self.table[0]
 
     # Documents
@@ -152,11 +157,11 @@ class StackPages(QObject):
 
     @property
     def taken(self) -> int:
-        """The largest number of an object on any page."""
+        """Largest number of an object on any page."""
         return max((document.objects.next_number - 1 for document in self.documents.values()), default=0)
 
     def change(self, number: int, words: str, edit: Callable[[Document], Document]) -> None:
-        """Edit the document of a page, which can be undone there."""
+        """Edit the document of a page, with undo on that page."""
         if number == self.number:
             self._session.edit(words, edit)
             return
@@ -170,19 +175,19 @@ class StackPages(QObject):
 
     @property
     def count(self) -> int:
-        """Number of pages of the stack; 0 where none is open as pages."""
+        """Number of pages of the stack; 0 if no stack is open as pages."""
         return self.source.count
 
     def is_drawn(self, document: Document) -> bool:
-        """Whether the user has drawn where the run of the open page starts, not the page before."""
+        """Return whether the starts of the open page are drawn by the user, not from the previous page."""
         return not self._given or document.starts != self._given
 
     def go(self, by: int) -> None:
-        """Go to a page after this one, or before it; beyond a page that could not be opened."""
+        """Go some pages forward or backward, also past a page that could not be opened."""
         self.open(min(max(self.ahead + by, 1), self.count))
 
     def open(self, number: int) -> None:
-        """Go to a page, once the runs of this one have been collected."""
+        """Go to a page, once the runs of the open page have been collected."""
         if not 1 <= number <= self.count or number == self.ahead:
             return
         self.ahead = number
@@ -192,13 +197,13 @@ class StackPages(QObject):
             self._file.runs.collect(self._turn)
 
     def show(self, row: PageRow) -> None:
-        """Go to what a row shows and select it as soon as it is there, or only to its page where it shows nothing."""
+        """Go to the page of a row and, if the row has an object or contour, select it as soon as it is there."""
         self._wanted = row if row.measures is not None else None
         self.open(row.page)
         self._select_wanted()
 
     def _select_wanted(self) -> None:
-        """Select the contour that is wanted; forget it when another page is wanted meanwhile."""
+        """Select the wanted row; drop it if another page has been requested meanwhile."""
         row = self._wanted
         if row is None or row.measures is None:
             return
@@ -211,12 +216,16 @@ class StackPages(QObject):
             length, place = row.measures.length, (row.row, row.col)
             away = {item: math.dist(centroid(item.contour), place) for item in self._review.items}
             near = min(away, key=away.__getitem__, default=None)
-            if near is not None and away[near] <= _NEAR and abs(near.measures.length - length) <= _ALIKE * length:
+            if (
+                near is not None
+                and away[near] <= _SAME_CENTER_DISTANCE
+                and abs(near.measures.length - length) <= _SAME_LENGTH_TOLERANCE * length
+            ):
                 self._wanted = None
                 self._review.choose((near.key,))
 
     def _turn(self) -> None:
-        """Keep the page that is open, and open the one that is wanted."""
+        """Keep the state of the open page, and open the requested one."""
         self._turning = False
         if not self.count or self.ahead == self.number:
             return
@@ -224,14 +233,14 @@ class StackPages(QObject):
         self._begin(self.ahead, self._kept.get(self.ahead) or self._fresh(self.ahead, here))
 
     def _begin(self, number: int, page: KeptPage) -> None:
-        """Open a page with what is kept of it; the image stays where it is on the canvas."""
+        """Open a page with its kept state; the image stays where it is on the canvas."""
         image = self._session.document.image
         if image is None:
             return
         known = page.known and numbered(page.known, self.taken)
         page = replace(page, document=numbered(page.document, self.taken), known=known)
         place = ImageFile(image.path, "", image.shape, reading=self.source.reading_of(number))
-        now = self._file.file  # whose view lets the image stay in place
+        now = self._file.file  # its view keeps the image in place
         content = replace(
             to_file(page.document, dict(now.view), now), image=place, runs=page.runs, truth=None, pages={}
         )
@@ -240,12 +249,12 @@ class StackPages(QObject):
         self._session.begin(Wanted(Path(image.path), page.document.parameters, saved=saved))
 
     def _here(self) -> KeptPage:
-        """The page that is open, as it is kept."""
+        """Return the state of the open page."""
         session, runs = self._session, self._file.runs
         return KeptPage(session.document, runs.plain, session.history, self._file.known, self._given, runs.unsaved)
 
     def _fresh(self, number: int, here: KeptPage) -> KeptPage:
-        """A page on which nothing has been done yet: it takes over the drawing, or follows the page before."""
+        """Make the state of an untouched page: with the shapes of the open page, or starts from the previous page."""
         document, given = bare(here.document), here.given or here.document.starts
         before = self._found.get(number - 1)
         if self.following and before is not None and before.contours:
@@ -254,9 +263,9 @@ class StackPages(QObject):
         return KeptPage(document, known=document, given=given)
 
     def _take_opened(self, opened: Opened) -> None:
-        """Another page has been opened, or another file."""
+        """Take over an opened page of the stack, or another file."""
         if opened.saved is not None and opened.saved.turned:
-            # another page may be wanted by now: what is kept of this one stays until it is left by way of `_turn`
+            # another page may be requested by now: the state of this one is kept until `_turn` leaves it
             self.number = self.source.number_of(opened.reading)
             page = self._kept.get(self.number)
             if page is not None:
@@ -285,7 +294,7 @@ class StackPages(QObject):
         source, numbers = self.source, range(first, self.count + 1)
 
         def document_of(number: int, starts: tuple[Start, ...]) -> tuple[Document, tuple[Start, ...]]:
-            """Those whose start the user has drawn keep their document; others take over that which is open."""
+            """Return a page's own document if the user has drawn its start, else that of the open page."""
             page = kept.get(number)
             own = bare(document) if page is None else replace(page.document, parameters=document.parameters)
             if page is not None and page.own_start:
@@ -293,22 +302,22 @@ class StackPages(QObject):
             given = (starts if following else ()) or document.starts
             return started_by(own, given), given
 
-        def work(task: Task) -> None:
+        def run_and_report(task: Task) -> None:
             for done in run_pages(source, numbers, document_of, before, task):
                 self._session.tasks.call(partial(self._take_page, source.path, kept.get(done.page.number), done))
 
         title = tr("Running {count} pages…", count=len(numbers))
-        self.task = self._session.tasks.start(title, work, tr("running the pages"))
+        self.task = self._session.tasks.start(title, run_and_report, tr("running the pages"))
         self.changed.emit()
 
     def cancel(self) -> None:
-        """Stop after the pages that are done, which stay."""
+        """Stop running pages; finished ones stay."""
         if self.task is not None:
             self.task.cancel()
             self._look_at_task()
 
     def _take_page(self, path: str, known: KeptPage | None, done: PageDone) -> None:
-        """Keep a page that has been run, unless the user has changed it since; that which is open is shown anew."""
+        """Keep a page that has been run, unless the user has changed it since; the open one is opened again."""
         number, here = done.page.number, done.page.number == self.number
         if path != self.source.path:
             return
@@ -320,7 +329,7 @@ class StackPages(QObject):
         if not done.runs:
             return
         before, document = before or KeptPage(done.document), done.document
-        if before.document != document:  # undo leads back to what it was
+        if before.document != document:  # so that undo restores the previous document
             before.history.push(Change(tr("run all pages"), before.document, document))
         self._kept[number] = page = replace(
             before, document=document, runs=done.runs, given=done.given, runs_unsaved=True
@@ -333,10 +342,10 @@ class StackPages(QObject):
             self.task = None
             self.changed.emit()
 
-    # What has been found
+    # Results
 
     def _look(self) -> None:
-        """Take up the contours of the page that is open, once its run is at rest."""
+        """Keep the contours of the open page, once its run is at rest."""
         scene = self._session.scene
         tracked, shown = scene.contours.tracked, scene.contours.result
         if self.count and self._measured.get(self.number, (None,))[0] is not scene.document.objects:
@@ -364,20 +373,22 @@ class StackPages(QObject):
     # Files
 
     def export(self, *paths: Path) -> None:
-        """Write what has been found on all pages."""
+        """Write the results of all pages."""
         result, path = self.result, paths[0]
         if result is None:
             return
         self._session.attempt(EXPORTING)
 
-        def work(_: Task) -> Report:
+        def write_stack(_: Task) -> Report:
             export_stack(result, *paths)
             return Exported(path, tr("{count} files", count=len(paths)) if len(paths) > 1 else "")
 
-        self._session.tasks.start(tr("Writing {name}…", name=path.name), work, tr("writing {name}", name=path.name))
+        self._session.tasks.start(
+            tr("Writing {name}…", name=path.name), write_stack, tr("writing {name}", name=path.name)
+        )
 
     def _plain(self) -> Plain:
-        """The other pages as a session keeps them."""
+        """Return the other pages as stored in a session."""
         if not self.count:
             return {}
         others = {number: page for number, page in self._kept.items() if number != self.number}
@@ -386,7 +397,7 @@ class StackPages(QObject):
         return PlainPages(partial(pages_to_plain, others, self.following, self._drawn, given, followed))
 
     def _begin_stack(self, opened: Opened) -> None:
-        """Another file has been opened, perhaps with a session that knows its pages."""
+        """Begin the pages of another file, perhaps from a session that contains them."""
         self.cancel()
         parts = opened.parts if opened.image.ndim == 2 else None
         source = self.source = StackSource.of(str(opened.path), parts, opened.reading)

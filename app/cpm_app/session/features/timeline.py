@@ -17,10 +17,11 @@ from cpm_app.session.worker.run import Run
 from cpm_core import Parameters
 
 NOTHING = Outline()
+"""The timeline before there is a run."""
 
 
 class TimelineNavigation(QObject):
-    """Goes along the timeline of a session's run."""
+    """Navigates the timeline of a session's runs."""
 
     changed = Signal()
     """The position or the branches have changed."""
@@ -37,12 +38,12 @@ class TimelineNavigation(QObject):
         self._stay.timeout.connect(self._reconstruct)
         session.scene_changed.connect(self._follow)
 
-        def follow_phase() -> None:
+        def on_status_changed() -> None:
             if session.status.phase == "running" and self._target is not None:
                 self._target = None
                 self.changed.emit()
 
-        session.status_changed.connect(follow_phase)
+        session.status_changed.connect(on_status_changed)
         session.image_changed.connect(lambda: self._use_outline(NOTHING))
         session.listen(CommandFailed, lambda _: setattr(self, "_target", None))  # which may have failed to go there
         session.listen(
@@ -58,22 +59,22 @@ class TimelineNavigation(QObject):
 
     @property
     def place(self) -> tuple[int, int]:
-        """Branch and step of the run, or those that it has been sent to."""
+        """Branch and step of the run, or the ones that it is going to."""
         return self._target or self._here
 
     def branch(self, identity: int) -> Branch | None:
-        """A branch by its number."""
+        """Return a branch by its number; None if it does not exist."""
         return next((branch for branch in self.branches if branch.identity == identity), None)
 
     def last(self, identity: int) -> int:
-        """The last step of a branch, 0 when it does not exist."""
+        """Return the last step of a branch; 0 if it does not exist."""
         branch = self.branch(identity)
         if branch is None:
             return 0
         return max(branch.last, self._here[1]) if identity == self._here[0] else branch.last
 
     def beside(self, identity: int) -> int:
-        """The step of a branch to go to from the present one: the same step of the same run, the end of another run."""
+        """Return the step of a branch that matches the current one: the same step in the same run, else its end."""
         here, there = self.branch(self.place[0]), self.branch(identity)
         if here is None or there is None or here.run != there.run:
             return self.last(identity)
@@ -85,7 +86,7 @@ class TimelineNavigation(QObject):
         """Go to a step of a branch, or to its nearest one."""
         if self.branch(branch) is None:
             return
-        if not self._session.status.started:  # until now the regions were of no use to the worker
+        if not self._session.status.started:  # without a run, the worker has not been sent the regions
             self._session.post(run_call(None, Run.limit, self._session.document.regions))
         step = min(max(step, 0), self.last(branch))
         if (branch, step) == self.place and self._session.status.phase != "running":
@@ -113,7 +114,7 @@ class TimelineNavigation(QObject):
     # Branches
 
     def rename(self, branch: int, name: str) -> None:
-        """Give a branch another name."""
+        """Rename a branch."""
         self._session.post(run_call(self._session.generation, Run.rename_branch, branch, name))
 
     def drop(self, branch: int) -> None:
@@ -130,7 +131,7 @@ class TimelineNavigation(QObject):
 
     @property
     def other_parameters(self) -> Parameters | None:
-        """Parameters of the step that is shown, as far as they act now; None where they are the current ones."""
+        """Parameters of the shown step, if they differ from the current ones; else None."""
         taken, document = self.outline.parameters, self._session.document
         if taken is None:
             return None
@@ -138,7 +139,7 @@ class TimelineNavigation(QObject):
         return None if taken == document.parameters else taken
 
     def use_its_parameters(self) -> None:
-        """Set the parameters of the step that is shown."""
+        """Set the parameters to those of the shown step."""
         taken = self.other_parameters
         if taken is not None:
             name = tr("use the parameters of step {step}", step=self._here[1])
@@ -152,7 +153,7 @@ class TimelineNavigation(QObject):
         if snapshot is self._snapshot:
             return
         self._snapshot = snapshot
-        if snapshot is None:  # the runs that there have been are still known
+        if snapshot is None:  # earlier runs stay on the timeline
             self._use_outline(self.outline)
             return
         self._here = (snapshot.timeline.branch, snapshot.state.step)
@@ -183,7 +184,7 @@ class TimelineNavigation(QObject):
             self._session.post(run_call(None, Run.stay))
 
     def _place_or_end(self) -> tuple[int, int]:
-        """The place, or the end of the last branch while the run is on none."""
+        """Return the current branch and step, or the end of the last branch while the run is on none."""
         if self.place[0] or not self.branches:
             return self.place
         newest = self.branches[-1].identity

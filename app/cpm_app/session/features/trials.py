@@ -1,4 +1,4 @@
-"""Runs that are compared with one another, several at a time: with other parameters, or of other methods."""
+"""Trials: runs with other parameters, or of other methods, several at a time."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from cpm_core.shapes import SeedCache, outlines_of
 
 
 def start_of(document: Document) -> Start:
-    """What all methods begin from; ValueError when no outline is drawn."""
+    """Return the start for all methods; raise ValueError if no outline is drawn."""
     return Start(outlines_of(document.shapes), document.comparison.around)
 
 
 def scene_of(found: Result) -> Scene:
-    """What is shown of a result that no run of the session has."""
+    """Make the scene of a result that is not of the session's run."""
     if found.surface is not None:
         return Scene(reconstruction=Reconstruction(0, found, None))
     measures = measure(found.contours, found.spacing, contrast=False)
@@ -47,7 +47,7 @@ def run_trials(
     Parameters
     ----------
     image, document : Image and Document
-        What is run.
+        The image, and the document whose starts and regions are used.
     trials : mapping of int to Trial
         The trials, each with its key.
     report : callable
@@ -57,15 +57,15 @@ def run_trials(
     """
     seed_cache, engines, lock = SeedCache(image), dict[int, Engine](), threading.Lock()
 
-    def of_parameters(trial: Trial) -> Result:
+    def run_parameters(trial: Trial) -> Result:
         own, scales = replace(document, parameters=trial.settings), trial.settings.scales
-        with lock:  # fields and seeds that trials have in common are made once
+        with lock:  # fields and seeds shared by trials are made once
             seeds = own.seeds_in(seed_cache)
             if scales not in engines:
                 engines[scales] = Engine(image, trial.settings, document.regions)
         return found_by(engines[scales], own, seeds, lambda _: task.check_cancelled())
 
-    def of_method(trial: Trial) -> Result:
+    def run_other_method(trial: Trial) -> Result:
         method, start, channel = CONTOUR_METHODS[trial.method], start_of(document), document.parameters.channel
         plain = method.of_particles or image.colors is None or channel == "luminance"
         taken = image if plain else Image(image.gray(channel), source=image.source)
@@ -74,20 +74,20 @@ def run_trials(
             last = moment
         return result_of(facts_of(last), last.state.contours, taken, start, trial.settings)
 
-    def work(key: int) -> None:
+    def run_trial(key: int) -> None:
         trial = trials[key]
         try:
             task.check_cancelled()
             report(key, {"state": tr("running…")})
             at = time.perf_counter()
-            found = (of_method if trial.method else of_parameters)(trial)
+            found = (run_other_method if trial.method else run_parameters)(trial)
             seconds = time.perf_counter() - at
             report(key, {"found": found, "scene": scene_of(found), "seconds": seconds, "state": ""})
         except Cancelled:
             return
-        except Exception as error:  # an error is shown in its row, and the others go on
+        except Exception as error:  # shown in its row, and the others continue
             report(key, {"state": sentence(error, tr("running {name}", name=trial.title))})
 
     with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
-        for done, _ in enumerate(pool.map(work, trials), start=1):
+        for done, _ in enumerate(pool.map(run_trial, trials), start=1):
             task.fraction = done / len(trials)

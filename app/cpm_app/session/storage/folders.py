@@ -1,7 +1,7 @@
-"""The folder in which a file dialog begins: one rule for all dialogs.
+"""The folder in which a file dialog opens: one rule for all dialogs.
 
-Next to the image, until another folder is chosen for it. Without an image, or with a sample image of the program, next
-to which nothing is kept, it is the folder that was chosen last for this kind of file.
+It is the folder of the image, until another one is selected for this image. Without an image, or with a sample image of
+the program, whose folder is not for files of the user, it is the last folder selected for this kind of file.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from cpm_app.model.document.samples import sample_at
 from cpm_app.session.storage.preferences import Preferences
 
 Purpose = Literal["open", "session", "export", "truth", "preset"]
-"""What a dialog asks for: an image or session to open, a session to write, a result, a ground truth, a preset."""
+"""Purpose of a dialog: an image or session to open, a session to write, a result, a ground truth, a preset."""
 
-_READ = frozenset({"open", "truth"})
+_READING_PURPOSES = frozenset({"open", "truth"})
 """Purposes for which a folder need not be writable."""
 
 
 def first_folder(preferences: Preferences, document: Document, purpose: Purpose) -> Path:
-    """Folder that a dialog begins with."""
+    """Return the folder in which a dialog opens."""
     chosen = preferences.get(f"folders/{purpose}", "")
     last = Path(chosen) if chosen and Path(chosen).is_dir() else Path.home()
     if document.image is None:
@@ -31,11 +31,11 @@ def first_folder(preferences: Preferences, document: Document, purpose: Purpose)
     if chosen and preferences.get(f"folders/{purpose}_of", "") == str(image):
         return last
     own = image.absolute().parent
-    used = sample_at(image) is None and os.access(own, os.R_OK if purpose in _READ else os.W_OK)
+    used = sample_at(image) is None and os.access(own, os.R_OK if purpose in _READING_PURPOSES else os.W_OK)
     return own if used else last
 
 
 def remember_folder(preferences: Preferences, document: Document, purpose: Purpose, path: Path) -> None:
-    """A file has been chosen for this document."""
+    """Remember the folder of a file that has been selected for this document."""
     preferences.put(f"folders/{purpose}", str(path.absolute().parent))
     preferences.put(f"folders/{purpose}_of", document.image.path if document.image else "")

@@ -1,4 +1,4 @@
-"""Small pictures of recent work, one for each file, in the user's cache folder."""
+"""Thumbnails of recent work, one for each file, in the user's cache folder."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from PySide6.QtCore import QRect, QSize, QStandardPaths, Qt
 from PySide6.QtGui import QImage
 
 SIZE = QSize(320, 200)
-"""Size of a picture [px]."""
+"""Size of a thumbnail [px]."""
 
 MOST = 40
-"""Largest number of pictures that are kept."""
+"""Largest number of thumbnails that are kept."""
 
 _log = logging.getLogger(__name__)
 
 
 def folder_of_pictures() -> Path:
-    """The folder in the user's cache."""
+    """Return the folder of thumbnails in the user's cache."""
     return Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericCacheLocation)) / "cpm/pictures"
 
 
 class Pictures:
-    """The pictures in a folder, which may be missing; what cannot be kept is left out."""
+    """Thumbnails in a folder, which may be missing; failures to write them are only logged."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def put(self, file: Path, image: QImage) -> None:
-        """Keep the middle of an image as the picture of a file, and remove the oldest pictures beyond `MOST`."""
+        """Keep the middle of an image as the thumbnail of a file, and remove the oldest thumbnails beyond `MOST`."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -44,11 +44,11 @@ class Pictures:
                 old.unlink(missing_ok=True)
 
     def get(self, file: Path) -> QImage:
-        """The picture of a file; a null image where there is none."""
+        """Return the thumbnail of a file; a null image if there is none."""
         return QImage(str(self._place(file)))
 
     def clear(self) -> None:
-        """Remove all."""
+        """Remove all thumbnails."""
         for picture in self._folder.glob("*.png"):
             with suppress(OSError):
                 picture.unlink(missing_ok=True)
@@ -59,7 +59,7 @@ class Pictures:
 
 
 def middle(image: QImage, size: QSize) -> QImage:
-    """The largest part of an image around its middle that has the proportions of `size`, in that size."""
+    """Crop an image around its middle to the proportions of `size`, and scale it to that size."""
     across = min(image.width(), max(1, image.height() * size.width() // size.height()))
     down = min(image.height(), max(1, image.width() * size.height() // size.width()))
     part = QRect((image.width() - across) // 2, (image.height() - down) // 2, across, down)

@@ -11,16 +11,16 @@ from cpm_app.model.preferences.table import Preference
 from cpm_core.numerics.types import Callback
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
-V = TypeVar("V")
+PreferenceValue = TypeVar("PreferenceValue")
 
 
 def settings() -> QSettings:
-    """The file of the preferences; other files of the user are in its folder."""
+    """Open the file of the preferences; other files of the user are in its folder."""
     return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
 
 
 class Preferences(QObject):
-    """Values of preferences, and what the window keeps for itself by key, with the only default where it is read."""
+    """Values of preferences, and values that the window keeps by key, whose default is given where they are read."""
 
     changed = Signal(str)
     """Key of a value that has changed."""
@@ -29,13 +29,13 @@ class Preferences(QObject):
         super().__init__(parent)
         self._settings = settings()
 
-    def value(self, preference: Preference[V]) -> V:
-        """The value of a preference; its default when none is stored or the stored one cannot be used."""
+    def value(self, preference: Preference[PreferenceValue]) -> PreferenceValue:
+        """Return the value of a preference; its default if none is stored or the stored one is invalid."""
         stored = self._settings.value(preference.name)
         taken = None if stored is None else preference.taken(stored)
         return preference.default if taken is None else taken
 
-    def choose(self, preference: Preference[V], value: V) -> None:
+    def choose(self, preference: Preference[PreferenceValue], value: PreferenceValue) -> None:
         """Store a value; the default is not stored."""
         if value != self.value(preference):
             if value == preference.default:
@@ -44,13 +44,13 @@ class Preferences(QObject):
                 self._settings.setValue(preference.name, value)
             self.changed.emit(preference.name)
 
-    def follow(self, preference: Preference[V], do: Callback) -> None:
+    def follow(self, preference: Preference[PreferenceValue], do: Callback) -> None:
         """Call a function now and whenever the value changes, as long as these preferences exist."""
         self.changed.connect(lambda key: do() if key == preference.name else None)
         do()
 
     def get(self, key: str, default: Value) -> Value:
-        """The value of a key, of the default's type; the default when there is none or it is invalid."""
+        """Return the value of a key, of the default's type; the default if there is none or it is invalid."""
         value = self._settings.value(key)
         if value is None:
             return default
@@ -70,12 +70,12 @@ class Preferences(QObject):
             self.changed.emit(key)
 
     def mapping(self, key: str) -> dict[str, Any]:
-        """What is kept of a key as JSON; empty where that cannot be read."""
+        """Return the JSON object stored by a key; empty if it cannot be read."""
         try:
             return dict(json.loads(self.get(key, "{}")))
         except (TypeError, ValueError, RecursionError):
             return {}
 
     def flush(self) -> None:
-        """Write to the file now."""
+        """Write all values to the file now."""
         self._settings.sync()

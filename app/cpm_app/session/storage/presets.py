@@ -37,7 +37,7 @@ class PresetStore(QObject):
         return (*built_in(), *self._own)
 
     def save(self, preset: Preset) -> Preset:
-        """Store a preset, in place of one of the same name; ValueError for an invalid name, OSError from the disk."""
+        """Store a preset, in place of one of the same name; ValueError for an invalid name, OSError of the disk."""
         kept = replace(preset, name=checked_name(preset.name), key="")
         readable = re.sub(r"[^A-Za-z0-9]+", "_", kept.name).strip("_")[:40]
         unique = f"{readable}-{hashlib.sha256(kept.name.encode()).hexdigest()[:8]}{SUFFIX}"
@@ -47,7 +47,7 @@ class PresetStore(QObject):
         return kept
 
     def delete(self, name: str) -> None:
-        """Remove a preset of the user; ValueError when there is none of this name."""
+        """Remove a preset of the user; raise ValueError if there is none of this name."""
         if name not in self._files:
             raise ValueError(tr("You have no preset named “{name}”.", name=name))
         self._files[name].unlink(missing_ok=True)

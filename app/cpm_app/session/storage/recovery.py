@@ -1,7 +1,7 @@
 """Recovery: unsaved work in a small journal file, which is removed when the program ends normally.
 
-Each window has a journal of its own, with a lock next to it that ends with the process, even after a crash. The next
-start offers the journals whose processes have ended; one is deleted only after it has been restored or declined.
+Each window has a journal of its own, with a lock next to it that ends with the process, even after a crash. At the next
+start the program offers the journals whose processes have ended; each is deleted only once it is restored or declined.
 """
 
 from __future__ import annotations
@@ -26,34 +26,34 @@ from cpm_core.formats import SUFFIX, SessionFile, load_session, remove_abandoned
 from cpm_core.numerics.types import record
 
 KEY = "journal"
-"""Key under which a journal, otherwise a session file, names the file and the work that it belongs to."""
+"""Key under which a journal, which is a session file, names the file and the work that it belongs to."""
 
 UNREADABLE = ".unreadable"
 """Suffix of journals that cannot be read."""
 
-_EVERY = 2000
-"""Time from a change until it is written, with further changes in between [ms]."""
+_WRITE_DELAY = 2000
+"""Time from a change until it is written, together with all changes in between [ms]."""
 
 
 def folder_of_journals() -> Path:
-    """The user's folder of journals, next to the preferences."""
+    """Return the user's folder of journals, next to the preferences."""
     return Path(settings().fileName()).parent / "journals"
 
 
 def lock_of(journal: Path) -> QLockFile:
-    """The lock of a journal, which lasts as long as the process that has taken it."""
+    """Return the lock of a journal, which lasts as long as the process that has taken it."""
     lock = QLockFile(str(journal.with_suffix(".lock")))
     lock.setStaleLockTime(0)  # a lock is never stale by age, because a window may stay open for long
     return lock
 
 
 class Journal(QObject):
-    """Follows a document and writes its journal, on a separate thread."""
+    """Writes the journal of a document on a separate thread whenever the document changes."""
 
     put = Signal(str)
-    """The journal has been written or removed: nothing, or else a sentence on why it has not."""
+    """The journal has been written or removed; an error message if that has failed, else ""."""
     _worked = Signal(str)
-    """The same, sent by the thread that writes."""
+    """Like `put`, but sent by the thread that writes."""
 
     def __init__(self, document_file: DocumentFile, folder: Path, preferences: Preferences) -> None:
         super().__init__(document_file)
@@ -63,7 +63,7 @@ class Journal(QObject):
         self._writer: ThreadPoolExecutor | None = None
         self._last: Future[str] | None = None
         self._closed = False
-        self._timer = QTimer(self, singleShot=True, interval=_EVERY)
+        self._timer = QTimer(self, singleShot=True, interval=_WRITE_DELAY)
         self._timer.timeout.connect(self.write)
         self._preferences = preferences
         self._worked.connect(self.put)
@@ -85,11 +85,11 @@ class Journal(QObject):
             self._last = self._writer.submit(self._put, file)
 
     def flush(self) -> bool:
-        """Wait until everything is on disk; False when it cannot be."""
+        """Wait until everything is on disk; return False if that is not possible."""
         return self._last is not None and not self._last.result()
 
     def close(self) -> None:
-        """Remove the journal: the program ends normally."""
+        """Remove the journal, because the program ends normally."""
         self._closed = True
         self._timer.stop()
         if self._writer is not None:
@@ -103,7 +103,7 @@ class Journal(QObject):
             self._timer.start()
 
     def _put(self, file: SessionFile | None) -> str:
-        """Write or remove the journal; what that failed with."""
+        """Write or remove the journal; return the error message, or ""."""
         trouble = ""
         try:
             if file is None:
@@ -146,20 +146,20 @@ class Leftover:
         return Wanted(self.path or Path(self.name), self.file.parameters, saved=saved, notes=(note,))
 
     def keep(self) -> None:
-        """Leave it for another time."""
+        """Leave the journal for another time."""
         self.lock.unlock()
 
     def discard(self) -> None:
-        """Remove it."""
+        """Remove the journal."""
         with suppress(OSError):
             self.journal.unlink(missing_ok=True)
         self.lock.unlock()
 
 
 def left_behind(folder: Path) -> tuple[list[Leftover], list[str]]:
-    """Journals in a folder whose processes have ended, the newest first, and sentences on those that cannot be read.
+    """Find the journals in a folder whose processes have ended, the newest first, and messages on unreadable ones.
 
-    A journal that is damaged is set aside; one that only could not be read stays for the next start.
+    A damaged journal is set aside; one that only could not be read is left for the next start.
     """
     remove_abandoned(folder)
     found, troubles = [], []

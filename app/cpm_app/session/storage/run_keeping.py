@@ -1,4 +1,4 @@
-"""The runs of a session as its file holds them: collected from the worker when a run comes to rest."""
+"""The runs of a session as stored in its file: collected from the worker when a run comes to rest."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from cpm_app.session.worker.commands import RunsCollected, RunsRestored, collect
 from cpm_core.numerics.types import Callback, Plain
 
 _QUIET = 500
-"""Time from a change of the runs until they are collected, with further changes in between [ms]."""
+"""Time from a change of the runs until they are collected, together with all changes in between [ms]."""
 
 
 class RunKeeping(QObject):
-    """Follows the runs of a session and has them at hand as plain JSON."""
+    """Keeps the runs of a session as plain JSON, up to date with the worker."""
 
     changed = Signal()
     """The runs have been collected, or have been saved."""
@@ -40,7 +40,7 @@ class RunKeeping(QObject):
 
     @property
     def unsaved(self) -> bool:
-        """Whether there are runs that are in no file, and that running again would not give."""
+        """Whether there are runs that are in no file and could not be reproduced by running again."""
         outline = self._outline
         if outline is None or not outline.branches or outline.edition == self._saved:
             return False
@@ -59,7 +59,7 @@ class RunKeeping(QObject):
         return found
 
     def saved(self, edition: int) -> None:
-        """The runs of this edition have been written to a file."""
+        """Record that the runs of this edition have been written to a file."""
         self._saved = edition
         self.changed.emit()
 
@@ -73,7 +73,7 @@ class RunKeeping(QObject):
             self._look(snapshot.timeline)
 
     def _look(self, outline: Outline) -> None:
-        """Collect soon what is new in the runs, once they are at rest."""
+        """Collect changes of the runs soon, once they are at rest."""
         if outline is self._outline:
             return
         elsewhere = self._outline is None or outline.branch != self._outline.branch

@@ -1,4 +1,4 @@
-"""The session file of a document: where it is, whether it is up to date, saving."""
+"""The session file of a document: its path, whether it is up to date, and saving."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
 from cpm_core.numerics.types import Plain, Texts, record
 
-_PATIENCE = 10.0
-"""Longest time that a file waits for the worker to finish its step; then it has the runs collected last [s]."""
+_MAX_RUNS_WAIT = 10.0
+"""Longest time that saving waits for the worker to finish its step; then the last collected runs are used [s]."""
 
 
 @record
 class Written(Report):
-    """A session file has been written: what it holds, as which number its image was opened, the edition of its runs."""
+    """A session file has been written: its content, the number of the opened image, and the edition of its runs."""
 
     path: Path
     file: SessionFile
@@ -37,7 +37,7 @@ class Written(Report):
 
 
 class DocumentFile(QObject):
-    """The session file of what is open; `view` returns the view settings as plain JSON."""
+    """The session file of the open image; `view` returns the view settings as plain JSON."""
 
     changed = Signal()
     """The file or its state, saved or unsaved, has changed."""
@@ -52,18 +52,18 @@ class DocumentFile(QObject):
         self._view = view
         self._file: SessionFile | None = None
         self.known: Document | None = session.document
-        """The document that the file has; None where it has another one."""
+        """The document if the file contains it; None if the file has a different one."""
         self.runs = RunKeeping(session)
         self.truth: Callable[[], TruthFile | None] = lambda: None
-        """Gives the ground truth to be saved; set by the window."""
+        """Returns the ground truth to be saved; set by the window."""
         self.pages: Callable[[], Plain] = dict
-        """Gives the other pages of a stack, as plain JSON; set by what keeps them."""
+        """Returns the other pages of a stack, as plain JSON; set by `StackPages`."""
         self.pages_unsaved: Callable[[], bool] = lambda: False
-        """Whether closing would lose changes on other pages; set by what keeps them."""
+        """Returns whether closing would lose changes on other pages; set by `StackPages`."""
         self._saving = OVER
         self._opening = 0
         self._written: dict[Task, Written] = {}
-        """What has been written and not been announced yet."""
+        """Files that have been written but not announced yet."""
         self._announced: tuple[Path | None, bool] = (None, False)
         self.path: Path | None = None
         session.document_changed.connect(lambda _: self._announce())
@@ -78,7 +78,7 @@ class DocumentFile(QObject):
 
     @property
     def lost(self) -> Texts:
-        """What closing would lose, in words."""
+        """Names of everything that closing would lose."""
         document = self._session.document
         if document.image is None:
             return ()
@@ -103,11 +103,11 @@ class DocumentFile(QObject):
         runs, before = self.runs.collect(), self._saving
         self._session.attempt(SAVING)
 
-        def work(task: Task) -> Task:
+        def write_file(task: Task) -> Task:
             before.wait()  # one file is written at a time
             whole, edition = file, -1
             with suppress(TimeoutError):
-                found = runs.result(_PATIENCE)
+                found = runs.result(_MAX_RUNS_WAIT)
                 whole, edition = replace(file, runs=found.plain), found.edition
             save_session(whole, path)
             self._written[task] = Written(path, whole, document, opening, edition)
@@ -115,7 +115,7 @@ class DocumentFile(QObject):
 
         self._saving = self._session.tasks.start(
             tr("Saving {name}…", name=path.name),
-            work,
+            write_file,
             tr("saving {name}", name=path.name),
             partial(CommandFailed, topic=SAVING),
             cancellable=False,
@@ -124,13 +124,13 @@ class DocumentFile(QObject):
         return self._saving
 
     def finish(self) -> None:
-        """Wait for what `save` has been asked for: closing must not overtake it."""
+        """Wait for all files being saved, which closing must not overtake."""
         self._saving.wait()
         for task in tuple(self._written):
             self._announce_written(task)
 
     def save_at_once(self, path: Path) -> bool:
-        """Write the session file and wait for it; False, with an error message, when that fails."""
+        """Write the session file and wait for it; return False, with an error message shown, if that fails."""
         task = self.save(path)
         task.wait()
         done = task in self._written
@@ -159,7 +159,7 @@ class DocumentFile(QObject):
         self._announce()
 
     def is_current(self, written: Written) -> bool:
-        """Whether what has been written belongs to the image that is open."""
+        """Return whether a written file belongs to the open image."""
         return written.opening == self._opening
 
     def _use_written(self, written: Written) -> None:

@@ -1,4 +1,4 @@
-"""Opening an image or a session on a separate thread; it can be cancelled, and what is open stays usable."""
+"""Opening an image or a session on a separate thread; it can be cancelled, and the open image stays usable."""
 
 from __future__ import annotations
 
@@ -33,28 +33,29 @@ from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.pages import fitting
 from cpm_core.shapes import check_axes
 
-_EXPORTED = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
+_EXPORTED_NAME = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
+"""Names of files exported for an image, whose stem is the first group."""
 
 
 def images_beside(image: Path) -> tuple[Path, ...]:
-    """The images in the folder of an image, this one among them: 2 comes before 10."""
+    """List the images in the folder of an image, including itself, in natural order: 2 comes before 10."""
     return tuple(sorted({*images_in(image.parent), image}, key=lambda path: in_natural_order(path.name)))
 
 
 def images_in(folder: Path) -> tuple[Path, ...]:
-    """The images in a folder, without what has been exported of them; none in one that cannot be read."""
+    """List the images in a folder without the files exported for them; none if it cannot be read."""
     try:
         with os.scandir(folder) as entries:
             names = [entry.name for entry in entries if _is_image(entry)]
     except OSError:
         return ()
     stems = {stem for name in names for stem in (Path(name).stem, name.partition(".")[0])}
-    exported = {name for name in names if (parts := _EXPORTED.match(name)) and parts[1] in stems}
+    exported = {name for name in names if (parts := _EXPORTED_NAME.match(name)) and parts[1] in stems}
     return tuple(folder / name for name in sorted({*names} - exported, key=in_natural_order))
 
 
 def session_beside(image: Path) -> Path | None:
-    """The session of an image in its folder, of the same name, or None when there is none that can be used."""
+    """Find the session file next to an image, of the same name; None if there is none that can be used."""
     path = image.with_suffix(SUFFIX)
     if path == image or not path.is_file():
         return None
@@ -72,19 +73,19 @@ def _is_image(entry: os.DirEntry[str]) -> bool:
 
 
 PAGED = frozenset({".tif", ".tiff", *raster.READS})
-"""Suffixes of files whose pages are most often images of their own."""
+"""Suffixes of files whose pages are usually separate images."""
 
 
 def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
-    """What a file holds, None where it cannot be read, and how it is read: of several images the first one.
+    """Return the contents of a file, None if it cannot be read, and how it is read: the first of several images.
 
-    What is wrong with a file is reported when it is read.
+    Errors of a file are reported later, when it is read.
     """
     paged = path.suffix.lower() in PAGED
     try:
         try:
             stack = open_stack(path, reading.series)
-            # the folder, where both the file and enough files next to it are DICOM
+            # the folder, if both the file and enough files next to it are DICOM
             series = path.parent if len(dicom_files_beside(path, MINIMUM_SIDE)) >= MINIMUM_SIDE else None
             return Parts.of(stack, paged, series), reading
         except UnreadableError as error:
@@ -100,10 +101,10 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
 class Wanted:
     """A request to open an image or a session file at `path`.
 
-    A session has its own parameters. Where `saved` gives its content, `path` only gives its place. The `notes` are
-    shown once it is open. An image that `resumes` is opened with the session next to it, if there is one. A stack of
-    planes is opened `as_volume`, or one plane as an image; None leaves that to the kind of the file. `reading` says
-    which part of it is wanted.
+    A session has its own parameters. If `saved` has its content, `path` is only its location. The `notes` are shown
+    once it is open. An image that `resumes` is opened with the session next to it, if there is one. A stack of planes
+    is opened `as_volume`, or one plane as an image; None leaves that to the kind of file. `reading` says which part of
+    the file is read.
     """
 
     path: Path
@@ -118,7 +119,7 @@ class Wanted:
 def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
     """Read an image and prepare the charged particles for it, with as many scales as it has room for.
 
-    `check_cancelled` is called between the steps, and raises when the task has been cancelled. ValueError when the
+    `check_cancelled` is called between the steps, and raises if the task has been cancelled. Raises ValueError if the
     image or the session cannot be used.
     """
     path, parameters, saved, notes, named = wanted.path, wanted.parameters, wanted.saved, wanted.notes, None
@@ -156,7 +157,7 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
 
 
 def _check(saved: Saved, image: Image) -> None:
-    """ValueError when what a session holds was drawn or found in a volume and its file is an image, or otherwise."""
+    """Raise ValueError if the content of a session is for a volume and its file is an image, or vice versa."""
     check_axes(saved.file.shapes, image.shape, image.source)
     if any(bool(item.surface) is not (image.ndim == 3) for item in saved.file.objects.items):
         text = tr("{name} contains objects of a volume, but {image} is an image: put the volume back in its place.")
@@ -174,10 +175,10 @@ def _read(
     parts: Parts | None,
     check_cancelled: Callback,
 ) -> tuple[Image, Texts]:
-    """The image or the volume of a file, of which the range of gray levels is known afterwards.
+    """Read the image or the volume of a file and compute its range of gray levels.
 
-    Where nobody has `asked` for the volume that a file holds and it cannot be used, one plane of it is read, and the
-    sentence says why.
+    If the volume of a file cannot be used and was not explicitly `asked` for, one plane of it is read, and the message
+    says why.
     """
     chosen, refused, image = reading.arguments, tuple[str, ...](), None
     if asked or (asked is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.deep):
@@ -190,7 +191,7 @@ def _read(
             refused = (reason(error),)
     if image is None:
         image = core.load_image(path, check_cancelled, **chosen)
-    image.gray_range  # noqa: B018 - found here, because the window asks for it
+    image.gray_range  # noqa: B018 - cached here, because the window needs it
     return image, refused
 
 
@@ -214,12 +215,12 @@ class Opener:
         self._task.cancel()
         name = wanted.path.name
 
-        def work(task: Task) -> Report:
+        def read_and_prepare(task: Task) -> Report:
             return ImageReady(prepare(self._core, wanted, task.check_cancelled))
 
         self._task = self._tasks.start(
             tr("Opening {name}…", name=name),
-            work,
+            read_and_prepare,
             tr("opening {name}", name=name),
             NotOpened,
         )

@@ -1,6 +1,6 @@
-"""Long tasks: which are going on, their progress, and how they are cancelled.
+"""Long tasks: their list, progress and cancellation.
 
-A `Task` is the handle that the work shares with the window. Work that needs no run has a separate thread,
+A `Task` is the handle that the work shares with the window. Work that needs no run gets a thread of its own by
 `Tasks.start`; a command of the worker gets its task from `Tasks.begin`, updates its progress and ends it.
 """
 
@@ -18,9 +18,9 @@ from cpm_app.model.state.situation import seconds_left
 from cpm_app.session.exchange.messages import CommandFailed, Finished, Report, sentence
 from cpm_core.numerics.types import Callback
 
-T = TypeVar("T")
+Outcome = TypeVar("Outcome")
 
-_SHOWN_EVERY = 0.1
+_PROGRESS_INTERVAL = 0.1
 """Time between two updates of the progress of tasks [s]."""
 
 
@@ -29,7 +29,7 @@ class Cancelled(Exception):  # noqa: N818  # not an error: the user asked for it
 
 
 class Task:
-    """A long task, such as "Opening a.png…"; all of it may be called from any thread."""
+    """A long task, such as "Opening a.png…"; all of its methods may be called from any thread."""
 
     def __init__(self, name: str, cancellable: bool = True) -> None:
         self.name = name
@@ -41,58 +41,58 @@ class Task:
 
     @property
     def seconds(self) -> float:
-        """Time since its beginning [s]."""
+        """Time since the task began [s]."""
         return time.perf_counter() - self._began
 
     @property
     def seconds_left(self) -> float | None:
-        """Estimate of the remaining time [s], None while it is not known."""
+        """Estimate of the remaining time [s], None while unknown."""
         return seconds_left(self.seconds, self.fraction)
 
     @property
     def cancelled(self) -> bool:
-        """Whether it has been cancelled: the work stops, and its result is not used."""
+        """Whether the task has been cancelled: the work stops, and its result is not used."""
         return self._cancelled.is_set()
 
     @property
     def over(self) -> bool:
-        """Whether its result is no longer waited for."""
+        """Whether the task has ended or has been cancelled."""
         return self._ended.is_set() or self._cancelled.is_set()
 
     def advance(self, fraction: float) -> None:
-        """Set the fraction that is done, from 0 to 1; raise `Cancelled` when the task has been cancelled."""
+        """Set the finished fraction, from 0 to 1; raise `Cancelled` if the task has been cancelled."""
         self.fraction = fraction
         self.check_cancelled()
 
     def check_cancelled(self) -> None:
-        """Raise `Cancelled` when the task has been cancelled."""
+        """Raise `Cancelled` if the task has been cancelled."""
         if self.cancelled:
             raise Cancelled(self.name)
 
     def cancel(self) -> None:
-        """Cancel it, unless it has ended."""
+        """Cancel the task, unless it has ended."""
         if self.cancellable and not self._ended.is_set():
             self._cancelled.set()
 
     def wait(self) -> None:
-        """Wait until it has ended."""
+        """Wait until the task has ended."""
         self._ended.wait()
 
     def end(self) -> None:
-        """It has ended, with success or not."""
+        """End the task, whether it has succeeded or not."""
         self._ended.set()
 
 
 OVER = Task("")
-"""A task that is over, where there has been none."""
+"""A task that is over, for use before there has been any."""
 OVER.end()
 
 
 class Tasks(QObject):
     """The long tasks of a session.
 
-    `report` sends a report to the window, from any thread; `wake` makes `look` be called in each display frame while
-    there are tasks.
+    `report` sends a report to the window, from any thread; `wake` has `look` called in each display frame while there
+    are tasks.
     """
 
     changed = Signal()
@@ -111,12 +111,12 @@ class Tasks(QObject):
 
     @property
     def current(self) -> tuple[Task, ...]:
-        """The tasks that go on, the oldest first."""
+        """The tasks that are going on, the oldest first."""
         return tuple(task for task in self._tasks if not task.over)
 
     @property
     def idle(self) -> bool:
-        """Whether no task continues, not even a cancelled one that has not stopped yet."""
+        """Whether there is no task, not even a cancelled one that has not stopped yet."""
         return not self._tasks and not self._threads
 
     def begin(self, name: str, cancellable: bool = True) -> Task:
@@ -134,21 +134,20 @@ class Tasks(QObject):
     def start(
         self,
         name: str,
-        work: Callable[[Task], T],
+        work: Callable[[Task], Outcome],
         activity: str,
         failure_report: Callable[[str], Report] = CommandFailed,
         cancellable: bool = True,
-        then: Callable[[T], object] | None = None,
+        then: Callable[[Outcome], object] | None = None,
     ) -> Task:
         """Do a long task on a separate thread.
 
-        The result of `work` is passed to `then` on the window's thread, or is reported, unless the task has been
-        cancelled; an error becomes a sentence with `activity`, which follows "while" in it, and is reported as
-        `failure_report`.
+        The result of `work` is passed to `then` on the window's thread, or without `then` is reported, unless the task
+        has been cancelled. An error is reported by `failure_report`; `activity` follows "while" in its message.
         """
         task = self.begin(name, cancellable)
 
-        def run() -> None:
+        def compute_and_report() -> None:
             report: object = None
             try:
                 result = work(task)
@@ -161,17 +160,17 @@ class Tasks(QObject):
                 self._report(report)
             task.end()
 
-        thread = threading.Thread(target=run, name="cpm-task", daemon=True)
+        thread = threading.Thread(target=compute_and_report, name="cpm-task", daemon=True)
         self._threads.append(thread)
         thread.start()
         return task
 
     def call(self, then: Callback) -> None:
-        """Call something on the window's thread, from any thread."""
+        """Call a function on the window's thread, from any thread."""
         self._report(Finished(then))
 
     def look(self) -> None:
-        """Announce changes since the last call."""
+        """Announce tasks that have ended and progress since the last call."""
         for thread in [thread for thread in self._threads if not thread.is_alive()]:
             thread.join()
             self._threads.remove(thread)
@@ -180,7 +179,7 @@ class Tasks(QObject):
         if self._tasks != self._announced:
             self._announced = self._tasks
             self.changed.emit()
-        elif self._tasks and now - self._shown_at >= _SHOWN_EVERY:
+        elif self._tasks and now - self._shown_at >= _PROGRESS_INTERVAL:
             self._shown_at = now
             self.advanced.emit()
 

@@ -1,4 +1,4 @@
-"""The moments of runs: states, of which as many are kept as memory allows, and the actions that lead between them."""
+"""Nodes of the timeline: states of runs, of which as many are kept as memory allows, linked by recorded actions."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ BranchStep = tuple[int, int]
 """Branch and step."""
 
 FIGURES = tuple(field.name for field in fields(RunMetrics))
-"""Names of the figures of a step."""
+"""Names of the figures recorded for each step."""
 
 _RECENT_SHARE = 3
-"""States on the grid for each one that is kept only because it was used recently."""
+"""Ratio of the states kept at multiples of the stride to those kept only because they were used recently."""
 
 
 @dataclass(eq=False)
 class Moment:
-    """A state of a run: its step, the moment before it, and the action that leads from there; no action at the first.
+    """A state of a run: its step, the node before it and the action that led from there; the first one has neither.
 
-    An action that changes a state without a step leads to another moment of the same step.
+    An action that changes a state without a step leads to another node of the same step.
     """
 
     run: int
@@ -43,23 +43,23 @@ class Moment:
 
     @property
     def of_step(self) -> tuple[Moment, ...]:
-        """The moments of its step up to itself: the one that the step led to, and those after each change of it."""
+        """The nodes of its step up to itself: the one that the step led to, then one for each change of it."""
         before = self.before
         return (*(() if before is None or before.step != self.step else before.of_step), self)
 
     @property
     def actions(self) -> tuple[RunAction, ...]:
-        """The action that the step was taken with, and those that changed its state afterwards."""
+        """The action that took the step, and those that changed its state afterwards."""
         return tuple(moment.action for moment in self.of_step if moment.action is not None)
 
 
 class KeptStates:
-    """States of at most `budget` bytes, except that the first of each run and the one at `here` are always kept.
+    """States of at most `budget` bytes; the first of each run and the one at `here` are kept in any case.
 
-    States whose step is a multiple of the stride stay, so that every other state is a few steps from one of them. The
-    states in between stay until a newer one needs their memory, so that single steps backward are fast. When the memory
-    is full, the stride is doubled. Arrays that several states share, such as the far force of some steps in a row, are
-    counted once.
+    States whose step is a multiple of the stride are kept, so that every other state is a few steps from one of them.
+    States in between are kept until a newer one needs their memory, so that single steps backward are fast. When the
+    memory is full, the stride is doubled. Arrays shared by several states, such as the far force of successive steps,
+    are counted once.
     """
 
     def __init__(self, budget: int) -> None:
@@ -71,14 +71,14 @@ class KeptStates:
         return len(self._states)
 
     def get(self, moment: Moment) -> MethodState | None:
-        """The state of a moment, which is the one used last then; None if it is not kept."""
+        """Return the state of a node and mark it as recently used; None if it is not kept."""
         state = self._states.pop(moment, None)
         if state is not None:
             self._states[moment] = state
         return state
 
     def put(self, moment: Moment, state: MethodState) -> None:
-        """Keep a state in place of the one kept before."""
+        """Keep the state of a node in place of the previous one."""
         self.drop(moment)
         self._states[moment] = state
         for values in state.arrays():
@@ -97,7 +97,7 @@ class KeptStates:
                     self.used -= values.nbytes
 
     def keep_only(self, run: int, moments: set[Moment]) -> None:
-        """Remove the states of a run except for these and its first one; without any, that too."""
+        """Remove the states of a run except for these nodes and the first one; without any nodes, remove all."""
         self.drop(*(at for at in self._states if at.run == run and at not in moments and (at.before or not moments)))
 
     def clear(self) -> None:
@@ -107,7 +107,7 @@ class KeptStates:
         self._owners: Counter[int] = Counter()
 
     def make_room(self) -> None:
-        """Remove states until the others have room, those that were used least recently first."""
+        """Remove states until the others fit into the budget, the least recently used first."""
         while self.used > self.budget:
             free = [moment for moment in self._states if moment.before is not None and moment is not self.here]
             if not free:
@@ -122,43 +122,43 @@ class KeptStates:
 
 
 class RunRecord:
-    """Figures of a branch for plots, one step after the other, each in the order of `FIGURES`."""
+    """Figures of a branch for plots, step by step, each in the order of `FIGURES`."""
 
     def __init__(self, rows: Array | None = None) -> None:
         self._values = array("d", () if rows is None else rows.T.ravel())
 
     @property
     def rows(self) -> Array:
-        """The figures so far, shape (K, N), one row each."""
+        """The figures of N steps, shape (K, N), one row for each name of `FIGURES`."""
         return np.array(self._values).reshape(-1, len(FIGURES)).T
 
     def record(self, step: int, measures: Mapping[str, float]) -> None:
-        """Add one step unless it is known."""
+        """Add one step unless it has been recorded already."""
         if not self._values or step > self._values[-len(FIGURES)]:
             row = {"step": step, **measures}
             self._values.extend(row.get(name, math.nan) for name in FIGURES)
 
     def until(self, step: int) -> RunRecord:
-        """A copy up to a step."""
+        """Return a copy up to a step."""
         rows = self.rows
         return RunRecord(rows[:, rows[0] <= step])
 
     def metrics(self, step: float = math.inf) -> RunMetrics:
-        """The metrics up to a step."""
+        """Return the metrics up to a step."""
         rows = self.rows
         return RunMetrics(*rows[:, : np.searchsorted(rows[0], step, side="right")])
 
 
 @frozen
 class Stepped:
-    """One step with these parameters, placed charges and regions; a run that had ended continues."""
+    """One step with these parameters, placed charges and regions; it continues a run that had ended."""
 
     parameters: Parameters
     charges: tuple[PlacedCharge, ...] = ()
     regions: AnyRegions | None = None
 
     def apply(self, method: Method[Any], state: Any) -> Any:
-        """Take the step."""
+        """Return the state after the step."""
         state = state.resumed() if state.stop_reason else state
         return method.step(state, self.parameters, self.charges)
 
@@ -171,27 +171,27 @@ class Joined:
     regions: AnyRegions | None = None
 
     def apply(self, method: Any, state: Any) -> Any:
-        """Add the particles."""
+        """Return the state with the particles."""
         return method.joined(state, np.array(self.seeds))
 
 
 @frozen
 class Erased:
-    """Particles removed that are no farther from a path than a radius, in sides of the smallest pixel or voxel."""
+    """Removal of the particles within a radius of a path, in sides of the smallest pixel or voxel."""
 
     path: tuple[Place, ...]
     radius: float
     regions: AnyRegions | None = None
 
     def apply(self, method: Any, state: Any) -> Any:
-        """Remove the particles."""
+        """Return the state without the particles."""
         return method.erased(state, lambda at: self.reaches(at, method.image.spacing))
 
     def reaches(self, places: Array, spacing: Sides) -> ArrayLike:
-        """Which places, shape (N, D), are no farther from the path than the radius."""
+        """Return whether each place, shape (N, D) [px], is within the radius of the path, shape (N,) bool."""
         sides = np.array(spacing) / min(spacing) if len(self.path[0]) == 3 else 1.0
         return polyline.distances(np.array(self.path) * sides, places * sides) <= self.radius
 
 
 RunAction = Stepped | Joined | Erased
-"""Something done to a state of a method with these regions; equal actions lead from one state to the same next one."""
+"""An action on a state of a method with these regions; equal actions lead from a state to equal next ones."""

@@ -1,4 +1,4 @@
-"""Runs as plain JSON, of bounded size, and back; damaged ones are left out with one sentence."""
+"""Runs as plain JSON of bounded size, and back; damaged ones are left out and reported in one message."""
 
 from __future__ import annotations
 
@@ -47,24 +47,24 @@ from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import shown
 
 MOST = 24 * 2**20
-"""Largest size of states and figures in a session file [characters]; actions, which repeat all, come in any case."""
+"""Largest size of states and figures in a session file [characters]; actions always fit, as all can be repeated."""
 
 MOST_STEPS = 200_000
-"""Most steps of a branch that are read."""
+"""Largest number of steps of a branch that are read."""
 
-T = TypeVar("T")
+Entry = TypeVar("Entry")
 
 
 @frozen
 class _Numbered:
-    """A contour by its number, with a place that it passes."""
+    """Number of a contour, with a place on it."""
 
     number: int
     place: Position
 
 
 def runs_to_plain(stored: StoredRuns) -> Plain:
-    """All runs with as many states and figures as `MOST` characters hold: the state shown, then the newest ones."""
+    """Encode all runs; states, the shown one and then the newest, and figures as far as `MOST` characters allow."""
     if not stored.runs:
         return {}
     left, states = MOST, []
@@ -88,13 +88,13 @@ def runs_to_plain(stored: StoredRuns) -> Plain:
 
 @lru_cache(2 * MOST_RUNS)
 def _packed(state: State) -> tuple[Entries, int]:
-    """A state as plain JSON, and its size [characters]; runs are collected many times, most with the same states."""
+    """Return a state as plain JSON and its size [characters]; cached, as most states are collected repeatedly."""
     plain = state_to_plain(state)
     return plain, len(json.dumps(plain))
 
 
 def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, str]:
-    """The runs of a session file on its image, and a sentence on what had to be left out, empty if nothing had."""
+    """Read the runs of a session file on its image; return them and a message on what was left out, or ""."""
     faults: list[Exception] = []
     runs: list[StoredRun] = []
     branches: dict[int, tuple[StoredRun, StoredBranch]] = {}
@@ -106,15 +106,15 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
             branches.update(found)
             runs.append(run)
 
-    def state_of(entry: Plain) -> tuple[BranchStep, State] | None:
+    def read_state(entry: Plain) -> tuple[BranchStep, State] | None:
         return _state(entry, branches, image) if entry.get("branch") in branches else None  # the oldest may be left out
 
-    def number_of(entry: Plain) -> tuple[int, Position]:
+    def read_number(entry: Plain) -> tuple[int, Position]:
         contour = from_plain(_Numbered, entry, "number of a contour")
         return contour.number, contour.place
 
-    states = dict(filter(None, sound(plain, "states", state_of, faults)))
-    numbers = dict(sound(plain, "numbers", number_of, faults))
+    states = dict(filter(None, sound(plain, "states", read_state, faults)))
+    numbers = dict(sound(plain, "numbers", read_number, faults))
     here = None
     try:
         branch, step = (int(number(one, "here")) for one in plain.get("here") or (0, 0))
@@ -126,8 +126,8 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
     return StoredRuns(tuple(runs), here, states, numbers), fault
 
 
-def sound(plain: Plain, name: str, read: Callable[[Plain], T], faults: list[Exception]) -> list[T]:
-    """The entries of a list that can be read; what the others fail with is added to `faults`."""
+def sound(plain: Plain, name: str, read: Callable[[Plain], Entry], faults: list[Exception]) -> list[Entry]:
+    """Read the valid entries of a list; the errors of the others are added to `faults`."""
     found, entries = [], plain.get(name, [])
     for entry in entries if isinstance(entries, list) else [entries]:
         try:
@@ -142,14 +142,14 @@ def _run_to_plain(run: StoredRun) -> Entries:
     branches = []
     for stored in run.branches:
         plain = to_plain(stored.branch)
-        # the actions by their numbers, and how often they follow
+        # run-length encoding: the actions of a step by their numbers, and for how many steps they are the same
         numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in stored.steps)
         plain["steps"] = [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
         if stored.figures is not None:
             plain["figures"] = array_to_plain(stored.figures)
         branches.append(plain)
     document = run.document
-    acting = document.objects.barriers or document.outlined.objects  # a run depends on objects or not
+    acting = document.objects.barriers or document.outlined.objects  # a run depends on objects only then
     bare = replace(to_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison)
     return {
         "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
@@ -161,7 +161,7 @@ def _run_to_plain(run: StoredRun) -> Entries:
 
 
 def _action_to_plain(action: RunAction, usual: Parameters) -> Entries:
-    """An action, whose parameters are written as far as they differ from the usual ones."""
+    """Encode an action; of its parameters only those that differ from the usual ones."""
     plain: Entries = {}
     if isinstance(action, Stepped):
         known, taken = to_plain(usual), to_plain(action.parameters)
@@ -175,7 +175,7 @@ def _action_to_plain(action: RunAction, usual: Parameters) -> Entries:
 
 
 def _run(plain: Plain, image: ImageReference) -> StoredRun:
-    if plain.get("size") is not None:  # it may have been changed since
+    if plain.get("size") is not None:  # the pixel size may have been changed since
         size = from_plain(Reading, plain["size"], "size")
         if size.spacing is None or len(size.spacing) != len(image.shape):
             raise ValueError(
@@ -214,7 +214,7 @@ def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
         if any(type(one) is not int or not 0 <= one < len(actions) for one in items(numbers, "steps")):
             raise ValueError(f"steps name the action {shown(numbers)}, which does not exist.")
         steps += [tuple(actions[one] for one in numbers)] * count
-    # each but the first is one step and what was changed after it
+    # every entry but the first is a step, followed by the changes of its state
     stepped = [[index for index, action in enumerate(step) if isinstance(action, Stepped)] for step in steps]
     whole = stepped[:1] == [[]] and all(places == [0] for places in stepped[1:])
     if not whole or branch.identity < 1 or branch.first < 0 or any(min(mark) < 0 for mark in branch.scales):
@@ -242,7 +242,7 @@ def _action(plain: Plain, usual: Parameters) -> RunAction:
 def _state(
     plain: Plain, branches: Mapping[int, tuple[StoredRun, StoredBranch]], image: ImageReference
 ) -> tuple[BranchStep, State]:
-    """A state, with what the action of its step adds to it, and where it is."""
+    """Read a state and its place; steering, regions and charges are those of the action of its step."""
     number_of, step = (int(number(plain.get(name), f"{name} of a state")) for name in ("branch", "step"))
     run, stored = branches[number_of]
     if not stored.branch.first < step <= stored.branch.last:

@@ -1,4 +1,4 @@
-"""Runs as a session keeps them: how each began, what was done in it, and a few of its states."""
+"""Runs as stored in a session: how each began, its actions, and a few of its states."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Branch:
     identity : int
         Its number, unique on the timeline.
     name : str
-        Name that is shown.
+        Displayed name.
     parent : int or None
-        The branch that it leaves; None for a run.
+        The branch that it leaves; None for the first branch of a run.
     first, last : int
         Step at which it leaves its parent, and the last one recorded.
     scales : tuple of tuple of int
@@ -48,9 +48,9 @@ class Branch:
 
 @record
 class StoredBranch:
-    """A branch with the actions of its steps, of the first one only those that changed its state.
+    """A branch with the actions of its steps; for the first step only those that changed its state.
 
-    `figures`, shape (K, N), are those of its record for plots, None where they are left out.
+    `figures`, shape (K, N), are the recorded figures for plots, None where they are left out.
     """
 
     branch: Branch
@@ -60,7 +60,7 @@ class StoredBranch:
 
 @record
 class StoredRun:
-    """A run: its first document, the sources of its particles until now, and its branches, parents first."""
+    """A run: its first document, the present sources of its particles, and its branches, parents first."""
 
     document: Document
     drawn: Counter[Hashable]
@@ -69,9 +69,9 @@ class StoredRun:
 
 @record
 class StoredRuns:
-    """All runs, the oldest first, branch and step that are shown, and states that need not be computed again.
+    """All runs, the oldest first, the shown branch and step, and states that need not be recomputed.
 
-    `numbers` are the numbers of contours, each with a place where its contour passes.
+    `numbers` are the numbers of contours, each with a place on its contour.
     """
 
     runs: tuple[StoredRun, ...] = ()
@@ -81,7 +81,7 @@ class StoredRuns:
 
 
 def starts_of(sources: Counter[Hashable]) -> tuple[Start, ...]:
-    """The starts that sources of particles belong to, all points as one; see `Document.sources`."""
+    """Return the starts that sources of particles belong to, all points as one; see `Document.sources`."""
     points = tuple(source for source in sources.elements() if isinstance(source, tuple))
     starts = tuple(source for source in sources.elements() if isinstance(source, Start))
     return (*starts, Points(points)) if points else starts

@@ -1,8 +1,8 @@
-"""The timeline: every step of every run can be gone to, and a run can continue from any of them.
+"""The timeline: every step of every run can be visited, and a run can continue from any of them.
 
 A step depends only on the state before it and on its action. So the actions of all steps are kept, and as many states
-as memory allows; any other state is computed again from the nearest one before it, bit for bit the same. Threads and
-the window are not known here.
+as memory allows; any other state is recomputed from the nearest one before it, identical to the bit. Neither threads
+nor the window are known here.
 """
 
 from __future__ import annotations
@@ -31,12 +31,13 @@ MOST_RUNS = 12
 """Largest number of runs that are kept."""
 
 MEGABYTE = 2**20
+"""Bytes of a megabyte."""
 
-_BUDGET = 256 * MEGABYTE
-"""Bytes that the states take at most, unless another number is chosen."""
+_DEFAULT_STATE_BUDGET = 256 * MEGABYTE
+"""Largest size of the kept states by default [bytes]."""
 
-_METHODS = 3
-"""Methods with different regions that are kept for repeating steps."""
+_MAX_CACHED_METHODS = 3
+"""Number of methods with different regions that are kept for repeating steps."""
 
 
 @record
@@ -46,7 +47,7 @@ class Outline:
     Attributes
     ----------
     branches : tuple of Branch
-        The oldest first; the same tuple as long as nothing but the last step of `branch` has changed.
+        The branches, the oldest first; the same tuple as long as only the last step of `branch` changes.
     branch : int
         The current branch, 0 before there is one.
     parameters : Parameters or None
@@ -56,9 +57,9 @@ class Outline:
     edition : int
         Changes whenever something is recorded, renamed or removed.
     steered : bool
-        Whether there is more than one run that went on without a change to its end.
+        Whether there is more than a single run without interventions.
     began : int
-        Generation with which the current run began, 0 before there is one.
+        Generation of the current run, 0 before there is one.
     """
 
     branches: tuple[Branch, ...] = ()
@@ -72,10 +73,10 @@ class Outline:
 
 @dataclass(eq=False)
 class _Line:
-    """A branch with the moment of each step of its run, of which others may have the beginning in common.
+    """A branch with the last node of each step, from the first step of its run; branches share their common beginning.
 
-    `scales` are first steps and numbers of its scales, `record` has its figures for plots; `steered` is whether it was
-    changed between its steps.
+    `scales` are first steps and numbers of its scales, `record` has its figures for plots; `steered` is whether its
+    state or its parameters were changed between steps.
     """
 
     identity: int
@@ -92,11 +93,11 @@ class _Line:
         return len(self.path) - 1
 
     def at(self, step: int) -> Moment:
-        """The moment of a step, or of the nearest one."""
+        """Return the node of a step, or of the nearest one."""
         return self.path[min(max(step, 0), self.last)]
 
     def common(self, other: _Line) -> int:
-        """How many moments it has in common with another branch."""
+        """Count the nodes that it has in common with another branch."""
         most = range(min(len(self.path), len(other.path)))
         return bisect_left(most, True, key=lambda at: self.path[at] is not other.path[at])
 
@@ -104,46 +105,46 @@ class _Line:
         return [mark for mark in self.scales if mark[0] <= step]
 
 
-_NOWHERE = _Line(0, "", 0, [], [])
+_NO_BRANCH = _Line(0, "", 0, [], [])
 """The branch that a run is on before it has begun."""
 
 
 class Timeline:
     """The steps of all runs on an image and their branches, and the current one.
 
-    `make` gives the method of a run that began with a document; states take at most `budget` bytes.
+    `make` returns the method of a run that began with a document; states take at most `budget` bytes.
     """
 
-    def __init__(self, make: Callable[[Document], Method[Any]], budget: int = _BUDGET) -> None:
+    def __init__(self, make: Callable[[Document], Method[Any]], budget: int = _DEFAULT_STATE_BUDGET) -> None:
         self.edition = 0
         """Changes whenever something is recorded, renamed or removed."""
         self._kept = KeptStates(budget)
         self._lines: dict[int, _Line] = {}
-        self._line = _NOWHERE
+        self._line = _NO_BRANCH
         self._step = 0
         self._numbered, self._named = 0, [0, 0]
         self._branches: tuple[Branch, ...] | None = None
         self._fallen: Texts = ()
         self._begun: dict[int, tuple[Document, int]] = {}
 
-        @lru_cache(_METHODS)
-        def method(run: int, regions: AnyRegions | None) -> Method[Any]:
+        @lru_cache(_MAX_CACHED_METHODS)
+        def method_of_run(run: int, regions: AnyRegions | None) -> Method[Any]:
             made = make(self._begun[run][0])
             return made if made.regions == regions else made.with_regions(regions)
 
-        self.method = method
-        """Gives the method of a run, by the number of that, in some regions."""
+        self.method = method_of_run
+        """Returns the method of a run, by the number of the run, in some regions."""
 
     # State
 
     def limit(self, budget: int) -> None:
-        """Let the states take at most so many bytes."""
+        """Set the largest size of the kept states [bytes]."""
         self._kept.budget = budget
         self._make_room()
 
     @property
     def outline(self) -> Outline:
-        """State of the timeline, as the window shows it; meanwhile the current branch may be longer than it says."""
+        """State of the timeline, as the window shows it; the current branch may have become longer meanwhile."""
         if self._branches is None:
             self._branches = tuple(map(self._branch, self._lines.values()))
         actions = () if self._kept.here is None else self._kept.here.actions
@@ -174,15 +175,15 @@ class Timeline:
 
     @property
     def drawn(self) -> tuple[Shape, ...]:
-        """What was drawn when the current run began."""
+        """The shapes when the current run began."""
         return self._begun[self.run][0].shapes if self.run else ()
 
     def run_of(self, branch: int) -> int:
-        """Number of the run that a branch belongs to."""
+        """Return the number of the run that a branch belongs to."""
         return self._known(branch).run
 
     def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
-        """The state of a step, as `go` gives it, without going there."""
+        """Return the state of a step, as `go` does, without going there."""
         moment, missing = self._known(branch).at(step), []
         while (state := self._kept.get(moment)) is None:
             missing.append(moment)
@@ -197,15 +198,15 @@ class Timeline:
         return state
 
     def metrics(self, branch: int, step: int) -> RunMetrics:
-        """The figures of a branch up to a step."""
+        """Return the figures of a branch up to a step."""
         return self._known(branch).record.metrics(step)
 
     # Recording
 
     def begin(self, state: MethodState, document: Document, generation: int = 0) -> None:
-        """Begin a run with its first state, or go back to the beginning of the one that began in the same way.
+        """Begin a run with its first state, or go back to the beginning of one that began in the same way.
 
-        Its number is `generation` for the window. Runs without a step are removed.
+        The window knows it by its `generation`. Runs without a step are removed.
         """
         beginning = _beginning(document)
         run = next((run for run, (begun, _) in self._begun.items() if _beginning(begun) == beginning), 0)
@@ -248,8 +249,8 @@ class Timeline:
     def amend(self, action: RunAction, state: MethodState, apart: bool = False) -> None:
         """Change the current state without a step.
 
-        If other steps have followed from it, the change begins a new branch; so it does if it is to be kept `apart`,
-        so that the state before it can be gone back to.
+        If other steps have followed from it, the change begins a new branch. It also does so if `apart`, so that the
+        state before it can be visited again.
         """
         line, moment = self._line, self._kept.here
         assert moment is not None
@@ -270,8 +271,8 @@ class Timeline:
     def go(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """Go to a step, or to the nearest one of its branch, and return its state, exactly as it was.
 
-        `wanted` is called between steps that have to be repeated; where it returns False, nothing changes and the
-        result is None. ValueError when there is no such branch.
+        `wanted` is called between steps that have to be repeated; if it returns False, nothing changes and the
+        result is None. Raises ValueError if there is no such branch.
         """
         state = self.state(branch, step, wanted)
         if state is not None:
@@ -280,23 +281,23 @@ class Timeline:
         return state
 
     def leave(self) -> None:
-        """Leave the current run, which is kept; the next one begins elsewhere."""
-        self._line, self._step, self._kept.here, self._branches = _NOWHERE, 0, None, None
+        """Leave the current run, which is kept, so that another one can begin."""
+        self._line, self._step, self._kept.here, self._branches = _NO_BRANCH, 0, None, None
 
     # Branches
 
     def rename(self, branch: int, name: str) -> None:
-        """Give a branch another name; an empty one changes nothing."""
+        """Rename a branch; an empty name changes nothing."""
         line = self._known(branch)
         if name.strip():
             line.name, line.renamed = name.strip(), True
             self._change()
 
     def drop(self, branch: int) -> MethodState | None:
-        """Remove a branch; steps that others have in common with it stay with them. The current state after that.
+        """Remove a branch, but not the steps that it shares with others; return the current state after that.
 
-        If the run is on a removed step, it goes back to where that branch began, or to the end of the run before.
-        ValueError when there is no such branch, or no other one.
+        If the run is on a removed step, it goes back to where that branch began, or to the end of the previous run.
+        Raises ValueError if there is no such branch, or no other one.
         """
         line = self._known(branch)
         if len(self._lines) == 1:
@@ -332,7 +333,7 @@ class Timeline:
     # Stored runs
 
     def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
-        """All runs for a session; `drawn` are the sources of the particles of each, by its generation."""
+        """Return all runs for a session; `drawn` are the sources of the particles of each, by its generation."""
         runs = []
         for run, (document, generation) in self._begun.items():
             branches = tuple(self._stored(line) for line in self._lines.values() if line.run == run)
@@ -342,7 +343,7 @@ class Timeline:
         return StoredRuns(tuple(runs), self.here, {place: state for place, state in kept if state is not None})
 
     def _stored(self, line: _Line) -> StoredBranch:
-        """A branch with the actions of each step from that on which it leaves its parent, there only its own ones."""
+        """Return a branch with its own actions, from the step at which it leaves its parent."""
         branch = self._branch(line)
         steps = [moment.actions for moment in line.path[branch.first :]]
         if branch.parent is not None:
@@ -350,9 +351,10 @@ class Timeline:
         return StoredBranch(branch, tuple(steps), line.record.rows)
 
     def restore(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> str:
-        """Take over the runs of a session; `first` gives the first state of one. Returns what one failed at, if any.
+        """Take over the runs of a session; return the first error, or "".
 
-        The number of a run is that of its first branch, and its generation is counted from -1 down.
+        `first` returns the first state of a run. The number of a run is the number of its first branch; generations
+        are counted from -1 down.
         """
         self.clear()
         fault = ""
@@ -375,7 +377,7 @@ class Timeline:
         return fault
 
     def _adopt(self, stored: StoredBranch, root: Moment) -> None:
-        """Add a branch as it was."""
+        """Add a branch of a session."""
         branch, path, scales = stored.branch, [root], list(stored.branch.scales)
         if branch.parent is not None:
             parent = self._known(branch.parent)
@@ -401,13 +403,13 @@ class Timeline:
         return self._lines[branch]
 
     def _root(self, run: int) -> _Line:
-        """The oldest branch of a run."""
+        """Return the oldest branch of a run."""
         return next(line for line in self._lines.values() if line.run == run)
 
     def _branch(self, line: _Line) -> Branch:
-        """A branch as the window shows it.
+        """Describe a branch for the window.
 
-        Its parent is, of the older branches, the one that most of it is in common with.
+        Its parent is the older branch of its run that it shares the most nodes with.
         """
         older = takewhile(lambda other: other is not line, self._lines.values())
         parent = max((other for other in older if other.run == line.run), key=line.common, default=None)
@@ -421,7 +423,7 @@ class Timeline:
         return Branch(line.identity, line.name, leaves, first, line.last, tuple(scales), line.run, line.renamed)
 
     def _open(self, path: list[Moment], scales: list[tuple[int, int]], run: int, name: str) -> _Line:
-        """Add a branch; a run has the number of its first one."""
+        """Add a branch; a run is numbered like its first branch."""
         self._numbered += 1
         branches = run != self._numbered
         self._named[branches] += 1
@@ -431,14 +433,14 @@ class Timeline:
         return line
 
     def _fork(self, line: _Line) -> _Line:
-        """Begin a branch that has the steps before the current one in common with another one."""
+        """Begin a branch that shares the steps before the current one with another branch."""
         scales = line.scales_until(self._step)
         fork = self._open(line.path[: self._step], scales, line.run, tr("Branch {number}"))
         fork.record = line.record.until(self._step)
         return fork
 
     def _arrive(self, line: _Line, state: MethodState) -> None:
-        """Be at the step of a branch that has this state."""
+        """Make the step of a branch with this state the current one."""
         if line is not self._line:
             self._branches = None
         moment = line.at(state.step)
@@ -447,7 +449,7 @@ class Timeline:
         self._make_room()
 
     def _change(self) -> None:
-        """The branches are others than before."""
+        """Note that the branches have changed."""
         self.edition += 1
         self._branches = None
 
@@ -460,7 +462,7 @@ class Timeline:
         self._change()
 
     def _make_room(self) -> None:
-        """Remove the oldest runs, those that have been named last, until the others have room; never the newest one."""
+        """Remove the oldest runs until the others fit, those named by the user last; never the newest one."""
         self._kept.make_room()
         while self._kept.used > self._kept.budget or len(self._begun) > MOST_RUNS:
             roots = [self._root(run) for run in tuple(self._begun)[:-1]]
@@ -472,7 +474,7 @@ class Timeline:
 
 
 def _beginning(document: Document) -> tuple[object, ...]:
-    """What decides how a run begins and takes its first step."""
+    """Return everything that decides how a run begins and takes its first step."""
     image = document.image
     return (
         None if image is None else (image.spacing, image.unit),

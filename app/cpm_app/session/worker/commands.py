@@ -1,7 +1,7 @@
 """Commands to the worker: executed in order between two steps, and never lost.
 
-A command says what is done on the worker thread, and what is reported when that fails. A new kind is a function here or
-in another module; the worker thread does not know the kinds.
+A command holds the work for the worker thread, and the report for the case that it fails. A new kind is a function here
+or in another module; the worker thread does not know the kinds.
 """
 
 from __future__ import annotations
@@ -41,14 +41,15 @@ from cpm_core.formats import DRAWN, descriptions, located, write_together
 from cpm_core.numerics.types import Plain, record
 from cpm_core.shapes import NO_SEEDS
 
-P = ParamSpec("P")
+RunArguments = ParamSpec("RunArguments")
 
-_CHANGING_RUNS = (Run.discard, Run.rename_branch, Run.drop_branch, Run.set_timeline_budget)
+_TIMELINE_CHANGING_METHODS = (Run.discard, Run.rename_branch, Run.drop_branch, Run.set_timeline_budget)
+"""Methods that change the timeline even while no run is shown."""
 
 
 @record
 class CommandContext:
-    """What commands work with; only the worker thread touches it.
+    """Everything that commands have access to; only the worker thread touches it.
 
     Attributes
     ----------
@@ -59,7 +60,7 @@ class CommandContext:
     report : callable
         Sends a report to the window.
     closing : callable
-        Whether the program is about to end, so that long work is no longer useful.
+        Returns whether the program is about to end, so that long work is no longer useful.
     """
 
     core: Core
@@ -75,13 +76,13 @@ class Command:
     Attributes
     ----------
     work : callable
-        Does it.
+        Does the work.
     activity : str
-        What it does, as it follows "while" in an error message.
+        Description of the work that follows "while" in an error message.
     kind : object
-        Only the newest posted command of a kind is executed, as while a slider is moved; None where each one is.
+        Only the newest posted command of a kind is executed, for example while a slider is moved; if None, every one.
     failed : callable
-        Makes what is reported when the work fails, from a sentence.
+        Makes the report for a failure from an error message.
     """
 
     work: Callable[[CommandContext], object]
@@ -96,47 +97,48 @@ QUIT = Command(lambda context: None)
 
 def run_call(
     generation: int | None,
-    method: Callable[Concatenate[Run, P], bool | None],
-    *arguments: P.args,
-    **named: P.kwargs,
+    method: Callable[Concatenate[Run, RunArguments], bool | None],
+    *arguments: RunArguments.args,
+    **named: RunArguments.kwargs,
 ) -> Command:
-    """Call a method of the run, unless that of the `generation` has been replaced by then; None is any run.
+    """Call a method of the run, unless the run of this `generation` has been replaced by then; None is any run.
 
-    A method that returns True lets a run go on that had ended; this is reported. Of placed charges, regions and edits
-    by hand only the newest count.
+    A method that returns True has continued a run that had ended, which is reported. Of successive placed charges,
+    regions and manual edits only the newest is used.
     """
 
-    def work(context: CommandContext) -> None:
+    def call_method(context: CommandContext) -> None:
         run = context.run
         if generation not in (None, run.generation):
             return
         if method(run, *arguments, **named):
             context.report(WentOn(run.generation))
-        if run.state is None and method in _CHANGING_RUNS:
+        if run.state is None and method in _TIMELINE_CHANGING_METHODS:
             context.report(RunsKept(run.generation, run.timeline.outline))
 
     kind = method if method in (Run.place, Run.limit, Run.edit_by_hand) else None
-    return Command(work, tr("changing the run"), kind)
+    return Command(call_method, tr("changing the run"), kind)
 
 
 def start(generation: int, image_generation: int, document: Document) -> Command:
     """Start a run from a document, without a step, if its image is still the current one."""
 
-    def work(context: CommandContext) -> None:
+    def start_if_current(context: CommandContext) -> None:
         if image_generation == context.run.image_generation:
             context.run.start(generation, document)
 
-    return Command(work, tr("starting"), failed=partial(RunFailed, generation))
+    return Command(start_if_current, tr("starting"), failed=partial(RunFailed, generation))
 
 
 def find_seeds(image_generation: int, document: Document) -> Command:
-    """Find the seeds of a document that depend on the image, for showing them."""
+    """Find and report the seeds of a document that depend on the image, so that they can be shown."""
 
-    def work(context: CommandContext) -> None:
+    def report_seeds(context: CommandContext) -> None:
         if image_generation == context.run.image_generation:
             context.report(SeedsFound(image_generation, context.run.seeds_for(document)))
 
-    return Command(work, tr("looking for starting positions"), "seeds", partial(SeedsFound, image_generation, NO_SEEDS))
+    failed = partial(SeedsFound, image_generation, NO_SEEDS)
+    return Command(report_seeds, tr("looking for starting positions"), "seeds", failed)
 
 
 def write_files(
@@ -146,16 +148,16 @@ def write_files(
     order: ExportOrder,
     then: Callable[[tuple[bytes, ...]], object] | None = None,
 ) -> Command:
-    """Make all files of an order and write them, or give their contents to `then`.
+    """Encode all files of an order and write them, or pass their contents to `then`.
 
-    During a run contours are those `shown` in the window; of a paused run they are those of its last state, which the
-    window shows as soon as they are made.
+    During a run these are the contours `shown` in the window. Of a paused run they are the contours of its last state,
+    which the window shows as soon as they are reconstructed.
     """
 
-    def work(context: CommandContext) -> None:
-        """Write them, unless the task has been cancelled, and report what the files hold and what not."""
+    def encode_and_write(context: CommandContext) -> None:
+        """Write the files, unless the task has been cancelled, and report their contents."""
 
-        def wanted() -> bool:
+        def is_wanted() -> bool:
             return not (task.over or context.closing())
 
         run, needs_run = context.run, any(file.what != "objects" for file in order.files)
@@ -164,8 +166,8 @@ def write_files(
         made: dict[tuple[What, bool], Result | Skeleton] = {}
         contents, counts = [], dict[What, str]()
         try:
-            found = run.reconstruction(shown, wanted) if wanted() and needs_run else None
-            if not wanted() or (needs_run and found is None):
+            found = run.reconstruction(shown, is_wanted) if is_wanted() and needs_run else None
+            if not is_wanted() or (needs_run and found is None):
                 return
             whole = None if found is None else run.with_provenance(found.result)
             for file in order.files:
@@ -192,41 +194,41 @@ def write_files(
             task.end()
 
     activity = tr("writing {name}", name=order.files[0].path.name)
-    return Command(work, activity, failed=partial(CommandFailed, topic="exporting"))
+    return Command(encode_and_write, activity, failed=partial(CommandFailed, topic="exporting"))
 
 
 def warm_up(volumes: bool = False) -> Command:
     """Compile or load the kernels, of images or of volumes, so that the first step does not wait for them."""
 
-    def work(context: CommandContext) -> None:
+    def compile_and_report(context: CommandContext) -> None:
         reported = -1
 
-        def report(done: float) -> None:
+        def report_progress(done: float) -> None:
             nonlocal reported
             if (percent := int(100.0 * done)) > reported:
                 reported = percent
                 context.report(Compiling(percent))
 
-        (context.core.warm_up_volumes if volumes else context.core.warm_up)(context.closing, report)
+        (context.core.warm_up_volumes if volumes else context.core.warm_up)(context.closing, report_progress)
         stamps.load()
-        _keep_loaded(volumes)
+        _freeze_loaded_objects(volumes)
         context.report(WarmedUp())
 
-    return Command(work, tr("preparing"))
+    return Command(compile_and_report, tr("preparing"))
 
 
-_keep_loaded = cache(lambda volumes: gc.freeze())
-"""Lets no search for garbage go through what is loaded by now, which would delay the window by several frames.
+_freeze_loaded_objects = cache(lambda volumes: gc.freeze())
+"""Excludes the objects loaded by now from garbage collection, which would delay the window by several frames.
 
-Once for images and once for volumes: done with every volume that is opened, this would keep each of them.
+Once for images and once for volumes: frozen with each opened volume, all of them would be kept in memory.
 """
 
 
 @record
 class RunsCollected(Report):
-    """The runs on the image opened as `generation`, as plain JSON, or a sentence on why there are none.
+    """The runs on the image opened as `generation`, as plain JSON, or an error message.
 
-    `edition` is that of the timeline.
+    `edition` is the edition of the timeline.
     """
 
     generation: int
@@ -236,23 +238,24 @@ class RunsCollected(Report):
 
 
 def collect_runs(generation: int, drawn: Mapping[int, Counter[Hashable]], found: Future[RunsCollected]) -> Command:
-    """Write the runs on the image opened as `generation` as plain JSON; `found` is the report, for other threads.
+    """Encode the runs on the image opened as `generation` as plain JSON; `found` has the report for other threads.
 
-    `drawn` are the sources of their particles, by generation. Without them a file can be written as well.
+    `drawn` are the sources of their particles, by generation. A failure is reported too, so that the file can still be
+    written without runs.
     """
 
-    def report(collected: RunsCollected) -> Report:
+    def hand_over(collected: RunsCollected) -> Report:
         found.set_result(collected)
         return collected
 
-    def work(context: CommandContext) -> None:
+    def encode_runs(context: CommandContext) -> None:
         plain = runs_to_plain(context.run.stored(drawn))
-        context.report(report(RunsCollected(generation, context.run.timeline.edition, plain)))
+        context.report(hand_over(RunsCollected(generation, context.run.timeline.edition, plain)))
 
     return Command(
-        work,
+        encode_runs,
         tr("collecting the runs"),
-        failed=lambda sentence: report(RunsCollected(generation, -1, {}, sentence)),
+        failed=lambda sentence: hand_over(RunsCollected(generation, -1, {}, sentence)),
     )
 
 
@@ -261,7 +264,7 @@ class RunsRestored(Report):
     """The runs of a session are on the timeline.
 
     `begun` are their first documents and the sources of their particles, by generation; `shown` is whether one of them
-    is about to be shown, `edition` that of the timeline.
+    is about to be shown, `edition` is the edition of the timeline.
     """
 
     generation: int
@@ -273,10 +276,10 @@ class RunsRestored(Report):
 def restore_runs(generation: int, plain: Plain, image: ImageReference) -> Command:
     """Put the runs of a session file on the timeline, and go to the step that was shown.
 
-    What is damaged is left out and reported.
+    Damaged parts are left out and reported.
     """
 
-    def work(context: CommandContext) -> None:
+    def restore_and_show(context: CommandContext) -> None:
         run = context.run
         if run.image_generation != generation:
             return
@@ -295,4 +298,4 @@ def restore_runs(generation: int, plain: Plain, image: ImageReference) -> Comman
             run.go_to(*here, lambda: not context.closing())
             run.halt()
 
-    return Command(work, tr("restoring the runs"), failed=partial(RunFailed, generation))
+    return Command(restore_and_show, tr("restoring the runs"), failed=partial(RunFailed, generation))

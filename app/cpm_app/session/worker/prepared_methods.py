@@ -1,4 +1,4 @@
-"""What is prepared for an image on the worker thread: methods with their seeds, and overlays."""
+"""Methods with their seeds, and overlays, prepared for an image on the worker thread."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from cpm_core.shapes import NO_SEEDS, ImageSeeds, SeedCache
 
 
 class PreparedMethods:
-    """Methods by name for the image that is open: made when a run needs them, and kept as long as the image."""
+    """Methods by name for the open image: made when a run needs them, and kept as long as the image."""
 
     def __init__(self, makers: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]]) -> None:
         self._makers = makers
@@ -36,12 +36,12 @@ class PreparedMethods:
         self._seed_cache: SeedCache | None = None
 
     def use(self, method: Method[Any]) -> None:
-        """Change to another image and the one method that is prepared for it."""
+        """Change to another image and the method that has been prepared for it."""
         self.rescale(method.image)
         self.keep(method)
 
     def rescale(self, image: Image) -> None:
-        """Make methods from now on for the same image with another size of a pixel."""
+        """Make methods for the same image with another pixel size from now on."""
         self._ready.clear()
         self._image = image
         self._seed_cache = SeedCache(image)
@@ -51,7 +51,7 @@ class PreparedMethods:
         self._ready[method.name] = method
 
     def method(self, document: Document) -> Method[Any]:
-        """The method of a document's mode, in its regions, and for the outlines that it has a skeleton of."""
+        """Return the method of a document's mode, in its regions, and for a skeleton of the outlines it is made of."""
         name = MODES[document.mode].method
         image, method = self._sized(document), self._ready.get(name)
         other = method is None or (method.image.spacing, method.image.unit) != (image.spacing, image.unit)
@@ -68,33 +68,33 @@ class PreparedMethods:
         return method
 
     def _sized(self, document: Document) -> Image:
-        """The image with the size of a pixel that it has in a document, whose run may have begun before a change."""
+        """Return the image with the pixel size of a document, whose run may have begun before that was changed."""
         assert self._image is not None
         return self._image if document.image is None else document.image.sized(self._image)
 
     def seeds(self, document: Document) -> Array:
-        """Seeds of a run of a document, shape (N, 2) [px]; none if its method needs none."""
+        """Return the seeds of a run of a document, shape (N, D) [px]; none if its method needs none."""
         if not METHODS[MODES[document.mode].method].seeded:
             return np.zeros((0, 2))
         return document.seeds(self.image_seeds(document))
 
     def image_seeds(self, document: Document) -> ImageSeeds:
-        """Seeds of the starts of a document that depend on the image."""
+        """Return the seeds of the starts of a document that depend on the image."""
         if self._seed_cache is None or self._image is None:
             return NO_SEEDS
         image = self._sized(document)
         return document.seeds_in(self._seed_cache if image is self._image else SeedCache(image))
 
 
-_MOST_VOXELS = 1 << 26
-"""Largest volume whose field is worked out, for which it takes 800 MB at a time."""
+_MAX_FIELD_VOXELS = 1 << 26
+"""Largest volume whose field is computed, which takes 800 MB for this one [voxels]."""
 
 
 def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
-    """What lies over the image.
+    """Compute an overlay of the image.
 
-    These are display images of the edge map and of the potential, shape (H, W), or (P, R, C) of a volume; and the
-    electric `field` of edges and placed charges, shape (2, H, W), of a volume what its slices are made from.
+    These are display images of the edge map and of the potential, shape (H, W), or (P, R, C) for a volume; and the
+    electric `field` of edges and placed charges, shape (2, H, W), for a volume the samples that its slices are made of.
     """
     image = method.image
     deep = image.ndim == 3
@@ -102,7 +102,7 @@ def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Seq
         shades = display_of_edge_map(method.edge_map(parameters))
         return DisplayVolume(shades) if deep else DisplayImage.of(shades)
     if name == "field":
-        if math.prod(image.shape) > _MOST_VOXELS:
+        if math.prod(image.shape) > _MAX_FIELD_VOXELS:
             raise ValueError(
                 tr("The volume is too large for arrows of the field: open a part of it, or reduce its size.")
             )

@@ -24,19 +24,23 @@ from cpm_core.reconstruction import carried_out
 from cpm_core.segmentation import MethodState
 
 _SHORTEST_PAUSE = 0.15
-_REST_PER_WORK = 5.0
-_NICE = 5
-"""How far this thread steps back behind those that step and draw, in steps of Unix's priorities."""
+"""Shortest pause between two reconstructions during a run [s]."""
 
-_CHECK_EVERY = 0.05
+_REST_PER_WORK = 5.0
+"""Ratio of the pause after a reconstruction to the time that it took."""
+
+_NICE_INCREMENT = 5
+"""Lower priority of this thread than of the ones that step and draw, in units of Unix niceness."""
+
+_CHECK_INTERVAL = 0.05
 """Time between two checks whether a reconstruction is still wanted [s]."""
 
 
 @record
 class Request:
-    """A state to reconstruct contours from; where `last`, none follows soon and there is no pause before it.
+    """A state to reconstruct contours from; if `last`, none follows soon and there is no pause before it.
 
-    Without a state there are only the contours drawn by hand. `hand_edits` are the edits of contours by hand, `tracker`
+    Without a state there are only the contours drawn by hand. `hand_edits` are the manual edits of contours, `tracker`
     numbers the contours of the image.
     """
 
@@ -49,7 +53,7 @@ class Request:
     tracker: ContourTracker
 
     def found(self) -> Result | Skeleton:
-        """The contours of the state, without edits by hand; none of the first state."""
+        """Reconstruct the contours of the state, without manual edits; the first state has none."""
         if self.state is None:
             image, nowhere = self.method.image, np.empty((0, 2))
             return Result(nowhere, (), None, 0, False, "", image.shape, image.spacing, image.unit, image.source)
@@ -62,14 +66,14 @@ class Request:
 def edited(
     method: Method[Any], found: Result | Skeleton, parameters: Parameters, edits: tuple[HandEdit, ...]
 ) -> tuple[Result | Skeleton, Integers]:
-    """Contours with edits by hand, and the edits that did not find their contours; a skeleton is not edited."""
+    """Apply manual edits to contours; return also the edits without a matching contour. A skeleton stays as it is."""
     if not edits or isinstance(found, Skeleton):
         return found, ()
     return carried_out(found, edits, method.scale_field(parameters) if isinstance(method, ImageFields) else None)
 
 
 class Reconstructor:
-    """Reconstructs the newest request and leaves the contours in `results`."""
+    """Reconstructs the newest request on a thread of its own and leaves the contours in `results`."""
 
     def __init__(self) -> None:
         self.results: Mailbox[Reconstruction | ReconstructionFailed] = Mailbox()
@@ -88,7 +92,7 @@ class Reconstructor:
         return not self._requests and not self._working
 
     def ask(self, request: Request) -> None:
-        """Reconstruct this in place of a request that is still waiting."""
+        """Submit a request in place of one that is still waiting."""
         with self._changed:
             self._requests.put(request)
             self._changed.notify_all()
@@ -99,10 +103,10 @@ class Reconstructor:
             self._requests.take()
 
     def latest(self, generation: int, wanted: Callable[[], bool]) -> Reconstruction | None:
-        """The contours of the newest request of a run, once they are made.
+        """Wait for the contours of the newest request of a run and return them.
 
-        None where there are none, or `wanted`, which is called while they are being made, returns False.
-        ValueError where they could not be made: those made before belong to another state.
+        None if there are none, or if `wanted`, which is called while they are being made, returns False. Raises
+        ValueError if they could not be made, because the previous ones belong to another state.
         """
         with self._changed:
             waiting = self._requests.newest
@@ -112,7 +116,7 @@ class Reconstructor:
             while not (self.idle or self._quit):
                 if not wanted():
                     return None
-                self._changed.wait(_CHECK_EVERY)
+                self._changed.wait(_CHECK_INTERVAL)
             found = self._latest
             if found is None or found.generation != generation:
                 return None
@@ -128,9 +132,9 @@ class Reconstructor:
         self._thread.join()
 
     def _work(self) -> None:
-        if sys.platform == "linux":  # 25,000 particles take seconds: those that step and draw go first on few cores
+        if sys.platform == "linux":  # 25,000 particles take seconds: stepping and drawing go first on few cores
             thread = threading.get_native_id()
-            os.setpriority(os.PRIO_PROCESS, thread, min(os.getpriority(os.PRIO_PROCESS, thread) + _NICE, 19))
+            os.setpriority(os.PRIO_PROCESS, thread, min(os.getpriority(os.PRIO_PROCESS, thread) + _NICE_INCREMENT, 19))
         rest = 0.0
         while (request := self._next(rest)) is not None:
             began = time.perf_counter()
@@ -159,7 +163,7 @@ class Reconstructor:
             found = Reconstruction.of(request.generation, result, request.tracker, thorough=request.last)
             found = replace(found, missed=missed if request.last else ())
             if request.last and found.tracked is not None and found.tracked.keys:
-                self.results.put(found)  # they are seen before their contrast is measured
+                self.results.put(found)  # shown before their contrast is measured
                 found = replace(found, tracked=found.tracked.contrasted())
         except Exception as error:  # no error may end the thread
             found = ReconstructionFailed(request.generation, sentence(error, tr("reconstructing contours")))

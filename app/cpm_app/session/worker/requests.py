@@ -1,4 +1,4 @@
-"""Requests of views: another step or branch, forces on a particle, frames, intensity windows and edges."""
+"""Commands that views send: another step or branch, forces on a particle, frames, intensity windows and edges."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from cpm_core.segmentation import Steerable
 def seek(generation: int, branch: int, step: int, wanted: Callable[[], bool]) -> Command:
     """Pause the run and go to a step of a branch, unless by then another step is wanted."""
 
-    def work(context: CommandContext) -> None:
+    def go_if_current(context: CommandContext) -> None:
         if generation == context.run.generation:
             context.run.go_to(branch, step, lambda: wanted() and not context.closing())
 
-    return Command(work, tr("going to another step"), "seek")
+    return Command(go_if_current, tr("going to another step"), "seek")
 
 
 NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
-"""Forces that are reported: attributes of the core's `Forces`."""
+"""Names of the reported forces: attributes of the core's `Forces`."""
 
 
 @record
@@ -49,12 +49,12 @@ class Probed(Report):
     position : tuple of float
         Its position [px of the image].
     forces : mapping
-        By name, (row, col) [px of the image / unit of time^2]; in a volume, (plane, row, col) in smallest sides of a
-        voxel.
+        Forces by name, (row, col) [px of the image / unit of time^2]; in a volume, (plane, row, col) in smallest sides
+        of a voxel.
     sizes : mapping
-        Size of each, also where a slice shows a part of it.
+        Magnitude of each force, also where a slice shows only a component of it.
     trouble : str
-        What working them out failed with.
+        Error of their computation.
     """
 
     generation: int
@@ -69,7 +69,7 @@ class Probed(Report):
 def probe(generation: int, place: Place, reach: float) -> Command:
     """Report the forces on the particle nearest to a place (row, col), within `reach` [px of the image]."""
 
-    def work(context: CommandContext) -> None:
+    def report_forces(context: CommandContext) -> None:
         method, state = context.run.method, context.run.state
         if not isinstance(method, Steerable) or state is None or generation != context.run.generation:
             context.report(Probed(generation, -1))
@@ -92,12 +92,12 @@ def probe(generation: int, place: Place, reach: float) -> Command:
         context.report(Probed(generation, state.step, identity, at, forces, sizes=sizes))
 
     activity = tr("computing the forces on a particle")
-    return Command(work, activity, "probe", lambda trouble: Probed(generation, -1, trouble=trouble))
+    return Command(report_forces, activity, "probe", lambda trouble: Probed(generation, -1, trouble=trouble))
 
 
 @record
 class FrameTaken:
-    """All that is shown in one frame, or an error message; `moment` is None when the run has been replaced."""
+    """Everything shown in one frame, or an error message; `moment` is None if the run has been replaced."""
 
     moment: Snapshot | None = None
     contours: Reconstruction | None = None
@@ -107,18 +107,18 @@ class FrameTaken:
 def take_frame(
     task: Task, generation: int, branch: int, step: int, contours: bool, then: Callable[[FrameTaken], object]
 ) -> Command:
-    """Pass all that is shown of one step of a branch to `then`; the run itself continues.
+    """Pass everything shown of one step of a branch to `then`; the run itself continues.
 
     Nothing is done once the task is over.
     """
 
-    def report(moment: Snapshot | None = None, found: Reconstruction | None = None, sentence: str = "") -> Report:
+    def make_report(moment: Snapshot | None = None, found: Reconstruction | None = None, sentence: str = "") -> Report:
         return Finished(partial(then, FrameTaken(moment, found, sentence)))
 
-    def work(context: CommandContext) -> None:
+    def report_frame(context: CommandContext) -> None:
         run = context.run
         if generation != run.generation:
-            context.report(report())
+            context.report(make_report())
             return
         moment = run.moment(branch, step, lambda: not (task.over or context.closing()))
         if moment is None or task.over:
@@ -127,9 +127,9 @@ def take_frame(
         if contours and moment.state.step > 0:
             result = run.result_of(branch, moment.state)
             found = Reconstruction.of(generation, result, ContourTracker(), thorough=False)
-        context.report(report(moment, found))
+        context.report(make_report(moment, found))
 
-    return Command(work, tr("drawing a step"), failed=lambda sentence: report(sentence=sentence))
+    return Command(report_frame, tr("drawing a step"), failed=lambda sentence: make_report(sentence=sentence))
 
 
 @record
@@ -145,22 +145,22 @@ class Shaded(Report):
 def shade(image: Image, window: IntensityWindow, channel: str = "luminance") -> Command:
     """Make the display image of a channel for an intensity window."""
 
-    def work(context: CommandContext) -> None:
+    def report_shaded(context: CommandContext) -> None:
         context.report(Shaded(image, window, DisplayImage.within(image, window, channel), channel))
 
-    return Command(work, tr("changing the levels"), "shade")
+    return Command(report_shaded, tr("changing the levels"), "shade")
 
 
 EDGES = "edges"
-"""Topic of the messages on trouble with the edges."""
+"""Category of messages about the edges."""
 
 
 def find_edges(image_generation: int, parameters: Parameters, then: Callable[[ScaleField], object]) -> Command:
     """Pass the fields of the image at its full size to `then`, if it is still current and its method has any."""
 
-    def work(context: CommandContext) -> None:
+    def report_fields(context: CommandContext) -> None:
         fields: object = context.run.method
         if image_generation == context.run.image_generation and isinstance(fields, ImageFields):
             context.report(Finished(partial(then, fields.scale_field(parameters))))
 
-    return Command(work, tr("looking for edges"), "edges", partial(CommandFailed, topic=EDGES))
+    return Command(report_fields, tr("looking for edges"), "edges", partial(CommandFailed, topic=EDGES))

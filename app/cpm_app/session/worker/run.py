@@ -1,4 +1,4 @@
-"""The run on the worker thread: its steps, moves along the timeline, and how a document and its edits change it."""
+"""The run on the worker thread: its steps, moves along the timeline, and changes by the document and its edits."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Run:
     # The image and the document
 
     def use(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
-        """Change to another image, with the method that is prepared for it."""
+        """Change to another image, with the method that has been prepared for it."""
         self.hand_edits, self._tracker = (), ContourTracker()
         self.discard(generation)
         self.timeline.clear()
@@ -70,7 +70,7 @@ class Run:
         self._refresh_overlays()
 
     def rescale(self, image: Image, document: Document) -> None:
-        """Use another size of a pixel from the next start on; a run that exists keeps its own."""
+        """Use another pixel size from the next start on; an existing run keeps its own."""
         self._prepared.rescale(image)
         if self.state is None:
             self.method = self._prepared.method(document)
@@ -90,26 +90,26 @@ class Run:
         self._send()
 
     def restore(self, stored: StoredRuns) -> str:
-        """Take over the runs of a session, none of which is shown yet; what one of them failed at, if any."""
+        """Take over the runs of a session, none of which is shown yet; return the first error, or ""."""
         self._tracker = ContourTracker(stored.numbers)
         return self.timeline.restore(stored, lambda method, document: method.start(self._prepared.seeds(document)))
 
     def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
-        """All runs for a session, with the numbers of their contours; `drawn` as for `Timeline.stored`."""
+        """Return all runs for a session, with the numbers of their contours; `drawn` as for `Timeline.stored`."""
         return replace(self.timeline.stored(drawn), numbers=self._tracker.places)
 
     def seeds_for(self, document: Document) -> ImageSeeds:
-        """Seeds of the starts of a document that depend on the image."""
+        """Return the seeds of the starts of a document that depend on the image."""
         return self._prepared.image_seeds(document)
 
     def set_parameters(self, parameters: Parameters) -> None:
-        """Use these from the next step on."""
+        """Use these parameters from the next step on."""
         self.parameters = parameters
         self._refresh_overlays()
         self.stay()
 
     def place(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
-        """Use these placed charges on this image from the next step on; whether a run that had ended continues."""
+        """Use these placed charges from the next step on this image; return whether a run that had ended continues."""
         if image_generation != self.image_generation:
             return False
         self.charges = charges
@@ -117,7 +117,7 @@ class Run:
         return self._go_on()
 
     def limit(self, regions: AnyRegions | None) -> bool:
-        """Use these regions and barriers from the next step on; whether a run that had ended continues."""
+        """Use these regions and barriers from the next step on; return whether a run that had ended continues."""
         if self.method is None or regions == self.method.regions:
             return False
         self.method = self.method.with_regions(regions)
@@ -126,7 +126,7 @@ class Run:
         return self._go_on()
 
     def join(self, document: Document) -> bool:
-        """Add the particles of a document's starts; whether a run that had ended continues."""
+        """Add the particles of a document's starts; return whether a run that had ended continues."""
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
@@ -134,9 +134,9 @@ class Run:
         return ended and self._keep_going()
 
     def erase(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
-        """Remove the particles near a path; those of one `erasure`, which has a number, are brought back together.
+        """Remove the particles near a path; particles of one `erasure`, given by its number, are brought back together.
 
-        The first that is removed begins a branch, so that the state before it is a place on the timeline.
+        The first removal begins a branch, so that the state before it stays on the timeline.
         """
         here = self.timeline.here
         if not isinstance(self.method, Steerable) or self.state is None or here is None:
@@ -152,13 +152,13 @@ class Run:
             self._remaining = 0.0
 
     def turn_erasure(self, erasure: int, back: bool) -> None:
-        """Go to the state before an erasure, or to the one after it; stay where it removed nothing."""
+        """Go to the state before an erasure, or to the one after it; do nothing if it removed nothing."""
         if erasure in self._erasures:
             before, after = self._erasures[erasure]
             self.go_to(*(before if back else after), lambda: True)
 
     def _do(self, action: RunAction, apart: bool = False) -> None:
-        """Apply an action to the current state; `apart` on a branch of its own."""
+        """Apply an action to the current state; if `apart`, on a branch of its own."""
         assert self.method is not None
         self.state = action.apply(self.method, self.state)
         self.timeline.amend(action, self.state, apart)
@@ -187,7 +187,7 @@ class Run:
         for name in self._overlaid:
             try:
                 arrays[name] = overlay(name, self.method, self.parameters, self.charges)
-            except Exception as error:  # the run does not depend on what is shown over the image
+            except Exception as error:  # the run does not depend on overlays
                 trouble = sentence(error, tr("preparing the overlays"))
         self.overlays.put(Overlays(self.image_generation, arrays, trouble))
         self._overlays_of = key
@@ -200,7 +200,7 @@ class Run:
         return self._remaining > 0
 
     def go(self, steps: int | None = None) -> None:
-        """Take `steps` steps, or steps until `halt`; a run that has ended continues only with other parameters."""
+        """Take a number of steps, or all until `halt`; a run that has ended continues only with other parameters."""
         if self.method is None or self.state is None:
             return
         if self.state.stop_reason and self.state.steering != self.method.steering(self.parameters):
@@ -215,12 +215,12 @@ class Run:
         self._reconstruct()
 
     def stay(self) -> None:
-        """Find the contours of the state at which the user stays, unless steps are still to be taken."""
+        """Reconstruct the contours of the present state at once, unless steps remain to be taken."""
         if not self.stepping:
             self._reconstruct()
 
     def discard(self, generation: int) -> None:
-        """Stop and take the particles away; the run stays on the timeline, the next one has this number."""
+        """Stop and remove the particles; the run stays on the timeline, the next one has this generation."""
         self.generation = generation
         self._remaining = 0.0
         self.state = None
@@ -230,7 +230,7 @@ class Run:
             self._reconstruct(by_hand=True)
 
     def edit_by_hand(self, edits: tuple[HandEdit, ...]) -> None:
-        """Use these edits of contours by hand, also in the runs that follow."""
+        """Use these manual edits of contours, also in the runs that follow."""
         if edits == self.hand_edits:
             return
         self.hand_edits = edits
@@ -251,7 +251,7 @@ class Run:
         self._send()
 
     def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
-        """Pause and go to another step of the timeline; if it is no longer wanted, only pause."""
+        """Pause and go to another step of the timeline; if that is no longer wanted, only pause."""
         self._remaining = 0.0
         before = self.timeline.run
         state = self.timeline.go(branch, step, wanted)
@@ -268,30 +268,30 @@ class Run:
             self._show(state, before)
 
     def _show(self, state: MethodState, before: int) -> None:
-        """Use and show a state of the timeline; `before` is the number of the run until now."""
+        """Use and show a state of the timeline; `before` is the number of the previous run."""
         self.state = state
         if self.timeline.run != before:
             self.method = self.timeline.method(self.timeline.run, None if self.method is None else self.method.regions)
         self._send(looking_back=True)
 
     def rename_branch(self, branch: int, name: str) -> None:
-        """Give a branch of the timeline another name."""
+        """Rename a branch of the timeline."""
         self.timeline.rename(branch, name)
         self._send()
 
     def set_timeline_budget(self, budget: int) -> None:
-        """Let the states of the timeline take at most so many bytes."""
+        """Set the largest size of the states that the timeline keeps [bytes]."""
         self.timeline.limit(budget)
         self._send()
 
     def set_pace(self, steps_per_second: float | None) -> None:
-        """Take at most so many steps a second; None for no limit."""
+        """Set the largest number of steps per second; None for no limit."""
         self.pacer.limit(steps_per_second)
 
     def reconstruction(self, shown: Reconstruction | None, wanted: Callable[[], bool]) -> Reconstruction | None:
-        """The contours that the user sees: during a run those `shown`, else those of its last state.
+        """Return the contours that the user sees: `shown` during a run, else the contours of its last state.
 
-        It waits for contours that are still being made; None when they are no longer wanted.
+        Waits for contours that are still being made; None if they are no longer wanted.
         """
         if self.stepping and shown is not None and shown.generation == self.generation:
             return shown
@@ -301,7 +301,7 @@ class Run:
         return found
 
     def with_provenance(self, result: Result | Skeleton) -> Result | Skeleton:
-        """What the current run has found, with what was drawn for it and whether it was steered, for files."""
+        """Add to a result, for files, the shapes drawn for the run and whether it was steered."""
         made, image = result.provenance, None if self.method is None else self.method.image
         if image is not None and not made.sha256:  # contours drawn by hand
             made = replace(made, sha256=image.sha256, of_file=bool(image.file_sha256))
@@ -310,14 +310,14 @@ class Run:
         return replace(result, provenance=made)
 
     def result_of(self, branch: int, state: MethodState) -> Result | Skeleton:
-        """Contours of a state of another branch."""
+        """Reconstruct the contours of a state of another branch."""
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
         method = self.timeline.method(self.timeline.run_of(branch), self.method.regions)
         return edited(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
 
     def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
-        """Snapshot of another step, without going there; None when it is no longer wanted."""
+        """Return a snapshot of another step, without going there; None if it is no longer wanted."""
         state = self.timeline.state(branch, step, wanted)
         return None if state is None else self._snapshot(state, branch)
 
@@ -346,14 +346,14 @@ class Run:
         )
 
     def _reconstruct(self, looking_back: bool = False, by_hand: bool = False) -> None:
-        """Request contours; of the first state only when the run goes back to it, to show that there are none.
+        """Request contours; of the first state only if the run goes back to it, to show that there are none.
 
-        Without a state there are those drawn `by_hand`.
+        Without a state, only the contours drawn `by_hand` are requested.
         """
         begun = self.state is not None and self.state.step > 0
         if self.method is None or not (begun or looking_back or by_hand):
             return
-        # While the user scrubs, only the step at which that ends needs its contours at once.
+        # While the user scrubs, only the step at which this ends needs its contours at once.
         last = not self.stepping and not looking_back
         self.reconstructor.ask(
             Request(self.generation, self.method, self.state, self.parameters, last, self.hand_edits, self._tracker)

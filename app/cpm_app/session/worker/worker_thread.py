@@ -16,15 +16,15 @@ from cpm_app.session.worker.prepared_methods import PreparedMethods
 from cpm_app.session.worker.run import Run
 
 QUIET = 1.0
-"""Time without a command after which memory is given back [s]."""
+"""Time without a command after which free memory is returned to the system [s]."""
 
 
 class WorkerThread:
     """One thread that owns the run.
 
     Commands are sent by `post`, in order and never lost. Snapshots, contours and overlays are left in mailboxes of the
-    run, in which the newest wins; what must not be missed is in `reports`. The thread never calls the window, which
-    takes these messages itself.
+    run, in which the newest wins; messages that must not be missed are in `reports`. The thread never calls the window,
+    which takes these messages itself.
     """
 
     def __init__(self, core: Core | None = None) -> None:
@@ -53,7 +53,7 @@ class WorkerThread:
         self._reports.append(report)
 
     def reports(self) -> Iterator[Report]:
-        """Reports since the last call, oldest first; those not asked for stay, as when one leads to an error."""
+        """Take the reports since the last call, oldest first; if the loop over them fails, the rest stay."""
         while self._reports:
             yield self._reports.popleft()
 
@@ -91,7 +91,7 @@ class WorkerThread:
             self._executed += command is not None
 
     def _next(self) -> Command | None:
-        """The next command; None when a step is due before one arrives."""
+        """Wait for the next command; None if a step is due before one arrives."""
         if self.run.stepping:
             try:
                 wait = self.run.pacer.wait()
@@ -109,6 +109,6 @@ class WorkerThread:
 
 
 def give_back() -> None:
-    """Give free memory back to the system, where the C library is that of GNU, which keeps the gaps between arrays."""
+    """Return free memory to the system if the C library is glibc, which keeps the gaps between arrays."""
     with suppress(OSError, TypeError, AttributeError):
         ctypes.CDLL(None).malloc_trim(0)
