@@ -112,7 +112,7 @@ def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
         return Volume(task, _grid_for(task, whole.tone.smoothing, side), whole), known["in_core"]
     looked: dict[float, list[Edges]] = {}
 
-    def measured(sigma: float, scale: int = 0) -> Smoothed:
+    def measure_edges(sigma: float, scale: int = 0) -> Smoothed:
         if sigma not in looked:
             work = partial(_edges, task, sigma)
             looked[sigma] = in_order(compute(work, _grid_for(task, sigma, side).chunks, "edges"))
@@ -121,8 +121,8 @@ def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
         return Smoothed(sigma, np.empty((0, 0, 0), np.float32), strongest, background)
 
     smoothing = parameters.smoothing
-    sigma = automatic_edges(measured).sigma if smoothing == "auto" else float(smoothing)
-    scales = [measured(sigma, scale) for scale in range(parameters.scales)]
+    sigma = automatic_edges(measure_edges).sigma if smoothing == "auto" else float(smoothing)
+    scales = [measure_edges(sigma, scale) for scale in range(parameters.scales)]
     if not scales[0].strongest:
         raise ValueError("The volume is the same everywhere and has no edges: open a volume with objects.")
     floors = [weakest_edge_of(one.strongest, one.background, parameters.edge_floor)[0] for one in scales]
@@ -181,12 +181,12 @@ def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
         return nothing
     image = Image(values, source.levels.spacing, source.levels.unit, source.path.name)
 
-    def measured(field: Any, scale: int, given: Parameters) -> Any:
+    def impose_statistics(field: Any, scale: int, given: Parameters) -> Any:
         strongest, floor = whole.strongest[scale], whole.floor[scale]
         noisy = floor > max(WEAKEST_EDGE, given.edge_floor) * strongest
         return replace(field, strongest=strongest, floor=floor, noisy=noisy)
 
-    engine = Engine(image, own, measured=measured)
+    engine = Engine(image, own, measured=impose_statistics)
     field: Any = engine.scale_field(own)
     seeds = everywhere(image) if task.kind == "grid" else above(field.edge_map, STRONG, whole.strongest[0])
     if not len(seeds):

@@ -35,7 +35,7 @@ _MIN_GAP_DEPTH = 0.75
 _MIN_PART_DEPTH = 1.5
 """Least depth of a part [px]."""
 
-_MIN_PART_AREA = 30
+_MIN_PROPOSAL_AREA = 30
 """Least area of a part or an object [px²]."""
 
 _MAX_PART_SHARE = 0.4
@@ -174,7 +174,7 @@ class Parts:
         frame = self.partition.frame
         most = _MAX_PART_SHARE * math.prod(self.partition.shape if frame is None else frame.shape)
         bounded = self.bounded >= np.where(self.cut, _MIN_VISIBLE_CONTOUR_SHARE, _MIN_CONTOUR_SHARE)
-        wanted = (self.pixels >= _MIN_PART_AREA) & (self.pixels <= most) & bounded
+        wanted = (self.pixels >= _MIN_PROPOSAL_AREA) & (self.pixels <= most) & bounded
         wanted[0] = False
         return np.asarray(wanted)
 
@@ -202,7 +202,7 @@ class Parts:
         `taken`, shape (H, W), are pixels of objects already found; parts that mostly lie in them are left out.
         """
 
-        def judge(number: int) -> Likely | None:
+        def evaluate_part(number: int) -> Likely | None:
             check()
             box = self._boxes[number - 1]
             within = self.labels[box] == number
@@ -212,7 +212,7 @@ class Parts:
             mask[box] = within
             return self.partition.judged(mask)
 
-        answers = ((number, judge(number)) for number in np.flatnonzero(self._wanted & ~self.cut).tolist())
+        answers = ((number, evaluate_part(number)) for number in np.flatnonzero(self._wanted & ~self.cut).tolist())
         return {number: one for number, one in answers if one is not None}
 
     def owned(self, judged: Mapping[int, Likely]) -> Array:
@@ -263,7 +263,7 @@ def found_among(parts: Parts, check: Callback = lambda: None) -> Iterator[Found]
         mask = likely.mask & partition.interest
         pixels = np.count_nonzero(mask)
         signs = Signs(*likely[2:], places=0)
-        if probability(signs) < _MIN_CONFIDENCE or owned[number] < _MIN_OWNED_SHARE or pixels < _MIN_PART_AREA:
+        if probability(signs) < _MIN_CONFIDENCE or owned[number] < _MIN_OWNED_SHARE or pixels < _MIN_PROPOSAL_AREA:
             continue
         over = np.count_nonzero(mask & taken) / pixels
         if over <= _MAX_OVERLAP:

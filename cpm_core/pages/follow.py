@@ -83,7 +83,7 @@ def follow(
         if not isinstance(number, int | np.integer) or not 1 <= number <= count:
             raise ValueError(f"page is {shown(number)}, but there are {count} pages: choose 1 to {count}.")
 
-    def followed() -> Iterator[Page]:
+    def iterate_pages() -> Iterator[Page]:
         follower = Follower()
         for number in wanted:
             try:
@@ -98,7 +98,7 @@ def follow(
             else:
                 yield follower.take(number, found)
 
-    return followed()
+    return iterate_pages()
 
 
 def _is_row(given: object) -> TypeGuard[Sequence[Any]]:

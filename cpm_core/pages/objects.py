@@ -249,44 +249,44 @@ def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[
     certain, taken = [(one, *ends(one)) for one in page.certain()], np.zeros(page.shape, bool)
     found: list[Selection] = []
 
-    def near(mask: Mask) -> list[Mask]:
+    def find_certain_near(mask: Mask) -> list[Mask]:
         low, high = ends(mask)
         return [one for one, first, last in certain if (first <= high).all() and (last >= low).all()]
 
-    def closed(mask: Mask) -> Mask | None:
-        several = near(mask)
+    def find_closed_region(mask: Mask) -> Mask | None:
+        several = find_certain_near(mask)
         parts = [one for one in several if np.count_nonzero(one & mask) > PART * np.count_nonzero(one)]
         whole = np.logical_or.reduce(parts) if parts else mask & False
         best = max((*several, whole), key=lambda one: overlap(one, mask))
         return best if overlap(best, mask) > _MIN_CLOSED_IOU else None
 
-    def answer(mask: Mask) -> Mask:
+    def find_object(mask: Mask) -> Mask:
         check()
-        sure = closed(mask)
+        sure = find_closed_region(mask)
         if sure is not None:
             return sure
         likely = page.around(_core(mask), float(np.count_nonzero(mask)))
-        sure = closed(likely) if likely.any() else None
+        sure = find_closed_region(likely) if likely.any() else None
         return likely if sure is None else sure
 
-    def take(one: Mask) -> None:
+    def add_selection(one: Mask) -> None:
         left = one & ~taken
         if np.count_nonzero(left) > PART * np.count_nonzero(one):
             taken[left] = True
-            sure = any(np.array_equal(left, each) for each in near(left))
+            sure = any(np.array_equal(left, each) for each in find_certain_near(left))
             found.append(page.selection_of(left, certain=sure))
 
-    answers = [(each, answer(each.mask)) for each in sought if each.mask.any()]
+    answers = [(each, find_object(each.mask)) for each in sought if each.mask.any()]
     for each, mask in sorted(answers, key=lambda pair: -overlap(pair[0].mask, pair[1])):
         for part in each.apart(mask):
             if each.like(part, page.values):
-                take(part)
+                add_selection(part)
     for each in sought:  # objects that have split off lie where nothing has been found
         rest = each.expected & ~taken
         if np.count_nonzero(rest) > _MIN_PIECE_SHARE * np.count_nonzero(each.expected):
-            for other in [one for one in near(rest) if each.holds(one)] or [answer(rest)]:
+            for other in [one for one in find_certain_near(rest) if each.holds(one)] or [find_object(rest)]:
                 if each.holds(other) and each.like(other, page.values):
-                    take(other)
+                    add_selection(other)
     return found
 
 

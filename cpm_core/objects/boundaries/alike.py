@@ -16,7 +16,7 @@ _MAX_CONTRAST_RATIO = 3.0
 _MAX_GRAY_SMOOTHING = 1.5
 """Sigma of the smoothing of gray levels [px]; at most a fifth of the radius is used."""
 
-_SURROUNDINGS_WIDTH = 0.5
+_SURROUNDINGS_RATIO = 0.5
 """Width of the surroundings, as a fraction of the radius."""
 
 
@@ -27,7 +27,7 @@ def alike(values: Array, mask: Mask, interest: Mask) -> Mask:
     """
     radius = np.sqrt(np.count_nonzero(mask) / np.pi)
     away = scipy.ndimage.distance_transform_edt(~mask)
-    ring = (away > 1.0) & (away <= max(2.0, _SURROUNDINGS_WIDTH * radius) + 1.0)
+    ring = (away > 1.0) & (away <= max(2.0, _SURROUNDINGS_RATIO * radius) + 1.0)
     own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.any() else 0.0
     smooth = scipy.ndimage.gaussian_filter(values, min(_MAX_GRAY_SMOOTHING, 0.2 * radius))
     share = (smooth - around) / (own - around) if own != around else np.zeros_like(smooth)

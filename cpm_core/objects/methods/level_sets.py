@@ -69,7 +69,7 @@ def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) 
     fastest, most_curved = drift.max(), np.abs(curvature).max()
     time = min(_MAX_FRONT_STEP / max(fastest, 1e-9), _MAX_CURVATURE_STEP / max(most_curved, 1e-9))
 
-    def fronts() -> Iterator[Array]:
+    def iterate_functions() -> Iterator[Array]:
         phi = np.clip(distance_of(inside), -FARTHEST, FARTHEST)
         for step in itertools.count(1):
             yield phi
@@ -77,7 +77,7 @@ def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) 
             if step % _REINITIALIZATION_INTERVAL == 0:
                 phi = signed_distance(phi)
 
-    return until_at_rest(fronts(), 0.0, MOST_STEPS)
+    return until_at_rest(iterate_functions(), 0.0, MOST_STEPS)
 
 
 @compiled

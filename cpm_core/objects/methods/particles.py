@@ -39,14 +39,14 @@ def _states(
 
 
 def _evolve_to_object(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
-    def boundaries(moment: Evolved) -> Contours:
+    def find_boundaries(moment: Evolved) -> Contours:
         """Find the closed boundaries of the objects of all outlines of the start, united where they overlap."""
         cut = partition(moment.result)
         chosen = [cut.select(outline) for outline in start.curves(SPACING)]
         whole = chosen[0] if len(chosen) == 1 else cut.selection_of(np.any([one.mask for one in chosen], axis=0))
         return whole.contours
 
-    return _states(image, start, parameters, boundaries)
+    return _states(image, start, parameters, find_boundaries)
 
 
 PARTICLES = ContourMethod(

@@ -54,7 +54,7 @@ def chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterato
     """Evolve Chan-Vese."""
     gray = unit_gray(image)
 
-    def functions() -> Iterator[Array]:
+    def iterate_functions() -> Iterator[Array]:
         # the signed distance in units of the depth of the start: the farther from 0, the less a pixel is moved
         distance = distance_of(start.mask(image.shape))
         phi = np.clip(distance / max(float(distance.max()), 1.0), -1.0, 1.0)
@@ -64,7 +64,7 @@ def chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterato
                 gray, settings.mu, settings.lambda1, settings.lambda2, 0.0, 1, 0.5, phi, True
             )
 
-    return until_at_rest(functions(), 0.0, _MAX_CHAN_VESE_STEPS)
+    return until_at_rest(iterate_functions(), 0.0, _MAX_CHAN_VESE_STEPS)
 
 
 CHAN_VESE = ContourMethod(
@@ -129,20 +129,20 @@ class MorphologicalChanVeseSettings(Settings):
 def _morphological(image: Image, start: Start, advance: Callable[[Bits, Any], object]) -> Iterator[ContourState]:
     """Evolve a mask by `advance`, which does `_STEPS_PER_CALL` steps and hands over each."""
 
-    def after(mask: Bits) -> list[Bits]:
+    def advance_from(mask: Bits) -> list[Bits]:
         found: list[Bits] = []
         with _SMOOTHING_LOCK:
             advance(mask, lambda bits: found.append(bits.copy()))
         return found
 
-    def masks() -> Iterator[Bits]:
+    def iterate_masks() -> Iterator[Bits]:
         some = [start.mask(image.shape).astype(np.int8)]
         yield some[0]
         while True:
-            some = after(some[-1])
+            some = advance_from(some[-1])
             yield from some[1:]
 
-    return until_at_rest(masks(), 0.5, _MAX_MORPHOLOGICAL_STEPS)
+    return until_at_rest(iterate_masks(), 0.5, _MAX_MORPHOLOGICAL_STEPS)
 
 
 def morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -> Iterator[ContourState]:

@@ -71,18 +71,19 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
     waves = [2.0 - 2.0 * np.cos(np.pi * np.arange(count) / count) for count in edges.shape]
     spectrum = weight.mean() + mu * (waves[0][:, None] + waves[1])
 
-    def applied(flat: Array) -> Array:
+    def apply_equation(flat: Array) -> Array:
         v = flat.reshape(edges.shape)
         out = weight * v
         for axis in range(2):
             out -= mu * np.diff(v, axis=axis, n=2, prepend=v.take([0], axis), append=v.take([-1], axis))
         return out.ravel()
 
-    def about_inverse(flat: Array) -> Array:
+    def precondition_field(flat: Array) -> Array:
         return scipy.fft.idctn(scipy.fft.dctn(flat.reshape(edges.shape)) / spectrum).ravel()
 
     operator, preconditioner = (
-        scipy.sparse.linalg.LinearOperator((edges.size, edges.size), act) for act in (applied, about_inverse)
+        scipy.sparse.linalg.LinearOperator((edges.size, edges.size), act)
+        for act in (apply_equation, precondition_field)
     )
     return np.stack(
         [
@@ -225,11 +226,11 @@ def edge_force(edges: Array, attraction: float) -> Force:
     rows, cols = map(np.arange, edges.shape)
     surface = scipy.interpolate.RectBivariateSpline(rows, cols, attraction * edges, kx=2, ky=2, s=0)
 
-    def force(at: Array) -> Array:
+    def interpolate_force(at: Array) -> Array:
         row, col = at.T
         return np.stack([surface(row, col, dx=1, grid=False), surface(row, col, dy=1, grid=False)], axis=1)
 
-    return force
+    return interpolate_force
 
 
 def sobel_edges(image: Image, smoothing: float) -> Array:
@@ -290,11 +291,11 @@ def gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterato
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu))
     elasticity = Elasticity(settings.alpha, settings.beta, 1.0)
 
-    def force(at: Array) -> Array:
+    def interpolate_force(at: Array) -> Array:
         sampled = (scipy.ndimage.map_coordinates(part, at.T, order=1, mode="nearest") for part in field)
         return settings.attraction * np.stack([*sampled], axis=1)
 
-    return evolution(start.curves(SPACING), force, elasticity, image.shape)
+    return evolution(start.curves(SPACING), interpolate_force, elasticity, image.shape)
 
 
 GVF_SNAKE = ContourMethod(

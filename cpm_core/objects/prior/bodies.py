@@ -348,11 +348,11 @@ class BodyPrior:
         seen: list[Single] = [np.empty(0, np.float32)] * len(makers)
         overlap = [0.0] * len(makers)
 
-        def some(first: int, end: int) -> None:
+        def predict_range(first: int, end: int) -> None:
             for k in range(first, end):
                 seen[k], overlap[k] = self.network(makers[k]())
 
-        share(some, len(makers), 1)
+        share(predict_range, len(makers), 1)
         return _Asked(seen, overlap)
 
     def _ask_within(self, within: _Within, slices: Sequence[_Slice]) -> _Asked:

@@ -106,11 +106,11 @@ def split(item: SegmentedObject, first: Position, second: Position, scale_field:
     smooth = [low + step * scipy.ndimage.gaussian_filter1d(line, 2.0, axis=0, mode="nearest") for line in between]
     one, other = shapely.points(places)
 
-    def on_second(face: Any) -> bool:
+    def is_on_second_side(face: Any) -> bool:
         pixel = np.rint((np.array(face.representative_point().coords[0]) - low) / step).astype(int)
         return bool(face.contains(other) or (not face.contains(one) and is_second[tuple(pixel)]))
 
-    return _divided(item, [_settled(cut, area, edges) for cut in _within(area, smooth)], on_second, edges)
+    return _divided(item, [_settled(cut, area, edges) for cut in _within(area, smooth)], is_on_second_side, edges)
 
 
 def split_along(item: SegmentedObject, line: Sequence[Position], scale_field: ScaleField | None = None) -> Halves:
