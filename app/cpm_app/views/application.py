@@ -1,4 +1,4 @@
-"""The desktop application: sets Qt up, opens the window and runs until it is closed."""
+"""Desktop application: sets Qt up, opens the window and runs until it is closed."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ SWITCH_INTERVAL = 0.0002
 """Longest time that the window waits for the interpreter while the worker computes [s]."""
 
 PIXMAP_CACHE = 256 * 1024
-"""Size of the cache for rendered layers [KB]; if it is too small, each layer is painted in every frame."""
+"""Size of the cache for rendered layers [KB]; if it is too small, every frame paints each layer again."""
 
 
 def make_application() -> QApplication:
-    """The QApplication, with the style that the window needs."""
+    """Return the QApplication, set up in the style and the language of the window."""
     application = QApplication.instance() or QApplication(sys.argv[:1])
     assert isinstance(application, QApplication)
     application.setApplicationName("cpm")
@@ -35,7 +35,7 @@ def make_application() -> QApplication:
     locale = locale_of(language(), QLocale.system())
     QLocale.setDefault(locale)
     use_marks(locale.decimalPoint(), locale.groupSeparator())
-    # Qt's dialogs for files and colors speak the language of the window, where Qt has it
+    # Qt's own dialogs, for files and colors, use the language of the window if Qt has it
     translator = QTranslator(application)
     if translator.load(
         QLocale(language()), "qtbase", "_", QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
@@ -48,13 +48,13 @@ def make_application() -> QApplication:
 
 
 def locale_of(name: str, desktop: QLocale) -> QLocale:
-    """How dates and numbers are written in a language: as the desktop writes them where it has the same language."""
+    """Return the locale of a language: that of the desktop if it has the same language."""
     own = QLocale(name)
     return desktop if desktop.language() == own.language() else own
 
 
 def run(path: str | None = None) -> int:
-    """Run the desktop program; returns its exit status."""
+    """Run the desktop program and return its exit status."""
     application = make_application()
     window = open_window(path)
     unexpected = UnexpectedErrors(window.session)

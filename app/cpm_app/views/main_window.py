@@ -1,4 +1,4 @@
-"""The window with all its features, and how it begins."""
+"""Window with all its features, and its first image."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cpm_app.views.window.window import MainWindow
 
 
 def make_window(workspace: Workspace, preferences: Preferences | None = None) -> MainWindow:
-    """A window of a session, with all features.
+    """Create the window of a session with all features.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def make_window(workspace: Workspace, preferences: Preferences | None = None) ->
     Returns
     -------
     MainWindow
-        The window, not yet shown.
+        Window that is not shown yet.
     """
     return MainWindow(workspace, FEATURES, preferences)
 
@@ -35,12 +35,12 @@ def open_window(path: str | None = None) -> MainWindow:
     workspace = Workspace()
     window, session = make_window(workspace), workspace.session
 
-    def begin() -> None:
+    def open_first_image() -> None:
         session.open(path or samples()[0].path)
         session.warm_up()
 
     window.show()
-    QTimer.singleShot(0, window, begin)  # other threads would keep the window from being drawn
+    QTimer.singleShot(0, window, open_first_image)  # other threads would keep the window from being drawn
     if path is None:
         window.feature(StartFeature).welcome()
     window.feature(RecoveryFeature).offer()

@@ -1,1 +1,1 @@
-"""The comparison of results: the panel with their table, and the divider on the canvas."""
+"""Comparison of results: the panel with their table, and the divider on the canvas."""

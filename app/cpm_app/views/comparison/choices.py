@@ -1,4 +1,4 @@
-"""What is compared: values of one or two parameters, or methods with their settings."""
+"""Selection of what is compared: values of one or two parameters, or methods with their settings."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from cpm_core.objects.methods import Compared, Settings
 
 
 class ParameterChoice(QWidget):
-    """Two parameters with some values each, of which the second may be left out."""
+    """Two parameters with some values each; the second one is optional."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
@@ -59,12 +59,12 @@ class ParameterChoice(QWidget):
             self._suggest(row)
 
     def trials(self) -> tuple[Trial, ...]:
-        """The runs; ValueError where values are not valid."""
+        """Return the runs to compare; raise ValueError for invalid values."""
         axes = [axis for axis in (self.down.axis(), self.across.axis()) if axis is not None]
         return parameter_trials(self._session.document.parameters, axes)
 
     def _suggest(self, row: AxisRow) -> None:
-        """Suggest values around the present one."""
+        """Suggest values around the current one."""
         document, control = self._session.document, row.control
         contrast = document.image.contrast if document.image else 255.0
         values = () if control is None else sensible_values(control, document.parameters, contrast)
@@ -73,7 +73,7 @@ class ParameterChoice(QWidget):
 
 
 class AxisRow(QWidget):
-    """A choice among parameters, of which None stands for no parameter, and a line for its values."""
+    """A parameter, or none, and a line for its values."""
 
     def __init__(self, title: str, offered: Iterable[Control | None]) -> None:
         super().__init__()
@@ -87,17 +87,17 @@ class AxisRow(QWidget):
 
     @property
     def control(self) -> Control | None:
-        """The chosen parameter, if any."""
+        """Selected parameter, if any."""
         chosen: Control | None = self.choice.currentData()
         return chosen
 
     def axis(self) -> Axis | None:
-        """The chosen parameter and values; raises `ValueError` if the values are not valid."""
+        """Return the selected parameter with its values; raise ValueError for invalid values."""
         return None if self.control is None else Axis(self.control, read_values(self.control, self.values.text()))
 
 
 class MethodChoice(QWidget):
-    """The methods with a check each; of the marked one its idea, its source, and its settings.
+    """Methods with a check box each, and the idea, source and settings of the current one.
 
     Methods and settings are part of the document: they are saved with it, and changing them can be undone.
     """
@@ -138,7 +138,7 @@ class MethodChoice(QWidget):
         return str(self.list.currentItem().data(Qt.ItemDataRole.UserRole))
 
     def trials(self) -> tuple[Trial, ...]:
-        """The runs; ValueError where no method is chosen."""
+        """Return the runs to compare; raise ValueError if no method is selected."""
         document = self._session.document
         return method_trials(document.comparison, document.parameters)
 
@@ -191,5 +191,5 @@ class MethodChoice(QWidget):
         before = self._session.document.comparison.settings_of(name)
         whole = isinstance(getattr(type(before), field_name), int)
         settings = replace(before, **{field_name: int(value) if whole else value})
-        self._shown = name, settings  # the field with the keyboard stays
+        self._shown = name, settings  # so that the field with the keyboard focus is not replaced
         self._change(lambda compared: compared.with_settings(name, settings), f"settings of {name}")

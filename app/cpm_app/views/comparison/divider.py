@@ -1,4 +1,4 @@
-"""The divider on the canvas, with one result on its left and another one on its right."""
+"""Divider on the canvas, with one result on its left and another one on its right."""
 
 from __future__ import annotations
 
@@ -12,21 +12,30 @@ from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.theme import theme
 from cpm_app.views.widgets.containers import keep_escape, takes_key
 
-_REACH, _GRIP = 9, 15.0
-"""Half the width in which the divider can be taken, and radius of its grip [px]."""
+_GRAB_HALF_WIDTH = 9
+"""Half the width in which the divider can be grabbed [px]."""
 
-_STEP, _FINE_STEP = 0.05, 0.005
-"""Parts of the width by which an arrow key moves the divider, and with Shift."""
+_GRIP_RADIUS = 15.0
+"""Radius of the grip [px]."""
 
-_TOP, _BESIDE = 10, 14
-"""Distances of the names from the upper edge of the canvas and from the divider [px]."""
+_KEY_STEP = 0.05
+"""Fraction of the width by which an arrow key moves the divider."""
+
+_FINE_KEY_STEP = 0.005
+"""Fraction of the width by which an arrow key with Shift moves the divider."""
+
+_NAME_TOP_OFFSET = 10
+"""Distance of the names from the upper edge of the canvas [px]."""
+
+_NAME_SIDE_OFFSET = 14
+"""Distance of the names from the divider [px]."""
 
 
 class Wipe(QObject):
-    """Shows another scene on the right of a divider; `canvas` shows the one on the left."""
+    """View of another scene to the right of a divider; `canvas` shows the scene on the left."""
 
     ended = Signal()
-    """Esc has been pressed on the divider."""
+    """Esc was pressed on the divider."""
 
     def __init__(self, canvas: ImageView) -> None:
         super().__init__(canvas)
@@ -34,11 +43,11 @@ class Wipe(QObject):
         self._far = QWidget(canvas)
         self._far.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.mirror: ImageView | None = None
-        """The view on the right; None while there is none."""
+        """View on the right; None unless the divider is shown."""
         self.divider = Divider(canvas)
         self.names = (_name(canvas), _name(canvas))
         self.share = 0.5
-        """Place of the divider, from 0 on the left to 1 on the right."""
+        """Position of the divider, from 0 on the left to 1 on the right."""
         self.divider.moved_to.connect(self.move_to)
         self.divider.ended.connect(self.ended)
         canvas.installEventFilter(self)
@@ -46,7 +55,7 @@ class Wipe(QObject):
         self._show(False)
 
     def begin(self, near: str, far: str) -> None:
-        """Show the divider, with the names of both sides."""
+        """Show the divider and the names of the results on either side."""
         for label, name in zip(self.names, (near, far), strict=True):
             label.setText(name)
             label.adjustSize()
@@ -82,7 +91,7 @@ class Wipe(QObject):
         self._place()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Follow the size of the canvas."""
+        """Adapt to the size of the canvas."""
         if event.type() == QEvent.Type.Resize and self.mirror is not None:
             self._place()
         return False
@@ -98,10 +107,10 @@ class Wipe(QObject):
         self._far.setGeometry(at, 0, width - at, height)
         if self.mirror is not None:
             self.mirror.setGeometry(-at, 0, width, height)
-        self.divider.setGeometry(at - _REACH, 0, 2 * _REACH, height)
+        self.divider.setGeometry(at - _GRAB_HALF_WIDTH, 0, 2 * _GRAB_HALF_WIDTH, height)
         near, far = self.names
-        near.move(at - _BESIDE - near.width(), _TOP)
-        far.move(at + _BESIDE, _TOP)
+        near.move(at - _NAME_SIDE_OFFSET - near.width(), _NAME_TOP_OFFSET)
+        far.move(at + _NAME_SIDE_OFFSET, _NAME_TOP_OFFSET)
         self._follow_place()
 
     def _follow_place(self, *_: object) -> None:
@@ -110,12 +119,12 @@ class Wipe(QObject):
 
 
 class Divider(QWidget):
-    """A line that can be dragged, and moved by arrow keys."""
+    """Line that is dragged, or moved by arrow keys."""
 
     moved_to = Signal(float)
-    """It is wanted at a part of the width of its parent."""
+    """The user moves it to a fraction of the width of its parent."""
     ended = Signal()
-    """Esc has been pressed."""
+    """Esc was pressed."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -129,29 +138,29 @@ class Divider(QWidget):
         )
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take it."""
+        """Grab the divider."""
         event.accept()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag it."""
+        """Drag the divider."""
         event.accept()
         if event.buttons() & Qt.MouseButton.LeftButton:
             self.moved_to.emit(self.mapToParent(event.position()).x() / max(self._above.width(), 1))
 
     def event(self, event: QEvent) -> bool:
-        """Take its keys before they are shortcuts of the window."""
-        return takes_key(event, _KEYS) or super().event(event)
+        """Claim the keys of the divider before they act as shortcuts of the window."""
+        return takes_key(event, _KEY_DIRECTIONS) or super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move it, or end the comparison."""
+        """Move the divider, or end the comparison."""
         key = Qt.Key(event.key())
         if key == Qt.Key.Key_Escape:
             self.ended.emit()
-        elif key in _KEYS:
+        elif key in _KEY_DIRECTIONS:
             width = max(self._above.width(), 1)
             now = self.geometry().center().x() / width
-            step = _FINE_STEP if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else _STEP
-            self.moved_to.emit({Qt.Key.Key_Home: 0.0, Qt.Key.Key_End: 1.0}.get(key, now + _KEYS[key] * step))
+            step = _FINE_KEY_STEP if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else _KEY_STEP
+            self.moved_to.emit({Qt.Key.Key_Home: 0.0, Qt.Key.Key_End: 1.0}.get(key, now + _KEY_DIRECTIONS[key] * step))
         else:
             super().keyPressEvent(event)
 
@@ -166,18 +175,19 @@ class Divider(QWidget):
             painter.drawLine(top, bottom)
         painter.setPen(QPen(QColor(theme.HALO), 1.0))
         painter.setBrush(QColor(theme.PROPOSAL if self.hasFocus() else theme.CHOSEN))
-        painter.drawRoundedRect(QRectF(0.5, middle.y() - _GRIP, self.width() - 1.0, 2 * _GRIP), 6.0, 6.0)
+        painter.drawRoundedRect(QRectF(0.5, middle.y() - _GRIP_RADIUS, self.width() - 1.0, 2 * _GRIP_RADIUS), 6.0, 6.0)
         painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "↔")
         painter.end()
 
 
-_KEYS = {
+_KEY_DIRECTIONS = {
     Qt.Key.Key_Left: -1.0,
     Qt.Key.Key_Right: 1.0,
     Qt.Key.Key_Home: 0.0,
     Qt.Key.Key_End: 0.0,
     Qt.Key.Key_Escape: 0.0,
 }
+"""Direction in which each key moves the divider; 0 for keys that do something else."""
 
 
 def _name(parent: QWidget) -> QLabel:

@@ -1,4 +1,4 @@
-"""The panel of the comparison: a table of results, what is added to it, and what is done with the chosen one."""
+"""Panel of the comparison: a table of results, ways to add to it, and actions on the selected one."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ from cpm_app.views.widgets.fields import MarkedSlider
 from cpm_core.contours import TOLERANCE
 from cpm_core.numerics.types import Callback
 
-_LEAST = 120
-"""Least height of the choice of methods and of parameters [px]."""
+_MIN_CHOICE_HEIGHT = 120
+"""Smallest height of the choice of methods and of parameters [px]."""
 
 
 def _columns(compared: ComparedResults) -> tuple[Column[Row], ...]:
-    """All columns in the order shown."""
+    """Build the columns in the order shown."""
 
-    def figure(name: str) -> Callable[[Row], float | None]:
-        """A figure of the agreement; None while it is not known."""
+    def agreement_of(name: str) -> Callable[[Row], float | None]:
+        """Return a function from a row to a measure of agreement, or None while it is unknown."""
         get = attrgetter(name)
         return lambda row: get(compared.agreed[row.key]) if row.key in compared.agreed else None
 
@@ -51,40 +51,40 @@ def _columns(compared: ComparedResults) -> tuple[Column[Row], ...]:
         Column("name", tr("Result"), tr("The results; the reference, with which the others are compared, is bold."),
                lambda row: f"{row.title} ({row.state})" if row.state else row.title, "Run 1"),
         Column("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint."),
-               figure("dice"), "0.000", form=".3f"),
+               agreement_of("dice"), "0.000", form=".3f"),
         Column("mean", tr("Mean [{unit}]"), tr("Mean distance between the boundaries."),
-               figure("mean_boundary_distance"), "00.00", 1, form=".2f"),
+               agreement_of("mean_boundary_distance"), "00.00", 1, form=".2f"),
         Column("largest", tr("Largest [{unit}]"),
                tr("Largest distance from a point on one boundary to the other boundary (Hausdorff)."),
-               figure("hausdorff"), "000.0", 1, form=".1f"),
+               agreement_of("hausdorff"), "000.0", 1, form=".1f"),
         Column("count", tr("Found"), tr("Number of objects, or of contours if there are none."),
                lambda row: row.count, "000", form=".0f"),
         Column("seconds", tr("Time [s]"), tr("Time of a run that was started for this comparison."),
                lambda row: row.seconds, "00.0", form=".2f"),
-        Column("f", tr("F"), tr("Harmonic mean of recall and precision."), figure("f"), "0.000", form=".3f"),
+        Column("f", tr("F"), tr("Harmonic mean of recall and precision."), agreement_of("f"), "0.000", form=".3f"),
         Column("recall", tr("Recall"),
                tr("Fraction of the boundary of the reference that is found within the tolerance."),
-               figure("recall"), "0.000", form=".3f"),
+               agreement_of("recall"), "0.000", form=".3f"),
         Column("precision", tr("Precision"),
                tr("Fraction of the found boundary that lies within the tolerance of the reference."),
-               figure("precision"), "0.000", form=".3f"),
-        Column("jaccard", tr("Jaccard"), tr("Intersection of the areas divided by their union."), figure("jaccard"),
-               "0.000", form=".3f"),
+               agreement_of("precision"), "0.000", form=".3f"),
+        Column("jaccard", tr("Jaccard"), tr("Intersection of the areas divided by their union."),
+               agreement_of("jaccard"), "0.000", form=".3f"),
         Column("hausdorff95", tr("95 % [{unit}]"), tr("The 95th percentile of the distances between the boundaries."),
-               figure("hausdorff95"), "000.0", 1, form=".1f"),
+               agreement_of("hausdorff95"), "000.0", 1, form=".1f"),
         Column("missed", tr("Missed"), tr("Objects of the reference that share less than half of their area with one."),
-               figure("objects.missed"), "000", form=".0f"),
+               agreement_of("objects.missed"), "000", form=".0f"),
         Column("extra", tr("Extra"), tr("Closed contours that match no object of the reference."),
-               figure("objects.extra"), "000", form=".0f"),
+               agreement_of("objects.extra"), "000", form=".0f"),
         Column("merged", tr("Merged"), tr("Contours that contain more than half of two or more objects."),
-               figure("objects.merged"), "000", form=".0f"),
+               agreement_of("objects.merged"), "000", form=".0f"),
         Column("ap", "AP@0.5", tr("Found objects divided by all that are found, missed or extra."),
-               figure("objects.average_precision"), "0.000", form=".3f"),
+               agreement_of("objects.average_precision"), "0.000", form=".3f"),
     )  # fmt: skip
 
 
 class ResultTable(ItemTable):
-    """Shows the results in the order in which they were added; one of them is chosen."""
+    """Table of the results in the order in which they were added; one of them is selected."""
 
     item = "result"
 
@@ -105,25 +105,25 @@ class ResultTable(ItemTable):
         self.show_items()
 
     def edit_name(self, row: int) -> None:
-        """Take the chosen result over, on Enter and a double click."""
+        """Use the selected result, on Enter or a double click."""
         if self._compared.rows[self._compared.chosen].usable:
             self._compared.use(self._compared.chosen)
 
     @property
     def chosen(self) -> set[int]:
-        """The chosen result."""
+        """Key of the selected result."""
         return {self._compared.chosen}
 
     def choose(self, keys: Sequence[int]) -> None:
-        """Choose a result, or what is shown now."""
+        """Select a result, or what is shown now."""
         self._compared.choose(next(iter(keys), NOW))
 
     def remove(self) -> None:
-        """Remove the chosen result."""
+        """Remove the selected result."""
         self._compared.remove(self._compared.chosen)
 
     def refresh(self) -> None:
-        """Show the results with lengths in voxels or in the unit of the image."""
+        """Show the results with lengths in the unit of the image, or in px or voxels."""
         compared, image = self._compared, self._session.image
         size = PixelSize((1.0, 1.0), "px")
         if image is not None and compared.in_volume:
@@ -133,7 +133,7 @@ class ResultTable(ItemTable):
 
 
 class ComparePanel(QWidget):
-    """Shows the comparison; `load` and `export` ask for a file, `jump` shows a difference on the canvas."""
+    """Panel of the comparison; `load` and `export` ask for a file, `jump` shows a difference on the canvas."""
 
     def __init__(
         self,
@@ -183,12 +183,12 @@ class ComparePanel(QWidget):
         self._show()
 
     def sizeHint(self) -> QSize:
-        """As wide as the other panels."""
+        """Return a size as wide as the other panels."""
         return QSize(320, 380)
 
     @property
     def figures(self) -> list[dict[str, float | str | None]]:
-        """All figures of all results."""
+        """All values of all results, by the names of the columns."""
         table = self.table.rows
         return [{column.name: column.value(row) for column in table.columns} for row in table.items]
 
@@ -204,7 +204,7 @@ class ComparePanel(QWidget):
     # Internal
 
     def _act(self, text: str, do: Callback, tip: str) -> QAction:
-        """An action of the chosen result, which the menu of the table has, too."""
+        """Add an action on the selected result to the menu of the table."""
         return add_choice(self.table, text, do, tip)
 
     def _button(self, name: str) -> QToolButton:
@@ -230,11 +230,11 @@ class ComparePanel(QWidget):
         return page
 
     def _choosing(self, choice: MethodChoice | ParameterChoice) -> QWidget:
-        """A page on which runs are chosen."""
+        """Create a page on which runs are selected."""
         page, run, back = QWidget(), QPushButton(tr("Run")), QPushButton(tr("Back"))
-        trouble, scrolled = wrapped(), Scrolled(choice, _LEAST)
+        trouble, scrolled = wrapped(), Scrolled(choice, _MIN_CHOICE_HEIGHT)
 
-        def begin() -> None:
+        def start_runs() -> None:
             trouble.clear()
             try:
                 self._compared.run(choice.trials())
@@ -243,14 +243,14 @@ class ComparePanel(QWidget):
             else:
                 self.pages.setCurrentIndex(0)
 
-        run.clicked.connect(begin)
+        run.clicked.connect(start_runs)
         back.clicked.connect(lambda: self.pages.setCurrentIndex(0))
         buttons = arrange(QHBoxLayout(), None, back, run, spacing=6)
         arrange(QVBoxLayout(page), scrolled, trouble, buttons, margins=(12, 8, 12, 8), spacing=7, wide=scrolled)
         return page
 
     def _fill(self, menu: QMenu) -> None:
-        """What can be added."""
+        """Fill the menu with what can be added."""
         add_choice(menu, tr("&Keep this result"), self._compared.keep)
         here = self._navigation.place[0]
         branches = [branch for branch in self._navigation.branches if branch.identity != here]
@@ -285,7 +285,7 @@ class ComparePanel(QWidget):
         self.words.setText(row.state or self._summary())
 
     def _summary(self) -> str:
-        """How the marked row differs from the reference, or what can be done."""
+        """Describe how the selected result differs from the reference, or what the user can do."""
         compared, different = self._compared, self._session.scene.differences
         subject = compared.rows[compared.subject]
         if len(compared.rows) == 1:

@@ -1,4 +1,4 @@
-"""The export dialog: what is written, in which formats and under which names, all in one go."""
+"""Export dialog: what to write, in which formats and under which names, all at once."""
 
 from __future__ import annotations
 
@@ -48,26 +48,31 @@ from cpm_core.formats import IN_SPACE, left_out
 from cpm_core.image import CONVENTIONS
 from cpm_core.numerics.types import Entries, frozen
 
-_KEY = "export/"
-FORMATS = _KEY + "formats"
-"""Preference: what is checked, each with its suffix."""
+_EXPORT_KEY_PREFIX = "export/"
+"""Start of the preferences of this dialog."""
 
-_FIRST = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
-"""Formats that are checked until the user has checked others."""
+FORMATS = _EXPORT_KEY_PREFIX + "formats"
+"""Preference: the checked formats, each as kind and suffix."""
 
-_PICTURES = frozenset({"pages", "space", "turntable", "run"})
-"""What is not counted in words."""
+_DEFAULT_FORMATS = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
+"""Formats that are checked until the user checks others."""
 
-_WIDTH = 430
-_SPACES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
+_PICTURE_KINDS = frozenset({"pages", "space", "turntable", "run"})
+"""Kinds that the summary only names, without counting their contents."""
+
+_LIST_WIDTH = 430
+"""Smallest width of the list of formats [px]."""
+
+_SPACE_TITLES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
+"""Titles of the coordinate conventions."""
 
 
 @frozen
 class Exportable:
-    """What there is besides the scene: chosen objects and contours, done pages, the last step of the run.
+    """What can be exported besides the scene: selected objects and contours, finished pages, and the run.
 
-    `part` returns the part of the image that frames show. Files that have been `written` before are replaced without a
-    question.
+    `visible_part` returns the part of the image that frames show. Files in `written_paths` have been exported before
+    and are replaced without a question.
     """
 
     objects: frozenset[int]
@@ -80,10 +85,10 @@ class Exportable:
 
 
 class ExportDialog(QDialog):
-    """Lists what can be written and in which formats, each with the name of its file."""
+    """Dialog that lists what can be written and in which formats, with the names of the files."""
 
     ordered = Signal(object, object)
-    """The order, and the plan of the animation of the run if there is one."""
+    """The user exports: the order, and the settings of the animation of the run."""
 
     def __init__(
         self, parent: QWidget, session: Session, preferences: Preferences, files: FileDialogs, there: Exportable
@@ -101,7 +106,7 @@ class ExportDialog(QDialog):
         self.list.setColumnCount(2)
         self.list.setHeaderLabels([tr("What"), tr("File")])
         self.list.setAccessibleName(tr("What to export"))
-        self.list.setMinimumSize(_WIDTH, parent.height() // 3)
+        self.list.setMinimumSize(_LIST_WIDTH, parent.height() // 3)
         self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
         self.units, self.space = QCheckBox(tr("Physical units ({unit})").format(unit=image.unit)), QComboBox()
         self.units.setChecked(True)
@@ -118,7 +123,7 @@ class ExportDialog(QDialog):
             "tolerance": self.tolerance, "every": self.stride, "width": self.width_field, "speed": self.speed
         }  # fmt: skip
         self.rows: dict[tuple[What, str], QTreeWidgetItem] = {}
-        """The rows of the list by what is written, and the suffix of its format."""
+        """Rows of the list by kind and suffix."""
         stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
         self.base, self._place = QLineEdit(stem), QPushButton()
         self.summary = wrapped()
@@ -131,7 +136,7 @@ class ExportDialog(QDialog):
 
     @property
     def files(self) -> tuple[ExportFile, ...]:
-        """The files that are checked."""
+        """Files whose formats are checked."""
         return tuple(
             ExportFile(self.folder / row.text(1), what, suffix)
             for (what, suffix), row in self.rows.items()
@@ -140,7 +145,7 @@ class ExportDialog(QDialog):
 
     @property
     def order(self) -> ExportOrder:
-        """What is chosen."""
+        """Files and settings that the user has selected."""
         only = self.only.isChecked()
         return ExportOrder(
             self.files,
@@ -154,7 +159,7 @@ class ExportDialog(QDialog):
 
     @property
     def animation(self) -> AnimationPlan:
-        """The settings of the animation of the run."""
+        """Settings of the animation of the run."""
         return AnimationPlan(
             every(self.first.value(), max(self.last.value(), self.first.value()), self.stride.value()),
             frame_size(self._there.part(), self.width_field.value()),
@@ -162,7 +167,7 @@ class ExportDialog(QDialog):
         )
 
     def accept(self) -> None:
-        """Name the classes, keep the choice for the next time, and order the files."""
+        """Name the classes, remember the settings and request the export, after a question about existing files."""
         order, written_before = self.order, self._there.written
         asked = [file.path.name for file in order.files if file.path.exists() and file.path not in written_before]
         more = tr("{name} and {count} more").format(name=asked[0], count=len(asked) - 1) if len(asked) > 1 else ""
@@ -172,13 +177,13 @@ class ExportDialog(QDialog):
         self._session.edit(tr("name classes"), partial(_named, names=named))
         put = self._preferences.put
         shown = set(map(":".join, self.rows))
-        before = self._preferences.get(FORMATS, _FIRST)
+        before = self._preferences.get(FORMATS, _DEFAULT_FORMATS)
         checked = [f"{file.what}:{file.suffix}" for file in order.files]
         put(FORMATS, [*(key for key in before if key not in shown), *checked])
         for name, box in self._boxes.items():
-            put(_KEY + name, box.isChecked())
+            put(_EXPORT_KEY_PREFIX + name, box.isChecked())
         for name, number in self._numbers.items():
-            put(_KEY + name, number.value())
+            put(_EXPORT_KEY_PREFIX + name, number.value())
         self.ordered.emit(order, self.animation)
         super().accept()
 
@@ -188,13 +193,13 @@ class ExportDialog(QDialog):
         buttons = AcceptButtons(self, tr("&Export"))
         self.export_button = buttons.accept_button
 
-        def choose_folder() -> None:
-            chosen_folder = self._files.ask_for_folder(tr("Folder of the files"), "export", self)
-            if chosen_folder:
-                self.folder = Path(chosen_folder)
+        def select_folder() -> None:
+            folder = self._files.ask_for_folder(tr("Folder of the files"), "export", self)
+            if folder:
+                self.folder = Path(folder)
                 self._follow()
 
-        self._place.clicked.connect(choose_folder)
+        self._place.clicked.connect(select_folder)
         self._form = form = QFormLayout()
         found = self._session.document.objects
         for category in sorted({item.category for item in found.items if not item.hidden}):
@@ -230,23 +235,25 @@ class ExportDialog(QDialog):
         layout.addWidget(self.list, 1)
         layout.addLayout(form)
         layout.addWidget(buttons)
-        self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
+        self.export_button.setDefault(
+            True
+        )  # only once it is in the dialog; earlier, Tab would make another button the default
 
     def _restore(self) -> None:
-        """Show what the user has chosen last."""
+        """Restore the settings of the last export."""
         get = self._preferences.get
         for name, number in self._numbers.items():
-            number.setValue(get(_KEY + name, number.value()))
+            number.setValue(get(_EXPORT_KEY_PREFIX + name, number.value()))
         for name, box in self._boxes.items():
-            box.setChecked(get(_KEY + name, box.isChecked()))
+            box.setChecked(get(_EXPORT_KEY_PREFIX + name, box.isChecked()))
         for space in CONVENTIONS:
-            self.space.addItem(_SPACES[space], space)
+            self.space.addItem(_SPACE_TITLES[space], space)
 
     def _fill(self) -> None:
-        """List what there is, with the formats of the last time checked."""
-        moving = ("run:", "turntable:")  # which take long, and are not written by the way
-        checked = [key for key in self._preferences.get(FORMATS, _FIRST) if not key.startswith(moving)]
-        self.list.blockSignals(True)  # what is written is shown once, when all rows are there
+        """List what can be exported, with the formats of the last export checked."""
+        moving = ("run:", "turntable:")  # these take long and are never written unasked
+        checked = [key for key in self._preferences.get(FORMATS, _DEFAULT_FORMATS) if not key.startswith(moving)]
+        self.list.blockSignals(True)  # the summary is updated once, after the last row
         for what, count in self._counts().items():
             group = QTreeWidgetItem([f"{KINDS[what][0]} ({count})" if count > 1 else KINDS[what][0]])
             self.list.addTopLevelItem(group)
@@ -261,7 +268,7 @@ class ExportDialog(QDialog):
         self.list.resizeColumnToContents(0)
 
     def _counts(self) -> dict[What, int]:
-        """How much there is of each kind."""
+        """Count the items of each kind that can be exported."""
         scene, there = self._session.scene, self._there
         counts: dict[What, int] = {"objects": sum(not item.hidden for item in scene.document.objects.items)}
         if isinstance(self._found, Skeleton):
@@ -274,14 +281,14 @@ class ExportDialog(QDialog):
         return {what: count for what, count in counts.items() if count}
 
     def _follow(self, *_: object) -> None:
-        """Show how the files are called, what concerns the present choice, and what is written."""
+        """Show the names of the files, the fields that matter for the selection, and the summary."""
         base, first = self.base.text().strip(), next(iter(self.rows), ("", ""))[0]
         self.list.blockSignals(True)
         for (what, suffix), row in self.rows.items():
             row.setText(1, file_name(base, what, suffix, what == first))
         self.list.blockSignals(False)
         folder = str(self.folder)
-        self._place.setText(self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _WIDTH - 60))
+        self._place.setText(self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _LIST_WIDTH - 60))
         self._place.setToolTip(folder)
         order = self.order
         whats = {file.what for file in order.files}
@@ -300,12 +307,12 @@ class ExportDialog(QDialog):
         self._show(order)
 
     def _show(self, order: ExportOrder) -> None:
-        """Show what is written, in words."""
+        """Describe what will be written."""
         document, parts, vertices = self._session.document, list[str](), [0, 0]
         trouble = "" if order.files else tr("Choose what to export.")
         for what in dict.fromkeys(file.what for file in order.files):
             suffixes = [file.suffix for file in order.files if file.what == what]
-            if what in _PICTURES:
+            if what in _PICTURE_KINDS:
                 parts.append(KINDS[what][0])
                 continue
             result = chosen(self._found, document, order, what, self._image)

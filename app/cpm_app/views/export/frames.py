@@ -1,4 +1,4 @@
-"""Frames of an animation: the worker prepares moments of a run, and the layers of the canvas draw them off-screen."""
+"""Frames of an animation: the worker prepares steps of a run, and the layers of the canvas draw them off-screen."""
 
 from __future__ import annotations
 
@@ -20,16 +20,19 @@ from cpm_app.views.canvas.image_view import ImageView
 from cpm_core.numerics import Pixels
 from cpm_core.numerics.types import Integers, frozen
 
-_CHECKED_EVERY = 0.05
+_CANCEL_CHECK_INTERVAL = 0.05
 """Time between two checks for cancellation [s]."""
 
-NARROWEST, WIDEST = 64, 3840
-"""Smallest and largest width of a frame [px]."""
+NARROWEST = 64
+"""Smallest width of a frame [px]."""
+
+WIDEST = 3840
+"""Largest width of a frame [px]."""
 
 
 @frozen
 class AnimationPlan:
-    """Settings of an animation: a step for each frame, width and height of a frame [px], and the speed."""
+    """Settings of an animation: the step of each frame, width and height of a frame [px], and the speed."""
 
     steps: Integers
     size: tuple[int, int]
@@ -37,26 +40,26 @@ class AnimationPlan:
 
 
 def every(first: int, last: int, stride: int) -> Integers:
-    """Every `stride`-th step from the first, and always the last."""
+    """Return every `stride`-th step from the first, and always the last."""
     steps = list(range(first, last + 1, max(stride, 1)))
     return tuple(steps if steps and steps[-1] == last else [*steps, last])
 
 
 def frame_size(part: QRectF, width: int) -> tuple[int, int]:
-    """Width and height of a frame, both even as video formats need them [px]."""
+    """Compute width and height of a frame [px], both even as video formats require."""
     height = width * part.height() / max(part.width(), 1e-9)
     return max(2 * round(width / 2), 2), min(max(2 * round(height / 2), 2), 2 * WIDEST)
 
 
 class FrameRenderer:
-    """An off-screen view with the present settings of the layers of a canvas.
+    """Off-screen view with the current settings of the layers of a canvas.
 
     Parameters
     ----------
     scene : Scene
-        The scene shown in addition to the moments of the run.
+        Scene into which the steps of the run are drawn.
     canvas : Canvas
-        The canvas whose layers are copied.
+        Canvas whose layers are copied.
     part : QRectF
         Visible part of the image.
     size : tuple of int
@@ -65,7 +68,7 @@ class FrameRenderer:
 
     def __init__(self, scene: Scene, canvas: Canvas, part: QRectF, size: tuple[int, int]) -> None:
         self._size = size
-        # selection and differences belong to the present contours, not to those of other moments
+        # selection and differences belong to the current contours, not to those of other steps
         self._scene = replace(scene, selected_contours=frozenset(), hovered_contour=None, differences=())
         self._view = ImageView()
         self._view.setAttribute(Qt.WidgetAttribute.WA_DontShowOnScreen)
@@ -73,7 +76,7 @@ class FrameRenderer:
         self._view.setFrameStyle(0)
         self._view.resize(*size)
         self._view.show()
-        # a new image resets the options of its layer; the moments are drawn later
+        # a new image resets the options of its layer, so it is drawn before these are set
         first = Scene(scene.image, scene.display, document=scene.document, selected=scene.selected)
         self._view.draw(replace(first, slices=scene.slices))
         for layer in canvas.layers:
@@ -82,7 +85,7 @@ class FrameRenderer:
         self.shows_contours = canvas.layers["contours"].shown
 
     def draw(self, taken: FrameTaken) -> Pixels:
-        """Draw a moment as RGB values, shape (H, W, 3)."""
+        """Draw a step of the run; return RGB values of shape (H, W, 3) and dtype uint8."""
         tracked = taken.contours.tracked if taken.contours is not None else None
         contours = ReviewedContours.of(tracked, self._scene.document.marks)
         self._view.draw(replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours))
@@ -100,7 +103,7 @@ class FrameRenderer:
 
 
 def to_array(picture: QImage) -> Pixels:
-    """RGB values of a picture, shape (H, W, 3)."""
+    """Return the RGB values of a picture, shape (H, W, 3), dtype uint8."""
     plain = picture.convertToFormat(QImage.Format.Format_RGB888)
     rows = np.frombuffer(plain.constBits(), np.uint8).reshape(plain.height(), plain.bytesPerLine())
     return rows[:, : 3 * plain.width()].reshape(plain.height(), plain.width(), 3).copy()
@@ -109,17 +112,31 @@ def to_array(picture: QImage) -> Pixels:
 def recorded(
     session: Session, renderer: FrameRenderer, places: Sequence[tuple[int, int]]
 ) -> Callable[[Task], Iterator[Pixels]]:
-    """What gives the frames of an animation to the thread that writes them, of branches and steps.
+    """Create the function from which the thread that writes an animation gets its frames.
 
-    Each frame is drawn in a turn of the event loop of its own while the one before is written, so that the window stays
+    Each frame is drawn in a separate turn of the event loop while the previous one is written, so that the window stays
     usable.
+
+    Parameters
+    ----------
+    session : Session
+        Session with the run.
+    renderer : FrameRenderer
+        Draws the frames, on the thread of the window.
+    branch_steps : sequence of (int, int)
+        Branch and step of each frame.
+
+    Returns
+    -------
+    callable
+        Takes the task that writes; yields RGB values of shape (H, W, 3) and dtype uint8.
     """
     generation, shown = session.generation, renderer.shows_contours
 
-    def ask(task: Task, place: tuple[int, int]) -> Future[Pixels]:
+    def request_frame(task: Task, place: tuple[int, int]) -> Future[Pixels]:
         found = Future[Pixels]()
 
-        def draw(taken: FrameTaken) -> None:
+        def draw_taken(taken: FrameTaken) -> None:
             if task.over:
                 return
             try:
@@ -130,18 +147,18 @@ def recorded(
             except Exception as error:  # reported by the thread that waits for the frame
                 found.set_exception(error)
 
-        session.tasks.call(lambda: session.post(take_frame(task, generation, *place, shown, draw)))
+        session.tasks.call(lambda: session.post(take_frame(task, generation, *place, shown, draw_taken)))
         return found
 
-    def frames(task: Task) -> Iterator[Pixels]:
-        due = ask(task, places[0])
+    def produce_frames(task: Task) -> Iterator[Pixels]:
+        due = request_frame(task, places[0])
         for place in (*places[1:], None):
             while not due.done():
                 task.check_cancelled()
-                wait([due], _CHECKED_EVERY)
+                wait([due], _CANCEL_CHECK_INTERVAL)
             frame = due.result()
             if place is not None:
-                due = ask(task, place)
+                due = request_frame(task, place)
             yield frame
 
-    return frames
+    return produce_frames

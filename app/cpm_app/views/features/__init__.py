@@ -1,4 +1,4 @@
-"""The features of the window, in the order of their actions in the menus."""
+"""Features of the window."""
 
 from __future__ import annotations
 
@@ -48,3 +48,4 @@ FEATURES: tuple[type[Feature], ...] = (
     PreferencesFeature,
     HelpFeature,
 )
+"""Classes of the features, in the order of their actions in the menus."""

@@ -24,7 +24,7 @@ from cpm_core.parameters import Provenance, taken
 
 
 def comment_on(session: Session) -> str:
-    """How pictures of a session came about, for their file; empty without an image."""
+    """Return the comment that states in a file how its pictures came about; empty without an image."""
     document, image = session.document, session.document.image
     if image is None:
         return ""
@@ -36,7 +36,7 @@ def comment_on(session: Session) -> str:
 
 
 def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) -> Task:
-    """Write a file on another thread."""
+    """Start the task that writes a file on another thread."""
     doing, done = tr("Writing {name}…", name=path.name), tr("writing {name}", name=path.name)
     return session.tasks.start(doing, work, done, partial(CommandFailed, topic=FILMING))
 
@@ -44,27 +44,27 @@ def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) 
 def begin_animation(
     session: Session, path: Path, frames: Callable[[Task], Iterator[Pixels]], count: int, frames_per_second: float
 ) -> Task:
-    """Write an animation of so many frames, which are made on another thread."""
+    """Start the task that writes an animation of `count` frames, which `frames` yields, on another thread."""
     comment = comment_on(session)
 
-    def work(task: Task) -> Report:
+    def write_frames(task: Task) -> Report:
         advance: Callable[[int], None] = lambda written: task.advance(written / count)  # noqa: E731
         write_animation(frames(task), path, frames_per_second, advance, comment=comment)
         return Exported(path)
 
-    return begin_writing(session, path, work)
+    return begin_writing(session, path, write_frames)
 
 
 class AnimationFeature(Feature):
-    """Exports animations."""
+    """Export of a run as an animation."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Listen for the end of tasks."""
         self._filming: dict[Task, FrameRenderer] = {}
         self.session.tasks.changed.connect(self._look)
 
     def close(self) -> bool:
-        """Close what draws frames."""
+        """Cancel the animations that are being written and delete their renderers."""
         for task in self._filming:
             task.cancel()
         self._look()
@@ -86,13 +86,13 @@ class AnimationFeature(Feature):
         return task
 
     def part(self) -> QRectF:
-        """Part of the image that frames show: the visible one."""
+        """Return the part of the image that frames show: the visible one."""
         canvas = self.canvas
         whole = image_rectangle(canvas.shape or (1, 1))
         part = canvas.view.viewRect().intersected(whole)
         return whole if part.isEmpty() else part
 
     def _look(self) -> None:
-        """Close what has drawn frames of tasks that are over."""
+        """Delete the renderers of finished tasks."""
         for task in [task for task in self._filming if task.over]:
             self._filming.pop(task).close()

@@ -1,4 +1,4 @@
-"""The comparison of results: its panel, and the divider on the canvas."""
+"""Comparison of results: its panel, and the divider on the canvas."""
 
 from __future__ import annotations
 
@@ -19,31 +19,33 @@ from cpm_core.formats import CONTOURS_READABLE, READABLE, SURFACES_READABLE, TAB
 from cpm_core.formats.common.printable import cell
 from cpm_core.formats.contours.contour_csv import table
 
-_SPAN = 48.0
-"""Minimum side of the part of the image that is shown around a difference [px]."""
+_MIN_DIFFERENCE_SPAN = 48.0
+"""Smallest side of the region shown around a difference [px]."""
 
 
 class CompareFeature(Feature):
-    """One way to compare: runs, methods, values of parameters, kept results and a ground truth."""
+    """Comparison of runs, methods, values of parameters, kept results and a ground truth."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         window = self.window
         self._compared = compared = window.workspace.comparison
 
-        def export() -> None:
+        def export_table() -> None:
             kinds = {TABLE: tr("Table of all results")}
             path = window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
             if path is not None:
                 rows: list[dict[str, object]] = [{**row, "name": cell(str(row["name"]))} for row in self.panel.figures]
 
-                def work(_: Task) -> Report:
+                def write_table(_: Task) -> Report:
                     write_together([(path, table(rows))])
                     return Exported(path)
 
-                begin_writing(self.session, path, work)
+                begin_writing(self.session, path, write_table)
 
-        self.panel = ComparePanel(self.session, compared, window.workspace.navigation, self._load, export, self._jump)
+        self.panel = ComparePanel(
+            self.session, compared, window.workspace.navigation, self._load, export_table, self._jump
+        )
         self.panels = (Panel("compare", "Compare", self.panel, "F12", shown=False),)
         self.panel.table.zoom_wanted.connect(self.panel.jump_to_next)
         self.wipe = Wipe(self.canvas)
@@ -92,7 +94,7 @@ class CompareFeature(Feature):
         slices.through(difference.place)
         points = difference.points if slices.now is None else slices.now.current.flattened(difference.points)
         low, high = points.min(axis=0), points.max(axis=0)
-        span = max(_SPAN, 1.4 * float((high - low).max()))
+        span = max(_MIN_DIFFERENCE_SPAN, 1.4 * float((high - low).max()))
         row, col = (0.5 * (low + high)).tolist()
         if slices.now is not None:
             row, col = slices.now.current.within(difference.place)

@@ -18,10 +18,10 @@ from cpm_core.shapes import Everywhere, Kind
 
 
 class DrawFeature(Feature):
-    """Tools for the initialization, regions, barriers and charges; starts that need no drawing; drawing by keys."""
+    """Tools for starts, regions, barriers and charges; starts that need no drawing; drawing by keys."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         area = self.window.canvas_area
         tools = [
             ActionSpec(tool.name, "Tools", tool.text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
@@ -47,10 +47,10 @@ class DrawFeature(Feature):
         )  # fmt: skip
 
     def _start(self, kind: Kind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
-        """An action that adds a start that needs no drawing, or removes it."""
+        """Create the action that adds or removes a start that needs no drawing."""
         start, session = Everywhere(kind), self.session
 
-        def toggle() -> None:
+        def toggle_start() -> None:
             name = from_core(start.title)
             if start in session.document.shapes:
                 name = tr("remove {start}", start=name)
@@ -58,29 +58,32 @@ class DrawFeature(Feature):
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()
 
-        return ActionSpec(f"start_{kind}", "Tools", text, tip, toggle, keys, icon=kind, gap=kind == "grid",
-                          short=short, when=has_image, holds=lambda now: start in now.document.shapes)  # fmt: skip
+        return ActionSpec(f"start_{kind}", "Tools", text, tip, toggle_start, keys, icon=kind, gap=kind == "grid",
+                          short=short, when=has_image,
+                          holds=lambda now: start in now.document.shapes)  # fmt: skip
 
 
-_KEYS = {"shape": "Ctrl+F1", "automatic": "Ctrl+F2", "skeleton": "Ctrl+F3"}
+_MODE_KEYS = {"shape": "Ctrl+F1", "automatic": "Ctrl+F2", "skeleton": "Ctrl+F3"}
+"""Default key of each mode."""
 
 
 class ModesFeature(Feature):
-    """The choice of the mode."""
+    """Selection of the mode."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self.actions = [self._choice(mode) for mode in MODES]
 
     def _choice(self, mode: Mode) -> ActionSpec:
         info, session = MODES[mode], self.session
 
-        def use() -> None:
+        def select_mode() -> None:
             session.use_mode(mode)
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()
 
-        return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, use, _KEYS[mode], icon=f"mode_{mode}",
+        return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, select_mode, _MODE_KEYS[mode],
+                          icon=f"mode_{mode}",
                           holds=lambda now: now.document.mode == mode, gap=mode == "shape",
                           short=info.short)  # fmt: skip
 
@@ -89,11 +92,11 @@ class UndoSelectionFeature(Feature):
     """Undo, selection and deletion by menus and keys."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         window = self.window
         session, area = window.session, window.canvas_area
 
-        def sized(situation: Situation) -> bool:
+        def can_resize(situation: Situation) -> bool:
             return situation.selected is not None or area.canvas.hold.tool.sized
 
         self.actions = (
@@ -111,10 +114,10 @@ class UndoSelectionFeature(Feature):
                        "Delete Backspace", gap=True, when=lambda now: now.selected is not None),
             ActionSpec("enlarge", ">" + tr("Edit"), "Larger",
                        "Make the selected shape, the brush or the candidate larger; the key ] does the same.",
-                       partial(area.enlarge, 1.0), when=sized),
+                       partial(area.enlarge, 1.0), when=can_resize),
             ActionSpec("shrink", ">" + tr("Edit"), "Smaller",
                        "Make the selected shape, the brush or the candidate smaller; the key [ does the same.",
-                       partial(area.enlarge, -1.0), when=sized),
+                       partial(area.enlarge, -1.0), when=can_resize),
             ActionSpec("clear", "Edit", "Delete &all shapes", "Remove all shapes.",
                        partial(session.edit, tr("delete all shapes"), edits.clear_shapes), "Ctrl+Shift+Backspace",
                        when=has_shapes),

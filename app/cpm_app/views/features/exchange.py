@@ -38,10 +38,10 @@ from cpm_core.shapes import Points
 
 
 class ExportFeature(Feature):
-    """Export of what has been found, and of pictures and animations, to files."""
+    """Export of results, pictures and animations to files."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self.dialog: ExportDialog | None = None
         self._last: tuple[ExportOrder, AnimationPlan] | None = None
         self._written: set[Path] = set()
@@ -55,14 +55,14 @@ class ExportFeature(Feature):
         )  # fmt: skip
 
     def export(self) -> None:
-        """Ask what to write."""
+        """Ask the user what to export."""
         if self.dialog is None:
             self.dialog = self._made()
             self.dialog.finished.connect(self._end)
             self.dialog.open()
 
     def export_again(self) -> None:
-        """Write the last files again; of another image those in the same formats."""
+        """Write the last files again; for another image, files in the same formats."""
         if self._last is not None:
             self._write(*self._last)
         elif self.window.preferences.get(FORMATS, [""]) != [""]:
@@ -125,15 +125,15 @@ def _can_export(situation: Situation) -> bool:
     )
 
 
-_KINDS = ("image/svg+xml", "application/geo+json", "text/csv")
-"""Kinds of contours on the clipboard, the richest first."""
+_CLIPBOARD_MIME_TYPES = ("image/svg+xml", "application/geo+json", "text/csv")
+"""MIME types of contours on the clipboard, the richest first."""
 
 
 class ClipboardFeature(Feature):
-    """Copies for other programs: what has been found, in several formats at once, and the view."""
+    """Copies for other programs: what was found, in several formats at once, and the view."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self.actions = (
             ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
                        self.copy, "Ctrl+C", gap=True,
@@ -144,7 +144,7 @@ class ClipboardFeature(Feature):
         )  # fmt: skip
 
     def copy(self) -> None:
-        """Copy what is chosen, else all objects, else all contours; programs take the format that suits them."""
+        """Copy the selection, else all objects, else all contours; other programs take the format that suits them."""
         session = self.session
         chosen = session.scene.objects.chosen
         contours = frozenset(item.measures.number for item in self.window.workspace.review.chosen)
@@ -154,33 +154,40 @@ class ClipboardFeature(Feature):
         session.export(ExportOrder(files, chosen or None, contours or None), self._put)
 
     def copy_view(self) -> None:
-        """Copy what the canvas shows."""
+        """Copy the view of the canvas as a picture."""
         QApplication.clipboard().setImage(self.canvas.grab().toImage())
         self.session.say(tr("The view was copied."), topic=EXPORTING)
 
     def _put(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
-        for kind, content in zip(_KINDS, contents, strict=True):
+        for kind, content in zip(_CLIPBOARD_MIME_TYPES, contents, strict=True):
             data.setData(kind, content)
-        data.setText(contents[-1].decode())  # most programs take text only: the table
+        data.setText(contents[-1].decode())  # most programs read only text: the table
         QApplication.clipboard().setMimeData(data)
         self.session.say(tr("Copied as a drawing and a table."), topic=EXPORTING)
 
 
 IN_VOLUMES = frozenset((*SURFACES_READABLE, *FOR_CENTERLINES))
-"""Suffixes of files that lie in a volume."""
+"""Suffixes of files that can be imported only into a volume."""
 
-_FILES_IN_VOLUMES = Files(
+_VOLUME_IMPORT_FILES = Files(
     tr("Surfaces, labels and center lines"), (*SURFACES_READABLE, *FOR_CENTERLINES, *READABLE, ".points.csv")
 )
-_TITLES = {"contours": tr("Use contours"), "surface": tr("Use surface"), "center lines": tr("Use center lines")}
+"""Kinds of files that can be imported into a volume."""
+
+_QUESTION_TITLES = {
+    "contours": tr("Use contours"),
+    "surface": tr("Use surface"),
+    "center lines": tr("Use center lines"),
+}
+"""Title of the question about what is imported."""
 
 
 class ImportFeature(Feature):
-    """Contours, surfaces and pictures of other programs."""
+    """Import of contours, surfaces and pictures from other programs."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self.actions = (
             ActionSpec("import_contours", "File", "&Import contours…",
                        "Import contours from another program as a start, as objects or as ground truth.", self._choose,
@@ -190,7 +197,7 @@ class ImportFeature(Feature):
         )  # fmt: skip
 
     def take(self, path: Path) -> None:
-        """Read contours, and ask what they are for."""
+        """Read contours and ask how to use them."""
         session = self.session
         if session.document.image is None:
             message = tr("Open an image first; then {name} can be drawn.")
@@ -206,7 +213,7 @@ class ImportFeature(Feature):
         """Open the picture or the files on the clipboard, or read the contours on it."""
         data, session = QApplication.clipboard().mimeData(), self.session
         session.attempt(OPENING)
-        kind = next(filter(data.hasFormat, _KINDS), "")
+        kind = next(filter(data.hasFormat, _CLIPBOARD_MIME_TYPES), "")
         text = data.text() if data.hasText() and not data.hasImage() else ""
         content = bytes(data.data(kind).data()) if kind else text.encode()
         picture = data.imageData() if data.hasImage() else None
@@ -227,14 +234,14 @@ class ImportFeature(Feature):
 
     def _choose(self) -> None:
         in_volume = self.session.scene.slices is not None
-        kinds = (_FILES_IN_VOLUMES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), ALL_FILES)
+        kinds = (_VOLUME_IMPORT_FILES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), ALL_FILES)
         title = tr("Import surface") if in_volume else tr("Import contours")
         chosen = self.window.files.ask_for_file("truth", title, kinds)
         if chosen is not None:
             self.take(chosen)
 
     def _use(self, path: Path | None, found: Found) -> None:
-        """Draw points, and ask what contours are for; without a path they come from the clipboard."""
+        """Draw points, or ask how to use contours; `path` is None if they come from the clipboard."""
         session = self.session
         if isinstance(found, Points):
             name = tr("draw {name}", name="" if path is None else path.name)
@@ -244,7 +251,7 @@ class ImportFeature(Feature):
         question = tr("Use {name} as a start?") if whole else tr("What should {name} be used for?")
         buttons = _buttons(found, path is not None)
         text = question.format(name=found.name)
-        answer = Question(self.window, _TITLES[found.kind], text, _explained(found), buttons).ask()
+        answer = Question(self.window, _QUESTION_TITLES[found.kind], text, _explained(found), buttons).ask()
         if answer == "start":
             name = tr("start from {name}", name=found.name)
             session.edit(name, lambda document: edits.set_shapes(document, (*document.shapes, *found.starts)))
@@ -276,10 +283,10 @@ def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
 
 
 class BatchFeature(Feature):
-    """Applies the session to the images of a folder, one folder at a time."""
+    """Application of the session to all images of a folder, one folder at a time."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self._task = OVER
         self.actions = (
             ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",

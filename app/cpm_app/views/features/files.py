@@ -1,4 +1,4 @@
-"""Opening and saving: files, folders, the start screen, and work left by a crash."""
+"""Opening and saving: files, folders, the start screen, and work left behind by a crash."""
 
 from __future__ import annotations
 
@@ -31,30 +31,29 @@ from cpm_app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SUFFIX, SURFACES_READABLE, Reading
 
 CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES)) - frozenset(READABLE)
-"""Suffixes of files that are no documents, but contours or points for the one that is open."""
+"""Suffixes of files that hold contours or points for the open document rather than a document."""
 
-
-_SEGMENTS = (".seg.nrrd", ".seg.dcm")
-"""Ends of names of files that lie in a volume, where one is open."""
+_SEGMENTATION_ENDINGS = (".seg.nrrd", ".seg.dcm")
+"""Endings of segmentation files, which are imported if a volume is open."""
 
 
 class OpenSaveFeature(Feature):
     """Opening of images, sessions, points and presets, and the session file."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         window = self.window
         self.document_file = window.document_file
         self.recent = RecentFiles(window.preferences, window.open_image)
         self._left: tuple[Document, int] | None = None
-        """Document and number of the image that the user has agreed to close."""
+        """Document and generation that the user has agreed to close."""
         session = self.session
         session.may_replace = self._may_replace
         window.files_wanted.connect(self.take)
         window.dropped.connect(self.take_dropped)
         self.document_file.changed.connect(self._name_window)
         self.document_file.restored.connect(window.workspace.slices.use_view_state)
-        self.document_file.restored.connect(self.canvas.use_view_state)  # in the slice chosen before
+        self.document_file.restored.connect(self.canvas.use_view_state)  # in the slice that has just been restored
         session.document_changed.connect(lambda _: self._name_window())
         session.listen(Opened, self._take_opened)
         session.listen(Written, lambda written: self._remember(written.path))
@@ -76,13 +75,13 @@ class OpenSaveFeature(Feature):
 
         Contours and points are used in the image that is open.
 
-        An image that `resumes` is opened with the session next to it. Of a recent file that part is opened which was
-        chosen last.
+        With `resumes` an image is opened with the session next to it. The part of a recent file that was selected last
+        is opened again.
         """
         self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = []
         for path in paths:
-            segments = path.name.lower().endswith(_SEGMENTS) and self.session.scene.slices is not None
+            segments = path.name.lower().endswith(_SEGMENTATION_ENDINGS) and self.session.scene.slices is not None
             if path.suffix.lower() in CONTOURS or segments:
                 self.window.feature(ImportFeature).take(path)
             else:
@@ -95,7 +94,7 @@ class OpenSaveFeature(Feature):
                 self.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
 
     def take_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
-        """Open a part of a file, as a volume or as an image."""
+        """Open a part of a file as a volume or as an image."""
         self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         if self._may_open():
             self.session.open(path, as_volume=as_volume, reading=reading)
@@ -110,14 +109,14 @@ class OpenSaveFeature(Feature):
             self.session.say(message, True, OPENING)
 
     def ask_for_file(self) -> None:
-        """Ask for a file and open it."""
+        """Ask for an image or a session and open it."""
         both, images = Files(tr("Images and sessions"), (*READABLE, SUFFIX)), Files(tr("Images"), tuple(READABLE))
         chosen = self.window.files.ask_for_file("open", tr("Open"), (both, images, SESSIONS, ALL_FILES))
         if chosen is not None:
             self.take([chosen])
 
     def save(self) -> None:
-        """Save to the present file, or ask for one."""
+        """Save to the current file, or ask for one."""
         if self.document_file.path is None:
             self.save_as()
         else:
@@ -130,7 +129,7 @@ class OpenSaveFeature(Feature):
             self.document_file.save(path)
 
     def close(self) -> bool:
-        """Whether the document may be closed; asks about unsaved work and saves it if the user agrees."""
+        """Return whether the document may be closed; ask about unsaved work, and save it if the user agrees."""
         self.document_file.finish()
         if not self.document_file.unsaved:
             return True
@@ -144,11 +143,14 @@ class OpenSaveFeature(Feature):
 
     @property
     def _work(self) -> tuple[Document, int]:
-        """What would be lost."""
+        """Document and generation that would be lost."""
         return self.session.document, self.session.generation
 
     def _may_open(self) -> bool:
-        """Whether another image may be opened; not asked again while one is being opened and nothing has changed."""
+        """Return whether another image may be opened.
+
+        The user is not asked again while one is being opened and nothing has changed.
+        """
         if not (self.session.opening and self._left == self._work):
             if not self.close():
                 return False
@@ -156,21 +158,21 @@ class OpenSaveFeature(Feature):
         return True
 
     def _may_replace(self, opened: Opened) -> bool:
-        """Whether an image that has been prepared may replace this one; work done meanwhile is asked about.
+        """Return whether a loaded image may replace this one; ask about work done in the meantime.
 
-        When a page is turned nothing is lost.
+        Turning a page loses nothing and needs no question.
         """
         turned = opened.saved is not None and opened.saved.turned
         if turned or not self.document_file.unsaved or self._left == self._work:
             return True
 
-        def ask_again() -> None:
+        def confirm_again() -> None:
             if self.close():
                 self.session.use(opened)
             else:
                 self.session.say(tr("{name} was not opened, and your work stays open.", name=opened.path.name))
 
-        QTimer.singleShot(0, self.window, ask_again)
+        QTimer.singleShot(0, self.window, confirm_again)
         return False
 
     def _ask_where(self) -> Path | None:
@@ -201,10 +203,10 @@ class OpenSaveFeature(Feature):
 
 
 class StartFeature(Feature):
-    """Shows the start screen, and keeps a picture of each image and session that has been open."""
+    """Start screen, with a picture of each image and session that has been open."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         window = self.window
         self.pictures = Pictures(folder_of_pictures())
         self.screen = StartScreen(window.canvas_area)
@@ -224,12 +226,12 @@ class StartFeature(Feature):
         )  # fmt: skip
 
     def close(self) -> bool:
-        """Keep a picture of what is open."""
+        """Store a picture of the open image."""
         self._keep_picture()
         return True
 
     def show(self, trouble: str = "") -> None:
-        """Show the start screen in place of the image, and why a file could not be opened."""
+        """Show the start screen in place of the image, with the `error` of a file that could not be opened."""
         shown = [
             Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
             for sample in samples()
@@ -255,11 +257,11 @@ class StartFeature(Feature):
             self.show()
 
     def welcome(self) -> None:
-        """Offer the newest work when the program begins with a sample."""
+        """Offer the newest work when the program starts with a sample."""
         session = self.session
 
-        def offer(opened: Opened) -> None:
-            session.stop_listening(Opened, offer)
+        def on_opened(opened: Opened) -> None:
+            session.stop_listening(Opened, on_opened)
             newest = next(iter(self._paths), None)
             if newest is not None and opened.saved is None:
                 self.window.offers.offer(
@@ -268,21 +270,21 @@ class StartFeature(Feature):
                     (tr("Recent work"), self.show),
                 )
 
-        session.listen(Opened, offer)
+        session.listen(Opened, on_opened)
 
     @property
     def _paths(self) -> list[Path]:
-        """Recent files that are still there."""
+        """Recent files that still exist."""
         return [path for path in self._recent.paths if path.is_file()]
 
     def _stay(self, refused: NotOpened) -> None:
-        """Show what could be opened, unless there is work: an untouched sample would be taken for the file."""
+        """Show the start screen unless there is work: an untouched sample would be mistaken for the file."""
         image = self.session.document.image
         if image is None or (sample_at(Path(image.path)) and not self.window.document_file.unsaved):
             self.show(refused.sentence)
 
     def _keep_picture(self) -> None:
-        """Keep what the canvas shows as the picture of the image, and of its session if there is one."""
+        """Store the view of the canvas as the picture of the image, and of its session if there is one."""
         image = self.session.document.image
         if image is None:
             return
@@ -293,7 +295,7 @@ class StartFeature(Feature):
 
 
 class FolderBar(QWidget):
-    """Shows "3 of 24"; hidden where an image is the only one of its folder."""
+    """Position in the folder ("3 of 24") with buttons; hidden if the image is the only one of its folder."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -306,22 +308,22 @@ class FolderBar(QWidget):
         self.hide()
 
     def use_actions(self, actions: Actions) -> None:
-        """Let the buttons be those of the actions of the menu."""
+        """Give the buttons the actions of the menu."""
         self.back.setDefaultAction(actions["previous_image"])
         self.forward.setDefaultAction(actions["next_image"])
 
     def show_place(self, index: int, count: int, folder: str) -> None:
-        """Show that an image is one of the images of a folder; the first one has index 0."""
+        """Show the position of an image in its folder; the first one has index 0."""
         self._place.setText(tr("{number} of {count}", number=index + 1, count=count))
         self._place.setToolTip(tr("Images in {folder}", folder=folder))
         self.setVisible(count > 1)
 
 
 class FolderFeature(Feature):
-    """Opens the previous and the next image of a folder, each with the session next to it."""
+    """Steps to the previous and the next image of a folder, each with the session next to it."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         window = self.window
         self.bar = FolderBar()
         window.shortcuts.changed.connect(lambda: self.bar.use_actions(window.actions_by_name))
@@ -340,7 +342,7 @@ class FolderFeature(Feature):
         )  # fmt: skip
 
     def go(self, by: int) -> None:
-        """Open the next image (1) or the previous one (-1) that is still there."""
+        """Open the next image (1) or the previous one (-1) that still exists."""
         begin = self._ahead if self.session.opening else self._here
         ahead = range(begin + by, len(self._images) if by > 0 else -1, by)
         place = next((place for place in ahead if self._images[place].is_file()), None)
@@ -349,7 +351,7 @@ class FolderFeature(Feature):
             self.window.open_image(self._images[place], True)
 
     def _saved(self) -> bool:
-        """Save without a question, where the user wants that and nothing is overwritten; False when it fails."""
+        """Save without a question if the user prefers that and no file is overwritten; return False on failure."""
         file, image = self.window.document_file, self.session.document.image
         if image is None or not file.unsaved or not self.window.preferences.value(SAVE_IN_FOLDER):
             return True
@@ -369,15 +371,15 @@ class FolderFeature(Feature):
         self._ahead = self._here
 
 
-_PATH = 300
-"""Letters of a path that are shown in a question."""
+_MAX_SHOWN_PATH = 300
+"""Largest number of characters of a path that a question shows."""
 
 
 class RecoveryFeature(Feature):
-    """Recovery of unsaved work after the program has ended unexpectedly."""
+    """Recovery of unsaved work after a crash."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self._folder = folder_of_journals()
         self.journal = Journal(self.window.document_file, self._folder, self.window.preferences)
         self.journal.put.connect(lambda trouble: self.session.trouble(trouble, JOURNAL))
@@ -387,7 +389,7 @@ class RecoveryFeature(Feature):
         self.session.listen(Opened, self._use_opened)
 
     def offer(self) -> None:
-        """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
+        """Offer to restore the unsaved work of earlier windows, and report what cannot be read."""
         self._waiting, troubles = left_behind(self._folder)
         if troubles:
             self.session.say(" ".join(troubles), True, RECOVERY)
@@ -414,7 +416,7 @@ class RecoveryFeature(Feature):
             Button("discard", tr("&Discard this work"), "discard"),
             Button("later", tr("Ask me &later"), "cancel"),
         )
-        text = tr("CPM ended unexpectedly. Restore “{name}”?", name=shortened(leftover.name, _PATH))
+        text = tr("CPM ended unexpectedly. Restore “{name}”?", name=shortened(leftover.name, _MAX_SHOWN_PATH))
         details = "\n".join(_details(leftover))
         self.box = box = Question(self.window, tr("Restore unsaved work"), text, details, buttons)
         box.buttonClicked.connect(lambda _: self._act_on(box.given()))
@@ -422,7 +424,7 @@ class RecoveryFeature(Feature):
 
     def _act_on(self, answer: str) -> None:
         if answer == "restore":
-            if self._restoring is not None:  # its image was not found, and it waits for another time
+            if self._restoring is not None:  # its image was not found: keep it for another time
                 self._restoring.keep()
             self._restoring = self._waiting.pop(0)
             self.session.begin(self._restoring.wanted)
@@ -431,7 +433,7 @@ class RecoveryFeature(Feature):
             self._ask()
 
     def _use_opened(self, opened: Opened) -> None:
-        """Write a restored document to the new journal, and delete the old one only when that is on the disk."""
+        """Write a restored document to the new journal, and delete the old one only once that is on the disk."""
         saved, restoring = opened.saved, self._restoring
         if saved is not None and restoring is not None and saved.file is restoring.file:
             self.journal.write()
@@ -445,10 +447,10 @@ def _details(leftover: Leftover) -> Sequence[str]:
         QDateTime.fromSecsSinceEpoch(int(leftover.when.timestamp())), QLocale.FormatType.ShortFormat
     )
     image, objects, shapes = leftover.file.image, len(leftover.file.objects.items), len(leftover.file.shapes)
-    session = shortened(str(leftover.path), _PATH) if leftover.path else tr("never saved")
+    session = shortened(str(leftover.path), _MAX_SHOWN_PATH) if leftover.path else tr("never saved")
     return (
         tr("Last changed: {when}", when=when),
-        tr("Image: {path}", path=shortened(image.path, _PATH) if image else "–"),
+        tr("Image: {path}", path=shortened(image.path, _MAX_SHOWN_PATH) if image else "–"),
         tr("Session file: {path}", path=session),
         tr("Objects: {objects}, shapes: {shapes}", objects=objects, shapes=shapes),
     )

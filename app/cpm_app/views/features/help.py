@@ -24,10 +24,10 @@ SEEN = "guide/seen"
 
 
 class HelpFeature(Feature):
-    """Help on the program."""
+    """Guide, list of keys, and information about the program."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self.guide: Guide | None = None
         """The guide, while it is open."""
         self.actions = (
@@ -40,18 +40,18 @@ class HelpFeature(Feature):
         )  # fmt: skip
 
     def welcome(self) -> None:
-        """Offer the guide when the first image is open, at the first start of the program."""
+        """Offer the guide with the first image, when the program is started for the first time."""
         if self.window.preferences.get(SEEN, False):
             return
         self.window.preferences.put(SEEN, True)
         session = self.session
 
-        def offer(_: Opened) -> None:
-            session.stop_listening(Opened, offer)
+        def on_opened(_: Opened) -> None:
+            session.stop_listening(Opened, on_opened)
             question = tr("New here? The guide ({key:guide}) has four examples, step by step.")
             self.window.offers.offer(with_keys(question), (tr("&Guide"), self.show_guide))
 
-        session.listen(Opened, offer)
+        session.listen(Opened, on_opened)
 
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""
@@ -91,9 +91,9 @@ class HelpFeature(Feature):
         box.setWindowTitle(tr("About CPM"))
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
         copy.setToolTip(tr("Copy it to the clipboard, for example for a bug report."))
-        copy.clicked.disconnect()  # it does not close the box
+        copy.clicked.disconnect()  # copying must not close the box
         listed = "\n".join(f"{name}: {version}" for name, version in versions())
-        plain = f"CPM {__version__}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"  # as for a report of an error
+        plain = f"CPM {__version__}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"  # ready for a bug report
         copy.clicked.connect(lambda: QApplication.clipboard().setText(plain))
         box.addButton(QMessageBox.StandardButton.Close)
         box.open()
@@ -105,17 +105,17 @@ class HelpFeature(Feature):
 
 
 class PreferencesFeature(Feature):
-    """Opens the dialog of the preferences."""
+    """Dialog of the preferences."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self.actions = (
             ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.show,
                        "Ctrl+,", gap=True),
         )  # fmt: skip
 
     def show(self) -> PreferencesDialog:
-        """Open the dialog; the window stays usable."""
+        """Open the dialog, and leave the window usable."""
         window = self.window
         dialog = PreferencesDialog(window, window.preferences, window.shortcuts)
         dialog.finished.connect(dialog.deleteLater)

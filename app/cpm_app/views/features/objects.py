@@ -1,4 +1,4 @@
-"""Menu Objects: what is done to objects, proposals and contours, and their panel."""
+"""Menu Objects: actions on objects, proposals and contours, and their panel."""
 
 from __future__ import annotations
 
@@ -17,20 +17,19 @@ from cpm_app.session.features.object_list import Key, Kind
 from cpm_app.views.panels.objects import ObjectPanel
 from cpm_app.views.theme.icons import fill_colors, swatch
 from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_choice
+from cpm_app.views.widgets.containers import DELETE_KEYS
 from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.keyboard import Keys
 from cpm_app.views.window.window import Feature, MainWindow
 from cpm_core.medial_axis import Outlined
 from cpm_core.numerics.polyline import as_line
 
-_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
-_DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
-_SELECTING = ("objects", "select", "mend")
-"""Tools with which keys act on what is selected."""
+_SELECTION_TOOLS = ("objects", "select", "mend")
+"""Tools with which keys act on the selection."""
 
 
 class ObjectsFeature(Feature):
-    """Objects, proposals and contours by menu and keys, and their panel."""
+    """Actions on objects, proposals and contours by menu and keys, and their panel."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
@@ -51,10 +50,10 @@ class ObjectsFeature(Feature):
             changed.connect(lambda *_: window.refresh())
         selection.changed.connect(window.refresh)
 
-        def selects(*kinds: Kind, least: int = 1) -> bool:
+        def has_selected(*kinds: Kind, least: int = 1) -> bool:
             return sum(row.kind in kinds for row in objects.selected_rows) >= least
 
-        def some(_: Situation) -> bool:
+        def has_selection(_: Situation) -> bool:
             return bool(objects.selected)
 
         def has_objects(_: Situation) -> bool:
@@ -69,8 +68,8 @@ class ObjectsFeature(Feature):
             menu.aboutToHide.connect(menu.deleteLater)
             menu.popup(QCursor.pos())
 
-        def merge() -> None:
-            if selects("object", "proposal", "closed", least=2):
+        def merge_selection() -> None:
+            if has_selected("object", "proposal", "closed", least=2):
                 objects.merge()
             else:
                 editing.join_selected(closing=False)
@@ -81,19 +80,20 @@ class ObjectsFeature(Feature):
                        "Accept proposals and closed contours as objects, and keep open contours; Enter "
                        "does the same.",
                        objects.accept,
-                       when=lambda _: bool(selection.proposals) or selects("proposal", "closed", "open", "rejected")),
+                       when=lambda _: bool(selection.proposals)
+                       or has_selected("proposal", "closed", "open", "rejected")),
             ActionSpec("reject", "Objects", "&Reject",
                        "Dismiss proposals, remove objects, and exclude contours from exports; none is "
                        "proposed again.",
                        objects.reject, "X", when=lambda _: bool(objects.selected or selection.proposals)),
             ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
-                       self.ask_name, "F2", gap=True, when=some),
+                       self.ask_name, "F2", gap=True, when=has_selection),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
             ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",
-                       ask_color, when=lambda _: selects("object", "closed", "open")),
+                       ask_color, when=lambda _: has_selected("object", "closed", "open")),
             ActionSpec("merge_objects", "Objects", "&Merge",
-                       "Merge the selected objects into one; open contours are joined along the edges.", merge, "M",
-                       gap=True, when=lambda _: len(objects.selected) > 1),
+                       "Merge the selected objects into one; open contours are joined along the edges.",
+                       merge_selection, "M", gap=True, when=lambda _: len(objects.selected) > 1),
             ActionSpec("close_contours", "Objects", "Clos&e",
                        "Close the selected open contour along the edge between its ends; several are joined first.",
                        partial(editing.join_selected, closing=True), "Shift+C",
@@ -134,7 +134,7 @@ class ObjectsFeature(Feature):
                        self._find_skeleton, icon="mode_skeleton",
                        when=lambda now: bool(objects.chosen) or has_contours(now)),
             ActionSpec("delete_object", "Objects", "&Delete", "Remove the selection; the key Delete does the same.",
-                       objects.delete, gap=True, when=some),
+                       objects.delete, gap=True, when=has_selection),
             ActionSpec("all_objects", "Objects", "Select &all", "Select all rows of the table that are not rejected.",
                        lambda: objects.select(self._shown()), "Ctrl+A", gap=True, when=has_image),
             ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection",
@@ -170,28 +170,28 @@ class ObjectsFeature(Feature):
         self.panel.ask_name(category)
 
     def take_key(self, event: QKeyEvent) -> bool:
-        """Handle the keys for what is selected on the canvas; return whether the key was one of them."""
+        """Handle the keys that act on the selection on the canvas; return whether the key was one of them."""
         tool = self.window.canvas_area.canvas.hold.tool
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
-        key, selecting = event.key(), tool.name in _SELECTING
+        key, selecting = event.key(), tool.name in _SELECTION_TOOLS
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
             self._list.classify(key - Qt.Key.Key_0)
-        elif key in _DELETE and len(self._editing.marked) == 2:
+        elif key in DELETE_KEYS and len(self._editing.marked) == 2:
             self._editing.delete_stretch()
-        elif selecting and key in _DELETE and self._list.selected and not tool.drafting:
+        elif selecting and key in DELETE_KEYS and self._list.selected and not tool.drafting:
             self._list.delete()
         else:
             return False
         return True
 
     def _shown(self) -> frozenset[Key]:
-        """Keys of the rows in the table, without rejected ones unless there are only these."""
+        """Return the keys of the rows in the table, without rejected rows unless there are no others."""
         listed = self.panel.table.listed
         return frozenset(row.key for row in [row for row in listed if row.kind != "rejected"] or listed)
 
     def _open(self) -> None:
-        """Rename what has been clicked twice with the tool that selects."""
+        """Rename the item that was double-clicked with the selection tool."""
         if self.window.canvas_area.canvas.hold.tool.name == "select" and len(self._list.selected) == 1:
             self.ask_name()
 
@@ -217,7 +217,7 @@ class ObjectsFeature(Feature):
             add_choice(menu, text, partial(self._list.do, words, edit)).setEnabled(bool(self._list.chosen))
 
     def _find_skeleton(self) -> None:
-        """Find the skeleton of the chosen objects, or of the chosen closed contours or all that are not rejected."""
+        """Find the skeleton of the selected objects, else of the selected closed contours, else of all not rejected."""
         chosen, review = self._list.chosen, self.window.workspace.review
         if chosen:
             self._skeletonize(tr("skeleton of objects"), Outlined(objects=tuple(sorted(chosen))))
@@ -230,7 +230,7 @@ class ObjectsFeature(Feature):
             self.window.session.say(tr("There is no closed contour to find a skeleton in."))
 
     def _skeletonize(self, name: str, outlined: Outlined) -> None:
-        """Find center lines in what is outlined, or in the image."""
+        """Find center lines in outlined regions, or in the whole image."""
         session = self.window.session
         session.edit(name, lambda document: use_skeleton(document, outlined))
         if session.status.phase != "running":

@@ -1,4 +1,4 @@
-"""What is offered for an image when it has been opened: other parts of its file, its size, settings that suit it."""
+"""Offers for an opened image: other parts of its file, its pixel size, settings that suit it."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ from cpm_core.segmentation import LargeImageSettings, large_image_settings
 
 
 class BeginningFeature(Feature):
-    """The parameters that an image begins with, and what is offered for it: earlier work, and settings that suit it."""
+    """Initial parameters of an image, and offers of earlier work and of settings that suit it."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self.session.listen(Opened, self._look)
         self.window.preferences.follow(KEEP_PARAMETERS, self._use)
 
     def _look(self, opened: Opened) -> None:
-        """Find out what suits the image, which is shown meanwhile."""
+        """Find out which settings suit the image, which is shown in the meantime."""
 
-        def work(context: CommandContext) -> None:
+        def inspect_image(context: CommandContext) -> None:
             kind, settings, image = None, None, opened.image
             if image.ndim == 2:
                 kind, settings = guessed_kind(image.values), large_image_settings(image.values)
             context.report(Finished(partial(self._offer, opened, kind, settings)))
 
         if opened.saved is None:
-            self.session.post(Command(work, tr("looking at the image"), "kind"))
+            self.session.post(Command(inspect_image, tr("looking at the image"), "kind"))
 
     def _offer(self, opened: Opened, kind: Kind | None, settings: LargeImageSettings | None) -> None:
         session, offers, beside = self.session, self.window.offers, opened.beside
@@ -66,10 +66,10 @@ class BeginningFeature(Feature):
             and self.window.preferences.value(OFFER_SETTINGS)
         ):
             preset, words = PRESETS[kind], tr("settings for the kind of image")
-            take = partial(
+            use_settings = partial(
                 session.edit, words, lambda document: edits.use_preset(use_mode(document, "automatic"), preset)
             )
-            offers.offer(ADVICE[kind], (tr("Use these settings"), take))
+            offers.offer(ADVICE[kind], (tr("Use these settings"), use_settings))
         document = session.document
         if settings is not None and _with_settings(document, settings) != document:
             sentence = tr(
@@ -86,17 +86,17 @@ class BeginningFeature(Feature):
 
 
 def _with_settings(document: Document, settings: LargeImageSettings) -> Document:
-    """The document with settings for a large image, and with no less of either than it has."""
+    """Return the document with settings for a large image; neither scales nor smoothing decrease."""
     now = document.parameters
     smoothing = now.smoothing if now.smoothing == "auto" else max(now.smoothing, settings.smoothing)
     return edits.set_parameters(document, replace(now, scales=max(now.scales, settings.scales), smoothing=smoothing))
 
 
 class StackFeature(Feature):
-    """Says what else a file holds when a part of it is opened, and opens another part."""
+    """Offer and dialog of the other parts of a file of which one part is open."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
         self._looking = LatestOnlyWorker(self.session, "cpm-parts", tr("inspecting the file"))
@@ -109,12 +109,12 @@ class StackFeature(Feature):
         )  # fmt: skip
 
     def close(self) -> bool:
-        """End the thread."""
+        """Stop the thread that inspects files."""
         self._looking.close()
         return True
 
     def ask(self) -> None:
-        """Ask which part is to be opened."""
+        """Ask which part to open."""
         opened, parts = self._opened, self._parts
         if opened is None or parts is None:
             return
@@ -124,14 +124,14 @@ class StackFeature(Feature):
             self.window, opened.path.name, parts, opened.reading, image.ndim == 3, colored
         )
 
-        def look(series: int) -> None:
-            self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0], show)
+        def inspect_series(series: int) -> None:
+            self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0], show_found_parts)
 
-        def show(found: object) -> None:
+        def show_found_parts(found: object) -> None:
             if isinstance(found, Parts):
                 dialog.show_parts(found)
 
-        dialog.asked.connect(look)
+        dialog.asked.connect(inspect_series)
         dialog.chosen.connect(self._open)
         dialog.finished.connect(self._looking.forget)
         dialog.finished.connect(dialog.deleteLater)
@@ -144,7 +144,7 @@ class StackFeature(Feature):
         return None if self._opened is None else self._opened.parts
 
     def _offer(self, opened: Opened) -> None:
-        """Say what the file holds, and offer other parts of it."""
+        """Describe the contents of the file, and offer other parts of it."""
         self._opened, parts = opened, opened.parts
         if parts is None or opened.saved is not None:
             return
@@ -158,8 +158,8 @@ class StackFeature(Feature):
             )
             offer(sentence, (tr("Open the series"), partial(self._open, None, opened.reading)))
         elif parts.doubts and (volume or not parts.fit_a_volume):
-            # What is wrong with a volume is reported as long as nobody works on it.
-            if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
+            # Doubts about a volume are reported only until somebody has worked on it.
+            if parts.planes == parts.pages:  # all were read, and only their distance is in doubt
                 answers.insert(0, (tr("Voxel size…"), partial(self.window.do, "pixel_size")))
             offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
         elif parts.several_volumes or (parts.several and not volume):
@@ -180,16 +180,16 @@ class StackFeature(Feature):
         if as_volume is None:
             self.window.open_image(self._parts.series_around or self._opened.path)
             return
-        if as_volume != (self._opened.image.ndim == 3):  # a size by hand has as many numbers as there are axes
+        if as_volume != (self._opened.image.ndim == 3):  # a size entered by hand has one number per axis
             reading = replace(reading, spacing=None, unit=None)
         self.window.feature(OpenSaveFeature).take_part(self._opened.path, as_volume, reading)
 
 
 class PixelSizeFeature(Feature):
-    """Asks for the size, offers to where a volume has none, and makes it an edit that can be undone."""
+    """Dialog of the pixel size, which is also offered for volumes without one; setting it can be undone."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         self.dialog: PixelSizeDialog | None = None
         self._told: tuple[tuple[float, ...], str | None] | None = None
         self.session.listen(Opened, self._offer)
@@ -202,7 +202,7 @@ class PixelSizeFeature(Feature):
         )  # fmt: skip
 
     def _offer(self, opened: Opened) -> None:
-        """Offer to set the size where a volume has none: the particles take its voxels for cubes."""
+        """Offer to set the size if a volume has none: its voxels are then assumed to be cubes."""
         parts, ndim = opened.parts, opened.image.ndim
         self._told = None if parts is None else (parts.spacing[-ndim:], parts.unit)
         if ndim == 3 and opened.image.unit is None and opened.saved is None:
@@ -211,7 +211,7 @@ class PixelSizeFeature(Feature):
             self.window.offers.offer(sentence, (tr("Set the size…"), self.ask))
 
     def ask(self) -> None:
-        """Ask for the size."""
+        """Ask for the pixel size."""
         image = self.session.document.image
         if image is None:
             return

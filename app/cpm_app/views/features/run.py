@@ -26,28 +26,28 @@ from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.keyboard import Keys
 from cpm_app.views.window.window import Feature
 
-_UPDATE_EVERY = 250
-"""Time between two updates of the panel during the run [ms]."""
+_NUMBERS_INTERVAL = 250
+"""Time between two updates of the panel during a run [ms]."""
 
-_UNFOLDED = "run/unfolded"
-"""Preference: which sections are unfolded."""
+_UNFOLDED_SECTIONS_KEY = "run/unfolded"
+"""Preference: names of the unfolded sections."""
 
 
 class RunControlFeature(Feature):
-    """Control and state of the run."""
+    """Controls and state of the run."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         window = self.window
         session, speed = window.session, window.speed
         self.presets = Presets(window, PresetStore(parent=window))
         parameters = ParametersPanel(session, self.presets)
         self.panel = RunPanel(parameters)
         self.panels = (Panel("run", "Run", self.panel, "F5"),)
-        self.panel.unfold(window.preferences.get(_UNFOLDED, []))
+        self.panel.unfold(window.preferences.get(_UNFOLDED_SECTIONS_KEY, []))
         self.panel.folded.connect(self._keep_unfolded)
         self._keep_unfolded()
-        self._timer = QTimer(self.panel, interval=_UPDATE_EVERY)
+        self._timer = QTimer(self.panel, interval=_NUMBERS_INTERVAL)
         self._timer.timeout.connect(self._show_values)
         session.status_changed.connect(self._show)
         window.preferences.follow(UNIT, self._show)
@@ -69,7 +69,7 @@ class RunControlFeature(Feature):
         return True
 
     def _keep_unfolded(self) -> None:
-        self.window.preferences.put(_UNFOLDED, self.panel.unfolded)
+        self.window.preferences.put(_UNFOLDED_SECTIONS_KEY, self.panel.unfolded)
 
     def _show(self) -> None:
         running = is_running(self.session.situation)
@@ -83,18 +83,19 @@ class RunControlFeature(Feature):
         resolved, snapshot = session.resolved, session.scene.snapshot
         frames = written(f"{session.frames_per_second:.0f}") if is_running(session.situation) else "–"
         self.panel.status.show_resolved(resolved, frames)
-        self.panel.plots.setVisible(needs_start(session.document.mode))  # where there are particles that move
+        self.panel.plots.setVisible(needs_start(session.document.mode))  # only these modes move particles
         self.panel.show_metrics(snapshot.metrics if snapshot else None)
 
 
-_MENU = ">" + tr("Timeline")
+_TIMELINE_GROUP = ">" + tr("Timeline")
+"""Group in the list of keys."""
 
 
 class TimelineFeature(Feature):
     """Navigation through the recorded run and its branches."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         window = self.window
         self.navigation = to = window.workspace.navigation
         self.panel = TimelinePanel(to, lambda: self.session.status)
@@ -102,7 +103,7 @@ class TimelineFeature(Feature):
         self.session.status_changed.connect(lambda: self.panel.setVisible(self.session.status.started))
 
         def go_to_end(event: QKeyEvent) -> bool:
-            """Home and End on the canvas; in sliders and fields they keep their meaning."""
+            """Go to an end of the run by Home or End on the canvas; sliders and fields keep these keys."""
             ends = {Qt.Key.Key_Home: to.to_first, Qt.Key.Key_End: to.to_last}
             if event.key() in ends:
                 ends[Qt.Key(event.key())]()
@@ -115,36 +116,36 @@ class TimelineFeature(Feature):
         to.changed.connect(self._follow)
         window.preferences.follow(TIMELINE_MEMORY, self.use_memory)
 
-        def recorded(_: Situation) -> bool:
+        def has_recorded_run(_: Situation) -> bool:
             return bool(to.branches)
 
         self.actions = (
-            ActionSpec("timeline_back", _MENU, "One step &back",
+            ActionSpec("timeline_back", _TIMELINE_GROUP, "One step &back",
                        "Go to the previous step; the steps after it are kept.", partial(to.by, -1), ",", "back",
-                       when=recorded),
-            ActionSpec("timeline_forward", _MENU, "One step &forward", "Go to the next recorded step.",
-                       partial(to.by, 1), icon="forward", when=recorded),
-            ActionSpec("timeline_back_ten", _MENU, "Ten steps b&ack", "Go ten steps back.", partial(to.by, -10),
-                       "Shift+,", when=recorded),
-            ActionSpec("timeline_forward_ten", _MENU, "Ten steps f&orward", "Go ten steps forward.",
-                       partial(to.by, 10), "Shift+.", when=recorded),
-            ActionSpec("timeline_first", _MENU, "Fi&rst step",
+                       when=has_recorded_run),
+            ActionSpec("timeline_forward", _TIMELINE_GROUP, "One step &forward", "Go to the next recorded step.",
+                       partial(to.by, 1), icon="forward", when=has_recorded_run),
+            ActionSpec("timeline_back_ten", _TIMELINE_GROUP, "Ten steps b&ack", "Go ten steps back.",
+                       partial(to.by, -10), "Shift+,", when=has_recorded_run),
+            ActionSpec("timeline_forward_ten", _TIMELINE_GROUP, "Ten steps f&orward", "Go ten steps forward.",
+                       partial(to.by, 10), "Shift+.", when=has_recorded_run),
+            ActionSpec("timeline_first", _TIMELINE_GROUP, "Fi&rst step",
                        "Go to the first step of the run; Home on the canvas does the same.", to.to_first, "Ctrl+Home",
-                       "first", when=recorded),
-            ActionSpec("timeline_last", _MENU, "&Last step",
+                       "first", when=has_recorded_run),
+            ActionSpec("timeline_last", _TIMELINE_GROUP, "&Last step",
                        "Go to the last step of the branch; End on the canvas does the same.", to.to_last, "Ctrl+End",
-                       "last", when=recorded),
-            ActionSpec("timeline_parameters", _MENU, "Use the pa&rameters of this step",
+                       "last", when=has_recorded_run),
+            ActionSpec("timeline_parameters", _TIMELINE_GROUP, "Use the pa&rameters of this step",
                        "Use the parameters with which the shown step was computed.", to.use_its_parameters, gap=True,
                        when=lambda situation: has_particles(situation) and to.other_parameters is not None),
-            ActionSpec("timeline_delete", _MENU, "&Delete the branch",
+            ActionSpec("timeline_delete", _TIMELINE_GROUP, "&Delete the branch",
                        "Delete the shown branch; steps shared with other branches are kept.",
                        lambda: to.drop(to.place[0]), icon="bin",
                        when=lambda _: bool(to.place[0]) and len(to.outline.branches) > 1),
         )  # fmt: skip
 
     def _follow(self) -> None:
-        """Enable the moves."""
+        """Update the actions when the first run is recorded or the last one is gone."""
         shown = bool(self.navigation.branches)
         if shown != self._shown:
             self._shown = shown
@@ -157,10 +158,10 @@ class TimelineFeature(Feature):
 
 
 class TasksFeature(Feature):
-    """Tasks in the status bar."""
+    """Background tasks in the status bar."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         tasks = self.session.tasks
         self.bar = TaskBar(tasks)
         self.window.statusBar().addPermanentWidget(self.bar)

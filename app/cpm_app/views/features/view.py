@@ -1,4 +1,4 @@
-"""Menu View: layers, gray values, a close look, and going by keys."""
+"""Menu View: layers, gray values, zoom, and moving the keyboard focus."""
 
 from __future__ import annotations
 
@@ -17,13 +17,16 @@ from cpm_app.views.widgets.actions import LAYER, ActionSpec
 from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.window import Feature
 
-_LAYERS, _AREAS = ">" + tr("Layers"), ">" + tr("Panels")
-"""Groups in the list of keys."""
+_LAYERS_GROUP = ">" + tr("Layers")
+"""Group of the layers in the list of keys."""
 
-_KEY = "layers/{layer}"
+_PANELS_GROUP = ">" + tr("Panels")
+"""Group of the panels in the list of keys."""
+
+_LAYER_SETTINGS_KEY = "layers/{layer}"
 """Preference: the settings of a layer."""
 
-_LEGEND = "legend/folded"
+_LEGEND_FOLDED_KEY = "legend/folded"
 """Preference: whether the legend is folded away."""
 
 
@@ -31,7 +34,7 @@ class LayersFeature(Feature):
     """Zoom, layers and their settings."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         window = self.window
         area, canvas, workspace = window.canvas_area, self.canvas, window.workspace
         layers, legend = canvas.layers, area.strip.legend
@@ -39,26 +42,26 @@ class LayersFeature(Feature):
         self.panels = (Panel("layers", "Layers", panel, "F8"),)
         canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
-            layer.use_view_state(window.preferences.mapping(_KEY.format(layer=layer.name)))
+            layer.use_view_state(window.preferences.mapping(_LAYER_SETTINGS_KEY.format(layer=layer.name)))
             layer.changed.connect(window.refresh)
 
-        def say_range() -> None:
+        def show_range() -> None:
             low, high = layers.image.window
             text = tr("Black {low}, white {high}", low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
             area.strip.say_next(f"{text}: {named((low, high))}")
 
-        area.level_drag.moved.connect(say_range)
+        area.level_drag.moved.connect(show_range)
         area.level_drag.ended.connect(window.refresh)
-        legend.fold(bool(window.preferences.get(_LEGEND, False)))
-        legend.folded_changed.connect(lambda folded: window.preferences.put(_LEGEND, folded))
+        legend.fold(bool(window.preferences.get(_LEGEND_FOLDED_KEY, False)))
+        legend.folded_changed.connect(lambda folded: window.preferences.put(_LEGEND_FOLDED_KEY, folded))
         legend.folded_changed.connect(window.refresh)
         window.shortcuts.changed.connect(lambda: panel.use_actions(window.actions_by_name))
         workspace.review.selection_changed.connect(window.refresh)
         workspace.object_list.selection_changed.connect(window.refresh)
 
-        def toggle(layer: Layer) -> ActionSpec:
+        def create_layer_action(layer: Layer) -> ActionSpec:
             tip = tr("Show or hide: {layer}", layer=layer.tip)
-            return ActionSpec(f"{LAYER}{layer.name}", _LAYERS, layer.title, tip,
+            return ActionSpec(f"{LAYER}{layer.name}", _LAYERS_GROUP, layer.title, tip,
                               lambda: layer.set_shown(not layer.shown), layer.shortcut,
                               holds=lambda _: layer.shown)  # fmt: skip
 
@@ -74,13 +77,14 @@ class LayersFeature(Feature):
             ActionSpec("zoom_in", "View", "Zoom &in", "Zoom in.", partial(canvas.zoom, ZOOM), "+ = Ctrl++"),
             ActionSpec("zoom_out", "View", "Zoom &out", "Zoom out.", partial(canvas.zoom, 1.0 / ZOOM), "- Ctrl+-"),
             ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",
-                       lambda: legend.fold(not legend.folded), "Alt+L", gap=True, holds=lambda _: not legend.folded),
-            *map(toggle, layers),
-            ActionSpec("levels_full", _LAYERS, "&All gray values",
+                       lambda: legend.fold(not legend.folded), "Alt+L", gap=True,
+                       holds=lambda _: not legend.folded),
+            *map(create_layer_action, layers),
+            ActionSpec("levels_full", _LAYERS_GROUP, "&All gray values",
                        "Show all gray values, from the smallest (black) to the largest (white).",
                        partial(self._choose_range, WHOLE), "Alt+Shift+W", when=has_image,
                        holds=lambda _: layers.image.word("range") == WHOLE),
-            ActionSpec("levels_auto", _LAYERS, "A&utomatic range",
+            ActionSpec("levels_auto", _LAYERS_GROUP, "A&utomatic range",
                        "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
                        "button to change the range.",
                        partial(self._choose_range, AUTOMATIC), "Alt+W", when=has_image,
@@ -88,11 +92,11 @@ class LayersFeature(Feature):
         )  # fmt: skip
 
     def close(self) -> bool:
-        """Keep the settings of layers for the next start; their visibility is not kept."""
+        """Store the settings of the layers, but not their visibility, for the next start."""
         for layer in self.canvas.layers:
             chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
             if layer.options:
-                self.window.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
+                self.window.preferences.put(_LAYER_SETTINGS_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
 
     def _choose_range(self, value: str) -> None:
@@ -101,21 +105,21 @@ class LayersFeature(Feature):
 
 
 class KeyboardFeature(Feature):
-    """Gives the keyboard to the sliders, and to one area of the window after the other."""
+    """Keys that move the keyboard focus to the sliders and from area to area."""
 
     def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
+        """Create the actions and connect them to what they depend on."""
         window = self.window
         self.actions = (
-            ActionSpec("go_to_sliders", _AREAS, "&Go to the sliders",
+            ActionSpec("go_to_sliders", _PANELS_GROUP, "&Go to the sliders",
                        "Move the keyboard focus to the sliders; Enter or Esc returns it to the image.",
                        lambda: window.docks.enter("run"), "Q"),
-            ActionSpec("next_area", _AREAS, "Go to the ne&xt area",
+            ActionSpec("next_area", _PANELS_GROUP, "Go to the ne&xt area",
                        "Move the keyboard focus to the image, the panel and the timeline in turn.",
                        lambda: window.docks.go_on(1), "F6"),
-            ActionSpec("previous_area", _AREAS, "Go to the pre&vious area", "The same in the other direction.",
+            ActionSpec("previous_area", _PANELS_GROUP, "Go to the pre&vious area", "The same in the other direction.",
                        lambda: window.docks.go_on(-1), "Shift+F6"),
-            ActionSpec("open_menu", _AREAS, "Context &menu",
+            ActionSpec("open_menu", _PANELS_GROUP, "Context &menu",
                        "Open the menu of a right click.",
                        lambda: window.context_menus.open_at(QApplication.focusWidget()), "Shift+F10 Menu"),
         )  # fmt: skip

@@ -26,6 +26,7 @@ from cpm_app.views.volume.space_clicks import draw_at, select_at
 from cpm_app.views.volume.space_marks import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
 from cpm_app.views.volume.space_panel import SpacePanel, specs
 from cpm_app.views.widgets.actions import ActionSpec
+from cpm_app.views.widgets.fields import PLACE_JUMP
 from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.window import Feature, MainWindow
 from cpm_core import Image
@@ -33,15 +34,15 @@ from cpm_core.formats import write_picture
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback
 
-_MENU = ">" + tr("Slices and pages")
-_JUMP = 10
+_SLICES_GROUP = ">" + tr("Slices and pages")
+"""Group in the list of keys."""
 
-_SIDES = "volumes/three_slices"
-"""Preference: whether the slices across the other axes are shown."""
+_SIDES_SHOWN_KEY = "volumes/three_slices"
+"""Preference: whether the slices across the other two axes are shown."""
 
 
 class SlicesFeature(Feature):
-    """The line below the canvas, keys and wheel that go through a volume."""
+    """Line below the canvas, keys and wheel that move through a volume."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
@@ -55,10 +56,10 @@ class SlicesFeature(Feature):
         self.bar.size_wanted.connect(partial(window.do, "pixel_size"))
         area.controls.addWidget(self.bar)
         self.sides: tuple[SideView, ...] = ()
-        """Views of the slices across the other axes, made when they are first shown."""
+        """Views of the slices across the other axes, created when they are first shown."""
         self.space: QWidget | None = None
-        """The view in space, which is shown with them."""
-        self._wanted = bool(window.preferences.get(_SIDES, True))
+        """View in space, which is shown together with them."""
+        self._wanted = bool(window.preferences.get(_SIDES_SHOWN_KEY, True))
         self._cross = Cross(area.canvas)
         self._later: list[AsyncCache] = []
         self._draw_later(area.canvas)
@@ -67,33 +68,33 @@ class SlicesFeature(Feature):
         window.preferences.follow(UNIT, self.show_place)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
-        def several(situation: Situation) -> bool:
+        def has_several_slices(situation: Situation) -> bool:
             return has_volume(situation) or pages.count > 1
 
-        def go(by: int) -> Callback:
+        def move_by(by: int) -> Callback:
             return lambda: (pages if pages.count else slices).go(by)
 
-        def turn_to(axis: int) -> None:
+        def turn_to_axis(axis: int) -> None:
             slices.turn(axis)
             window.refresh()
 
-        def across(axis: int) -> ActionSpec:
+        def create_axis_action(axis: int) -> ActionSpec:
             name = AXES[axis]
-            return ActionSpec(f"slices_across_{axis}", _MENU, tr("Across the &{axis}").format(axis=name),
-                              tr("Show slices across this axis: {axis}.").format(axis=name), partial(turn_to, axis),
-                              f"Ctrl+Shift+{axis + 1}", there=has_volume,
+            return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}").format(axis=name),
+                              tr("Show slices across this axis: {axis}.").format(axis=name),
+                              partial(turn_to_axis, axis), f"Ctrl+Shift+{axis + 1}", there=has_volume,
                               holds=lambda _: slices.now is not None and slices.now.axis == axis)  # fmt: skip
 
         self.actions = (
-            ActionSpec("previous_slice", _MENU, "&Previous slice or page", "Show the slice or page before this one.",
-                       go(-1), "PgUp", there=several),
-            ActionSpec("next_slice", _MENU, "&Next slice or page", "Show the slice or page after this one.", go(1),
-                       "PgDown", there=several),
-            ActionSpec("slices_back", _MENU, "Ten &back", "Show the slice or page ten before this one.", go(-_JUMP),
-                       "Shift+PgUp", there=several),
-            ActionSpec("slices_on", _MENU, "Ten &on", "Show the slice or page ten after this one.", go(_JUMP),
-                       "Shift+PgDown", there=several),
-            *map(across, range(3)),
+            ActionSpec("previous_slice", _SLICES_GROUP, "&Previous slice or page",
+                       "Show the slice or page before this one.", move_by(-1), "PgUp", there=has_several_slices),
+            ActionSpec("next_slice", _SLICES_GROUP, "&Next slice or page",
+                       "Show the slice or page after this one.", move_by(1), "PgDown", there=has_several_slices),
+            ActionSpec("slices_back", _SLICES_GROUP, "Ten &back", "Show the slice or page ten before this one.",
+                       move_by(-PLACE_JUMP), "Shift+PgUp", there=has_several_slices),
+            ActionSpec("slices_on", _SLICES_GROUP, "Ten &on", "Show the slice or page ten after this one.",
+                       move_by(PLACE_JUMP), "Shift+PgDown", there=has_several_slices),
+            *map(create_axis_action, range(3)),
             ActionSpec("three_slices", "View", "&Three slices and space",
                        "Show the slices across the other axes and the view in space, or one slice alone.",
                        self.toggle_sides,
@@ -101,29 +102,29 @@ class SlicesFeature(Feature):
         )  # fmt: skip
 
     def close(self) -> bool:
-        """End the threads that make parts of slices."""
+        """Stop the threads that compute slices."""
         for later in self._later:
             later.close()
         return True
 
     def _draw_later(self, view: ImageView) -> None:
-        """Draw what takes long of the slices of a view when it has been made on another thread."""
+        """Compute the slow parts of the slices of a view on another thread, and draw them when they are ready."""
         view.sections.later = later = AsyncCache(self.window.session)
         later.completed.connect(view.draw_again)
         later.completed.connect(self.window.canvas_area.strip.legend.refresh)
         self._later.append(later)
 
     def _open_menu(self, point: QPoint) -> None:
-        """Open the menu of what lies at a point of the screen; where nothing lies, the cross alone has moved."""
+        """Open the menu of the item at a point of the screen, if there is one."""
         area = self.window.canvas_area
-        thing, _ = area.menu_at(area.mapFromGlobal(point))
-        if thing != "image":
+        item, _ = area.menu_at(area.mapFromGlobal(point))
+        if item != "image":
             area.canvas.pointer.menu_wanted.emit(point)
 
     def toggle_sides(self) -> None:
         """Show or hide the slices across the other axes, and the view in space."""
         self._wanted = not self._wanted
-        self.window.preferences.put(_SIDES, self._wanted)
+        self.window.preferences.put(_SIDES_SHOWN_KEY, self._wanted)
         self._show()
         self.window.refresh()
 
@@ -136,11 +137,11 @@ class SlicesFeature(Feature):
             self.window.canvas_area.canvas.point_again()
 
     def show_place(self) -> None:
-        """Show where the slice is, in the unit that is preferred."""
+        """Show the position of the slice in the preferred unit."""
         self.bar.show_slices(*self._shown)
 
     def _show_sides(self, scene: Scene) -> None:
-        """Draw the other two slices, and where all three meet."""
+        """Draw the other two slices and the lines where all three meet."""
         shown = scene.slices is not None and self._wanted
         self._cross.show(scene.slices if shown else None)
         if len(self.sides) < 2:
@@ -161,7 +162,7 @@ class SlicesFeature(Feature):
                 view.show_slice(scene, axis)
 
     def _make_side(self) -> None:
-        """Make the view of a further slice, the next one below the first; both are shown at once."""
+        """Create the view of another slice, the second one below the first."""
         area, row = self.window.canvas_area, len(self.sides)
         view = SideView(area.canvas, area)
         view.hide()
@@ -176,7 +177,7 @@ class SlicesFeature(Feature):
 
 
 class PagesFeature(Feature):
-    """The line that chooses a page, the actions for all pages, and their table."""
+    """Line below the canvas that selects a page, actions for all pages, and their table."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
@@ -197,7 +198,7 @@ class PagesFeature(Feature):
         window.preferences.follow(UNIT, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
-        def stacked(_: Situation) -> bool:
+        def is_stack(_: Situation) -> bool:
             return pages.count > 1
 
         def can_run(situation: Situation) -> bool:
@@ -206,17 +207,17 @@ class PagesFeature(Feature):
         self.actions = (
             ActionSpec("run_pages", "Run", "Run all &pages",
                        "Run every page of the stack, one after the other, in the background.", pages.run,
-                       "Ctrl+Shift+Return", gap=True, when=can_run, there=stacked),
+                       "Ctrl+Shift+Return", gap=True, when=can_run, there=is_stack),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all pages after it, one after the other, in the background.",
-                       lambda: pages.run(pages.number), when=can_run, there=stacked),
+                       lambda: pages.run(pages.number), when=can_run, there=is_stack),
             ActionSpec("follow_pages", "Run", "&Follow from page to page",
                        "Start each page from the contours of the previous one.",
-                       lambda: self._follow(not pages.following), there=stacked,
+                       lambda: self._follow(not pages.following), there=is_stack,
                        holds=lambda _: pages.following),
             ActionSpec("follow_objects", "Objects", "Follow on all &pages",
                        "Find the accepted objects again on all pages after this one, in the background; pages with "
-                       "objects stay as they are.", followed.run, "Ctrl+Shift+F", gap=True, there=stacked,
+                       "objects stay as they are.", followed.run, "Ctrl+Shift+F", gap=True, there=is_stack,
                        when=lambda now: not followed.running and bool(now.document.objects.items)),
         )  # fmt: skip
 
@@ -240,7 +241,7 @@ class PagesFeature(Feature):
 
 
 class SpaceFeature(Feature):
-    """Shows volume, particles and surface in space, and writes what is seen as a picture or a full turn."""
+    """View of volume, particles and surface in space, and its export as a picture or a full turn."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
@@ -262,19 +263,19 @@ class SpaceFeature(Feature):
         self.actions = tuple(specs(self.panel, window.session))
 
     def close(self) -> bool:
-        """End the thread that draws."""
+        """Stop the thread that renders."""
         self.panel.view.close_thread()
         return True
 
     def write(self, path: Path, turning: bool) -> None:
-        """Write what is seen as a picture, or a full turn of it."""
+        """Write the view as a picture, or as an animation of a full turn."""
         room, seen, camera = self.panel.view.room, self.panel.contents, self.panel.view.camera
         if seen is None or camera is None:
             return
         session, size = self.window.session, animation_size(room)
         comment = comment_on(session)
 
-        def work(_: Task) -> Report:
+        def write_view_picture(_: Task) -> Report:
             write_picture(picture_of(seen, camera, room), path, comment)
             return Exported(path)
 
@@ -282,12 +283,12 @@ class SpaceFeature(Feature):
             frames = turn(seen, camera.enlarged(size[0] / room[0]), size)
             begin_animation(session, path, lambda _: frames, FRAMES, FRAMES_PER_SECOND)
         else:
-            begin_writing(session, path, work)
+            begin_writing(session, path, write_view_picture)
 
     # Internal
 
     def _pick(self, place: Place) -> None:
-        """Move the slices there, and draw there what the tool in use draws without a slice."""
+        """Move the slices to a place, and apply the tool in use there if it works without a slice."""
         self.window.workspace.slices.through(place)
         tool = self.window.canvas_area.canvas.hold.tool
         camera, image = self.panel.view.camera, self.window.session.image
@@ -297,7 +298,7 @@ class SpaceFeature(Feature):
             draw_at(self.window.session, tool.name, place)
 
     def reveal(self) -> None:
-        """An image has no space."""
+        """Show the tab for volumes only."""
         self.window.docks.offer("space", self.window.session.scene.slices is not None)
 
     def _show(self, *_: object) -> None:

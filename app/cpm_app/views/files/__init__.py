@@ -1,1 +1,1 @@
-"""Files in the window: the dialogs that ask for them, recent ones, the start screen, the place in a folder."""
+"""Files in the window: recent files, the start screen, and the dialogs of their parts and pixel size."""

@@ -1,4 +1,4 @@
-"""The dialog that asks which part of a file is opened: all pages as a volume or one of them, channel, time, series."""
+"""Dialog that asks which part of a file to open: all pages as a volume or one page, channel, time, series."""
 
 from __future__ import annotations
 
@@ -13,39 +13,42 @@ from cpm_app.views.widgets.containers import AcceptButtons, lay_out_form
 from cpm_core.formats import Reading
 from cpm_core.image import COLORS
 
-_PAGE = {"plane": tr("Plane"), "page": tr("Page"), "frame": tr("Frame")}
-_COLORS = {
+_PAGE_LABELS = {"plane": tr("Plane"), "page": tr("Page"), "frame": tr("Frame")}
+"""Label of the page number by what a page is."""
+
+_COLOR_READING_TITLES = {
     "luminance": tr("Perceived brightness"),
     "red": tr("Red"),
     "green": tr("Green"),
     "blue": tr("Blue"),
     "contrast": tr("Channel with the largest variation"),
 }
+"""Titles of the ways to make gray levels of colors."""
 
 
 class PartDialog(QDialog):
-    """Shows what a file holds, and takes one part of it.
+    """Dialog that shows the contents of a file and asks for a part of it.
 
     Parameters
     ----------
     parent : QWidget
         The window.
     name : str
-        The file.
+        Name of the file.
     parts : Parts
-        What it holds.
+        Contents of the file.
     reading : Reading
-        What is open.
+        Part that is open.
     as_volume : bool
-        Whether that is a volume.
+        Whether it is open as a volume.
     colored : bool
         Whether the file has colors.
     """
 
     asked = Signal(int)
-    """The user wants to know what another series holds: its number, from 1."""
+    """The user asks for the contents of another series: its number, from 1."""
     chosen = Signal(object, object)
-    """The user has chosen: whether a volume is opened, None for the series in its folder, and the reading."""
+    """The user has selected a part: whether to open a volume, or None for the series in the folder; the reading."""
 
     def __init__(
         self, parent: QWidget, name: str, parts: Parts, reading: Reading, as_volume: bool, colored: bool
@@ -62,7 +65,7 @@ class PartDialog(QDialog):
         self.series.setCurrentIndex(parts.number - 1)
         self._as_volume = as_volume
         for color in COLORS:
-            self.color.addItem(_COLORS[color], color)
+            self.color.addItem(_COLOR_READING_TITLES[color], color)
         self.color.setCurrentIndex(COLORS.index(reading.color))
         for label, field in (
             (tr("Series"), self.series),
@@ -86,9 +89,9 @@ class PartDialog(QDialog):
         self.kind.currentIndexChanged.connect(self._enable)
 
     def show_parts(self, parts: Parts) -> None:
-        """Show what a series holds."""
+        """Show the contents of a series."""
         self._parts = parts
-        self._page_label.setText(_PAGE[parts.word])
+        self._page_label.setText(_PAGE_LABELS[parts.word])
         for field, count in ((self.page, parts.pages), (self.channel, parts.channels), (self.time, parts.times)):
             field.setRange(1, count)
             field.setSuffix(tr(" of {count}", count=count))
@@ -107,12 +110,12 @@ class PartDialog(QDialog):
 
     @property
     def as_volume(self) -> bool:
-        """Whether a volume is chosen."""
+        """Whether a volume is selected."""
         return bool(self.kind.currentData())
 
     @property
     def reading(self) -> Reading:
-        """What is chosen; what can be no other is left to the reader."""
+        """Selected part; where there is only one possibility, it is left to the reader."""
         parts, as_volume = self._parts, self.as_volume
         several = len(parts.series) > 1
         return replace(
@@ -125,11 +128,14 @@ class PartDialog(QDialog):
         )
 
     def _ask(self, index: int) -> None:
-        """Wait for what another series holds."""
+        """Ask for the contents of another series, and wait for them."""
         self.open_button.setEnabled(False)
         self.asked.emit(index + 1)
 
     def _enable(self) -> None:
-        """A volume has all pages, and an image its colors as a parameter."""
+        """Enable the page for images only, and show the reading of colors for volumes only.
+
+        An image keeps its colors, and a parameter selects the channel.
+        """
         self.page.setEnabled(self.kind.currentData() is False)
         self._form.setRowVisible(self.color, self._colored and self.as_volume)

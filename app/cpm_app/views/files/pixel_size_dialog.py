@@ -1,4 +1,4 @@
-"""The dialog that asks for the size of a pixel or of a voxel."""
+"""Dialog that asks for the size of a pixel or of a voxel."""
 
 from __future__ import annotations
 
@@ -18,29 +18,37 @@ from cpm_app.views.widgets.fields import DecimalField
 from cpm_core.numerics.types import Sides
 
 UNITS = ("nm", "µm", "mm", "cm", "m")
-_SIDES = (tr("Distance between planes"), tr("Distance between rows"), tr("Distance between columns"))
-_LEAST, _MOST = 1e-6, 1e6
+"""Units of length that can be selected."""
+
+_SIDE_LABELS = (tr("Distance between planes"), tr("Distance between rows"), tr("Distance between columns"))
+"""Labels of the sides of a voxel, in the order of the axes."""
+
+_MIN_SIDE = 1e-6
+"""Smallest side of a voxel, in the selected unit."""
+
+_MAX_SIDE = 1e6
+"""Largest side of a voxel, in the selected unit."""
 
 
 class PixelSizeDialog(QDialog):
-    """Takes a size along each axis, and a unit.
+    """Dialog with a size along each axis and a unit.
 
     Parameters
     ----------
     parent : QWidget
         The window.
     spacing : tuple of float
-        Size of a pixel along each axis now.
+        Current size of a pixel along each axis.
     unit : str or None
-        Its unit; None where it is not known.
+        Its unit; None if unknown.
     stated : str
-        The size in the file, in words; empty where it has none.
+        Size in the file as text; empty if it has none.
     """
 
     chosen = Signal(object, str)
-    """The user has chosen: a size along each axis, and the unit."""
+    """The user has entered a size along each axis and the unit."""
     reset = Signal()
-    """The user wants the size in the file."""
+    """The user asks for the size in the file."""
 
     def __init__(self, parent: QWidget, spacing: Sides, unit: str | None, stated: str) -> None:
         super().__init__(parent)
@@ -51,7 +59,7 @@ class PixelSizeDialog(QDialog):
         self.unit.addItems(UNITS)
         self.unit.setCurrentText(unit if unit in UNITS else "mm" if volume else "µm")
         form = QFormLayout()
-        for label, field in zip(_SIDES[-len(spacing) :], self.sides, strict=True):
+        for label, field in zip(_SIDE_LABELS[-len(spacing) :], self.sides, strict=True):
             form.addRow(label, field)
         form.addRow(tr("Unit"), self.unit)
         buttons = AcceptButtons(self, tr("Use"))
@@ -67,7 +75,7 @@ class PixelSizeDialog(QDialog):
 
 
 def _field(size: float) -> QDoubleSpinBox:
-    field = DecimalField(_LEAST, _MOST, decimals=6)
+    field = DecimalField(_MIN_SIDE, _MAX_SIDE, decimals=6)
     field.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
     field.setValue(size)
     return field

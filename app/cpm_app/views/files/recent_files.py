@@ -1,4 +1,4 @@
-"""The recent files."""
+"""Recent files."""
 
 from __future__ import annotations
 
@@ -20,16 +20,18 @@ from cpm_core.numerics.types import Callback
 MOST = 12
 """Largest number of files in the list."""
 
-_KEY = "files/recent"
-_LONGEST_PATH = 4096
-"""Letters that a path may have."""
+_RECENT_FILES_KEY = "files/recent"
+"""Preference: the paths, the newest first."""
 
-_PARTS = "files/parts"
-"""For each file of which a part was chosen whether it is a volume, and the reading, as JSON."""
+_MAX_PATH_LENGTH = 4096
+"""Largest number of characters of a stored path; longer ones are ignored."""
+
+_FILE_PARTS_KEY = "files/parts"
+"""Preference: for each file of which a part was selected, whether it is a volume and how it is read, as JSON."""
 
 
 class RecentFiles:
-    """Their list in the preferences, the newest first, and its menu; `open_file` is called with a chosen path."""
+    """Recent files in the preferences, the newest first, and their menu; `open_file` opens a selected path."""
 
     def __init__(self, preferences: Preferences, open_file: Callable[[Path], None]) -> None:
         self._preferences = preferences
@@ -39,27 +41,31 @@ class RecentFiles:
 
     @property
     def paths(self) -> list[Path]:
-        """The files."""
-        return [Path(path) for path in self._preferences.get(_KEY, [""]) if 0 < len(path) <= _LONGEST_PATH]
+        """Recent files, the newest first."""
+        return [
+            Path(path) for path in self._preferences.get(_RECENT_FILES_KEY, [""]) if 0 < len(path) <= _MAX_PATH_LENGTH
+        ]
 
     def add(self, path: Path) -> None:
-        """Put a file first that has been opened or saved."""
+        """Put a file that was opened or saved first."""
         path = path.absolute()
         others = [other for other in self.paths if other != path]
-        self._preferences.put(_KEY, [str(each) for each in (path, *others)][:MOST])
+        self._preferences.put(_RECENT_FILES_KEY, [str(each) for each in (path, *others)][:MOST])
 
     def keep_part(self, opened: Opened) -> None:
-        """Keep which part of a file has been opened, where it holds several."""
+        """Remember which part of a file was opened, if it holds several."""
         if opened.saved is not None or opened.parts is None or not opened.parts.several:
             return
         opened_as = opened.image.ndim == 3, opened.reading.arguments
-        parts = self._preferences.mapping(_PARTS) | {str(opened.path.absolute()): opened_as}
-        self._preferences.put(_PARTS, json.dumps({path: parts[path] for path in map(str, self.paths) if path in parts}))
+        parts = self._preferences.mapping(_FILE_PARTS_KEY) | {str(opened.path.absolute()): opened_as}
+        self._preferences.put(
+            _FILE_PARTS_KEY, json.dumps({path: parts[path] for path in map(str, self.paths) if path in parts})
+        )
 
     def part_of(self, path: Path) -> tuple[bool | None, Reading]:
-        """Whether a file was opened as a volume last, None where that is not known, and its reading."""
+        """Return whether a file was last opened as a volume, or None if unknown, and its reading."""
         try:
-            as_volume, reading = self._preferences.mapping(_PARTS)[str(path.absolute())]
+            as_volume, reading = self._preferences.mapping(_FILE_PARTS_KEY)[str(path.absolute())]
             return bool(as_volume), from_plain(Reading, reading, "reading")
         except (KeyError, TypeError, ValueError):
             return None, DEFAULT
@@ -78,7 +84,7 @@ class RecentFiles:
 
     def clear(self) -> None:
         """Forget all files."""
-        self._preferences.put(_KEY, [""])
-        self._preferences.put(_PARTS, "{}")
-        for follow in self.cleared:
-            follow()
+        self._preferences.put(_RECENT_FILES_KEY, [""])
+        self._preferences.put(_FILE_PARTS_KEY, "{}")
+        for notify in self.cleared:
+            notify()

@@ -1,4 +1,4 @@
-"""The start screen: recent work and samples as pictures, in place of the image."""
+"""Start screen: recent work and samples as pictures, in place of the image."""
 
 from __future__ import annotations
 
@@ -14,13 +14,19 @@ from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.containers import PictureGrid, Scrolled, arrange, dim_label, keep_escape, wrapped
 from cpm_core.numerics.types import record
 
-_PICTURE, _CELL = QSize(192, 120), QSize(212, 172)
-_MARGIN = 32
+_PICTURE_SIZE = QSize(192, 120)
+"""Size of a picture [px]."""
+
+_GRID_CELL_SIZE = QSize(212, 172)
+"""Size of a picture with the text below it [px]."""
+
+_SCREEN_MARGIN = 32
+"""Space on the left and on the right of the pictures [px]."""
 
 
 @record
 class Entry:
-    """A file that can be opened: its picture, which may be null, its name, a line below it, and what it is."""
+    """A file that can be opened: picture, which may be null, name, a line below it, and a description."""
 
     path: Path
     picture: QImage
@@ -30,14 +36,14 @@ class Entry:
 
 
 class StartScreen(QWidget):
-    """Covers `parent` while it is shown."""
+    """Pictures of recent work and samples that cover `parent`."""
 
     chosen = Signal(Path)
-    """The user chooses a file."""
+    """The user has selected a file."""
     asked = Signal()
-    """The user wants another file."""
+    """The user asks for another file."""
     left = Signal()
-    """The user goes back to the image."""
+    """The user returns to the image."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -48,7 +54,10 @@ class StartScreen(QWidget):
         self.open_button, self.back_button = QPushButton(tr("&Open…")), QPushButton(tr("&Back to the image"))
         self.open_button.clicked.connect(self.asked)
         self.back_button.clicked.connect(self.left)
-        self.recent, self.samples = PictureGrid(_PICTURE, _CELL), PictureGrid(_PICTURE, _CELL)
+        self.recent, self.samples = (
+            PictureGrid(_PICTURE_SIZE, _GRID_CELL_SIZE),
+            PictureGrid(_PICTURE_SIZE, _GRID_CELL_SIZE),
+        )
         self.recent.setAccessibleName(tr("Recent work"))
         self.samples.setAccessibleName(tr("Samples"))
         self.trouble = wrapped()
@@ -62,7 +71,7 @@ class StartScreen(QWidget):
         self.hide()
 
     def show_entries(self, recent: Sequence[Entry], samples: Sequence[Entry], leaves: bool, trouble: str = "") -> None:
-        """Show files in place of the image; `leaves` is whether there is one to go back to, `trouble` comes first."""
+        """Show files in place of the image, below an `error`; `can_go_back` offers to return to the image."""
         self.trouble.setText(trouble)
         self.trouble.setVisible(bool(trouble))
         for grid, entries in ((self.recent, recent), (self.samples, samples)):
@@ -99,7 +108,7 @@ class StartScreen(QWidget):
             super().keyPressEvent(event)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Stay as large as what it covers."""
+        """Adapt to the size of the parent."""
         if event.type() == QEvent.Type.Resize and self.isVisible():
             self._cover()
         return super().eventFilter(watched, event)
@@ -115,17 +124,17 @@ class StartScreen(QWidget):
             _heading(tr("Samples")),
             self.samples,
             None,
-            margins=(_MARGIN, _MARGIN // 2, _MARGIN, _MARGIN // 2),
+            margins=(_SCREEN_MARGIN, _SCREEN_MARGIN // 2, _SCREEN_MARGIN, _SCREEN_MARGIN // 2),
             spacing=10,
         )
-        arrange(QVBoxLayout(self), Scrolled(content, _MARGIN))
+        arrange(QVBoxLayout(self), Scrolled(content, _SCREEN_MARGIN))
 
     def _cover(self) -> None:
         """Take the size of the parent, and give each grid the height of all its rows."""
         self.setGeometry(self._covered.rect())
-        columns = max(1, (self.width() - 2 * _MARGIN - 20) // _CELL.width())
+        columns = max(1, (self.width() - 2 * _SCREEN_MARGIN - 20) // _GRID_CELL_SIZE.width())
         for grid in (self.recent, self.samples):
-            grid.setFixedHeight(-(-grid.count() // columns) * _CELL.height() + 4)
+            grid.setFixedHeight(-(-grid.count() // columns) * _GRID_CELL_SIZE.height() + 4)
 
     def _choose(self, item: QListWidgetItem) -> None:
         self.chosen.emit(item.data(Qt.ItemDataRole.UserRole))
@@ -138,9 +147,9 @@ def _heading(text: str) -> QLabel:
 
 
 def _shown(picture: QImage) -> QPixmap:
-    """A picture in the size of the grid; a dark one where there is none."""
+    """Return a picture in the size of the grid; a black one if there is none."""
     if picture.isNull():
-        blank = QPixmap(_PICTURE)
+        blank = QPixmap(_PICTURE_SIZE)
         blank.fill(Qt.GlobalColor.black)
         return blank
     return QPixmap.fromImage(picture)

@@ -1,4 +1,4 @@
-"""The panel of the layers, which is also their legend: a row for each, its settings folded away."""
+"""Panel of the layers, which is also their legend: a row for each, its settings folded away."""
 
 from __future__ import annotations
 
@@ -17,21 +17,28 @@ from cpm_app.views.widgets.actions import LAYER, Actions, add_choice
 from cpm_app.views.widgets.containers import Fold, Scrolled, arrange
 from cpm_app.views.widgets.fields import MarkedSlider
 
-_FOLD, _LEAST = 18, 60
-"""Width of the button that unfolds, and least height of the panel [px]."""
+_FOLD_BUTTON_WIDTH = 18
+"""Width of the button that unfolds the settings [px]."""
 
-_LOWEST_OPACITY, _OPACITY_STEP = 0.05, 0.05
+_MIN_LAYERS_HEIGHT = 60
+"""Smallest height of the panel [px]."""
+
+_MIN_OPACITY = 0.05
+"""Smallest opacity of a layer."""
+
+_OPACITY_STEP = 0.05
+"""Increment of the opacity."""
 
 
 class LayersPanel(Scrolled):
-    """One row per layer."""
+    """Panel with one row per layer."""
 
     def __init__(self, layers: Layers) -> None:
         self.rows = {layer.name: LayerRow(layer) for layer in layers}
         self.boxes: dict[str, QCheckBox] = {name: row.box for name, row in self.rows.items()}
         content = QWidget()
         arrange(QVBoxLayout(content), *self.rows.values(), None, margins=(6, 8, 8, 4), spacing=2)
-        super().__init__(content, _LEAST)
+        super().__init__(content, _MIN_LAYERS_HEIGHT)
         self.setFocusProxy(next(iter(self.boxes.values())))
         for row in self.rows.values():
             # the position of the settings is known only after the layout has been updated
@@ -40,7 +47,7 @@ class LayersPanel(Scrolled):
             )
 
     def use_theme(self, theme: Theme) -> None:
-        """Show the colors of layers in use, which the preferences change."""
+        """Show the current colors of the layers, which the preferences can change."""
         for row in self.rows.values():
             row.show_color()
 
@@ -62,11 +69,11 @@ class LayerRow(QWidget):
         self.box.toggled.connect(layer.set_shown)
         self.show_color()
         self.fold = Fold()
-        self.fold.setFixedWidth(_FOLD)
+        self.fold.setFixedWidth(_FOLD_BUTTON_WIDTH)
         self.fold.setAccessibleName(tr("Settings: {layer}", layer=layer.title))
         self.fold.setToolTip(tr("Settings of this layer."))
         self.fold.toggled.connect(self._unfold)
-        self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP)
+        self.opacity = MarkedSlider(_MIN_OPACITY, 1.0, _OPACITY_STEP)
         self.opacity.setAccessibleName(tr("Opacity: {layer}", layer=layer.title))
         self.opacity.setToolTip(tr("Opacity; double-click to restore."))
         self.opacity.moved_to.connect(layer.set_opacity)
@@ -79,11 +86,11 @@ class LayerRow(QWidget):
         self._show()
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """The layer. See `MenuOwner`."""
+        """Return the layer. See `MenuOwner`."""
         return f"{LAYER}{self.layer.name}", point if point is not None else self.box.geometry().center()
 
     def show_color(self) -> None:
-        """Show the colors in use."""
+        """Show the current colors."""
         if self.layer.colors:
             self.box.setIcon(swatch(*self.layer.colors))
 
@@ -94,7 +101,7 @@ class LayerRow(QWidget):
     def _unfold(self, unfolded: bool) -> None:
         if unfolded and self.settings is None:
             self.settings = LayerForm(self.layer)
-            self.settings.setContentsMargins(_FOLD + 4, 0, 0, 8)
+            self.settings.setContentsMargins(_FOLD_BUTTON_WIDTH + 4, 0, 0, 8)
             self.settings.rows.insertRow(0, tr("Opacity"), self.opacity)
             self._column.addWidget(self.settings)
         if self.settings is not None:

@@ -1,4 +1,4 @@
-"""The panel of the objects: a form of the chosen one, the classes, and the table of objects, proposals and contours."""
+"""Panel of the objects: a form of the selected one, the classes, and the table of objects, proposals and contours."""
 
 from __future__ import annotations
 
@@ -52,33 +52,34 @@ REACHED: Mapping[str, str] = {
     "flight": tr("in free flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
     "launched": tr("inserted elsewhere"), "": "–",
 }  # fmt: skip
-"""Words for the ways in which particles come to a contour, the nearest first."""
+"""Words for how particles reached a contour, the most direct way first."""
 
-_KIND: Mapping[Kind, str] = {
+_KIND_NAMES: Mapping[Kind, str] = {
     "object": tr("object"), "proposal": tr("proposal"), "closed": tr("closed"), "open": tr("open"),
     "rejected": tr("rejected"),
 }  # fmt: skip
+"""Names of the kinds of rows."""
 
 
 def _figure(get: Callable[[Figures], float | None]) -> Callable[[Row], float | None]:
-    """A figure of an object; None while it is not known."""
+    """Return a function from a row to a figure of its object, or None while it is unknown."""
     return lambda row: None if row.figures is None else get(row.figures)
 
 
 def _measure(get: Callable[[Measures], float | str | None]) -> Callable[[Row], float | str | None]:
-    """A measure of a contour; None for an object."""
+    """Return a function from a row to a measure of its contour, or None for an object."""
     return lambda row: None if row.contour is None else get(row.contour.measures)
 
 
 def _of(
     item: Callable[[SegmentedObject], float | None], measures: Callable[[Measures], float | None]
 ) -> Callable[[Row], float | str | None]:
-    """A number of an object, or of a contour."""
+    """Return a function from a row to a value of its object, or else of its contour."""
     return lambda row: item(row.item) if row.item is not None else _measure(measures)(row)
 
 
 def _state(row: Row) -> str | None:
-    """Whether it is frozen, hidden or kept, in words."""
+    """Describe whether the item of a row is frozen, hidden or kept."""
     if row.item is None:
         return tr("kept") if row.contour is not None and row.contour.reviewed.verdict == "kept" else None
     words = ((row.item.frozen, tr("frozen")), (row.item.hidden, tr("hidden")))
@@ -86,29 +87,30 @@ def _state(row: Row) -> str | None:
 
 
 CONFIDENCE = tr("Confidence: the estimated probability that the object covers most of the true one and little else.")
+"""Tooltip of the confidence."""
 
 
 def columns_of(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[Column[Row], ...]:
-    """The columns, those that matter most first, with the classes of the objects and the size of a pixel."""
+    """Build the columns, the most important first, for the classes of the objects and a pixel size."""
     pixel = float(np.prod(spacing))
     solid = len(spacing) == 3
 
-    def kind(row: Row) -> str:
+    def describe_class(row: Row) -> str:
         if row.kind != "object" or row.item is None:
-            return _KIND[row.kind]
+            return _KIND_NAMES[row.kind]
         named = bool(objects.classes[row.item.category - 1].name)
         return f"{row.item.category} " * named + class_title(objects, row.item.category)
 
-    def number(row: Row) -> int | None:
+    def row_number(row: Row) -> int | None:
         return row.contour.measures.number if row.contour else abs(row.key[1]) or None
 
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
-               number, "000", form=".0f", key=lambda row: KINDS.index(row.kind) * 1e7 + (number(row) or 0)),
+               row_number, "000", form=".0f", key=lambda row: KINDS.index(row.kind) * 1e7 + (row_number(row) or 0)),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
-                                        "row is."), kind,
+                                        "row is."), describe_class,
                "proposal",
                key=lambda row: 10 * KINDS.index(row.kind) + (row.item.category if row.item else 0)),
         Column("area", tr("Volume"), tr("Volume without hollows."), _figure(lambda found: found.volume),
@@ -156,7 +158,7 @@ def columns_of(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[
 
 
 class ObjectTable(ItemTable):
-    """Shows the rows of a list, those of some kinds, selects, names, classifies and removes them."""
+    """Table of objects, proposals and contours, in which they are selected, named, classified and removed."""
 
     item = "object"
 
@@ -185,21 +187,21 @@ class ObjectTable(ItemTable):
         self._list.delete()
 
     def hover(self, key: Key | None) -> None:
-        """Highlight a row, or nothing."""
+        """Highlight a row, or none."""
         self._list.hover(key)
 
     def show_only(self, kinds: tuple[Kind, ...]) -> None:
-        """Show the rows of some kinds, or of all for none."""
+        """Show only rows of these kinds, or all rows if there are none."""
         self._kinds = kinds
         self.show_items()
 
     @property
     def listed(self) -> list[Row]:
-        """The rows that it shows."""
+        """Rows that the table shows."""
         return [row for row in self._list.rows if not self._kinds or row.kind in self._kinds]
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Set the class by digits."""
+        """Set the class by a digit."""
         digit = event.key() - Qt.Key.Key_0
         if 1 <= digit <= len(self._list.objects.classes):
             self._list.classify(digit)
@@ -207,13 +209,13 @@ class ObjectTable(ItemTable):
             super().keyPressEvent(event)
 
     def refresh(self) -> None:
-        """Show the rows in the size of a pixel."""
+        """Show the rows with lengths in the unit of the image."""
         image = self._session.image
         spacing, unit = (image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)
         self.rows.update(self.listed, shown_in(spacing, unit), columns_of(self._list.objects, spacing))
 
     def _look(self, row: Row, role: int, of_name: bool) -> Any:
-        """The color of a row next to its name; hidden and rejected ones are pale, names of the latter struck out."""
+        """Return the swatch next to a name; hidden and rejected rows are pale, rejected names struck out."""
         match role:
             case Role.DecorationRole if of_name:
                 return swatch(color_of(self._list, row))
@@ -227,7 +229,7 @@ class ObjectTable(ItemTable):
 
 
 def color_of(object_list: ObjectList, row: Row) -> str:
-    """The color of a row: of an object that of its class, unless it has its own."""
+    """Return the color of a row: its own, or else that of the class of the object."""
     if row.item is not None:
         return theme.PROPOSAL if row.kind == "proposal" else object_list.objects.color(row.item)
     assert row.contour is not None
@@ -236,7 +238,7 @@ def color_of(object_list: ObjectList, row: Row) -> str:
 
 
 class Histogram(QWidget):
-    """Gray values inside an object, in its color, in front of those of the whole image, each up to its own maximum."""
+    """Gray values inside an object in front of those of the whole image, each scaled to its own maximum."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -249,7 +251,7 @@ class Histogram(QWidget):
         self._color = ""
 
     def show_counts(self, image: Image | None, counts: Integers, color: str) -> None:
-        """Show the numbers of pixels of an object in an image."""
+        """Show the histogram of an object, as numbers of pixels, in front of that of the image."""
         if image is not self._image and image is not None:
             self._whole = histogram(image.values.ravel()[:: max(1, image.values.size >> 18)], image)
         self._image, self._counts, self._color = image, counts, color
@@ -257,11 +259,11 @@ class Histogram(QWidget):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Low."""
+        """Return a low size."""
         return QSize(120, 36)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw both as bars."""
+        """Draw both histograms as bars."""
         painter = QPainter(self)
         pale = QColor(self.palette().color(QPalette.ColorRole.PlaceholderText))
         pale.setAlphaF(0.4)
@@ -274,7 +276,7 @@ class Histogram(QWidget):
 
 
 class ClassRow(QWidget):
-    """A class: its color, which a menu changes, its digit, which sets it, and its name."""
+    """Row of a class: its color with a menu, the digit that sets it, and its name."""
 
     def __init__(self, object_list: ObjectList, number: int) -> None:
         super().__init__()
@@ -297,7 +299,7 @@ class ClassRow(QWidget):
         arrange(QHBoxLayout(self), self.color, self.digit, self.name, spacing=4, wide=self.name)
 
     def show_class(self) -> None:
-        """Show the class as it is now."""
+        """Show the current color, digit and name."""
         objects = self._list.objects
         known = objects.classes[self._number - 1]
         self.color.setIcon(swatch(known.color))
@@ -312,22 +314,22 @@ class ClassRow(QWidget):
             self._list.name_class(self._number, self.name.text())
 
 
-_FILTERS: tuple[tuple[str, tuple[Kind, ...]], ...] = (
+_ROW_FILTERS: tuple[tuple[str, tuple[Kind, ...]], ...] = (
     (tr("All"), ()),
     (tr("Objects"), ("object",)),
     (tr("Proposals"), ("proposal",)),
     (tr("Contours"), ("closed", "open")),
     (tr("Rejected"), ("rejected",)),
 )
-"""What the table can be limited to."""
+"""Title and kinds of rows of each restriction of the table; no kinds stand for all."""
 
 BUTTONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike", "freeze_object", "fill_between",
            "paint_in_space", "paint_over")  # fmt: skip
-"""Actions with a button, where there are such."""
+"""Actions that have a button wherever the action is available."""
 
 
 class ObjectPanel(QWidget):
-    """Shows the chosen row as a form, and the table; `action` returns an action by its name, or None."""
+    """Form of the selected row above the table; `action` returns an action by its name, or None."""
 
     def __init__(self, session: Session, object_list: ObjectList, action: Callable[[str], QAction | None]) -> None:
         super().__init__()
@@ -354,21 +356,23 @@ class ObjectPanel(QWidget):
         self.shown = QComboBox()
         self.shown.setAccessibleName(tr("Rows in the table"))
         self.shown.setToolTip(tr("Which rows the table shows."))
-        self.shown.addItems([text for text, _ in _FILTERS])
-        self.shown.currentIndexChanged.connect(lambda place: self.table.show_only(_FILTERS[place][1]))
+        self.shown.addItems([text for text, _ in _ROW_FILTERS])
+        self.shown.currentIndexChanged.connect(lambda place: self.table.show_only(_ROW_FILTERS[place][1]))
         self.summary = wrapped(dim=True)
         row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
         arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
                 self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
-        session.image_changed.connect(lambda: self.name.setModified(False))  # what is typed names nothing of the next
-        self._later = QTimer(self, singleShot=True, interval=0)  # in a turn of its own
+        session.image_changed.connect(
+            lambda: self.name.setModified(False)
+        )  # a typed name does not belong to the next image
+        self._later = QTimer(self, singleShot=True, interval=0)  # deferred, so that several changes are shown at once
         self._later.timeout.connect(self.show_chosen)
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
             changed.connect(self._later.start)
         self.show_chosen()
 
     def show_chosen(self) -> None:
-        """Show what is chosen, or else the only proposal, the classes, and how many rows there are."""
+        """Show the selected row, or else the only proposal, the classes, and the number of rows."""
         if not self.isVisible():
             return
         row = self._row
@@ -394,7 +398,10 @@ class ObjectPanel(QWidget):
         self.summary.setText(", ".join(said) or nothing)
 
     def ask_name(self, category: int) -> None:
-        """Ask for the name of a class, or for 0 of the chosen row: in the table for several, or if it has the focus."""
+        """Ask for the name of a class, or of the selected row for 0.
+
+        The name is edited in the table if several rows are selected or the table has the focus.
+        """
         self.show_chosen()
         field = self.classes[category].name if category else self.name
         if not category and (self._row is None or self.table.hasFocus()):
@@ -405,7 +412,7 @@ class ObjectPanel(QWidget):
             field.selectAll()
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Make the buttons of the actions, which come after the panels, and show what has changed meanwhile."""
+        """Create the buttons when the actions exist, and show what changed while the panel was hidden."""
         super().showEvent(event)
         for name in BUTTONS if not self.buttons else ():
             action = self._action(name)
@@ -419,16 +426,16 @@ class ObjectPanel(QWidget):
         self.show_chosen()
 
     def sizeHint(self) -> QSize:
-        """As narrow as the other panels on the right."""
+        """Return a size as narrow as the other panels."""
         return QSize(330, 500)
 
     def _arrange_buttons(self) -> None:
-        """Place the buttons of the actions that there are in this image, or in this volume, without holes."""
-        there = [button for button in self.buttons.values() if button.defaultAction().isVisible()]
+        """Place the buttons of the available actions in a grid without gaps."""
+        available = [button for button in self.buttons.values() if button.defaultAction().isVisible()]
         for button in self.buttons.values():
             self._grid.removeWidget(button)
-            button.setVisible(button in there)
-        for place, button in enumerate(there):
+            button.setVisible(button in available)
+        for place, button in enumerate(available):
             self._grid.addWidget(button, *divmod(place, 3))
 
     def _show_classes(self) -> None:
@@ -443,7 +450,7 @@ class ObjectPanel(QWidget):
             self.classes[number].show_class()
 
     def _said(self, row: Row) -> str:
-        """What a row is, its area, length and confidence."""
+        """Describe the class, area, length and confidence of a row."""
         columns = {column.name: column for column in self.table.rows.columns}
         said = [columns["class"].text(row, 1.0), *(self.table.said(row, columns[name]) for name in ("area", "length"))]
         if row.item is not None and row.item.confidence:
@@ -452,7 +459,7 @@ class ObjectPanel(QWidget):
 
     @property
     def _row(self) -> Row | None:
-        """The chosen row, or the only proposal; None for several."""
+        """Selected row, or else the only proposal; None for several."""
         rows = self._list.selected_rows or [row for row in self._list.rows if row.kind == "proposal"]
         return rows[0] if len(rows) == 1 else None
 

@@ -1,4 +1,4 @@
-"""The pages of a stack: the line that chooses one, and the table of what was found on all."""
+"""Pages of a stack: the line that selects one, and the table of the results of all."""
 
 from __future__ import annotations
 
@@ -26,15 +26,13 @@ from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.views.panels.run import Chart
 from cpm_app.views.panels.tables import Column, Index, Table, TableModel
 from cpm_app.views.widgets.containers import ENTER, arrange, wrapped
-from cpm_app.views.widgets.fields import PlaceBar
+from cpm_app.views.widgets.fields import PLACE_JUMP, PlaceBar
 from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers
 
-_JUMP = 10
-
 
 def _measured(get: Callable[[Measures], float | None]) -> Callable[[PageRow], float | None]:
-    """A measure, which a row without a contour does not have."""
+    """Return a function from a row to a measure of its contour, or None without a contour."""
     return lambda row: None if row.measures is None else get(row.measures)
 
 
@@ -64,16 +62,16 @@ COLUMNS: tuple[Column[PageRow], ...] = (
            lambda row: None if row.measures is None else tr("closed") if row.measures.closed else tr("open"),
            "closed"),
 )  # fmt: skip
-"""All columns in the order shown."""
+"""Columns in the order shown."""
 
 
 class PageTable(Table):
-    """Shows the rows; a click or Enter goes to the object or contour of a row, if no other is selected too."""
+    """Table of all pages; a click or Enter goes to the object or contour of a row that alone is selected."""
 
     wanted = Signal(object)
-    """The user wants to see what a row is about: a PageRow."""
+    """The user asks to see the object or contour of a PageRow."""
     selected = Signal()
-    """Other rows are selected."""
+    """The user has selected other rows."""
 
     def __init__(self) -> None:
         rows = TableModel[PageRow](COLUMNS, key=lambda row: (row.page, row.track, row.row, row.col))
@@ -84,16 +82,16 @@ class PageTable(Table):
 
     @property
     def chosen(self) -> tuple[PageRow, ...]:
-        """The selected rows."""
+        """Selected rows."""
         return tuple(self.rows.items[index.row()] for index in self.selectionModel().selectedRows())
 
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
-        """Report that other rows are selected."""
+        """Report the selection of other rows."""
         super().selectionChanged(selected, deselected)
         self.selected.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Go to the contour of the row on Enter."""
+        """Go to the object or contour of the current row on Enter."""
         if event.key() in ENTER and self.currentIndex().isValid():
             self._go(self.currentIndex())
         else:
@@ -105,7 +103,7 @@ class PageTable(Table):
 
 
 class PagePanel(QWidget):
-    """Shows what was found on all pages of a stack, and plots it; `show` goes to what a row is about."""
+    """Table and plots of the results of all pages of a stack; `show` goes to the contour of a row."""
 
     def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:
         super().__init__()
@@ -127,7 +125,7 @@ class PagePanel(QWidget):
         self.show_rows()
 
     def show_rows(self) -> None:
-        """Show what is known of the pages."""
+        """Show the results of the pages."""
         found = self._pages.result
         first = None if found is None or not found.results else found.results[0][1]
         size = shown_in((1.0, 1.0), None) if first is None else shown_in(first.spacing, first.unit)
@@ -158,15 +156,15 @@ class PagePanel(QWidget):
 
 
 class PageBar(PlaceBar):
-    """Slider and number of the page, whether pages follow each other, and a button that runs all."""
+    """Slider and number of the page, a check box for following objects, and a button that runs all pages."""
 
     asked = Signal()
-    """The user wants to run all pages, or to stop that."""
+    """The user starts or stops the run of all pages."""
     followed = Signal(bool)
-    """The user has chosen whether each page starts from the contours of the one before."""
+    """The user has switched whether each page starts from the contours of the previous one."""
 
     def __init__(self) -> None:
-        super().__init__(tr("Page"), tr("Number of the page"), _JUMP)
+        super().__init__(tr("Page"), tr("Number of the page"), PLACE_JUMP)
         self.follow, self.run = QCheckBox(tr("Follow")), QPushButton()
         self.slider.setTracking(False)
         self.follow.setToolTip(
@@ -180,11 +178,11 @@ class PageBar(PlaceBar):
         self.run.clicked.connect(self.asked)
 
     def show_keys(self) -> None:
-        """Name the keys as they are now."""
+        """Name the current keys in the tooltip."""
         self.slider.setToolTip(with_keys(tr("Move through the pages: {key:previous_slice} and {key:next_slice}.")))
 
     def show_pages(self, number: int, count: int, *, following: bool, running: bool, possible: bool) -> None:
-        """Show which page is open; hidden where there are not several."""
+        """Show which page is open; hide the bar unless there are several."""
         self.setVisible(count > 1)
         self.show_place(number, 1, max(count, 1))
         with QSignalBlocker(self.follow):

@@ -1,4 +1,4 @@
-"""The parameters in the tab of the run: the preset, the sliders that matter, and the others folded away."""
+"""Parameters in the tab of the run: the preset, the most important sliders, and the others folded away."""
 
 from __future__ import annotations
 
@@ -44,14 +44,15 @@ from cpm_app.views.widgets.containers import Section, arrange, dim_label
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
 
-_SAME = 1e-9
+_DEFAULT_TOLERANCE = 1e-9
+"""Difference up to which a value counts as the default."""
 
-_WIDTH = 64
+_NUMBER_FIELD_WIDTH = 64
 """Width of the field of a number [px]."""
 
 
 def tip(control: Control) -> str:
-    """The explanation of a control."""
+    """Format the tooltip of a control, as HTML."""
     place = f" ({control.equation})" if control.equation else ""
     lines = (
         f"<b>{control.title}</b> {control.facts}",
@@ -63,7 +64,7 @@ def tip(control: Control) -> str:
 
 
 class ChoiceRow(QWidget):
-    """Shows one choice and reports what the user takes to `change`, by the name of the parameter."""
+    """Parameter with a few values; `change` is called with its name and the value that the user selects."""
 
     def __init__(self, control: ChoiceControl, change: Callable[[str, str], None]) -> None:
         super().__init__()
@@ -81,7 +82,7 @@ class ChoiceRow(QWidget):
 
 
 class ParameterRow(QWidget):
-    """One parameter: label, number, slider, and a button that restores its default; reports what the user changes."""
+    """One parameter: label, number, slider, and a button that restores its default."""
 
     changed = Signal(str, object)
     """Name of the control and its new value."""
@@ -101,7 +102,7 @@ class ParameterRow(QWidget):
         self._label.installEventFilter(self)
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.number.setButtonSymbols(DecimalField.ButtonSymbols.NoButtons)
-        self.number.setFixedWidth(_WIDTH)
+        self.number.setFixedWidth(_NUMBER_FIELD_WIDTH)
         self.number.valueChanged.connect(self._report)
         self.number.editingFinished.connect(self.released)
         self.slider.moved_to.connect(self._report)
@@ -143,15 +144,15 @@ class ParameterRow(QWidget):
             self.slider.show_value(value)
             self.number.setSuffix(f" {control.unit}" if control.unit and value not in dict(control.words) else "")
             self.number.show_value(value)
-            same = not isinstance(default, str) and abs(value - default) < _SAME
+            same = not isinstance(default, str) and abs(value - default) < _DEFAULT_TOLERANCE
         self._restore.setVisible(not same)
 
     def use(self, usual: Parameters, ndim: int, contrast: float) -> None:
-        """Use range, default and explanation as they are for an image; see `adapted`."""
+        """Adapt range, default and explanation to an image; see `adapted`."""
         self.adapt(adapted(self._general, usual, ndim, contrast))
 
     def adapt(self, control: Control) -> None:
-        """Use range, default and explanation of a control."""
+        """Take range, default and explanation from a control."""
         self.control, default = control, control.default
         numeric = None if isinstance(default, str) else default
         self.slider.set_range(control.slider_low, control.slider_high, control.step, numeric)
@@ -162,12 +163,12 @@ class ParameterRow(QWidget):
         self._restore.setToolTip(restore.format(default=default if numeric is None else written(f"{numeric:.4g}")))
 
     def show_effect(self, words: str) -> None:
-        """Show what the present value changes, below the slider."""
+        """Show the effect of the current value below the slider."""
         self.effect.setText(words)
         self.effect.setVisible(bool(words))
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """The parameter. See `MenuOwner`."""
+        """Return the parameter. See `MenuOwner`."""
         return "parameter", point if point is not None else self.slider.geometry().center()
 
     def use_theme(self, theme: Theme) -> None:
@@ -175,7 +176,7 @@ class ParameterRow(QWidget):
         self._restore.setIcon(icon("restore", theme.accent, faded=theme.line))
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """End a change with the focus, and restore the default on a double click on the name."""
+        """End a change when the focus leaves, and restore the default on a double click on the name."""
         if watched is self._label:
             if event.type() == QEvent.Type.MouseButtonDblClick:
                 self._reset()
@@ -205,14 +206,14 @@ class ParameterRow(QWidget):
         self._finish(self.control.default)
 
     def _finish(self, value: float | str) -> None:
-        """Report a value that is a change of its own."""
+        """Report a value as one complete change."""
         self.released.emit()
         self.changed.emit(self.control.name, value)
         self.released.emit()
 
 
 class ParametersPanel(QWidget):
-    """Shows the parameters of the document and the presets, and edits them through the session."""
+    """Parameters of the document and presets, which are edited through the session."""
 
     def __init__(self, session: Session, presets: QToolButton) -> None:
         super().__init__()
@@ -221,25 +222,25 @@ class ParametersPanel(QWidget):
         self._length = 0.0
         """Length of all contours [px]."""
         self._before: dict[str, int] = {}
-        """Number of contours before a slider that is held was moved, by parameter."""
+        """Number of contours when the user pressed a slider, by parameter."""
         self.rows = {control.name: ParameterRow(control) for control in controls()}
         self.choices = {control.name: ChoiceRow(control, self.change) for control in choice_controls()}
         self.presets = presets
         self._acting: frozenset[str] = frozenset((*self.rows, *self.choices))
         self._shown: tuple[object, ...] = ()
-        """What the rows show."""
+        """Document values that the rows show."""
         self.more = self._lay_out()
         for name, row in self.rows.items():
             row.changed.connect(self.change)
             row.released.connect(session.seal)
             row.slider.sliderPressed.connect(partial(self._hold, name, True))
             row.slider.sliderReleased.connect(partial(self._hold, name, False))
-        session.status_changed.connect(self._follow)  # not with each step: all rows are laid out for other words
+        session.status_changed.connect(self._follow)  # not with each step: new words make Qt lay out all rows
         session.document_changed.connect(self.show_document)
         self.show_document(session.document)
 
     def show_document(self, document: Document) -> None:
-        """Show the parameters of a document, of which only those are seen that act in its mode."""
+        """Show those parameters of a document that matter in its mode."""
         contrast = document.image.contrast if document.image else 0.0
         usual = document.fitting(fresh_parameters(document.mode, document.image))
         dimension = len(document.image.shape) if document.image else 2
@@ -252,7 +253,7 @@ class ParametersPanel(QWidget):
             return
         self._shown = shown
         for name, row in (*self.rows.items(), *self.choices.items()):
-            if (name in acting) != (name in self._acting):  # to show a row again takes long
+            if (name in acting) != (name in self._acting):  # showing a row is slow
                 row.setVisible(name in acting)
         self._acting = acting
         for name, row in self.rows.items():
@@ -271,7 +272,7 @@ class ParametersPanel(QWidget):
         heading.setObjectName("heading")
         heading.setBuddy(self.presets)
         head = arrange(QHBoxLayout(), heading, self.presets, wide=self.presets)
-        # the channel is not folded away: a color image needs it first
+        # the channel is not folded away: it is the first thing that a color image needs
         shown = self.choices[CHANNEL], *(self.rows[name] for name in MAIN)
         arrange(QVBoxLayout(self), head, *shown, section, spacing=2)
         return section
@@ -288,7 +289,7 @@ class ParametersPanel(QWidget):
             self.show_document(before)
 
     def _follow(self) -> None:
-        """Show what the parameters change, and count the contours of the scene when they are others."""
+        """Show the effects of the parameters, and count the contours again if they have changed."""
         scene = self._session.scene
         if scene.contours is not self._contours:
             self._contours = scene.contours
@@ -305,7 +306,7 @@ class ParametersPanel(QWidget):
             self.rows[name].show_effect(contours_left(rows, name, value, self._before.get(name)))
 
     def _hold(self, name: str, held: bool) -> None:
-        """Remember the number of contours while a slider is held."""
+        """Remember the number of contours while a slider is pressed."""
         self._before = {name: len(self._contours.items)} if held else {}
         if not held:
             self._show_effects()

@@ -1,4 +1,4 @@
-"""Presets: a button with the name of the one in use, whose menu offers all of them and what can be done with them."""
+"""Presets: a button with the name of the current one, whose menu selects, saves and deletes presets."""
 
 from __future__ import annotations
 
@@ -19,18 +19,19 @@ from cpm_app.views.window.window import MainWindow
 from cpm_core import PRESETS
 from cpm_core.numerics.types import Callback
 
-_TOPIC = "preset"
+_PRESET_CATEGORY = "preset"
+"""Category of messages about presets."""
 
 
 class Presets(QToolButton):
-    """Shows the preset in use; a click, Enter or the arrow key opens a menu to choose, save and delete presets."""
+    """Button that shows the current preset; a click, Enter or the arrow key opens the menu of the presets."""
 
     def __init__(self, window: MainWindow, store: PresetStore) -> None:
         super().__init__()
         self._window, self._session = window, window.session
         self.store = store
         self.current: Preset | None = None
-        """The preset whose parameters are in use."""
+        """Preset whose parameters are in use, if any."""
         self._compared: tuple[object, object] | None = None
         self.setObjectName("preset")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -52,7 +53,7 @@ class Presets(QToolButton):
         self.popup.popup(self.mapToGlobal(QPoint(0, self.height() + 2)))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Open on the arrow key as well."""
+        """Open the menu on the arrow key as well."""
         if event.key() == Qt.Key.Key_Down:
             self.open()
         else:
@@ -74,14 +75,14 @@ class Presets(QToolButton):
     def _make(self, text: str, do: Callback, tip: str) -> QAction:
         action = QAction(text, self, toolTip=tip, statusTip=tip)
 
-        def attempt() -> None:
-            self._session.attempt(_TOPIC)
+        def run_action() -> None:
+            self._session.attempt(_PRESET_CATEGORY)
             try:
                 do()
             except (ValueError, OSError) as error:
-                self._session.say(reason(error), True, _TOPIC)
+                self._session.say(reason(error), True, _PRESET_CATEGORY)
 
-        action.triggered.connect(attempt)
+        action.triggered.connect(run_action)
         return action
 
     def _list(self) -> None:
@@ -89,7 +90,7 @@ class Presets(QToolButton):
         self._show(self._session.document)
 
     def _show(self, document: Document) -> None:
-        # most changes of a document are of its shapes, and to compare all presets takes milliseconds
+        # most edits change only shapes, and comparing all presets takes milliseconds
         if self._compared == (document.parameters, document.image):
             return
         self._compared = document.parameters, document.image

@@ -1,4 +1,4 @@
-"""The tab of the run: its state, the numbers that matter, preset and sliders; more numbers and plots folded away."""
+"""Tab of the run: state, main numbers, preset and sliders; more numbers and plots folded away."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from cpm_app.model.text.language import tr
 from cpm_app.views.panels.parameters import ParametersPanel
 from cpm_app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange, dim_label
 
-_WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE)
-"""Numbers that need a row of their own."""
+_WIDE_NUMBERS = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE)
+"""Names of the numbers that need a row of their own."""
 
-_LOWEST = 120
-"""Minimum height of the panel, in which its content scrolls [px]."""
+_MIN_PANEL_HEIGHT = 120
+"""Smallest height of the panel, whose content scrolls [px]."""
 
-_LOWEST_PLOT = 72
-"""Minimum height of a plot [px]."""
+_MIN_PLOT_HEIGHT = 72
+"""Smallest height of a plot [px]."""
 
 Number = tuple[str, str, str]
 """Name, value and explanation."""
 
 
 class Numbers(QWidget):
-    """Names and values in a grid, two in a row, the wide ones last; only texts that differ are updated."""
+    """Names and values in a grid, two in a row, the wide ones last; only changed texts are updated."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -47,7 +47,7 @@ class Numbers(QWidget):
 
     def show_numbers(self, numbers: Sequence[Number]) -> None:
         """Show these numbers."""
-        ordered = sorted(numbers, key=lambda number: number[0] in _WIDE)
+        ordered = sorted(numbers, key=lambda number: number[0] in _WIDE_NUMBERS)
         if [name for name, _, _ in ordered] != list(self._values):
             self._lay_out(ordered)
         for name, value, _ in ordered:
@@ -65,7 +65,7 @@ class Numbers(QWidget):
             label, value = dim_label(name, explanation), ElidedLabel()
             value.setToolTip(explanation)
             value.setAccessibleName(name)
-            wide = name in _WIDE
+            wide = name in _WIDE_NUMBERS
             place += place % 2 if wide else 0
             row, column = place // 2, 2 * (place % 2)
             place += 2 if wide else 1
@@ -75,16 +75,16 @@ class Numbers(QWidget):
 
 
 class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no types
-    """Plots metrics over steps or pages."""
+    """Plots of metrics over steps or pages."""
 
     clicked = Signal(float)
-    """A place along the steps has been clicked."""
+    """The user has clicked at a step or page."""
 
     def __init__(self, plots: Sequence[Plot], name: str) -> None:
         self._items: list[pg.PlotItem] = []
         self._curves: list[tuple[Plot, Series, pg.PlotDataItem]] = []
         self._marks: list[pg.VTickGroup] = []
-        """The plots, their curves, and the lines at the marks of the metrics."""
+        """Lines at the marks of the metrics, one group per plot."""
         self._plots = plots
         super().__init__()
         self._metrics: Metrics | None = None
@@ -111,13 +111,13 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             marks.setXVals([] if metrics is None else list(metrics.marks))
 
     def show_plots(self, plots: Sequence[Plot]) -> None:
-        """Show these plots, once they are unfolded for the first time."""
+        """Show these plots; they are drawn when they become visible for the first time."""
         self._plots = plots
         if self._items or self.isVisible():
             self._draw()
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Draw the plots."""
+        """Draw the plots when they become visible."""
         super().showEvent(event)
         if not self._items:
             self._draw()
@@ -160,21 +160,21 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
                 self._curves.append((plot, series, curve))
                 titles.append(f"<span style='color: {color}'>{series.title}</span>")
             item.setTitle(" &nbsp; ".join(titles), size="8pt")
-        self.setMinimumHeight(_LOWEST_PLOT * max(len(self._plots), 1))
+        self.setMinimumHeight(_MIN_PLOT_HEIGHT * max(len(self._plots), 1))
         self.setBackground(self._color(QPalette.ColorRole.Base))
         self.show_metrics(self._metrics)
 
     def _click(self, event: Any) -> None:
         if self._items:
             place = self._items[0].getViewBox().mapSceneToView(event.scenePos()).x()
-            # later, as what follows may draw the plots anew, whose scene still handles the event
+            # later, as the receiver may redraw the plots while their scene still handles the event
             QTimer.singleShot(0, self, partial(self.clicked.emit, place))
 
     def changeEvent(self, event: QEvent) -> None:
-        """Draw in the colors of another theme."""
+        """Redraw in the colors of another theme."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange and self._items:
-            # Later, since Qt is going through the items of the scene when it reports another palette.
+            # Later, since Qt iterates over the items of the scene while it reports another palette.
             QTimer.singleShot(0, self, self._draw)
 
     def _color(self, role: QPalette.ColorRole) -> QColor:
@@ -182,7 +182,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
 
 
 class StatusPanel(QWidget):
-    """The state of the run and the numbers that matter."""
+    """State of the run and its main numbers."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -194,7 +194,7 @@ class StatusPanel(QWidget):
     def show_resolved(self, resolved: Resolved, frames_per_second: str) -> None:
         """Show a state and its numbers."""
         if resolved.state != self.state:
-            # what follows a colon explains the rest, and is in the tip
+            # the explanation after a colon is only in the tooltip
             self._label.setText(resolved.state.partition(": ")[0])
             self._label.setToolTip(resolved.state)
             self._label.setAccessibleName(resolved.state)
@@ -205,15 +205,15 @@ class StatusPanel(QWidget):
 
     @property
     def state(self) -> str:
-        """The state in words."""
+        """State of the run in words."""
         return self._label.accessibleName()
 
 
 class RunPanel(Scrolled):
-    """State, preset and sliders; further numbers and plots folded away."""
+    """State, preset and sliders; more numbers and plots folded away."""
 
     folded = Signal()
-    """A section has been folded or unfolded."""
+    """The user has folded or unfolded a section."""
 
     def __init__(self, parameters: ParametersPanel) -> None:
         self.status, self.parameters, self.plot = (
@@ -229,17 +229,17 @@ class RunPanel(Scrolled):
         content = QWidget()
         parts = self.status, parameters, self.plots, None
         arrange(QVBoxLayout(content), *parts, margins=(8, 8, 6, 6), spacing=8)
-        super().__init__(content, _LOWEST)
+        super().__init__(content, _MIN_PANEL_HEIGHT)
         for section in self.sections.values():
             section.fold.toggled.connect(partial(self._fold, section))
 
     @property
     def unfolded(self) -> list[str]:
-        """Names of the sections that are unfolded."""
+        """Names of the unfolded sections."""
         return [name for name, section in self.sections.items() if section.fold.isChecked()]
 
     def unfold(self, names: list[str]) -> None:
-        """Unfold the sections with these names, and fold the others."""
+        """Unfold the sections with these names and fold the others."""
         for name, section in self.sections.items():
             section.fold.setChecked(name in names)
 

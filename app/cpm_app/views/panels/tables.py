@@ -1,4 +1,4 @@
-"""Tables of items: columns as data, rows that stay in place, and a selection that is shared with the canvas."""
+"""Tables of items: columns as data, rows that stay in place, and a selection shared with the canvas."""
 
 from __future__ import annotations
 
@@ -37,29 +37,37 @@ from cpm_app.model.display.lengths import PixelSize
 from cpm_app.model.text.keys import with_keys
 from cpm_app.model.text.language import tr, written
 from cpm_app.views.widgets.actions import add_choice
-from cpm_app.views.widgets.containers import ENTER, takes_key
+from cpm_app.views.widgets.containers import DELETE_KEYS, ENTER, takes_key
 from cpm_core.numerics.types import Callback, frozen
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
 Role = Qt.ItemDataRole
 
-_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-_PLAIN = Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsEnabled
-_EDITABLE = _PLAIN | Qt.ItemFlag.ItemIsEditable
+_NUMBER_ALIGNMENT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+"""Alignment of columns that hold numbers."""
+
+_READ_ONLY_FLAGS = Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsEnabled
+"""Flags of a cell that cannot be edited."""
+
+_EDITABLE_FLAGS = _READ_ONLY_FLAGS | Qt.ItemFlag.ItemIsEditable
+"""Flags of a cell with a name that can be edited."""
 
 NONE = "–"
 """Text of a cell without a value."""
 
-_DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
-_ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
+_ROW_KEYS = (Qt.Key.Key_Up, Qt.Key.Key_Down)
+"""Keys that go from row to row."""
 
-_LEAST, _PAD = 48, 12
-"""Minimum height of a table, and margins of a column [px]."""
+_MIN_TABLE_HEIGHT = 48
+"""Smallest height of a table [px]."""
+
+_COLUMN_PADDING = 12
+"""Space around the text of a column [px]."""
 
 
 def _blocks(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """First and last of the rows in a row: Qt is slow with many ranges."""
+    """Yield first and last of each group of consecutive rows, as Qt is slow with many ranges."""
     for _, block in groupby(enumerate(rows), lambda pair: pair[1] - pair[0]):
         found = [row for _, row in block]
         yield found[0], found[-1]
@@ -80,13 +88,15 @@ class Column(Generic[Row]):
     value : callable
         Number or text of a row; None where there is none.
     sample : str
-        The widest usual text.
+        Widest usual text.
     power : int
         1 for lengths, 2 for areas, 3 for volumes, which are shown in the preferred unit.
-    form, suffix : str
-        Format of a number, empty for three significant digits, and what follows it.
-    key : callable, optional
-        What rows are sorted by if not by the value.
+    number_format : str
+        Format of a number; empty for three significant digits.
+    suffix : str
+        Text after a number.
+    sort_by : callable, optional
+        Number by which rows are sorted, by default the value.
     """
 
     name: str
@@ -101,11 +111,11 @@ class Column(Generic[Row]):
 
     @property
     def numeric(self) -> bool:
-        """Whether it holds numbers, which are aligned to the right."""
+        """Whether the column holds numbers, which are aligned to the right."""
         return not any(map(str.isalpha, self.sample))
 
     def text(self, row: Row, factor: float) -> str:
-        """Its text for a row; lengths are multiplied by a factor."""
+        """Format the cell of a row; lengths are multiplied by a factor."""
         value = self.value(row)
         if isinstance(value, str):
             return value
@@ -117,7 +127,7 @@ class Column(Generic[Row]):
         return written(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
 
     def sort_key(self, row: Row) -> float | str:
-        """What a row is sorted by; rows without a number come first, those without a text last."""
+        """Return the sort key of a row; rows without a number come first, those without a text last."""
         value = self.value(row) if self.key is None else self.key(row)
         if isinstance(value, str) or (not self.numeric and value is None):
             return (value or "\uffff").casefold()
@@ -125,20 +135,20 @@ class Column(Generic[Row]):
 
 
 class TableModel(QAbstractTableModel, Generic[Row]):
-    """Sorted rows, identified by the keys of their items: an update preserves the selection and a name in work.
+    """Sorted rows, identified by the keys of their items: an update preserves the selection and a name being edited.
 
-    It sorts them itself, by keys that are made once: Qt would ask for two in each comparison.
+    It sorts them itself and computes each sort key once; Qt would ask for two in each comparison.
 
     Parameters
     ----------
     columns : sequence of Column
-        The columns.
+        Columns in the order shown.
     key : callable
-        What identifies an item.
+        Returns the key that identifies an item.
     look : callable, optional
-        Icon, color or font of a cell of an item for a role, and whether it is that of the name.
+        Icon, color or font of an item for a role; the third argument is whether the cell is that of the name.
     rename : callable, optional
-        Gives the item of a key another name, which is typed into the column ``name``.
+        Gives the item with a key the name that was typed into the column ``name``.
     """
 
     def __init__(
@@ -153,18 +163,18 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self.items: list[Row] = []
         self._key, self._look, self._rename = key, look, rename
         self._texts: dict[tuple[Hashable, int], str] = {}
-        """The texts of cells that have been asked for since the last update."""
+        """Texts of cells that Qt has asked for since the last update."""
         self._by, self._order = 0, Qt.SortOrder.AscendingOrder
         self.unit, self.factor = "px", 1.0
 
     def key(self, row: int) -> Any:
-        """Key of the item in a row."""
+        """Return the key of the item in a row."""
         return self._key(self.items[row])
 
     def update(
         self, items: Iterable[Row], size: PixelSize | None, columns: Sequence[Column[Row]] | None = None
     ) -> None:
-        """Show these items, with lengths in the unit of a size of a pixel."""
+        """Show these items, with lengths in the unit of a pixel size."""
         if size is not None:
             square = set(size.spacing) == {1.0}
             self.unit, self.factor = size.unit or ("px" if square else tr("units")), size.factor
@@ -188,12 +198,12 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             self.endInsertRows()
 
     def _sorted(self, items: Iterable[Row]) -> list[Row]:
-        if self._by < 0:  # as they are given
+        if self._by < 0:  # in the given order
             return [*items]
         return sorted(items, key=self.columns[self._by].sort_key, reverse=self._order == Qt.SortOrder.DescendingOrder)
 
     def _arrange(self, items: list[Row]) -> None:
-        """Use other items of the same keys, in their order."""
+        """Replace the items by others with the same keys, in their order."""
         now, before = {self._key(item): row for row, item in enumerate(items)}, [*map(self._key, self.items)]
         if before == [*now]:
             self.items = items
@@ -207,21 +217,21 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self.layoutChanged.emit()
 
     def unit_of(self, column: Column[Row]) -> str:
-        """Unit of the numbers in a column, with a space before it; empty for what has none."""
+        """Return the unit of a column with a space before it; empty for numbers without a unit."""
         return f" {self.unit}{('', '', '²', '³')[column.power]}" if column.power else ""
 
     # Qt interface
 
     def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
-        """Number of items."""
+        """Return the number of items."""
         return 0 if parent.isValid() else len(self.items)
 
     def columnCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
-        """Number of columns."""
+        """Return the number of columns."""
         return 0 if parent.isValid() else len(self.columns)
 
     def headerData(self, section: int, orientation: Qt.Orientation, role: int = Role.DisplayRole) -> Any:
-        """Headings with the unit of lengths, and their tooltips."""
+        """Return a heading with the unit of lengths, or its tooltip."""
         if orientation == Qt.Orientation.Vertical:
             return None
         if role == Role.DisplayRole:
@@ -230,7 +240,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         return f"{with_keys(column.tip)}{self.unit_of(column)}" if role == Role.ToolTipRole else None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
-        """The text, alignment and look of a cell."""
+        """Return text, alignment or look of a cell."""
         item, column = self.items[index.row()], self.columns[index.column()]
         match role:
             case Role.DisplayRole | Role.ToolTipRole:
@@ -241,7 +251,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             case Role.EditRole:
                 return column.value(item)
             case Role.TextAlignmentRole:
-                return _RIGHT if column.numeric else None
+                return _NUMBER_ALIGNMENT if column.numeric else None
             case Role.DecorationRole | Role.ForegroundRole | Role.FontRole:
                 return self._look(item, role, column.name == "name")
         return None
@@ -252,23 +262,23 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self._arrange(self._sorted(self.items))
 
     def setData(self, index: Index, value: Any, role: int = Role.EditRole) -> bool:
-        """Name an item."""
+        """Rename an item."""
         if self._rename is None or role != Role.EditRole:
             return False
         self._rename(self.key(index.row()), str(value))
         return True
 
     def flags(self, index: Index) -> Qt.ItemFlag:
-        """Names can be edited."""
+        """Return the flags of a cell; only names can be edited."""
         editable = self._rename is not None and self.columns[index.column()].name == "name"
-        return _EDITABLE if editable else _PLAIN
+        return _EDITABLE_FLAGS if editable else _READ_ONLY_FLAGS
 
 
 class Table(QTableView):
-    """Shows the rows of a model, which are sorted by a click on a heading.
+    """Table whose rows are sorted by a click on a heading.
 
-    Where it is too narrow for all columns, the last are hidden, so that nobody has to scroll sideways; those that the
-    user has shown or hidden by the menu of the header stay so. The column `wide` takes the remaining width.
+    If it is too narrow for all columns, the last ones are hidden, so that nobody has to scroll sideways; the user shows
+    and hides columns by the menu of the header. The column `wide` takes the remaining width.
     """
 
     def __init__(self, rows: TableModel[Any], wide: str, name: str) -> None:
@@ -282,12 +292,12 @@ class Table(QTableView):
         self.sortByColumn(0, Qt.SortOrder.AscendingOrder)
         self.setAlternatingRowColors(True)
         self.setTabKeyNavigation(False)
-        self.setMinimumHeight(_LEAST)
+        self.setMinimumHeight(_MIN_TABLE_HEIGHT)
         self.verticalHeader().hide()
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
         header = self.horizontalHeader()
         header.setHighlightSections(False)
-        # With the selection of the table it would ask for each cell of each selected row whenever it is drawn.
+        # With the selection model of the table, the header would query each cell of each selected row in every paint.
         header.setSelectionModel(QItemSelectionModel(rows, header))
         header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         header.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
@@ -295,20 +305,22 @@ class Table(QTableView):
         self._wide = self.number(wide)
         header.setSectionResizeMode(self._wide, QHeaderView.ResizeMode.Stretch)
         self._asked: dict[int, bool] = {}
-        self._widths = [self.fontMetrics().horizontalAdvance(column.sample) + _PAD for column in rows.columns]
-        self._widths[self._wide] += _PAD  # the color
+        self._widths = [
+            self.fontMetrics().horizontalAdvance(column.sample) + _COLUMN_PADDING for column in rows.columns
+        ]
+        self._widths[self._wide] += _COLUMN_PADDING  # room for the color
 
     def number(self, column: str) -> int:
-        """Number of a column."""
+        """Return the index of a column."""
         return [known.name for known in self.rows.columns].index(column)
 
     def column(self, name: str) -> list[str]:
-        """The texts of a column, from top to bottom."""
+        """Return the texts of a column, from top to bottom."""
         number = self.number(name)
         return [str(self.rows.index(row, number).data()) for row in range(len(self.rows.items))]
 
     def said(self, row: Any, column: Column[Any]) -> str:
-        """The text of a column for a row, with its name and the unit; empty where there is none."""
+        """Return title, text and unit of a cell; empty if it has no value."""
         text = column.text(row, self.rows.factor)
         return f"{column.title} {text}{self.rows.unit_of(column)}" if text != NONE else ""
 
@@ -318,7 +330,7 @@ class Table(QTableView):
         super().resizeEvent(event)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Make room for the whole titles, which have a width once the table is seen."""
+        """Make room for the whole titles, whose widths are known once the table is visible."""
         super().showEvent(event)
         for index, width in enumerate(self._widths):
             self.setColumnHidden(index, False)
@@ -338,7 +350,7 @@ class Table(QTableView):
             self.setColumnHidden(index, not shown)
 
     def _open_menu(self, point: QPoint) -> None:
-        """Open the menu of the header, which chooses the columns shown."""
+        """Open the menu of the header, which shows and hides columns."""
         menu = QMenu(self, toolTipsVisible=True)
         for index, column in enumerate(self.rows.columns):
             title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
@@ -353,24 +365,24 @@ class Table(QTableView):
 
 
 class _NameDelegate(QStyledItemDelegate):
-    """Editor of names that is not disturbed by updates."""
+    """Editor of names that updates do not disturb."""
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:
-        """Start with the present name; text that the user has typed is not overwritten."""
+        """Start with the current name, and do not overwrite what the user has typed."""
         if not (isinstance(editor, QLineEdit) and editor.isModified()):
             super().setEditorData(editor, index)
 
 
 class ItemTable(Table):
-    """Shows the items of a model, selects and names them; subclasses say by keys of items what that does."""
+    """Table in which items are selected and named; subclasses act on the keys of the items."""
 
     zoom_wanted = Signal()
-    """The selected items are to be shown as large as possible."""
+    """The user asks to see the selected items as large as possible."""
 
-    _showing = True  # while Qt makes it
+    _showing = True  # while Qt constructs the widget
 
     item = ""
-    """What its rows are called in menus."""
+    """Name of its rows in the context menus."""
 
     def __init__(self, rows: TableModel[Any], name: str) -> None:
         super().__init__(rows, "name", name)
@@ -387,11 +399,11 @@ class ItemTable(Table):
 
     @property
     def chosen(self) -> Set[Any]:
-        """The items that are selected."""
+        """Keys of the selected items."""
         raise NotImplementedError
 
     def refresh(self) -> None:
-        """Update the rows."""
+        """Update the rows of the model."""
         raise NotImplementedError
 
     def choose(self, keys: Sequence[Any]) -> None:
@@ -399,14 +411,14 @@ class ItemTable(Table):
         raise NotImplementedError
 
     def remove(self) -> None:
-        """Do what the key Delete does with the selected items."""
+        """Remove the selected items, on the key Delete."""
         raise NotImplementedError
 
     def hover(self, key: Any) -> None:
-        """Point at an item, or at none."""
+        """Highlight an item, or none."""
 
     def show_items(self) -> None:
-        """Show the present items in a turn of its own; a hidden table waits until it is seen, as during a run."""
+        """Schedule an update of the rows; a hidden table is updated when it becomes visible."""
         self._stale = True
         if self.isVisible():
             self._later.start()
@@ -435,7 +447,7 @@ class ItemTable(Table):
         self._showing = False
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """The selected rows; a row at a point is selected first. See `MenuOwner`."""
+        """Return the selected rows; select a row at the point first. See `MenuOwner`."""
         inside = self.viewport().mapFrom(self, point) if point is not None else None
         index = self.indexAt(inside) if inside is not None else self.currentIndex()
         if index.isValid() and not self.selectionModel().isRowSelected(index.row(), QModelIndex()):
@@ -447,27 +459,27 @@ class ItemTable(Table):
 
     def event(self, event: QEvent) -> bool:
         """Handle the keys of the table before they act as shortcuts of the window."""
-        return takes_key(event, _DELETE) or super().event(event)
+        return takes_key(event, DELETE_KEYS) or super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Edit the name on Enter, remove on Delete; an arrow key first selects the current row."""
         if event.key() in ENTER:
             self.edit_name(self.currentIndex().row())
-        elif event.key() in _DELETE:
+        elif event.key() in DELETE_KEYS:
             self.remove()
-        elif event.key() in _ALONG and not self.chosen and self.currentIndex().isValid():
+        elif event.key() in _ROW_KEYS and not self.chosen and self.currentIndex().isValid():
             self.selectRow(self.currentIndex().row())
         else:
             super().keyPressEvent(event)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Update the table if items have changed while it was hidden."""
+        """Update the table if items changed while it was hidden."""
         super().showEvent(event)
         if self._stale:
             self._show_now()
 
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
-        """Report what the user has selected."""
+        """Pass on what the user has selected."""
         super().selectionChanged(selected, deselected)
         if not self._showing:
             self.choose(self._marked)
@@ -479,7 +491,7 @@ class ItemTable(Table):
 
     @property
     def _marked(self) -> list[Any]:
-        """Keys of the rows that Qt shows as selected; its `selectedRows` goes through all ranges for each row."""
+        """Keys of the rows selected in the view; Qt's ``selectedRows`` is slow with many ranges."""
         ranges = self.selectionModel().selection().toList()
         return [self.rows.key(row) for one in ranges for row in range(one.top(), one.bottom() + 1)]
 
@@ -496,7 +508,7 @@ class ItemTable(Table):
 
 
 def wide_button(text: str, do: Callback | None = None) -> QToolButton:
-    """A button as wide as its place."""
+    """Create a button that fills the available width."""
     button = QToolButton()
     button.setText(text)
     button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
@@ -506,7 +518,7 @@ def wide_button(text: str, do: Callback | None = None) -> QToolButton:
 
 
 def menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
-    """A wide button that opens a menu, which is filled each time."""
+    """Create a wide button with a menu that `fill` fills whenever it opens."""
     button = wide_button(text)
     menu = QMenu(button)
     menu.aboutToShow.connect(menu.clear)

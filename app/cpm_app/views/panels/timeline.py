@@ -1,4 +1,4 @@
-"""The timeline of a run: one row for each branch over one axis of steps, and a panel with buttons."""
+"""Timeline of a run: one row for each branch over one axis of steps, and a panel with buttons."""
 
 from __future__ import annotations
 
@@ -37,25 +37,37 @@ from cpm_app.views.widgets.actions import Actions, add_choice
 from cpm_app.views.widgets.containers import arrange, dim_label, takes_key
 from cpm_app.views.window.dialogs import ask_for_text
 
-_ROW, _FOOT, _HEAD, _SIDE = 20, 15, 5, 10
-"""Height of a branch, and space below the branches for the axis, above them and next to them [px]."""
+_BRANCH_HEIGHT = 20
+"""Height of a branch [px]."""
 
-_ROWS = 3
-"""Number of branches that are always seen; the track scrolls to further ones."""
+_AXIS_HEIGHT = 15
+"""Height of the axis below the branches [px]."""
 
-_LONGEST_NAME, _TRACK = 130, 120
-"""Greatest width of the names, and least width of the track [px]."""
+_TOP_SPACE = 5
+"""Space above the branches [px]."""
 
-_SHORTEST = 20
-"""Minimum number of steps of the axis."""
+_SIDE_SPACE = 10
+"""Space on either side of the branches [px]."""
 
-_SLOWLY = 100
-"""Time between two updates during the run [ms]."""
+_MAX_SHOWN_BRANCHES = 3
+"""Largest number of branches shown at once; the track scrolls to the others."""
 
-_NARROW = 316
-"""Least width of the panel [px]."""
+_MAX_NAME_WIDTH = 130
+"""Largest width of the names [px]."""
 
-_STEPS = {
+_MIN_TRACK_WIDTH = 120
+"""Smallest width of the track [px]."""
+
+_MIN_AXIS_STEPS = 20
+"""Smallest number of steps on the axis."""
+
+_RUNNING_UPDATE_INTERVAL = 100
+"""Time between two updates during a run [ms]."""
+
+_MIN_TIMELINE_WIDTH = 316
+"""Smallest width of the panel [px]."""
+
+_STEP_KEYS = {
     Qt.Key.Key_Left: -1,
     Qt.Key.Key_Right: 1,
     Qt.Key.Key_PageUp: -10,
@@ -63,13 +75,17 @@ _STEPS = {
     Qt.Key.Key_Home: -(10**9),
     Qt.Key.Key_End: 10**9,
 }
-_BRANCHES = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
-_KEYS = _STEPS.keys() | _BRANCHES
-"""Keys that move by steps, by branches, and all of them."""
+"""Keys that move along a branch, with the number of steps."""
+
+_BRANCH_KEYS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+"""Keys that move between branches, with the number of rows."""
+
+_TIMELINE_KEYS = _STEP_KEYS.keys() | _BRANCH_KEYS
+"""Keys that the timeline handles."""
 
 
 class TimelineView(QWidget):
-    """Branches over steps; the pointer and the arrow keys go to any of them."""
+    """Branches over an axis of steps; the pointer and the arrow keys go to any step."""
 
     def __init__(self, navigation: TimelineNavigation) -> None:
         super().__init__()
@@ -79,19 +95,19 @@ class TimelineView(QWidget):
         self.setMouseTracking(True)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.MinimumExpanding)
         self.setAccessibleName(tr("Timeline"))
-        self.setMinimumWidth(_TRACK)
+        self.setMinimumWidth(_MIN_TRACK_WIDTH)
 
     def sizeHint(self) -> QSize:
-        """High enough for all branches."""
+        """Return a size that is high enough for all branches."""
         return QSize(420, self.height_of(len(self._navigation.branches)))
 
     @staticmethod
     def height_of(branches: int) -> int:
-        """Height that branches need [px]."""
-        return _HEAD + _ROW * max(branches, 1) + _FOOT
+        """Return the height of a number of branches [px]."""
+        return _TOP_SPACE + _BRANCH_HEIGHT * max(branches, 1) + _AXIS_HEIGHT
 
     def refresh(self) -> None:
-        """Show the present branches and step."""
+        """Show the current branches and step."""
         self.setMinimumHeight(self.sizeHint().height())
         branch, step = self._navigation.place
         known = self._navigation.branch(branch)
@@ -103,14 +119,14 @@ class TimelineView(QWidget):
         self.update()
 
     def point(self, branch: int, step: int) -> QPointF:
-        """Position of a step of a branch."""
+        """Return the position of a step of a branch."""
         rows = [known.identity for known in self._navigation.branches]
         left, width = self._axis()
         x = left + width * step / self._steps()
-        return QPointF(x, _HEAD + _ROW * (rows.index(branch) + 0.5))
+        return QPointF(x, _TOP_SPACE + _BRANCH_HEIGHT * (rows.index(branch) + 0.5))
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """The step that is shown; the one at a point is shown first. See `MenuOwner`."""
+        """Return the shown step; go to the step at the point first. See `MenuOwner`."""
         branch = self._branch_at(point.y()) if point is not None else None
         if point is not None and branch is not None:
             self._request(branch, QPointF(point))
@@ -122,34 +138,34 @@ class TimelineView(QWidget):
     # Positions
 
     def _steps(self) -> int:
-        """Number of steps of the axis."""
+        """Return the number of steps on the axis."""
         lasts = [self._navigation.last(branch.identity) for branch in self._navigation.branches]
-        return max(max(lasts, default=0), _SHORTEST)
+        return max(max(lasts, default=0), _MIN_AXIS_STEPS)
 
     def _axis(self) -> tuple[float, float]:
-        """Left end of the axis, right of the names, and its width [px]."""
+        """Return the left end of the axis, to the right of the names, and its width [px]."""
         names = [self.fontMetrics().horizontalAdvance(branch.name) for branch in self._navigation.branches]
-        left = _SIDE + min(max(names, default=0), _LONGEST_NAME, self.width() / 3) + 14.0
-        return left, max(self.width() - 2 * _SIDE - left, 1.0)
+        left = _SIDE_SPACE + min(max(names, default=0), _MAX_NAME_WIDTH, self.width() / 3) + 14.0
+        return left, max(self.width() - 2 * _SIDE_SPACE - left, 1.0)
 
     def _step_at(self, x: float) -> int:
         left, width = self._axis()
         return round((x - left) / width * self._steps())
 
     def _base(self) -> float:
-        """Vertical position of the axis, at the bottom of the visible part [px]."""
+        """Return the vertical position of the axis, at the bottom of the visible part [px]."""
         seen = self.visibleRegion().boundingRect()
-        return float((self.rect() if seen.isEmpty() else seen).bottom() - _FOOT)
+        return float((self.rect() if seen.isEmpty() else seen).bottom() - _AXIS_HEIGHT)
 
     def _branch_at(self, y: float) -> int | None:
-        """The branch of a row; on the axis, the branch that is shown."""
+        """Return the branch of a row; on the axis, the shown branch."""
         branches = self._navigation.branches
         if not branches or y > self._base():
             return self._navigation.place[0] if branches else None
-        return branches[min(max(int((y - _HEAD) / _ROW), 0), len(branches) - 1)].identity
+        return branches[min(max(int((y - _TOP_SPACE) / _BRANCH_HEIGHT), 0), len(branches) - 1)].identity
 
     def _request(self, branch: int, point: QPointF) -> None:
-        on_name = point.x() < self._axis()[0] - _SIDE
+        on_name = point.x() < self._axis()[0] - _SIDE_SPACE
         self._navigation.go(branch, self._navigation.beside(branch) if on_name else self._step_at(point.x()))
 
     # Qt interface
@@ -189,20 +205,20 @@ class TimelineView(QWidget):
         navigation = self._navigation
         branch, _ = navigation.place
         key, branches = Qt.Key(event.key()), [known.identity for known in navigation.branches]
-        if not branches or key not in _KEYS:
+        if not branches or key not in _TIMELINE_KEYS:
             event.ignore()
-        elif branch not in branches:  # no run is shown, as after a reset
+        elif branch not in branches:  # no step is shown, as after a reset
             self._navigation.go(branches[-1], navigation.last(branches[-1]))
-        elif key in _STEPS:
-            navigation.by(_STEPS[key] * (10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1))
+        elif key in _STEP_KEYS:
+            navigation.by(_STEP_KEYS[key] * (10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1))
         else:
-            row = branches.index(branch) + _BRANCHES[key]
+            row = branches.index(branch) + _BRANCH_KEYS[key]
             other = branches[min(max(row, 0), len(branches) - 1)]
             navigation.go(other, navigation.beside(other))
 
     def event(self, event: QEvent) -> bool:
-        """Show the step under the pointer as a tooltip, and keep the keys that move along a branch."""
-        if takes_key(event, _KEYS):
+        """Show the step under the pointer as a tooltip, and claim the keys of the timeline."""
+        if takes_key(event, _TIMELINE_KEYS):
             return True
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
             branch = self._navigation.branch(self._branch_at(event.pos().y()) or 0)
@@ -216,7 +232,7 @@ class TimelineView(QWidget):
     # Painting
 
     def _draw_branch(self, painter: QPainter, branch: Branch) -> None:
-        """Draw its name, where it leaves another branch, its steps, and where its scales begin."""
+        """Draw the name of a branch, its link to the parent, its steps, and the first step of each scale."""
         identity = branch.identity
         here = identity == self._navigation.place[0]
         color = self._color(QPalette.ColorRole.Highlight if here else QPalette.ColorRole.PlaceholderText)
@@ -236,24 +252,28 @@ class TimelineView(QWidget):
                 painter.drawLine(at - QPointF(0.0, 5.0), at + QPointF(0.0, 5.0))
                 painter.setPen(faint)
                 painter.drawText(at - QPointF(-3.0, 4.0), f"1/{2**scale}")
-        room = self._axis()[0] - _SIDE - 10.0
+        room = self._axis()[0] - _SIDE_SPACE - 10.0
         name = self.fontMetrics().elidedText(branch.name, Qt.TextElideMode.ElideRight, int(room))
         painter.setPen(color if here else text)
         flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
-        painter.drawText(QRectF(_SIDE - 2.0, begin.y() - _ROW / 2, room + 4.0, _ROW), flags, name)
+        painter.drawText(
+            QRectF(_SIDE_SPACE - 2.0, begin.y() - _BRANCH_HEIGHT / 2, room + 4.0, _BRANCH_HEIGHT), flags, name
+        )
 
     def _draw_axis(self, painter: QPainter) -> None:
-        """Draw the axis of the steps with labels."""
+        """Draw the axis of the steps and its labels."""
         base, (left, width) = self._base(), self._axis()
-        painter.fillRect(QRectF(0.0, base, self.width(), _FOOT + 1), self._color(QPalette.ColorRole.Window))
+        painter.fillRect(QRectF(0.0, base, self.width(), _AXIS_HEIGHT + 1), self._color(QPalette.ColorRole.Window))
         painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
         painter.drawLine(QPointF(left, base), QPointF(left + width, base))
         half = self.fontMetrics().horizontalAdvance("0000000") / 2
-        every = int(round_up(max(self._steps() * 2.4 * half / width, 1.0)))
-        for step in range(0, self._steps() + 1, every):
+        interval = int(round_up(max(self._steps() * 2.4 * half / width, 1.0)))
+        for step in range(0, self._steps() + 1, interval):
             x = left + width * step / self._steps()
             painter.drawLine(QPointF(x, base), QPointF(x, base + 3.0))
-            painter.drawText(QRectF(x - half, base + 1.0, 2 * half, _FOOT), Qt.AlignmentFlag.AlignHCenter, f"{step}")
+            painter.drawText(
+                QRectF(x - half, base + 1.0, 2 * half, _AXIS_HEIGHT), Qt.AlignmentFlag.AlignHCenter, f"{step}"
+            )
 
     def _draw_place(self, painter: QPainter) -> None:
         """Mark the step that is shown."""
@@ -272,7 +292,7 @@ class TimelineView(QWidget):
 
 
 class TimelinePanel(QWidget):
-    """Shows the timeline while there is a run and goes to any of its steps; updated less often while that runs."""
+    """Timeline with buttons that go to any step of the run; updated less often while it is running."""
 
     def __init__(self, navigation: TimelineNavigation, status: Callable[[], RunStatus]) -> None:
         super().__init__()
@@ -299,23 +319,23 @@ class TimelinePanel(QWidget):
         scroll.setFrameShape(QFrame.Shape.NoFrame)
         scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        scroll.setMinimumWidth(_TRACK)
+        scroll.setMinimumWidth(_MIN_TRACK_WIDTH)
         scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
         fields = self.branch, self.step, self._of, self.parameters, scroll
         arrange(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
-        self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
+        self._later = QTimer(self, singleShot=True, interval=_RUNNING_UPDATE_INTERVAL)
         self._later.timeout.connect(self._show)
         navigation.changed.connect(self._follow)
         self._show()
 
     def use_actions(self, actions: Actions) -> None:
-        """Let the buttons be those of the actions of the menu."""
+        """Give the buttons the actions of the menu."""
         for name, button in self.buttons.items():
             button.setDefaultAction(actions[f"timeline_{name}"])
         self.branch.addActions([self.rename, actions["timeline_delete"]])
 
     def use_theme(self, theme: Theme) -> None:
-        """Color the icons of the buttons that belong to no action."""
+        """Color the icons of the buttons without an action."""
         self.branch.setIcon(icon("branch", theme.text, faded=theme.line))
         self.parameters.setIcon(icon("restore", theme.text, faded=theme.line))
 
@@ -324,13 +344,13 @@ class TimelinePanel(QWidget):
         return self._status().phase == "running"
 
     def show_parameters(self) -> None:
-        """Offer the parameters of the step if they differ from the present ones."""
+        """Offer the parameters of the step if they differ from the current ones."""
         self.parameters.setVisible(not self._running and self._navigation.other_parameters is not None)
 
     def minimumSizeHint(self) -> QSize:
-        """Room for the buttons and a short track."""
+        """Return room for the buttons and a short track."""
         hint = super().minimumSizeHint()
-        return QSize(min(hint.width(), _NARROW), hint.height())
+        return QSize(min(hint.width(), _MIN_TIMELINE_WIDTH), hint.height())
 
     # Internal
 
@@ -354,9 +374,9 @@ class TimelinePanel(QWidget):
         self.rename.setEnabled(there)
         self.show_parameters()
         self.view.refresh()
-        self._scroll.setFixedHeight(self.view.height_of(min(count, _ROWS)))
+        self._scroll.setFixedHeight(self.view.height_of(min(count, _MAX_SHOWN_BRANCHES)))
         if there:
-            self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _ROW)
+            self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _BRANCH_HEIGHT)
 
     def _rename(self) -> None:
         known = self._navigation.branch(self._navigation.place[0])

@@ -1,4 +1,4 @@
-"""Color maps for color-blind people: brighter always means more."""
+"""Color maps that color-blind people can read: brighter always means more."""
 
 from __future__ import annotations
 
@@ -14,7 +14,11 @@ from cpm_app.model.text.language import tr
 
 Table = NDArray[np.uint8]
 
-GRAY, INVERTED = "grey", "inverted"
+GRAY = "grey"
+"""Name of the gray map, from black to white."""
+
+INVERTED = "inverted"
+"""Name of the gray map from white to black."""
 
 MAPS: dict[str, str] = {
     GRAY: tr("Gray"),
@@ -25,12 +29,12 @@ MAPS: dict[str, str] = {
     "inferno": tr("Inferno"),
     "plasma": tr("Plasma"),
 }
-"""Names and titles."""
+"""Titles of the color maps by their names."""
 
 
 @lru_cache(maxsize=32)
 def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
-    """Colors of a map from low to high, shape (entries, 3), read-only.
+    """Return the colors of a map from low to high.
 
     Parameters
     ----------
@@ -39,7 +43,12 @@ def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
     entries : int
         Number of colors.
     begin : float
-        Part of the map that is left out at its dark end.
+        Fraction of the map that is left out at its dark end.
+
+    Returns
+    -------
+    array, shape (entries, 3), uint8
+        RGB values, read-only.
     """
     at = np.linspace(begin, 1.0, entries)
     if name in (GRAY, INVERTED):
@@ -52,7 +61,7 @@ def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
 
 
 def strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:
-    """A map as a strip of a size in px, from low on the left to high on the right."""
+    """Draw a map as a strip of a size in px, from low on the left to high on the right."""
     row = table(name, 256, begin)
     image = QImage(row.tobytes(), len(row), 1, 3 * len(row), QImage.Format.Format_RGB888)
     ways = (Qt.AspectRatioMode.IgnoreAspectRatio, Qt.TransformationMode.SmoothTransformation)
@@ -60,5 +69,5 @@ def strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:
 
 
 def icon(name: str) -> QIcon:
-    """Icon of a map."""
+    """Return the icon of a map."""
     return QIcon(strip(name, 36, 12))

@@ -1,4 +1,4 @@
-"""Icons from the SVG files of the program, in the color of the text around them, swatches, and a menu of colors."""
+"""Icons from the SVG files of the program in the color of the text around them, swatches, and a menu of colors."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from cpm_app.model.text.assets import asset
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.theme import look
 
-_SIZES = (16, 20, 24)
-"""Sizes of icons in menus, on buttons, and of pointers, in points of the screen."""
+_ICON_SIZES = (16, 20, 24)
+"""Sizes of icons in menus, on buttons, and of pointers [device-independent px]."""
 
 RIM = "#858b93"
-"""Color around a swatch, which separates any color from a light and from a dark background."""
+"""Color of the rim of a swatch, which sets any color off from a light and from a dark background."""
 
 
 @cache
 def icon(name: str, color: str, faded: str | None = None) -> QIcon:
-    """Icon by name, rendered once.
+    """Return an icon by its name, rendered once.
 
     Parameters
     ----------
     name : str
         Name of the SVG file without its suffix.
     color : str
-        Replaces ``currentColor`` in the file.
+        Color that replaces ``currentColor`` in the file.
     faded : str, optional
-        The same for the disabled icon.
+        Color of the disabled icon.
     """
     source = asset(f"icons/{name}.svg").read_text(encoding="utf-8")
     ratio = max(screen.devicePixelRatio() for screen in QGuiApplication.screens())
@@ -41,14 +41,14 @@ def icon(name: str, color: str, faded: str | None = None) -> QIcon:
     for mode, tint in ((QIcon.Mode.Normal, color), (QIcon.Mode.Disabled, faded)):
         if tint is not None:
             renderer = QSvgRenderer(QByteArray(source.replace("currentColor", tint).encode()))
-            for size in _SIZES:
+            for size in _ICON_SIZES:
                 made.addPixmap(_pixmap(renderer, math.ceil(ratio * size)), mode)
     return made
 
 
 @cache
 def pointer(name: str) -> QCursor:
-    """A pointer with the picture of an icon, light with a dark rim; it points with the middle."""
+    """Create a pointer from an icon, light with a dark rim; its hot spot is the middle."""
     side = 24
     pixmap = QPixmap(side, side)
     pixmap.fill(Qt.GlobalColor.transparent)
@@ -63,16 +63,16 @@ def pointer(name: str) -> QCursor:
 
 @cache
 def program_icon() -> QIcon:
-    """Icon of the program itself."""
+    """Return the icon of the program itself."""
     renderer = QSvgRenderer(str(asset("icons/cpm.svg")))
     made = QIcon()
-    for size in (*_SIZES, 32, 48, 64, 128, 256):
+    for size in (*_ICON_SIZES, 32, 48, 64, 128, 256):
         made.addPixmap(_pixmap(renderer, size))
     return made
 
 
 def swatch(*colors: str) -> QIcon:
-    """Small discs of the given colors side by side, in the look in use, as a legend."""
+    """Create a legend icon: small discs side by side in the colors that the user has selected for these."""
     return _discs(*(look().color(color) for color in colors))
 
 
@@ -97,7 +97,9 @@ def _pixmap(renderer: QSvgRenderer, size: int) -> QPixmap:
     painter = QPainter(pixmap)
     renderer.render(painter)
     painter.end()
-    return pixmap.copy()  # what has been painted on keeps its painter's memory, more than its pixels take
+    return (
+        pixmap.copy()
+    )  # a pixmap that was painted on keeps the memory of its painter, which exceeds that of its pixels
 
 
 PALETTE: tuple[tuple[str, str], ...] = (
@@ -110,11 +112,11 @@ PALETTE: tuple[tuple[str, str], ...] = (
     (tr("Reddish purple"), "#cc79a7"),
     (tr("White"), "#ffffff"),
 )
-"""Hues after Okabe and Ito, with white instead of black because the canvas is dark."""
+"""Titles and colors after Okabe and Ito, with white instead of black because the canvas is dark."""
 
 
 def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None], enabled: bool) -> None:
-    """Fill a menu with colors; `choose` is called with ``"#rrggbb"``, or with an empty text for none."""
+    """Fill a menu with colors; `choose` is called with ``"#rrggbb"``, or with an empty text for the default."""
     for title, color in PALETTE:
         menu.addAction(swatch(color), title).triggered.connect(lambda _=False, color=color: choose(color))
     menu.addSeparator()

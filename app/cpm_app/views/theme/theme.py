@@ -1,6 +1,6 @@
-"""Colors: a light and a dark theme for the window, and the look of the canvas, which color-blind people can read.
+"""Colors: a light and a dark theme for the window, and the style of the canvas, which color-blind people can read.
 
-Items of the canvas read the look when they paint, so that layers need not know of it; all canvases share it.
+Items of the canvas read the style when they paint, so that layers need not know it; all canvases share it.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from cpm_app.model.preferences.table import INKS
 from cpm_core.numerics.types import Callback, frozen
 
 Kind = Literal["contours", "shapes", "fixed"]
-"""What a line belongs to; the width of fixed ones cannot be chosen."""
+"""Kind of a line; the width of fixed lines cannot be changed."""
 
 
 class Ink(str):
-    """A color that the user can choose, by its name; as a text it is the default."""
+    """A color that the user can change, known by its name; its text is the default."""
 
     __slots__ = ("name",)
 
     def __new__(cls, name: str, default: str) -> Ink:
-        """Make the color."""
+        """Create the color from its name and default."""
         made = super().__new__(cls, default)
         made.name = name
         return made
@@ -40,7 +40,7 @@ class Ink(str):
 
 @frozen
 class Look:
-    """Factors for the widths of lines and the size of points, and the colors that were chosen, by name."""
+    """Factors for the widths of lines and the size of points, and the colors that the user has changed, by name."""
 
     contours: float = 1.0
     shapes: float = 1.0
@@ -48,54 +48,111 @@ class Look:
     colors: Mapping[str, str] = field(default_factory=dict)
 
     def width(self, kind: Kind) -> float:
-        """Factor for the width of lines."""
+        """Return the factor for the width of lines."""
         return {"contours": self.contours, "shapes": self.shapes, "fixed": 1.0}[kind]
 
     def color(self, color: str) -> str:
-        """The chosen color in place of a default one; any other color is unchanged."""
+        """Return the color that the user has selected for an ink; any other color is unchanged."""
         return self.colors.get(color.name, str(color)) if isinstance(color, Ink) else color
 
 
-_look = Look()
+_canvas_style = Look()
+"""Style in use, one for all canvases."""
 
 
 def look() -> Look:
-    """The look in use."""
-    return _look
+    """Return the style in use."""
+    return _canvas_style
 
 
-def use_look(wanted: Look) -> None:
-    """Set the look; canvases must be painted again."""
-    global _look  # noqa: PLW0603  # one for all canvases, as the style sheet is one for all widgets
-    _look = wanted
+def use_look(style: Look) -> None:
+    """Set the style; canvases must be repainted afterwards."""
+    global _canvas_style  # noqa: PLW0603  # shared by all canvases, as the style sheet is shared by all widgets
+    _canvas_style = style
 
 
 # The canvas is dark in both themes, so that the image is the brightest object. Hues after Okabe and Ito.
 CANVAS = "#14161a"
-MOVING, RESTING, CONTOUR, PROPOSAL, BY_HAND, REJECTED = (
-    Ink(name, INKS[name].default) for name in ("moving", "resting", "contour", "proposal", "by_hand", "rejected")
-)
-"""Colors that the preferences can change; use `look` where they do not go through an item of the canvas or a swatch."""
+"""Background of the canvas."""
+
+# The preferences can change the inks. Items of the canvas and swatches resolve them; use `look` anywhere else.
+MOVING = Ink("moving", INKS["moving"].default)
+"""Moving particles."""
+
+RESTING = Ink("resting", INKS["resting"].default)
+"""Particles at rest."""
+
+CONTOUR = Ink("contour", INKS["contour"].default)
+"""Contours."""
+
+PROPOSAL = Ink("proposal", INKS["proposal"].default)
+"""Proposed objects."""
+
+BY_HAND = Ink("by_hand", INKS["by_hand"].default)
+"""Stretches that were drawn by hand."""
+
+REJECTED = Ink("rejected", INKS["rejected"].default)
+"""Rejected contours and objects."""
 
 JUNCTION = "#ff7ac6"
+"""Junctions of contours."""
+
 DRAWING = "#c9ced6"
+"""Shapes that the user draws."""
+
 CHOSEN = "#ffffff"
+"""Selected items."""
+
 REMOVED = "#ff5a36"
+"""What an edit removes."""
+
 HOVERED = "#90ffffff"
+"""Items under the pointer."""
+
 TRUTH = "#d79bd0"
+"""Ground truth."""
+
 MISSING = "#ff5a36"
+"""Parts of the reference that were not found."""
+
 WRONG = "#ffe14d"
+"""Parts that are not in the reference."""
+
 REGION = "#b48cff"
+"""Regions of interest."""
+
 BARRIER = "#f0533a"
+"""Barriers."""
+
 ATTRACTING = "#0072b2"
+"""Charges that attract particles."""
+
 REPELLING = "#d55e00"
+"""Charges that repel particles."""
+
 DIMMED = "#88101216"
+"""Veil over the rest of the image."""
+
 HALO = "#101216"
+"""Dark rim around lines and points."""
+
 FIELD = "#ff9ad5"
+"""Electric field."""
+
 THICKNESSES = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
-"""From thin to thick: of increasing lightness, distinguishable without distinguishing red from green."""
+"""Colors from thin to thick: of increasing lightness, so that they can be told apart without red and green."""
+
 DISK = "#70ffffff"
-COULOMB, LORENTZ, DAMPING = "#ff9d1e", "#56b4e9", "#2bd4a4"
+"""Largest disks inside an object."""
+
+COULOMB = "#ff9d1e"
+"""Coulomb force."""
+
+LORENTZ = "#56b4e9"
+"""Lorentz force."""
+
+DAMPING = "#2bd4a4"
+"""Damping force."""
 
 
 @frozen
@@ -120,7 +177,7 @@ class Theme:
     message_text: str
 
 
-_COLORS = {
+_THEME_COLORS = {
     "window": ("#f3f4f6", "#1e2126"),
     "panel": ("#fafbfc", "#22262c"),
     "base": ("#ffffff", "#343a43"),
@@ -140,50 +197,53 @@ _COLORS = {
 }
 """Light and dark color of each role."""
 
-LIGHT = Theme(**{role: colors[0] for role, colors in _COLORS.items()})
-DARK = Theme(**{role: colors[1] for role, colors in _COLORS.items()})
+LIGHT = Theme(**{role: colors[0] for role, colors in _THEME_COLORS.items()})
+"""The light theme."""
+
+DARK = Theme(**{role: colors[1] for role, colors in _THEME_COLORS.items()})
+"""The dark theme."""
 
 
 def system_theme() -> Theme:
-    """The theme of the desktop, the light one where it is unknown."""
+    """Return the theme of the desktop, or the light one if it is unknown."""
     dark = QGuiApplication.styleHints().colorScheme() == Qt.ColorScheme.Dark
     return DARK if dark else LIGHT
 
 
-_AT_ONCE = 150
-"""Hidden widgets that get another theme in one turn."""
+_WIDGETS_PER_TURN = 150
+"""Number of hidden widgets that change their theme in one turn of the event loop."""
 
 
 def apply_theme(theme: Theme, window: QWidget, later: Callable[[Callback], object]) -> None:
-    """Set the theme of the application; `later` does in turns of their own what is for widgets that are not seen.
+    """Set the theme of the application; `later` schedules the work on hidden widgets.
 
-    The style sheet is that of the window and of its dialogs: one of the application is applied to each widget again
-    for each of those around it. It names roles of the palette, not colors, and so stays the same: another one would be
-    applied to all widgets at once.
+    The style sheet belongs to the window and its dialogs: Qt would apply a style sheet of the application to each
+    widget once per ancestor. It refers to roles of the palette rather than to colors and thus never changes: a new one
+    would be applied to all widgets at once.
     """
     palette = _palette(theme)
     if not window.styleSheet():
         QApplication.setPalette(palette)
-        names = {color: re.sub(r"\B([A-Z])", r"-\1", role.name).lower() for color, role in _ROLES.items()}
-        window.setStyleSheet(_STYLE.substitute({color: f"palette({name})" for color, name in names.items()}))
+        names = {color: re.sub(r"\B([A-Z])", r"-\1", role.name).lower() for color, role in _PALETTE_ROLES.items()}
+        window.setStyleSheet(_STYLE_SHEET.substitute({color: f"palette({name})" for color, name in names.items()}))
     elif QApplication.palette() != palette:
         QApplication.setPalette(palette)
         widgets = [window, *window.findChildren(QWidget)]
         _polish([widget for widget in widgets if widget.isVisible()])
         hidden = [widget for widget in widgets if not widget.isVisible()]
-        for first in range(0, len(hidden), _AT_ONCE):
-            later(partial(_polish, hidden[first : first + _AT_ONCE]))
+        for first in range(0, len(hidden), _WIDGETS_PER_TURN):
+            later(partial(_polish, hidden[first : first + _WIDGETS_PER_TURN]))
 
 
 def _polish(widgets: Iterable[QWidget]) -> None:
-    """Let the style sheet read the colors of the palette again, for those that are still there."""
+    """Make the style sheet read the palette again for those widgets that still exist."""
     for widget in filter(isValid, widgets):
         style = widget.style()
         style.unpolish(widget)
         style.polish(widget)
 
 
-_ROLES = {
+_PALETTE_ROLES = {
     "window": QPalette.ColorRole.Window,
     "panel": QPalette.ColorRole.AlternateBase,
     "base": QPalette.ColorRole.Base,
@@ -201,12 +261,12 @@ _ROLES = {
     "message": QPalette.ColorRole.Shadow,
     "message_text": QPalette.ColorRole.LinkVisited,
 }
-"""The role of the palette by which the style sheet names each color."""
+"""Palette role by which the style sheet refers to each color."""
 
 
 def _palette(theme: Theme) -> QPalette:
     palette = QPalette()
-    for name, key in _ROLES.items():
+    for name, key in _PALETTE_ROLES.items():
         palette.setColor(key, QColor(getattr(theme, name)))
     role = QPalette.ColorRole
     for key in (role.WindowText, role.ButtonText, role.ToolTipText):
@@ -220,7 +280,7 @@ def _palette(theme: Theme) -> QPalette:
     return palette
 
 
-_STYLE = Template("""
+_STYLE_SHEET = Template("""
 /* Menus, tool bars, status bar */
 QToolTip { color: $text; background: $base; border: 1px solid $line; padding: 4px; }
 QMenuBar { background: $window; }

@@ -1,4 +1,4 @@
-"""Actions: their specifications, the Qt actions made from them, keys as text, and what menus need of widgets."""
+"""Actions: their specifications, the Qt actions created from them, keys as text, and owners of context menus."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from cpm_core.numerics.types import Callback, Texts, frozen
 
 
 def native(key: str) -> str:
-    """A key as people call it here."""
+    """Return a key as the desktop writes it."""
     return QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText)
 
 
 LAYER = "layer_"
-"""What the names of the actions that show or hide a layer begin with."""
+"""Start of the names of the actions that show or hide a layer."""
 
 
 @frozen
@@ -46,35 +46,35 @@ class ActionSpec:
     name : str
         Name in code.
     menu : str
-        Its menu; ``"File>Open sample"`` names a submenu, ``">Timeline"`` a group in the list of keys, without a menu.
+        Its menu; ``"File>Open sample"`` is a submenu, ``">Timeline"`` a group in the list of keys without a menu.
     text : str
-        Text in the menu; in English, or in the language of the window already.
+        Text in the menu, in English or already translated.
     tip : str
         One sentence for the tooltip and the status bar; it may name keys of actions (see `with_keys`).
     do : callable
-        Its effect.
+        Function that performs the action.
     keys : str
-        Keys with spaces between them; the first one is shown.
+        Keys separated by spaces; the first one is shown.
     icon : str
         Name of the icon, empty for none.
     group : str
         Actions of the same group are alternatives; empty for none.
     checked : bool
-        Whether it is the initial one of its group.
+        Whether it is the initial action of its group.
     gap : bool
         Whether a separator is drawn above it.
     when : callable
         Situations in which it is enabled.
-    there : callable
-        Situations in which it is in the menus, such as that a volume is open; else it is hidden.
-    holds : callable, optional
+    visible_when : callable
+        Situations in which it is in the menus, such as that a volume is open; otherwise it is hidden.
+    checked_when : callable, optional
         Situations in which it has a check mark.
-    worded : callable, optional
-        Its text in a situation, where it changes.
-    pictured : callable, optional
-        Its icon in a situation, where it changes.
+    text_for : callable, optional
+        Returns its text in a situation, if that changes.
+    icon_for : callable, optional
+        Returns its icon in a situation, if that changes.
     short : str
-        Text on a tool button where that of the menu is too long.
+        Text on a tool button if that of the menu is too long.
     """
 
     name: str
@@ -105,13 +105,13 @@ class ActionSpec:
 
     @property
     def title(self) -> str:
-        """Its text without the marks of menus."""
+        """Its text without mnemonic and ellipsis."""
         return self.text.replace("&", "").rstrip("…")
 
 
 @frozen
 class Submenu:
-    """A submenu that `fill` fills each time before it opens; the rest is as in `ActionSpec`."""
+    """A submenu that `fill` fills whenever it opens; the other fields are those of `ActionSpec`."""
 
     name: str
     menu: str
@@ -124,11 +124,11 @@ class Submenu:
 
 
 PRIMARY = "run"
-"""The action whose button has the accent color."""
+"""Name of the action whose button has the accent color."""
 
 
 class Actions(dict[str, QAction]):
-    """One Qt action for each specification; their keys work in the window `parent`."""
+    """Qt actions by the names of their specifications; their keys work in the window `parent`."""
 
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec]) -> None:
         super().__init__()
@@ -136,7 +136,7 @@ class Actions(dict[str, QAction]):
         self._limited = False
         self._groups: dict[str, QActionGroup] = {}
         self.specs: dict[str, ActionSpec] = {}
-        """All of them by their names, in the order of the features."""
+        """Specifications by name, in the order of the features."""
         self._icons: dict[str, str] = {}
         for spec in specs:
             assert spec.name not in self.specs, spec.name
@@ -161,7 +161,7 @@ class Actions(dict[str, QAction]):
                 self._tint(name)
 
     def _show_limits(self, volume: bool) -> None:
-        """Name what does something else in volumes; it returns with the next image."""
+        """Exchange the texts and icons of the actions that do something else in volumes."""
         if volume == self._limited:
             return
         self._limited = volume
@@ -176,19 +176,19 @@ class Actions(dict[str, QAction]):
             self._tell(name)
 
     def show_keys(self) -> None:
-        """Say the keys as they are now in all tips, which may name those of other actions."""
+        """Name the current keys in all tips, which may refer to other actions."""
         for name in self.specs:
             self._tell(name)
 
     def use_theme(self, theme: Theme, turns: Turns) -> None:
-        """Tint the icons in later turns, those on buttons first; in a new window these are tinted immediately."""
-        begins, self._theme = self._theme is None, theme
+        """Tint the icons in later turns, those on buttons first; a new window tints these immediately."""
+        is_new, self._theme = self._theme is None, theme
 
-        def later(name: str) -> bool:
+        def is_off_buttons(name: str) -> bool:
             return not any(isinstance(it, QToolBar | QToolButton) for it in self[name].associatedObjects())
 
-        for name in sorted(self._icons, key=later):
-            if begins and not later(name):
+        for name in sorted(self._icons, key=is_off_buttons):
+            if is_new and not is_off_buttons(name):
                 self._tint(name)
             else:
                 turns.ask(partial(self._tint, name))
@@ -199,7 +199,7 @@ class Actions(dict[str, QAction]):
         if spec.group or spec.holds:
             action.setCheckable(True)
             action.setChecked(spec.checked)
-            action.setAutoRepeat(False)  # a key that is held must not switch back and forth
+            action.setAutoRepeat(False)  # holding the key must not switch back and forth
         if spec.group:
             self._groups.setdefault(spec.group, QActionGroup(parent)).addAction(action)
         action.triggered.connect(lambda checked=False: spec.do())
@@ -211,13 +211,13 @@ class Actions(dict[str, QAction]):
         return action
 
     def _tell(self, name: str) -> None:
-        """Set the tips of an action, in a volume those that hold there."""
+        """Set the tips of an action; some are different in volumes."""
         action, tip = self[name], self.specs[name].tip
         if self._limited:
             tip = OTHERWISE_IN_VOLUMES.get(name, ("", tip))[1]
-        said, key = with_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
-        action.setStatusTip(said)
-        action.setToolTip(f"{_plain(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {said}")
+        text, key = with_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
+        action.setStatusTip(text)
+        action.setToolTip(f"{_plain(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {text}")
 
     def _tint(self, name: str) -> None:
         if self._theme is not None:
@@ -226,14 +226,14 @@ class Actions(dict[str, QAction]):
 
 
 def _plain(text: str) -> str:
-    """A text without its mnemonic, which a menu may have moved, and which Chinese and Japanese have in parentheses."""
+    """Return a text without its mnemonic, which Chinese and Japanese put in parentheses."""
     return re.sub(r"\(&\w\)", "", text).replace("&", "")
 
 
 def add_choice(menu: QWidget, text: str, do: Callback, tip: str = "", checked: bool | None = None) -> QAction:
-    """Add something to a menu that is filled whenever it opens, or to what comes first in the menu of a widget.
+    """Add an action to a menu, or to the start of the context menu of a widget.
 
-    There is room for a check mark unless `checked` is None.
+    It has a check mark unless `checked` is None.
     """
     action = menu.addAction(text)
     action.setToolTip(tip)
@@ -246,11 +246,15 @@ def add_choice(menu: QWidget, text: str, do: Callback, tip: str = "", checked: b
 
 @runtime_checkable
 class MenuOwner(Protocol):
-    """A widget with a menu; its own actions (`QWidget.actions`) come first in it."""
+    """A widget with a context menu that begins with its own actions (`QWidget.actions`)."""
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """Choose what lies at a point of the widget, or tell what is chosen for None, as keys ask.
+        """Select the item at a point of the widget, or keep the selection for None, as when a key opens the menu.
 
-        Returns the name of the thing, of which the menu knows the actions, or an empty text for nothing; and where
-        the menu opens.
+        Returns
+        -------
+        name : str
+            Name of the item in the table of context menus; empty for no item.
+        point : QPoint
+            Point of the widget at which the menu opens.
         """

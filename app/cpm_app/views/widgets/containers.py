@@ -1,4 +1,4 @@
-"""Widgets that hold others or show a line of text, and those that handle Escape themselves."""
+"""Widgets that hold others or show a line of text, and claims to keys."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ from cpm_core.numerics.types import Callback
 
 Layout = TypeVar("Layout", bound=QBoxLayout)
 
-_GAP = 5
-"""Between the content and the scroll bar [px]."""
+_SCROLL_BAR_GAP = 5
+"""Space between the content and the scroll bar [px]."""
 
 
 def arrange(
@@ -44,7 +44,7 @@ def arrange(
     spacing: int | None = None,
     wide: QWidget | None = None,
 ) -> Layout:
-    """Fill a row or a column, and return it; None is free room, `wide` the part that takes what remains."""
+    """Fill a row or a column and return it; None is a stretch, `wide` the part that takes the remaining space."""
     layout.setContentsMargins(*margins)
     if spacing is not None:
         layout.setSpacing(spacing)
@@ -59,14 +59,14 @@ def arrange(
 
 
 def wrapped(text: str = "", dim: bool = False) -> QLabel:
-    """A label that breaks lines, in a pale color if `dim`."""
+    """Create a label that breaks lines, in a pale color if `dim`."""
     label = QLabel(text, wordWrap=True)
     label.setObjectName("dim" if dim else "")
     return label
 
 
 def dim_label(text: str = "", tip: str = "") -> QLabel:
-    """A label in a pale color."""
+    """Create a label in a pale color."""
     label = QLabel(text)
     label.setObjectName("dim")
     label.setToolTip(tip)
@@ -74,7 +74,7 @@ def dim_label(text: str = "", tip: str = "") -> QLabel:
 
 
 def flat_button(text: str, tip: str, do: Callback) -> QToolButton:
-    """A button without a frame; one without a text is called by its tip."""
+    """Create a button without a frame; without a text, its tip is its accessible name."""
     button = QToolButton(autoRaise=True)
     button.setText(text)
     button.setToolTip(tip)
@@ -84,7 +84,7 @@ def flat_button(text: str, tip: str, do: Callback) -> QToolButton:
 
 
 class Contents(QListWidget):
-    """The titles of the pages of a dialog; `name` says of what."""
+    """List of the titles of the pages of a dialog; `name` is its accessible name."""
 
     def __init__(self, name: str, titles: Sequence[str]) -> None:
         super().__init__()
@@ -95,10 +95,14 @@ class Contents(QListWidget):
 
 
 ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+"""The Enter keys of the main block and of the keypad."""
+
+DELETE_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+"""Keys that delete the selection."""
 
 
 class AcceptButtons(QDialogButtonBox):
-    """The buttons of a dialog: one that accepts it, and Cancel."""
+    """Buttons of a dialog: one that accepts it, and Cancel."""
 
     def __init__(self, dialog: QDialog, text: str) -> None:
         super().__init__(QDialogButtonBox.StandardButton.Cancel)
@@ -108,7 +112,7 @@ class AcceptButtons(QDialogButtonBox):
 
 
 def lay_out_form(dialog: QDialog, heading: str, form: QFormLayout, buttons: AcceptButtons) -> None:
-    """Fill a dialog: a sentence, a form, and the buttons."""
+    """Fill a dialog with a sentence, a form, and the buttons."""
     form.setHorizontalSpacing(16)
     layout = QVBoxLayout(dialog)
     layout.setSpacing(12)
@@ -118,7 +122,7 @@ def lay_out_form(dialog: QDialog, heading: str, form: QFormLayout, buttons: Acce
 
 
 class Scrolled(QScrollArea):
-    """Scrolls its content up and down; it is as wide as that, and at least `least` high [px]."""
+    """Area that scrolls vertically, as wide as its content and at least `min_height` high [px]."""
 
     def __init__(self, content: QWidget, least: int) -> None:
         super().__init__()
@@ -134,27 +138,27 @@ class Scrolled(QScrollArea):
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
     def sizeHint(self) -> QSize:
-        """The size of the content, with a scroll bar where it is needed."""
+        """Return the size of the content, with the scroll bar if it is needed."""
         content = self._content.sizeHint()
         return QSize(content.width() + self._bar(), content.height())
 
     def minimumSizeHint(self) -> QSize:
-        """The least width of the content, and the given height."""
+        """Return the minimum width of the content and the minimum height."""
         return QSize(self._content.minimumSizeHint().width() + self._bar(), self._least)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Make room for the scroll bar and a gap next to it, or take it back."""
+        """Make room for the scroll bar and a gap next to it, if they are needed."""
         super().resizeEvent(event)
-        gap = _GAP if self._bar() else 0
+        gap = _SCROLL_BAR_GAP if self._bar() else 0
         if self.viewportMargins().right() != gap:
             self.setViewportMargins(0, 0, gap, 0)
         if event.oldSize().height() != event.size().height():
             self.updateGeometry()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Pass on that the content wants another size, which scroll areas keep to themselves.
+        """Tell the layout when the content needs another size, which scroll areas keep to themselves.
 
-        With every other number in it, all that is around it would be laid out and painted again.
+        Not with every request: each changed number would lay out and paint everything around it again.
         """
         if event.type() == QEvent.Type.LayoutRequest:
             before, self._wanted = self._wanted, (self.minimumSizeHint().width(), self.sizeHint().height())
@@ -163,13 +167,13 @@ class Scrolled(QScrollArea):
         return super().eventFilter(watched, event)
 
     def _bar(self) -> int:
-        """Width of the scroll bar and its gap, 0 where there is none."""
+        """Return the width of the scroll bar and its gap, or 0 if it is not needed."""
         needed = self._content.minimumSizeHint().height() > self.height()
-        return self.verticalScrollBar().sizeHint().width() + _GAP if needed else 0
+        return self.verticalScrollBar().sizeHint().width() + _SCROLL_BAR_GAP if needed else 0
 
 
 class Fold(QToolButton):
-    """The button that folds something away, as it is at first, or unfolds it."""
+    """Button that folds or unfolds something; folded at first."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -183,7 +187,7 @@ class Fold(QToolButton):
 
 
 class Section(QWidget):
-    """A heading and a content that is folded away until the user unfolds it."""
+    """Heading and content that is folded away until the user unfolds it."""
 
     def __init__(self, title: str, content: QWidget) -> None:
         super().__init__()
@@ -197,10 +201,10 @@ class Section(QWidget):
 
 
 class ElidedLabel(QLabel):
-    """The first line of a text, with an ellipsis where there is more."""
+    """Label that shows the first line of a text, with an ellipsis if there is more."""
 
     fits_changed = Signal()
-    """The whole text fits now, or no longer."""
+    """The whole text fits now, or no longer fits."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -214,17 +218,17 @@ class ElidedLabel(QLabel):
         self._follow()
 
     def minimumSizeHint(self) -> QSize:
-        """One line, of any width."""
+        """Return one line of any width."""
         return QSize(0, self.fontMetrics().height())
 
     def sizeHint(self) -> QSize:
-        """Room for the first line."""
+        """Return the size of the first line."""
         return QSize(
             self.fontMetrics().horizontalAdvance(self.text().partition("\n")[0]) + 2, self.fontMetrics().height()
         )
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Look whether the text fits."""
+        """Check whether the text still fits."""
         super().resizeEvent(event)
         self._follow()
 
@@ -246,7 +250,7 @@ class ElidedLabel(QLabel):
 
 
 class OfferBar(QFrame):
-    """One sentence, buttons, and a cross that turns the offer down; other offers wait behind it."""
+    """A sentence, buttons, and a cross that declines the offer; further offers wait in a queue."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -263,21 +267,21 @@ class OfferBar(QFrame):
 
     @property
     def text(self) -> str:
-        """The offer, or empty."""
+        """Offer that is shown, or empty."""
         return self._offers[0][0] if self._offers else ""
 
     def offer(self, sentence: str, *answers: tuple[str, Callback]) -> None:
-        """Offer something after what is offered already; each answer has a text and what it does."""
+        """Add an offer to the queue; each answer has a text and a function."""
         self._offers.append((sentence, answers))
         self._show()
 
     def end(self) -> None:
-        """Show the next offer in place of the one that is shown."""
+        """Drop the offer that is shown, and show the next one."""
         self._offers = self._offers[1:]
         self._show()
 
     def clear(self) -> None:
-        """Offer nothing any more."""
+        """Drop all offers."""
         self._offers = []
         self._show()
 
@@ -300,23 +304,26 @@ class OfferBar(QFrame):
     def _button(self, text: str, do: Callback) -> QPushButton:
         button = QPushButton(text, autoDefault=False)
 
-        def take() -> None:
+        def accept_offer() -> None:
             self.end()
             do()
 
-        button.clicked.connect(take)
+        button.clicked.connect(accept_offer)
         return button
 
 
-_CHOOSING = (*ENTER, Qt.Key.Key_Space)
-_PLAIN = Qt.KeyboardModifier.NoModifier
+_SELECTION_KEYS = (*ENTER, Qt.Key.Key_Space)
+"""Keys that select the current picture."""
+
+_NO_MODIFIER = Qt.KeyboardModifier.NoModifier
+"""No modifier key at all."""
 
 
 class PictureGrid(QListWidget):
-    """Pictures of one size in cells of another; arrow keys and the first letters of a name lead through them."""
+    """Grid of pictures with names; arrow keys and the first letters of a name move through it."""
 
     chosen = Signal(QListWidgetItem)
-    """The user chooses a picture."""
+    """The user has selected a picture."""
 
     def __init__(self, picture: QSize, cell: QSize) -> None:
         super().__init__()
@@ -330,57 +337,61 @@ class PictureGrid(QListWidget):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.itemClicked.connect(self.chosen)
 
-    def add(self, picture: QPixmap, name: str, what: object, tip: str) -> None:
-        """Add a picture of something."""
+    def add(self, picture: QPixmap, name: str, value: object, tip: str) -> None:
+        """Add a picture; its item holds `value` as user data."""
         icon = QIcon()
-        # The picture is the same whether marked or not.
+        # Qt would tint the picture of the current item.
         icon.addPixmap(picture, QIcon.Mode.Normal)
         icon.addPixmap(picture, QIcon.Mode.Selected)
         item = QListWidgetItem(icon, name)
-        item.setData(Qt.ItemDataRole.UserRole, what)
+        item.setData(Qt.ItemDataRole.UserRole, value)
         item.setToolTip(tip)
         item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignBottom)
         self.addItem(item)
 
     def event(self, event: QEvent) -> bool:
-        """Take plain keys before they act as shortcuts of the window."""
+        """Claim plain keys before they act as shortcuts of the window."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
-            plain = event.modifiers() in (_PLAIN, Qt.KeyboardModifier.ShiftModifier)
-            if plain and (event.text() or event.key() in _CHOOSING):
+            plain = event.modifiers() in (_NO_MODIFIER, Qt.KeyboardModifier.ShiftModifier)
+            if plain and (event.text() or event.key() in _SELECTION_KEYS):
                 event.accept()
                 return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Choose the marked picture on Enter or Space."""
+        """Select the current picture on Enter or Space."""
         item = self.currentItem()
-        if event.key() in _CHOOSING and item is not None:
+        if event.key() in _SELECTION_KEYS and item is not None:
             self.chosen.emit(item)
         else:
             super().keyPressEvent(event)
 
 
 def takes_key(event: QEvent, keys: Container[int]) -> bool:
-    """Whether one of a widget's own keys has been pressed, which is no shortcut of the window then."""
-    taken = event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in keys
-    if taken:
+    """Claim an event if it is about one of a widget's own keys, so that the key is no shortcut of the window.
+
+    Returns whether the event was claimed.
+    """
+    claimed = event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in keys
+    if claimed:
         event.accept()
-    return taken
+    return claimed
 
 
-_OWN = "own_escape"
+_OWN_ESCAPE_PROPERTY = "own_escape"
+"""Qt property of widgets that handle Escape themselves."""
 
 
 def keep_escape(widget: QWidget) -> None:
-    """Let a widget, and those in it, handle Escape; text fields in it handle Enter, too."""
-    widget.setProperty(_OWN, True)
+    """Let a widget and the widgets inside it handle Escape; text fields inside it also handle Enter."""
+    widget.setProperty(_OWN_ESCAPE_PROPERTY, True)
 
 
 def has_own_escape(widget: QWidget) -> bool:
-    """Whether a widget, or one around it, handles Escape itself."""
-    around: QWidget | None = widget
-    while around is not None:
-        if around.property(_OWN):
+    """Return whether a widget or one of its ancestors handles Escape itself."""
+    ancestor: QWidget | None = widget
+    while ancestor is not None:
+        if ancestor.property(_OWN_ESCAPE_PROPERTY):
             return True
-        around = around.parentWidget()
+        ancestor = ancestor.parentWidget()
     return False

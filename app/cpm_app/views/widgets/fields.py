@@ -1,4 +1,4 @@
-"""Fields for numbers: one to type in, a slider with marks, and the speed of the run."""
+"""Fields: typed numbers, alternatives, sliders with a mark, positions in a stack, and the speed of the run."""
 
 from __future__ import annotations
 
@@ -27,30 +27,35 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
 from cpm_app.views.widgets.containers import arrange, dim_label
 
-_POINT = "."
-_LARGE = 100.0
-"""From this value on, a whole number has no decimals."""
+_DECIMAL_POINT = "."
+"""Decimal mark that is accepted in every language."""
 
-_GROUP = 3
-"""Digits between separators of groups."""
+_NO_DECIMALS_FROM = 100.0
+"""Value from which a whole number is shown without decimals."""
+
+_DIGITS_PER_GROUP = 3
+"""Number of digits between two group separators."""
+
+PLACE_JUMP = 10
+"""Slices or pages by which Page Up and Page Down move the slider."""
 
 
 class WheelWithFocus:
-    """A field that the wheel changes only while it has the focus; otherwise the column around it scrolls."""
+    """Mixin of fields that the wheel changes only while they have the focus; otherwise their column scrolls."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Leave the wheel to what is around the field, unless it has the focus."""
-        if self.hasFocus():  # type: ignore[attr-defined]  # of the widget that it is mixed into
+        """Leave the wheel to the widgets around the field, unless it has the focus."""
+        if self.hasFocus():  # type: ignore[attr-defined]  # method of the widget that it is mixed into
             super().wheelEvent(event)  # type: ignore[misc]
         else:
             event.ignore()
 
 
 class DecimalField(WheelWithFocus, QDoubleSpinBox):
-    """Takes numbers as the language writes them, and with a point where that cannot be meant as a separator.
+    """Field for numbers as the language writes them, or with a point unless that may be a group separator.
 
-    Where the language writes a comma, ``0.25`` is a quarter; ``1.250`` is what the language says, unless that is out of
-    range. `words` stand in place of some values.
+    In a language with a decimal comma ``0.25`` is a quarter, but ``1.250`` is read as the language does, unless that is
+    out of range. `words` are shown in place of some values.
     """
 
     def __init__(
@@ -69,12 +74,12 @@ class DecimalField(WheelWithFocus, QDoubleSpinBox):
         self.setRange(low, high)
         self.setSingleStep(step)
         self.setSuffix(suffix)
-        # Each digit of a number that is typed would be a value of its own, and "1" of "16" may be out of limits.
+        # With tracking each typed digit would set a value, and the "1" of "16" may be out of range.
         self.setKeyboardTracking(False)
 
     @property
     def exact(self) -> float:
-        """Its value, with the digits that are not shown."""
+        """Value including the digits that are not shown."""
         return self._exact if self._shows(self._exact) else self.value()
 
     def show_value(self, value: float) -> None:
@@ -85,32 +90,32 @@ class DecimalField(WheelWithFocus, QDoubleSpinBox):
                 self.setValue(value)
 
     def move_to(self, value: float) -> None:
-        """Set a value as if the user had set it, and drop what has been typed."""
+        """Set a value as if the user had set it, and drop typed text."""
         changed = value != self.exact
         self.setValue(value)
         if changed:
             self.valueChanged.emit(value)
 
     def textFromValue(self, value: float) -> str:
-        """The word for a value, or the number; a large whole one has no decimals."""
+        """Return the word for a value, or the number; large whole numbers have no decimals."""
         if value in self._words:
             return self._words[value]
-        long = self.decimals() and value >= _LARGE and value == round(value)
+        long = self.decimals() and value >= _NO_DECIMALS_FROM and value == round(value)
         return self.locale().toString(value, "f", 0) if long else super().textFromValue(value)
 
     def validate(self, text: str, place: int) -> tuple[QValidator.State, str, int]:
-        """Whether a text is a number or a word, or the beginning of one."""
+        """Return whether a text is a number or a word, or the beginning of one."""
         if self._word(text) is not None:
             return QValidator.State.Acceptable, text, place
         state, _, at = super().validate(self._as_written(text), place)
         return state, text, at
 
     def fixup(self, text: str) -> str:
-        """What becomes of the beginning of a number."""
+        """Complete the beginning of a number."""
         return super().fixup(self._as_written(text))
 
     def valueFromText(self, text: str) -> float:
-        """The number that a text means."""
+        """Return the number that a text stands for."""
         value = self._word(text)
         return super().valueFromText(self._as_written(text)) if value is None else value
 
@@ -118,28 +123,28 @@ class DecimalField(WheelWithFocus, QDoubleSpinBox):
         return math.isclose(self.value(), value, abs_tol=0.5 * 10.0 ** -self.decimals())
 
     def _word(self, text: str) -> float | None:
-        """The value of a word."""
+        """Return the value that a word stands for, or None."""
         word = text.removesuffix(self.suffix()).strip()
         return next((value for value, known in self._words.items() if known == word), None)
 
     def _as_written(self, text: str) -> str:
-        """The text with the decimal mark of the language."""
+        """Return the text with the decimal mark of the language."""
         mark = self.locale().decimalPoint()
-        if mark == _POINT or mark in text or text.count(_POINT) != 1:
+        if mark == _DECIMAL_POINT or mark in text or text.count(_DECIMAL_POINT) != 1:
             return text
-        converted = text.replace(_POINT, mark)
+        converted = text.replace(_DECIMAL_POINT, mark)
         digits = re.search(r"\.(\d*)", text)
-        if digits is None or len(digits[1]) != _GROUP or self.locale().groupSeparator() != _POINT:
+        if digits is None or len(digits[1]) != _DIGITS_PER_GROUP or self.locale().groupSeparator() != _DECIMAL_POINT:
             return converted
         state = super().validate(text, len(text))[0]
         return text if state == QValidator.State.Acceptable else converted
 
 
 class ChoiceBox(WheelWithFocus, QComboBox):
-    """Alternatives, of which `ways` are the names and the titles."""
+    """Box with alternatives; `titles` maps their names to their titles."""
 
     chosen = Signal(str)
-    """The user has chosen one, by its name."""
+    """The user has selected an alternative, by its name."""
 
     def __init__(self, ways: Mapping[str, str]) -> None:
         super().__init__()
@@ -149,11 +154,12 @@ class ChoiceBox(WheelWithFocus, QComboBox):
         self.activated.connect(lambda index: self.chosen.emit(self.itemData(index)))
 
     def show_value(self, name: str) -> None:
-        """Show one without emitting a signal; a name that is none of them shows nothing."""
+        """Show an alternative without emitting a signal; an unknown name shows nothing."""
         self.setCurrentIndex(self.findData(name))
 
 
-_MARK = 3.5
+_MARK_SIZE = 3.5
+"""Height of the mark of the default, and half its width [px]."""
 
 
 class MarkedSlider(WheelWithFocus, QSlider):
@@ -170,12 +176,12 @@ class MarkedSlider(WheelWithFocus, QSlider):
     moved_to = Signal(float)
     """The user has moved it to a value."""
     restored = Signal()
-    """The user has asked for the default."""
+    """The user restores the default."""
 
     def __init__(self, low: float, high: float, step: float, default: float | None = None) -> None:
         super().__init__(Qt.Orientation.Horizontal)
         self.exact = low
-        """The value that it was last given, which may lie between two steps."""
+        """Value that was set last, which may lie between two steps."""
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.set_range(low, high, step, default)
         self.valueChanged.connect(self._report)
@@ -190,13 +196,13 @@ class MarkedSlider(WheelWithFocus, QSlider):
         self.update()
 
     def move_to(self, value: float) -> None:
-        """Move it to a value, as if the user had moved it."""
+        """Move the slider to a value, as if the user had moved it."""
         if value != self.exact:
             self.show_value(value)
             self.moved_to.emit(value)
 
     def show_value(self, value: float) -> None:
-        """Show a value without emitting a signal; one outside the range is shown at its end."""
+        """Show a value, clipped to the range, without emitting a signal."""
         self.exact = value
         with QSignalBlocker(self):
             self.setValue(round((value - self._low) / self._step))
@@ -225,7 +231,9 @@ class MarkedSlider(WheelWithFocus, QSlider):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(self.palette().color(QPalette.ColorRole.PlaceholderText))
-        painter.drawPolygon(QPolygonF([QPointF(x, y - _MARK), QPointF(x - _MARK, y), QPointF(x + _MARK, y)]))
+        painter.drawPolygon(
+            QPolygonF([QPointF(x, y - _MARK_SIZE), QPointF(x - _MARK_SIZE, y), QPointF(x + _MARK_SIZE, y)])
+        )
         painter.end()
 
     def _report(self, value: int) -> None:
@@ -234,10 +242,13 @@ class MarkedSlider(WheelWithFocus, QSlider):
 
 
 class PlaceBar(QFrame):
-    """A line below the canvas with a slider and a number, which choose one of many; `title` and `name` say what."""
+    """Line below the canvas that selects a slice or page by a slider and a number.
+
+    `title` and `name` are the accessible names of slider and number; Page Up and Page Down move by `jump`.
+    """
 
     moved = Signal(int)
-    """The user wants another one."""
+    """The user selects a slice or page."""
 
     def __init__(self, title: str, name: str, jump: int) -> None:
         super().__init__()
@@ -253,7 +264,7 @@ class PlaceBar(QFrame):
         self.hide()
 
     def show_place(self, place: int, first: int, last: int) -> None:
-        """Show which one of which is chosen."""
+        """Show the selected number and its range."""
         for field in (self.slider, self.number):
             with QSignalBlocker(field):
                 field.setRange(first, last)
@@ -262,7 +273,7 @@ class PlaceBar(QFrame):
 
 
 class SpeedControl(QWidget):
-    """A slider from one step per second to as many as possible."""
+    """Slider from one step per second to as many as possible."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
@@ -282,11 +293,11 @@ class SpeedControl(QWidget):
         self.slider.valueChanged.connect(self._change)
 
     def faster(self) -> None:
-        """One notch up."""
+        """Move the slider one notch up."""
         self.slider.setValue(self.slider.value() + 1)
 
     def slower(self) -> None:
-        """One notch down."""
+        """Move the slider one notch down."""
         self.slider.setValue(self.slider.value() - 1)
 
     def _change(self, index: int) -> None:

@@ -1,4 +1,4 @@
-"""Work in pieces, so that the window answers between them."""
+"""Work in small pieces, between which the window stays responsive."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ from cpm_core.numerics.types import Callback
 
 
 class Turns(QObject):
-    """Does pieces of work in order, each in a turn of the event loop of its own; they end with the parent."""
+    """Queue of work that is done in order, one piece per turn of the event loop, as long as the parent exists."""
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
         self._waiting: deque[Callback] = deque()
-        # A timer, since Qt calls what is queued within one turn in the same turn.
+        # A timer, since Qt would run calls that are queued in one turn in this same turn.
         self._timer = QTimer(self, interval=0)
         self._timer.timeout.connect(self._next)
 
     @property
     def idle(self) -> bool:
-        """Whether nothing waits."""
+        """Whether no work is waiting."""
         return not self._waiting
 
     def ask(self, work: Callback) -> None:
-        """Do this after what waits already; what is the same piece of work and waits is done once."""
+        """Add a piece of work to the end of the queue, unless it is waiting already."""
         if work not in self._waiting:
             self._waiting.append(work)
             self._timer.start()
 
     def finish(self) -> None:
-        """Do now what waits."""
+        """Do all waiting work now."""
         while self._waiting:
             self._next()
 
     def stop(self) -> None:
-        """Forget what waits."""
+        """Drop all waiting work."""
         self._waiting.clear()
         self._timer.stop()
 

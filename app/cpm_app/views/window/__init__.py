@@ -1,1 +1,1 @@
-"""What the main window is assembled from: menus, docks, bars, dialogs."""
+"""Parts of the main window: menus, docks, bars, dialogs."""

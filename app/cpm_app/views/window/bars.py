@@ -1,4 +1,4 @@
-"""The bars of the window: frequent actions, tools, and tasks in the background."""
+"""Bars of the window: frequent actions, tools, and background tasks."""
 
 from __future__ import annotations
 
@@ -32,15 +32,21 @@ from cpm_app.views.widgets.actions import PRIMARY, Actions
 from cpm_app.views.widgets.containers import Scrolled, arrange, dim_label, flat_button
 from cpm_core.shapes import KINDS
 
-_BEFORE, _RUN, _AFTER = ("open", "save", "", "undo", "redo"), ("run", "step", "reset"), ("", "fit", "export")
-"""Actions of the tool bar before the modes, after them, and after the speed control; an empty name is a line."""
+_FIRST_BAR_ACTIONS = ("open", "save", "", "undo", "redo")
+"""Actions of the tool bar before the modes; an empty name is a separator."""
 
-_ICON_ONLY = ("undo", "redo", "fit")
-"""Buttons that need no text."""
+_RUN_BAR_ACTIONS = ("run", "step", "reset")
+"""Actions of the tool bar between the modes and the speed control."""
+
+_LAST_BAR_ACTIONS = ("", "fit", "export")
+"""Actions of the tool bar after the speed control; an empty name is a separator."""
+
+_ICON_ONLY_ACTIONS = ("undo", "redo", "fit")
+"""Actions whose buttons need no text."""
 
 
 class ToolBar(QToolBar):
-    """Buttons for the most frequent actions, without words where the window is narrow, and the speed control."""
+    """Buttons of the most frequent actions, without text if the window is narrow, and the speed control."""
 
     def __init__(self, actions: Actions, speed: QWidget) -> None:
         super().__init__(tr("Run"))
@@ -50,11 +56,11 @@ class ToolBar(QToolBar):
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self._worded: list[QToolButton] = []
         self._words, self._needed = True, 0
-        self._add(actions, _BEFORE)
+        self._add(actions, _FIRST_BAR_ACTIONS)
         self.addWidget(_modes(actions))
-        self._add(actions, _RUN)
+        self._add(actions, _RUN_BAR_ACTIONS)
         self.addWidget(speed)
-        self._add(actions, _AFTER)
+        self._add(actions, _LAST_BAR_ACTIONS)
 
     def _add(self, actions: Actions, names: Iterable[str]) -> None:
         for name in names:
@@ -66,7 +72,7 @@ class ToolBar(QToolBar):
             button = cast("QToolButton", self.widgetForAction(action))
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.setObjectName("primary" if name == PRIMARY else name)
-            if name in _ICON_ONLY:
+            if name in _ICON_ONLY_ACTIONS:
                 button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
                 button.setAccessibleName(action.iconText())
             elif name != PRIMARY:
@@ -77,7 +83,7 @@ class ToolBar(QToolBar):
                 button.setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("Run again")) + 52)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Show words where there is room for them."""
+        """Show the texts of the buttons if there is room for them."""
         super().resizeEvent(event)
         if self._words:
             self._needed = self.sizeHint().width()
@@ -89,7 +95,7 @@ class ToolBar(QToolBar):
 
 
 def _modes(actions: Actions) -> QWidget:
-    """The modes side by side, as one segmented control."""
+    """Create the buttons of the modes, side by side as one segmented control."""
     segments = QWidget()
     segments.setObjectName("segments")
     row = arrange(QHBoxLayout(segments), margins=(6, 0, 6, 0), spacing=0)
@@ -103,8 +109,8 @@ def _modes(actions: Actions) -> QWidget:
     return segments
 
 
-_WIDE = 80
-"""Width of a button [px], enough for the longest word."""
+_TOOL_BUTTON_WIDTH = 80
+"""Width of a button, enough for the longest word [px]."""
 
 
 class ToolPalette(QToolBar):
@@ -119,24 +125,24 @@ class ToolPalette(QToolBar):
         names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in GROUPS}
         names[AUTO] = [f"start_{kind}" for kind in KINDS]
         self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
-        case = QWidget()
+        column = QWidget()
         for button in self.buttons.values():
             button.setIconSize(self.iconSize())
-        arrange(QVBoxLayout(case), *self.buttons.values(), None, spacing=0)
-        scrolled = Scrolled(case, 100)
+        arrange(QVBoxLayout(column), *self.buttons.values(), None, spacing=0)
+        scrolled = Scrolled(column, 100)
         scrolled.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         self.addWidget(scrolled)
 
 
 class ToolButton(QToolButton):
-    """The action of a group that was used last; its arrow and the right button open a menu of all."""
+    """Button of the action of a group that was used last; the arrow and a right click open a menu of all."""
 
     def __init__(self, group: str, actions: Sequence[QAction]) -> None:
         super().__init__()
         self.setObjectName("tools")
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         self.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
-        self.setFixedWidth(_WIDE)
+        self.setFixedWidth(_TOOL_BUTTON_WIDTH)
         self.setAutoRaise(True)
         menu = QMenu(self, toolTipsVisible=True)
         menu.addActions(actions)
@@ -152,7 +158,7 @@ class ToolButton(QToolButton):
         self.showMenu()
 
     def _follow(self) -> None:
-        """Show an action that there is, or hide where there is none."""
+        """Show a visible action, or hide the button if there is none."""
         shown = [action for action in self.menu().actions() if action.isVisible()]
         self.setVisible(bool(shown))
         if shown and not self.defaultAction().isVisible():
@@ -162,12 +168,15 @@ class ToolButton(QToolButton):
 SHOWN_AFTER = 0.3
 """Time after which a task is shown, so that short tasks do not flicker [s]."""
 
-_WIDTH = 140
-_FULL = 1000
+_PROGRESS_BAR_WIDTH = 140
+"""Width of the progress bar [px]."""
+
+_PROGRESS_BAR_MAXIMUM = 1000
+"""Value of the progress bar when a task is done."""
 
 
 class TaskBar(QWidget):
-    """Shows the oldest running task, and is hidden while none is running."""
+    """Progress of the oldest running task; hidden while none is running."""
 
     def __init__(self, tasks: Tasks) -> None:
         super().__init__()
@@ -176,7 +185,7 @@ class TaskBar(QWidget):
         self._name = QLabel()
         self._left = dim_label()
         self._bar = QProgressBar(textVisible=False)
-        self._bar.setFixedWidth(_WIDTH)
+        self._bar.setFixedWidth(_PROGRESS_BAR_WIDTH)
         self._bar.setMaximumHeight(self.fontMetrics().height())
         self._button = flat_button(tr("Cancel"), "", self.cancel)
         parts = self._name, self._bar, self._left, self._button
@@ -189,11 +198,11 @@ class TaskBar(QWidget):
 
     @property
     def text(self) -> str:
-        """The text shown, or empty."""
+        """Text that is shown, or empty."""
         return "" if self.isHidden() else f"{self._name.text()} {self._left.text()}".strip()
 
     def cancel(self) -> None:
-        """Cancel the task shown, or the first one that will be shown."""
+        """Cancel the task that is shown, or the next one that will be."""
         task = self._task or next((task for task in self._tasks.current if task.cancellable), None)
         if task is not None:
             task.cancel()
@@ -219,7 +228,7 @@ class TaskBar(QWidget):
         self._button.setVisible(task.cancellable)
         self._button.setToolTip(tr("Cancel: {name}", name=task.name))
         self.setToolTip("\n".join(each.name for each in current))
-        self._bar.setMaximum(0 if task.fraction is None else _FULL)
+        self._bar.setMaximum(0 if task.fraction is None else _PROGRESS_BAR_MAXIMUM)
         if task.fraction is not None:
-            self._bar.setValue(round(_FULL * task.fraction))
+            self._bar.setValue(round(_PROGRESS_BAR_MAXIMUM * task.fraction))
         self.show()

@@ -1,4 +1,4 @@
-"""The dialogs that ask for names and files, and questions whose buttons are named by what they do."""
+"""Dialogs that ask for names and files, and questions whose buttons say what they do."""
 
 from __future__ import annotations
 
@@ -17,19 +17,23 @@ from cpm_core.numerics.types import Texts, frozen
 
 Answer = Literal["save", "discard", "cancel"]
 
-_ROLES = {
+_BUTTON_ROLES = {
     "accept": QMessageBox.ButtonRole.AcceptRole,
     "discard": QMessageBox.ButtonRole.DestructiveRole,
     "cancel": QMessageBox.ButtonRole.RejectRole,
 }
+"""Qt roles of the buttons of a question."""
 
-_LEAST_WIDTH, _BESIDE_TITLE = 360, 180
-"""Least width of a dialog, and what its frame needs next to its title, so that the title is not cut off [px]."""
+_MIN_DIALOG_WIDTH = 360
+"""Smallest width of a dialog [px]."""
+
+_TITLE_BAR_SPACE = 180
+"""Width that the frame needs next to the title, so that the title is not cut off [px]."""
 
 
 @frozen
 class Button:
-    """A button of a question: the answer it gives, its text, and what it does."""
+    """Button of a question: the answer it gives, its text, and its role."""
 
     answer: str
     text: str
@@ -37,10 +41,10 @@ class Button:
 
 
 class Question(QMessageBox):
-    """A question with a sentence that explains it.
+    """Dialog with a question and a sentence that explains it.
 
-    The first button that accepts is the default, or else the one that cancels; Escape is the one that cancels. There is
-    no icon: the question is what counts, and the icons of Qt are of another style.
+    The default is the first button that accepts, or else the one that cancels, which is also the one of Escape. There
+    is no icon, as those of Qt have another style.
     """
 
     def __init__(self, parent: QWidget, title: str, text: str, more: str, buttons: Sequence[Button]) -> None:
@@ -49,7 +53,7 @@ class Question(QMessageBox):
         self.setInformativeText(more)
         self._answers: dict[QAbstractButton, str] = {}
         for button in buttons:
-            made = self.addButton(button.text, _ROLES[button.role])
+            made = self.addButton(button.text, _BUTTON_ROLES[button.role])
             self._answers[made] = button.answer
             if button.role == "accept" and self.defaultButton() is None:
                 self.setDefaultButton(made)
@@ -59,7 +63,7 @@ class Question(QMessageBox):
             self.setDefaultButton(cast("QPushButton", self.escapeButton()))
 
     def given(self) -> str:
-        """The answer."""
+        """Return the answer of the button that was pressed."""
         return self._answers[self.clickedButton() or self.escapeButton()]
 
     def ask(self) -> str:
@@ -70,7 +74,7 @@ class Question(QMessageBox):
 
 
 def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer:
-    """What to do with unsaved work called `name`; `lost` names what is not saved."""
+    """Ask what to do with the unsaved work on `name`; `lost` lists what is not saved."""
     buttons = (
         Button("save", tr("&Save"), "accept"),
         Button("discard", tr("&Discard changes"), "discard"),
@@ -87,49 +91,52 @@ def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer
 
 
 def ask_to_replace(parent: QWidget, name: str) -> bool:
-    """Whether the file of this name may be replaced."""
+    """Ask whether the file of this name may be replaced."""
     buttons = Button("keep", tr("&Keep it"), "cancel"), Button("replace", tr("&Replace"), "discard")
     more = tr("A file with this name exists; its contents would be lost.")
     return Question(parent, tr("Replace file"), tr("Replace “{name}”?", name=name), more, buttons).ask() == "replace"
 
 
 def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str) -> str | None:
-    """A text that is typed, None when the user cancels; `button` says what is done with it."""
+    """Ask for a text; return None if the user cancels. `button` says what the text is for."""
     dialog = QInputDialog(parent)
     dialog.setWindowTitle(title)
     dialog.setLabelText(label)
     dialog.setOkButtonText(button)
     dialog.setCancelButtonText(tr("Cancel"))
-    dialog.setMinimumWidth(max(_LEAST_WIDTH, dialog.fontMetrics().horizontalAdvance(title) + _BESIDE_TITLE))
+    dialog.setMinimumWidth(max(_MIN_DIALOG_WIDTH, dialog.fontMetrics().horizontalAdvance(title) + _TITLE_BAR_SPACE))
     dialog.setTextValue(text)
     accepted = dialog.exec()
     dialog.deleteLater()
     return dialog.textValue() if accepted else None
 
 
-_SHORT = QFileDialog.Option.HideNameFilterDetails
-"""Kinds of files are shown by their names, without a list of suffixes."""
+_HIDE_SUFFIXES = QFileDialog.Option.HideNameFilterDetails
+"""Option that shows kinds of files by name, without a list of suffixes."""
 
 
 @frozen
 class Files:
-    """A kind of files that a dialog shows: its name and its suffixes; all files have none."""
+    """Kind of files that a dialog shows: its name and suffixes, which are empty for all files."""
 
     name: str
     suffixes: Texts
 
     @property
     def filter(self) -> str:
-        """It in the words of Qt."""
+        """Name filter of Qt for these files."""
         return f"{self.name} ({' '.join(f'*{suffix}' for suffix in self.suffixes) or '*'})"
 
 
 SESSIONS = Files(tr("Sessions"), (SUFFIX,))
+"""Session files."""
+
 ALL_FILES = Files(tr("All files"), ())
+"""Files of any kind."""
 
 
 class FileDialogs:
-    """Asks for files of a session; `window` is the parent unless another one is given."""
+    """Dialogs that ask for the files of a session; `window` is their parent unless another one is given."""
 
     def __init__(self, window: QWidget, session: Session, preferences: Preferences) -> None:
         self._window = window
@@ -137,17 +144,19 @@ class FileDialogs:
         self._preferences = preferences
 
     def begin(self, purpose: Purpose) -> Path:
-        """Folder that a dialog begins with."""
+        """Return the folder in which a dialog starts."""
         return first_folder(self._preferences, self._session.document, purpose)
 
     def remember(self, purpose: Purpose, path: Path) -> None:
-        """A file has been chosen."""
+        """Remember the folder of a selected file."""
         remember_folder(self._preferences, self._session.document, purpose, path)
 
     def ask_for_file(self, purpose: Purpose, title: str, kinds: Iterable[Files]) -> Path | None:
-        """A file that exists; None when the user cancels."""
+        """Ask for an existing file; return None if the user cancels."""
         filters = ";;".join(kind.filter for kind in kinds)
-        chosen, _ = QFileDialog.getOpenFileName(self._window, title, str(self.begin(purpose)), filters, "", _SHORT)
+        chosen, _ = QFileDialog.getOpenFileName(
+            self._window, title, str(self.begin(purpose)), filters, "", _HIDE_SUFFIXES
+        )
         if not chosen:
             return None
         self.remember(purpose, Path(chosen))
@@ -161,29 +170,29 @@ class FileDialogs:
         kinds: Sequence[Files],
         folder: Path | None = None,
     ) -> Path | None:
-        """A file to write, which has a suffix of these kinds; None when the user cancels.
+        """Ask for a file to write, with a suffix of these kinds; return None if the user cancels.
 
-        `name` is suggested, its suffix is added to a name without one, and `folder` is where the dialog begins, by
-        default next to the image.
+        `name` is suggested, its suffix is added to a name without one, and the dialog starts in `folder`, by default
+        the one of the image.
         """
         known = [known for kind in kinds for known in kind.suffixes]
         suffix = max((known for known in known if name.endswith(known)), key=len, default=Path(name).suffix)
         first = next((kind.filter for kind in kinds if suffix in kind.suffixes), "")
         begin, filters = str((folder or self.begin(purpose)) / name), ";;".join(kind.filter for kind in kinds)
-        chosen, _ = QFileDialog.getSaveFileName(self._window, title, begin, filters, first, _SHORT)
+        chosen, _ = QFileDialog.getSaveFileName(self._window, title, begin, filters, first, _HIDE_SUFFIXES)
         if not chosen:
             return None
         path = Path(chosen)
         if not path.name.lower().endswith(tuple(known)) and (not path.suffix or len(known) == 1):
             path = path.with_name(path.name + suffix)
-            # The desktop has asked only about the name as it was typed.
+            # The file dialog has asked only about the name as typed.
             if path.exists() and not ask_to_replace(self._window, path.name):
                 return None
         self.remember(purpose, path)
         return path
 
     def ask_where_to_export(self, title: str, ending: str, kinds: Mapping[str, str]) -> Path | None:
-        """A file to export to, named after the image with an ending; `kinds` are the names of suffixes."""
+        """Ask for a file to export to, named after the image with an ending; `kinds` maps suffixes to names."""
         image, stem = self._session.document.image, "cpm"
         if image is not None:
             in_volume = self._session.scene.slices is not None
@@ -192,5 +201,5 @@ class FileDialogs:
         return self.ask_where_to_save("export", title, f"{stem}{ending}", files)
 
     def ask_for_folder(self, title: str, purpose: Purpose = "open", parent: QWidget | None = None) -> str:
-        """A folder, empty when the user cancels."""
+        """Ask for a folder; return an empty text if the user cancels."""
         return QFileDialog.getExistingDirectory(parent or self._window, title, str(self.begin(purpose)))

@@ -1,4 +1,4 @@
-"""The panels: tabs in one column next to the canvas, and those below it; their actions, and the keyboard in them."""
+"""Panels: tabs in one column next to the canvas, and panels below it; their actions and the keyboard focus."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cpm_core.numerics.types import record
 
 @record
 class Panel:
-    """A panel, as a tab of the column or below the canvas.
+    """A panel, either a tab of the column or below the canvas.
 
     Attributes
     ----------
@@ -27,11 +27,11 @@ class Panel:
     widget : QWidget
         Content.
     shortcut : str
-        Key that gives it the keyboard.
-    shown : bool
-        Whether its tab is there from the start; `Docks.offer` adds others.
-    below : bool
-        Whether it is below the canvas; then the feature shows and hides it.
+        Key that moves the keyboard focus to it.
+    shown_at_start : bool
+        Whether its tab is there from the start; `Docks.set_tab_available` adds others.
+    below_canvas : bool
+        Whether it is below the canvas; then its feature shows and hides it.
     """
 
     name: str
@@ -42,29 +42,35 @@ class Panel:
     below: bool = False
 
 
-_WIDTH, _LEAST, _SHARE = 300, 284, 0.29
-"""Initial and least width of the column [px], and the part of the window that it may have."""
+_COLUMN_WIDTH = 300
+"""Initial width of the column [px]."""
 
-_FIRST = ("objects", "run", "layers")
-"""The tabs that are always there, before those that appear."""
+_MIN_COLUMN_WIDTH = 284
+"""Smallest width of the column [px]."""
 
-_VERSION = 2
+_MAX_COLUMN_FRACTION = 0.29
+"""Largest fraction of the width of the window that the column takes."""
+
+_FIXED_TABS = ("objects", "run", "layers")
+"""Tabs that are always there, in front of those that come and go."""
+
+_LAYOUT_VERSION = 2
 """Version of the stored layout."""
 
 
 def _place(panel: Panel) -> int:
-    return _FIRST.index(panel.name) if panel.name in _FIRST else len(_FIRST)
+    return _FIXED_TABS.index(panel.name) if panel.name in _FIXED_TABS else len(_FIXED_TABS)
 
 
 class Docks(QObject):
-    """The column of tabs on the right of a window, and the panels in the layout `below` its canvas."""
+    """Column of tabs on the right of a window, and the panels in the layout `below` its canvas."""
 
     def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard, below: QBoxLayout) -> None:
         super().__init__(window)
         self._window, self._keyboard, self._laid_out = window, keyboard, False
         self._panels = {panel.name: panel for panel in sorted(panels, key=_place)}
         self.tabs = QTabWidget(documentMode=True)
-        self.tabs.setMinimumWidth(_LEAST)
+        self.tabs.setMinimumWidth(_MIN_COLUMN_WIDTH)
         self.tabs.tabBar().setExpanding(False)
         self.tabs.tabBar().setDrawBase(False)
         self.column = QDockWidget(tr("Panels"), window, features=QDockWidget.DockWidgetFeature.DockWidgetClosable)
@@ -103,45 +109,45 @@ class Docks(QObject):
             self.bring(name)
 
     def offer(self, name: str, there: bool) -> None:
-        """Add a tab that has something to show, behind the one in front, or remove it."""
+        """Add a tab behind the one in front, or remove it."""
         self.tabs.setTabVisible(self.tabs.indexOf(self._panels[name].widget), there)
         self.actions[list(self._panels).index(name)].setVisible(there)
 
     def enter(self, name: str) -> None:
-        """Open a panel, bring it to the front and give it the keyboard."""
+        """Open a panel, bring it to the front and move the keyboard focus to it."""
         self.reveal(name)
         take_keyboard(in_panel(self._panels[name].widget))
 
     def go_on(self, by: int = 1) -> None:
-        """Give the keyboard to the next area that is seen, or for -1 to the previous one."""
-        seen = {name: panel.widget for name, panel in self._panels.items() if panel.widget.isVisible()}
-        around, focused = ["", *seen], QApplication.focusWidget()
-        here = next((name for name, widget in seen.items() if focused and widget.isAncestorOf(focused)), "")
-        name = around[(around.index(here) + by) % len(around)]
+        """Move the keyboard focus to the next visible area, or to the previous one for -1."""
+        visible = {name: panel.widget for name, panel in self._panels.items() if panel.widget.isVisible()}
+        areas, focused = ["", *visible], QApplication.focusWidget()
+        here = next((name for name, widget in visible.items() if focused and widget.isAncestorOf(focused)), "")
+        name = areas[(areas.index(here) + by) % len(areas)]
         if name:
             self.enter(name)
         else:
             self._keyboard.give_back()
 
     def layout_state(self) -> QByteArray:
-        """The layout, to be stored."""
-        return self._window.saveState(_VERSION)
+        """Return the layout of the panels, to be stored."""
+        return self._window.saveState(_LAYOUT_VERSION)
 
     def restore_layout(self, layout: QByteArray) -> None:
-        """Use a stored layout."""
-        self._laid_out = self._window.restoreState(layout, _VERSION)
+        """Restore a stored layout of the panels."""
+        self._laid_out = self._window.restoreState(layout, _LAYOUT_VERSION)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Let the column not take more than its share of a smaller window."""
+        """Limit the column to its fraction of the width of the window."""
         if event.type() == QEvent.Type.Resize:
-            self.tabs.setMaximumWidth(max(round(_SHARE * self._window.width()), _LEAST))
+            self.tabs.setMaximumWidth(max(round(_MAX_COLUMN_FRACTION * self._window.width()), _MIN_COLUMN_WIDTH))
         if event.type() == QEvent.Type.Show and not self._laid_out:
             self._laid_out = True
-            self._window.resizeDocks([self.column], [_WIDTH], Qt.Orientation.Horizontal)
+            self._window.resizeDocks([self.column], [_COLUMN_WIDTH], Qt.Orientation.Horizontal)
         return False
 
     def _make_action(self, panel: Panel) -> QAction:
-        """Gives the keyboard to a panel, or back to the canvas where the panel has it."""
+        """Create the action that moves the keyboard focus to a panel, or back from it to the canvas."""
         title = from_core(panel.title)
         action = QAction(
             title,

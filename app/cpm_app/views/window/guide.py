@@ -1,4 +1,4 @@
-"""The guide: pages of ``assets/guide`` that explain real tasks, in a dialog next to the window."""
+"""Guide: pages of ``assets/guide`` that explain real tasks, in a dialog next to the window."""
 
 from __future__ import annotations
 
@@ -30,20 +30,22 @@ KEYS = "keys"
 """Name of the page that lists all keys, and of the action that opens and closes it."""
 
 PAGES = ("first", "artery", "nuclei", "hand", "vessels", "stacks", "further", "canvas", KEYS)
-"""The pages in the order of the table of contents."""
+"""Names of the pages, in the order of the table of contents."""
 
-_SIZE = QSize(780, 640)
-_PICTURE = 300
+_GUIDE_SIZE = QSize(780, 640)
+"""Preferred size of the dialog [px]."""
+
+_GUIDE_PICTURE_WIDTH = 300
 """Width of a picture [px]."""
 
-_LABELS = {control.name: f"“{control.title}” ({rich(control.symbol)})" for control in controls()}
+_PARAMETER_LABELS = {control.name: f"“{control.title}” ({rich(control.symbol)})" for control in controls()}
 """Labels of parameters by their names."""
 
 
 class Guide(QDialog):
-    """Shows the pages next to the window; links open samples and other pages.
+    """Dialog with the pages; links open samples and other pages.
 
-    `shortcuts` are all actions, whose names and keys the pages mention; `open_sample` opens a sample by its file name.
+    The pages mention names and keys of the actions of `shortcuts`; `open_sample` opens a sample by its file name.
     """
 
     def __init__(self, parent: QWidget, shortcuts: Shortcuts, open_sample: Callable[[str], None]) -> None:
@@ -60,18 +62,18 @@ class Guide(QDialog):
         self.text.anchorClicked.connect(self._follow)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         buttons.rejected.connect(self.close)
-        beside = arrange(QHBoxLayout(), self.contents, self.text, wide=self.text)
+        columns = arrange(QHBoxLayout(), self.contents, self.text, wide=self.text)
         layout = QVBoxLayout(self)
-        layout.addLayout(beside, 1)
+        layout.addLayout(columns, 1)
         layout.addWidget(buttons)
         self.contents.currentRowChanged.connect(self._show)
         shortcuts.changed.connect(self._show)
-        self.resize(_SIZE.boundedTo(self.screen().availableSize()))
+        self.resize(_GUIDE_SIZE.boundedTo(self.screen().availableSize()))
         self.turn_to(PAGES[0])
 
     @property
     def page(self) -> str:
-        """Name of the page that is open."""
+        """Name of the open page."""
         return PAGES[self.contents.currentRow()]
 
     def turn_to(self, name: str) -> None:
@@ -83,7 +85,7 @@ class Guide(QDialog):
         for mark, text, picture in guide_page(self.page):
             tag = {"# ": "h2", "1. ": "li", "": "p"}[mark]
             address = QUrl.fromLocalFile(str(asset(f"guide/{picture}"))).toString() if picture else ""
-            image = f"<br><img src='{address}' width='{_PICTURE}'><br>" if picture else ""
+            image = f"<br><img src='{address}' width='{_GUIDE_PICTURE_WIDTH}'><br>" if picture else ""
             parts.append(f"<{tag}>{self._named(from_core(text))}{image}</{tag}>")
         whole = re.sub(r"((?:<li>.*?</li>)+)", r"<ol>\1</ol>", "".join(parts), flags=re.DOTALL)
         self.text.setHtml(whole + (self._keys() if self.page == KEYS else ""))
@@ -95,20 +97,20 @@ class Guide(QDialog):
             self._open_sample(link.path())
 
     def _named(self, text: str) -> str:
-        """A text with actions in braces replaced by name and key, and parameters (``{=beta}``) by label and symbol."""
-        text = re.sub(r"\{=(\w+)\}", lambda found: _LABELS[found.group(1)], text)
+        """Replace actions in braces by name and key, and parameters (``{=beta}``) by label and symbol."""
+        text = re.sub(r"\{=(\w+)\}", lambda found: _PARAMETER_LABELS[found.group(1)], text)
         text = re.sub(r"\{key:(\w+)\}", lambda found: html.escape(key_of(found.group(1))), text)
         actions = self._shortcuts.names()
 
-        def named(found: re.Match[str]) -> str:
+        def format_action(found: re.Match[str]) -> str:
             action = actions[found.group(1)]
             key = f" ({html.escape(action.key)})" if action.key else ""
             return f"<b>{html.escape(action.title)}</b>{key}"
 
-        return re.sub(r"\{(\w+)\}", named, text)
+        return re.sub(r"\{(\w+)\}", format_action, text)
 
     def _keys(self) -> str:
-        """All keys of actions and panels, in their groups."""
+        """Format the keys of all actions and panels by group, as HTML."""
         groups: dict[str, str] = {}
         for action in self._shortcuts.actions:
             keys = self._shortcuts.keys(action.name)

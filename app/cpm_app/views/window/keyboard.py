@@ -1,4 +1,4 @@
-"""The keyboard: who gets a key, and where the keyboard goes next."""
+"""Keyboard: which widget gets a key, and which one gets the focus next."""
 
 from __future__ import annotations
 
@@ -29,28 +29,30 @@ from PySide6.QtWidgets import (
 from cpm_app.views.widgets.containers import ENTER, has_own_escape
 from cpm_app.views.widgets.fields import DecimalField, MarkedSlider
 
-_FIELDS = (QAbstractSpinBox, QLineEdit, QTextEdit, QPlainTextEdit, QAbstractButton, QComboBox, QSlider)
-"""What holds a value or is a button."""
+_FIELD_CLASSES = (QAbstractSpinBox, QLineEdit, QTextEdit, QPlainTextEdit, QAbstractButton, QComboBox, QSlider)
+"""Classes of the widgets that hold a value, and of buttons."""
 
-_HELD = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.KeypadModifier | Qt.KeyboardModifier.GroupSwitchModifier
-"""Modifier keys with which a key still writes a character."""
+_TEXT_MODIFIERS = (
+    Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.KeypadModifier | Qt.KeyboardModifier.GroupSwitchModifier
+)
+"""Modifiers with which a key still types a character."""
 
 
 def in_view(widget: QWidget) -> bool:
-    """Whether a widget is the editor of a table or a list."""
+    """Return whether a widget is the editor of a table or a list."""
     viewport = widget.parentWidget()
     return viewport is not None and isinstance(viewport.parentWidget(), QAbstractItemView)
 
 
 def leaves(widget: QWidget, event: QKeyEvent) -> bool:
-    """Whether a key writes a character that is no text for a field, so that it is a key of the window."""
+    """Return whether a key types a character that a field cannot use, so that it acts on the window."""
     text = event.text()
-    if not text or not text.isprintable() or event.modifiers() & ~_HELD:
+    if not text or not text.isprintable() or event.modifiers() & ~_TEXT_MODIFIERS:
         return False
-    if not isinstance(widget, _FIELDS) or in_view(widget):
+    if not isinstance(widget, _FIELD_CLASSES) or in_view(widget):
         return False
     match widget:
-        case QAbstractSpinBox():  # no letters, so that a number has no exponent
+        case QAbstractSpinBox():  # letters act on the window, so a number has no exponent
             locale = QLocale()
             signs = f"+-.,{locale.decimalPoint()}{locale.groupSeparator()}"
             return not all(character.isdigit() or character in signs for character in text)
@@ -60,7 +62,7 @@ def leaves(widget: QWidget, event: QKeyEvent) -> bool:
 
 
 def value_of(widget: QWidget) -> Any:
-    """The value of a field, which its class names in Qt; None for what holds none."""
+    """Read the value of a field, which is the user property of its Qt class; None if it has none."""
     return (
         widget.exact
         if isinstance(widget, DecimalField | MarkedSlider)
@@ -69,7 +71,7 @@ def value_of(widget: QWidget) -> Any:
 
 
 def put_back(widget: QWidget, value: Any) -> None:
-    """Restore the value of a field, as if the user had set it; what has been typed and not entered is dropped."""
+    """Restore the value of a field as if the user had set it, and drop typed text."""
     if isinstance(widget, DecimalField | MarkedSlider):
         widget.move_to(value)
         return
@@ -80,13 +82,13 @@ def put_back(widget: QWidget, value: Any) -> None:
 
 
 class Keyboard(QObject):
-    """Decides on the keys of the focused widget of the window; dialogs are left alone.
+    """Filter of the keys of the focused widget of the window; dialogs are left alone.
 
-    - A character that is not text for a field is a key of the window: Space runs, letters choose tools.
-    - Enter enters the value of a field and gives the keyboard back to the canvas; it presses a button.
-    - Escape restores the value from before the first key, and gives the keyboard back.
+    - A character that a field cannot use acts on the window: Space runs, letters select tools.
+    - Enter accepts the value of a field and returns the focus to the canvas; it presses a button.
+    - Escape restores the value from before the first key, and returns the focus to the canvas.
 
-    Tables keep Enter, which names a row. It watches only the widget that has the focus.
+    Tables keep Enter, which names a row. Only the widget with the focus is watched.
     """
 
     def __init__(self, window: QMainWindow, canvas: QWidget) -> None:
@@ -95,18 +97,18 @@ class Keyboard(QObject):
         self._canvas = canvas
         self._watched: QWidget | None = None
         self._before: Any = None
-        """The value of the watched field before it was changed by keys; None before the first key."""
+        """Value of the watched field before the first key; None until then."""
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         application.focusChanged.connect(self._follow)
 
     def give_back(self) -> None:
-        """Give the keyboard to the canvas."""
+        """Move the keyboard focus to the canvas."""
         self._canvas.window().activateWindow()
         self._canvas.setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Decide on a key of the focused widget."""
+        """Handle or pass on a key of the focused widget."""
         if not isinstance(event, QKeyEvent) or not isinstance(watched, QWidget):
             return False
         if event.type() == QEvent.Type.ShortcutOverride:
@@ -126,13 +128,13 @@ class Keyboard(QObject):
             now.installEventFilter(self)
 
     def take_back(self, dialog: QDialog) -> None:
-        """Take the keyboard from a dialog that has closed: without a window manager nobody else gives it."""
+        """Activate the window when a dialog has closed, which without a window manager nobody else does."""
         closed = not shiboken6.isValid(dialog) or not dialog.isVisible()
         if closed and QGuiApplication.focusWindow() is None and self._window.isVisible():
             (QApplication.activeModalWidget() or self._window).activateWindow()
 
     def _claim(self, widget: QWidget, event: QKeyEvent) -> bool:
-        """Say whether a key is a shortcut of the window or belongs to the widget."""
+        """Decide whether a key is a shortcut of the window; return whether the decision was made here."""
         if event.key() == Qt.Key.Key_Escape and not event.modifiers():
             event.accept()
             return True
@@ -158,15 +160,15 @@ class Keyboard(QObject):
         if event.key() in ENTER:
             widget.removeEventFilter(self)
             QCoreApplication.sendEvent(widget, event)
-            if event.isAccepted() or isinstance(widget, _FIELDS):
+            if event.isAccepted() or isinstance(widget, _FIELD_CLASSES):
                 self.give_back()
-            else:  # a view takes no value: Enter means what it means on the canvas
+            else:  # a view has no value: Enter does what it does on the canvas
                 self._canvas.setFocus()
                 QCoreApplication.sendEvent(self._canvas, event)
             event.accept()
             return True
         if leaves(widget, event):
-            event.ignore()  # its action cannot be done now; the field must not take it instead
+            event.ignore()  # its action is disabled now; the field must not get the key instead
             return True
         if self._before is None:
             self._before = value_of(widget)
@@ -174,14 +176,14 @@ class Keyboard(QObject):
 
 
 def sliders_of(panel: QWidget) -> list[QSlider]:
-    """The sliders of a panel that can be moved, from top to bottom."""
+    """Find the sliders of a panel that can be moved, from top to bottom."""
     found = [slider for slider in panel.findChildren(QSlider) if slider.isVisibleTo(panel) and slider.isEnabled()]
     places = {slider: slider.mapTo(panel, slider.rect().topLeft()) for slider in found}
     return sorted(found, key=lambda slider: (places[slider].y(), places[slider].x()))
 
 
 def in_panel(panel: QWidget) -> QWidget:
-    """What takes the keyboard in a panel: what it says itself, or the slider that had it last, or the first one."""
+    """Find the widget of a panel that gets the focus: its focus proxy, the slider used last, or the first one."""
     proxy, last, sliders = panel.focusProxy(), panel.focusWidget(), sliders_of(panel)
     if proxy is not None:
         return proxy
@@ -191,17 +193,17 @@ def in_panel(panel: QWidget) -> QWidget:
 
 
 def take_keyboard(widget: QWidget) -> None:
-    """Give the keyboard to a widget, and scroll it into view."""
+    """Move the keyboard focus to a widget and scroll it into view."""
     widget.setFocus(Qt.FocusReason.TabFocusReason)
-    around = widget.parentWidget()
-    while around is not None:
-        if isinstance(around, QScrollArea):
-            around.ensureWidgetVisible(widget)
-        around = around.parentWidget()
+    ancestor = widget.parentWidget()
+    while ancestor is not None:
+        if isinstance(ancestor, QScrollArea):
+            ancestor.ensureWidgetVisible(widget)
+        ancestor = ancestor.parentWidget()
 
 
 class Keys(QObject):
-    """Gives the keys of a widget to `take` first, which returns whether it has used a key."""
+    """Filter that passes the keys of a widget to `take` first, which returns whether it has handled a key."""
 
     def __init__(self, widget: QWidget, take: Callable[[QKeyEvent], bool]) -> None:
         super().__init__(widget)
@@ -209,5 +211,5 @@ class Keys(QObject):
         widget.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Pass the keys on."""
+        """Pass the keys to `take`."""
         return event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and self._take(event)

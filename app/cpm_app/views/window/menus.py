@@ -1,4 +1,4 @@
-"""The menu bar, and the menus of what lies under the pointer or has the keyboard."""
+"""Menu bar, and context menus of the item under the pointer or with the keyboard focus."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from cpm_core.numerics.types import Texts
 
 
 def keep_apart(menu: QMenu) -> None:
-    """Let no letter choose two of the visible entries, each time the menu opens: other ones may be visible then."""
+    """Make the mnemonics of the visible entries distinct whenever the menu opens."""
 
-    def tell_apart() -> None:
+    def make_distinct() -> None:
         visible = [action for action in menu.actions() if action.isVisible() and not action.isSeparator()]
         for action, text in zip(visible, distinct([action.text() for action in visible]), strict=True):
             if text != action.text():
                 action.setText(text)
 
-    menu.aboutToShow.connect(tell_apart)
+    menu.aboutToShow.connect(make_distinct)
 
 
 MENUS = {
@@ -36,20 +36,20 @@ MENUS = {
     "Objects": tr("&Objects"),
     "Help": tr("&Help"),
 }
-"""Titles of the menus by the names that the specifications use, in their order."""
+"""Titles of the menus, in their order, by the names that the specifications use."""
 
 QUIT = "quit"
-"""The action that is always the last of its menu."""
+"""Name of the action that is always the last of its menu."""
 
 
 def refill(menu: QMenu, spec: Submenu) -> None:
-    """Fill a submenu in place of what it had."""
+    """Clear a submenu and fill it again."""
     menu.clear()
     spec.fill(menu)
 
 
 class Menus:
-    """The menus of a window, made from specifications and their actions."""
+    """Menus of a window, created from specifications and their actions."""
 
     def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
@@ -71,18 +71,20 @@ class Menus:
             keep_apart(menu)
 
     def __getitem__(self, path: str) -> QMenu:
-        """A menu by its path; a missing submenu is created."""
+        """Return a menu by its path; create a missing submenu."""
         if path not in self._menus:
             outer, _, title = path.rpartition(">")
             self._menus[path] = self[outer].addMenu(title)
         return self._menus[path]
 
 
-_RUN = ("run", "step", "reset")
+_RUN_MENU_ACTIONS = ("run", "step", "reset")
+"""Actions of the run in the menus of several items."""
 
 THINGS: Mapping[str, Texts] = {
-    "image": (*_RUN, "", "undo", "redo", "", "fit", "copy_view", "export", "", "layer_particles", "layer_forces"),
-    "shape": ("enlarge", "shrink", "delete", "", *_RUN),
+    "image": (*_RUN_MENU_ACTIONS, "", "undo", "redo", "", "fit", "copy_view", "export", "",
+              "layer_particles", "layer_forces"),
+    "shape": ("enlarge", "shrink", "delete", "", *_RUN_MENU_ACTIONS),
     "charge": ("enlarge", "shrink", "delete", "", "layer_potential", "layer_field"),
     "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects", "close_contours",
                "objects_alike", "change_object", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
@@ -92,11 +94,14 @@ THINGS: Mapping[str, Texts] = {
               "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export"),
     "parameter": (),
 }  # fmt: skip
-"""Names of actions and submenus by thing; an empty name is a line between groups. An action is a thing, too."""
+"""Names of the actions and submenus for each kind of item; an empty name is a separator.
+
+An action that is not listed here is a menu of its own.
+"""
 
 
 class ContextMenus(QObject):
-    """Opens the menu of a thing; `general` are the actions where nothing is known of a thing."""
+    """Opens the context menu of an item; `general` are the actions where there is no item."""
 
     def __init__(
         self, parent: QWidget, specs: Iterable[ActionSpec | Submenu], actions: Actions, general: Sequence[QAction]
@@ -109,24 +114,24 @@ class ContextMenus(QObject):
         self.menu: QMenu | None = None
 
     def watch(self, *widgets: QWidget) -> None:
-        """Open menus on these widgets and all within them."""
+        """Open menus on these widgets and on all widgets inside them."""
         for widget in widgets:
             widget.installEventFilter(self)
 
     def open_at(self, widget: QWidget | None, place: QPoint | None = None) -> None:
-        """Open the menu of what lies in a widget at a point of the screen, or of what is chosen in it."""
+        """Open the menu of the item at a point of the screen in a widget, or of the selected item."""
         while widget is not None:
             if isinstance(widget, MenuOwner):
-                thing, at = widget.menu_at(None if place is None else widget.mapFromGlobal(place))
-                if thing:
-                    self._show(thing, widget, widget.mapToGlobal(at) if place is None else place)
+                item, at = widget.menu_at(None if place is None else widget.mapFromGlobal(place))
+                if item:
+                    self._show(item, widget, widget.mapToGlobal(at) if place is None else place)
                     return
             widget = widget.parentWidget()
         if place is not None:
             self._show("", self._parent, place)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Open the menu that no widget below has opened."""
+        """Open the menu unless a widget below has opened one."""
         if not isinstance(event, QContextMenuEvent) or not isinstance(watched, QWidget):
             return False
         if event.reason() == QContextMenuEvent.Reason.Keyboard:
@@ -136,12 +141,12 @@ class ContextMenus(QObject):
         event.accept()
         return True
 
-    def _show(self, thing: str, owner: QWidget, place: QPoint) -> None:
+    def _show(self, item: str, owner: QWidget, place: QPoint) -> None:
         menu = QMenu(self._parent, toolTipsVisible=True)
-        own = owner.actions() if thing else self._general
+        own = owner.actions() if item else self._general
         menu.addActions(list(own))
         menu.addSeparator()
-        for name in THINGS.get(thing, (thing,)):
+        for name in THINGS.get(item, (item,)):
             if name in self._actions:
                 menu.addAction(self._actions[name])
             elif name in self._submenus:

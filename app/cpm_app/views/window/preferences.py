@@ -1,4 +1,4 @@
-"""The preferences dialog: its pages, the fields of preferences, and the page of the shortcuts."""
+"""Preferences dialog: its pages, the fields of preferences, and the page of the shortcuts."""
 
 from __future__ import annotations
 
@@ -41,17 +41,24 @@ from cpm_app.views.widgets.fields import ChoiceBox, DecimalField
 from cpm_app.views.window.shortcuts import Shortcuts
 from cpm_core.numerics.types import Callback
 
-_WIDTH, _HEIGHT, _MARGIN = 720, 540, 80
-"""Size of the dialog, and space that it leaves free on the screen [px]."""
+_DIALOG_WIDTH = 720
+"""Preferred width of the dialog [px]."""
 
-_COLOR_WIDTH = 110
-"""Least widths of fields [px]."""
+_DIALOG_HEIGHT = 540
+"""Preferred height of the dialog [px]."""
 
-_NAME = Qt.ItemDataRole.UserRole
+_FREE_SCREEN_SPACE = 80
+"""Space that the dialog leaves free on the screen [px]."""
+
+_MIN_COLOR_BUTTON_WIDTH = 110
+"""Smallest width of the button of a color [px]."""
+
+_ACTION_NAME_ROLE = Qt.ItemDataRole.UserRole
+"""Role under which a row holds the name of its action."""
 
 
 class PreferencesDialog(QDialog):
-    """A list of pages on the left, the fields of one of them on the right; changes take effect immediately.
+    """Dialog with a list of pages and the fields of the current one; changes take effect immediately.
 
     Attributes
     ----------
@@ -78,7 +85,7 @@ class PreferencesDialog(QDialog):
         reset.setToolTip(tr("Set everything on this page to its default."))
         reset.clicked.connect(self.reset)
         close = buttons.addButton(tr("Close"), QDialogButtonBox.ButtonRole.RejectRole)
-        # Enter belongs to the fields, in which it ends a number or a key.
+        # Enter belongs to the fields, where it accepts a number or a key.
         for button in (reset, close):
             button.setAutoDefault(False)
         buttons.rejected.connect(self.reject)
@@ -87,10 +94,13 @@ class PreferencesDialog(QDialog):
         layout.addLayout(middle, 1)
         layout.addWidget(buttons)
         room = self.screen().availableSize()
-        self.resize(min(_WIDTH, room.width() - _MARGIN), min(_HEIGHT, room.height() - _MARGIN))
+        self.resize(
+            min(_DIALOG_WIDTH, room.width() - _FREE_SCREEN_SPACE),
+            min(_DIALOG_HEIGHT, room.height() - _FREE_SCREEN_SPACE),
+        )
 
     def page(self, name: str) -> QWidget:
-        """A page by its name."""
+        """Return a page by its name."""
         return self._made[name]
 
     def turn_to(self, page: str) -> None:
@@ -106,7 +116,7 @@ class PreferencesDialog(QDialog):
             self._keys.reset()
 
     def _make_page(self, name: str) -> QScrollArea:
-        """A page, with a row for each of its preferences."""
+        """Create a page with a row for each of its preferences."""
         page, content = QScrollArea(widgetResizable=True), QWidget()
         content.setObjectName("scrolled")
         rows = QFormLayout(
@@ -123,7 +133,7 @@ class PreferencesDialog(QDialog):
         return page
 
     def _add_row(self, rows: QFormLayout, preference: Preference[Any]) -> None:
-        """Add a field, with a sentence below it."""
+        """Add the field of a preference, with its note below."""
         widget, show = field_for(preference, self._preferences)
         self._show[preference.name] = lambda: show(self._preferences.value(preference))
         self.rows[preference.label] = widget
@@ -142,7 +152,10 @@ class PreferencesDialog(QDialog):
 
 
 def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QWidget, Callable[[Any], object]]:
-    """A widget that shows the value in use and stores another one immediately, and what shows a value in it."""
+    """Create the field of a preference, which stores a new value immediately.
+
+    Returns the widget and the function that shows a value in it.
+    """
     value, store = preferences.value(preference), partial(preferences.choose, preference)
     match preference:
         case Flag():
@@ -163,26 +176,26 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
             return choice, choice.show_value
         case Color():
             button = QPushButton(autoDefault=False)
-            button.setMinimumWidth(_COLOR_WIDTH)
+            button.setMinimumWidth(_MIN_COLOR_BUTTON_WIDTH)
             button.setToolTip(tr("Choose another color…"))
 
-            def show(shown: str) -> None:
-                button.setIcon(swatch(shown))
-                button.setText(shown)
+            def show_color(color: str) -> None:
+                button.setIcon(swatch(color))
+                button.setText(color)
 
-            def ask() -> None:
-                chosen = QColorDialog.getColor(preferences.value(preference), button, preference.label)
-                if chosen.isValid():
-                    store(chosen.name())
+            def ask_for_color() -> None:
+                selected = QColorDialog.getColor(preferences.value(preference), button, preference.label)
+                if selected.isValid():
+                    store(selected.name())
 
-            show(value)
-            button.clicked.connect(ask)
-            return button, show
+            show_color(value)
+            button.clicked.connect(ask_for_color)
+            return button, show_color
     raise TypeError(f"{type(preference).__name__} has no field.")
 
 
 class ShortcutsPage(QWidget):
-    """All actions with a search field above them, and below them the field in which new keys are pressed."""
+    """Page with a search field, a list of all actions, and the field in which a new key is pressed."""
 
     def __init__(self, shortcuts: Shortcuts) -> None:
         super().__init__()
@@ -223,7 +236,7 @@ class ShortcutsPage(QWidget):
         self._show_keys()
 
     def choose(self, name: str) -> None:
-        """Choose an action by its name in code."""
+        """Select an action by its name."""
         self.list.setCurrentItem(self._items[name])
 
     def _fill(self) -> None:
@@ -234,15 +247,15 @@ class ShortcutsPage(QWidget):
                 group.setFirstColumnSpanned(True)
                 group.setExpanded(True)
             self._items[action.name] = item = QTreeWidgetItem(self._groups[action.group], [action.title])
-            item.setData(0, _NAME, action.name)
+            item.setData(0, _ACTION_NAME_ROLE, action.name)
 
     @property
     def _current(self) -> str:
         item = self.list.currentItem()
-        return (item.data(0, _NAME) or "") if item is not None else ""
+        return (item.data(0, _ACTION_NAME_ROLE) or "") if item is not None else ""
 
     def _show_keys(self) -> None:
-        """Show the keys as they are now, of the actions that are searched for."""
+        """Show the current keys of the actions that match the search."""
         wanted = self.search.text().casefold()
         for name, item in self._items.items():
             item.setText(1, ", ".join(map(native, self._shortcuts.keys(name))))
@@ -266,7 +279,7 @@ class ShortcutsPage(QWidget):
         self.take_over.setVisible(bool(wanted))
 
     def _take(self) -> None:
-        """Use what has been pressed, or report why it cannot be used."""
+        """Assign the key that was pressed, or explain why it cannot be used."""
         key, name = self.keys.keySequence().toString(QKeySequence.SequenceFormat.PortableText), self._current
         if not name or not key:
             return

@@ -1,4 +1,4 @@
-"""What a window changes in Python itself: where garbage is collected, and who receives unexpected errors."""
+"""Changes of the interpreter by the window: where garbage is collected, and who receives unexpected errors."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from cpm_app.session.exchange.messages import sentence
 from cpm_app.session.session import Session
 from cpm_app.session.signals import UNEXPECTED
 
-_EVERY = 1000
+_COLLECTION_INTERVAL = 1000
 """Time between two checks [ms]."""
 
 
 class GarbageCollector(QObject):
-    """Collects reference cycles while a window is open, instead of the automatic collection of Python.
+    """Collection of reference cycles on the thread of the window, in place of the automatic one.
 
     Python collects on any thread that allocates memory. Widgets and graphics items are often part of reference cycles,
-    and Qt crashes when they are destroyed on another thread than their own, such as that of the worker.
+    and Qt crashes if they are destroyed on another thread than their own, such as that of the worker.
     """
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
         self._automatic = gc.isenabled()
         gc.disable()
-        self._timer = QTimer(self, interval=_EVERY)
+        self._timer = QTimer(self, interval=_COLLECTION_INTERVAL)
         self._timer.timeout.connect(self.collect)
         self._timer.start()
 
@@ -42,7 +42,7 @@ class GarbageCollector(QObject):
 
     @staticmethod
     def collect() -> None:
-        """Collect each generation that Python would collect."""
+        """Collect each generation that Python would collect now."""
         for generation, (count, threshold) in enumerate(zip(gc.get_count(), gc.get_threshold(), strict=True)):
             if count > threshold:
                 gc.collect(generation)
@@ -52,10 +52,10 @@ _log = logging.getLogger(__name__)
 
 
 class UnexpectedErrors(QObject):
-    """Takes the errors of slots and threads that would otherwise be written to a terminal that nobody sees."""
+    """Handler of errors in slots and threads, which would otherwise go to a terminal that nobody sees."""
 
     happened = Signal(str)
-    """A sentence on an error, from any thread."""
+    """An error occurred on any thread: a sentence about it."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -66,11 +66,11 @@ class UnexpectedErrors(QObject):
         threading.excepthook = lambda given: self._take(given.exc_type, given.exc_value, given.exc_traceback)
 
     def end(self) -> None:
-        """Take errors no longer."""
+        """Restore the previous handlers."""
         sys.excepthook, threading.excepthook = self._before
 
     def _take(self, kind: type[BaseException], error: BaseException | None, trace: TracebackType | None) -> None:
-        if not isinstance(error, Exception):  # Ctrl+C, and the end of the program
+        if not isinstance(error, Exception):  # Ctrl+C and SystemExit
             if error is not None:
                 self._before[0](kind, error, trace)
             return

@@ -1,4 +1,4 @@
-"""The keys of all actions and panels: by default, or as the user has chosen them in the preferences."""
+"""Keys of all actions and panels: the defaults, or those that the user has set in the preferences."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cpm_core.numerics.types import Texts
 
 
 class Shortcuts(QObject):
-    """Gives each action its keys, now and whenever the preference changes."""
+    """Keys of the actions, which follow the preference."""
 
     changed = Signal()
 
@@ -33,31 +33,31 @@ class Shortcuts(QObject):
         return [action for action, _ in self._actions.values()]
 
     def add(self, action: QAction, name: str, title: str, group: str) -> None:
-        """Add an action, which has its default keys."""
+        """Add an action that has its default keys."""
         self._actions[name] = Keyed(name, title, group, tuple(key.toString() for key in action.shortcuts())), action
         action.setShortcuts([QKeySequence(key) for key in self.keys(name)])
 
     def keys(self, name: str) -> Texts:
-        """Keys of an action."""
+        """Return the keys of an action."""
         return shortcuts.keys_of(self._actions[name][0], self._chosen)
 
     def names(self) -> dict[str, Named]:
-        """What sentences call the actions."""
+        """Return titles and keys of the actions, as sentences mention them."""
         return {
             name: Named(native(next(iter(self.keys(name)), "")), action.title)
             for name, (action, _) in self._actions.items()
         }
 
     def holder(self, key: str, besides: str) -> Keyed | None:
-        """The action that has a key, apart from the one named `besides`."""
+        """Find the action with a key, other than the one named `besides`."""
         return shortcuts.holder(key, self.actions, self._chosen, besides)
 
     def choose(self, name: str, key: str) -> None:
-        """Give an action one key, or none if it is empty; another action that had it loses it."""
+        """Give an action one key, or none if `key` is empty; another action with this key loses it."""
         self._store(shortcuts.with_key(key, self._actions[name][0], self.actions, self._chosen))
 
     def restore(self, name: str) -> None:
-        """Give an action its default keys; other actions that have them lose them."""
+        """Give an action its default keys; other actions with these keys lose them."""
         changed = {**self._chosen}
         changed.pop(name, None)
         default = self._actions[name][0].default

@@ -1,4 +1,4 @@
-"""The main window, and what a feature of it is: related actions and panels.
+"""Main window, and the base class of its features: related actions and panels.
 
 A new feature is a module in `cpm_app.views.features` and an entry in its list.
 """
@@ -37,26 +37,34 @@ from cpm_app.views.window.menus import MENUS, ContextMenus, Menus
 from cpm_app.views.window.python_hooks import GarbageCollector
 from cpm_app.views.window.shortcuts import Shortcuts
 
-_SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
-"""Preferred size of the window, and space on the screen for its frame."""
+_WINDOW_SIZE = QSize(1400, 880)
+"""Preferred size of the window [px]."""
 
-_GEOMETRY, _LAYOUT = "window/geometry", "window/panels"
-"""Keys of the preferences for the geometry of the window and the layout of its panels."""
+_FRAME_SIZE = QSize(16, 40)
+"""Space on the screen for the frame of the window [px]."""
 
-_THEMES = {"light": theme.LIGHT, "dark": theme.DARK}
-_LOOK = {CONTOUR_WIDTH.name, SHAPE_WIDTH.name, POINT_SIZE.name, *(ink.name for ink in INKS.values())}
-"""Preferences that change what the canvas looks like."""
+_GEOMETRY_KEY = "window/geometry"
+"""Preference: size and position of the window."""
+
+_LAYOUT_KEY = "window/panels"
+"""Preference: layout of the panels."""
+
+_THEMES_BY_NAME = {"light": theme.LIGHT, "dark": theme.DARK}
+"""Themes by the names in the preferences."""
+
+_STYLE_KEYS = {CONTOUR_WIDTH.name, SHAPE_WIDTH.name, POINT_SIZE.name, *(ink.name for ink in INKS.values())}
+"""Preferences that change how the canvas looks."""
 
 
 class Feature:
-    """Base class of features; each is made once for a window, before the menus and the docks of it.
+    """Base class of features; each is created once per window, before its menus and docks.
 
     Attributes
     ----------
     window : MainWindow
         The window.
     session, canvas : Session, Canvas
-        Those of the window.
+        Session and canvas of the window.
     actions : sequence of ActionSpec or Submenu
         Its actions, in the order of the menus.
     panels : sequence of Panel
@@ -72,34 +80,34 @@ class Feature:
         self.set_up()
 
     def set_up(self) -> None:
-        """Make its actions and panels, and follow what they depend on."""
+        """Create the actions and panels and connect them to what they depend on."""
 
     def close(self) -> bool:
-        """End its work before the window closes; False keeps the window open."""
+        """Finish before the window closes; return False to keep the window open."""
         return True
 
 
-P = TypeVar("P", bound=Feature)
+FeatureType = TypeVar("FeatureType", bound=Feature)
 
 
 class MainWindow(QMainWindow):
-    """The window of a session.
+    """Main window of a session.
 
     Parameters
     ----------
     workspace : Workspace
         Session and features; closed together with the window.
     features : sequence of Feature
-        What gives it actions and panels, in the order of their actions in the menus.
+        Classes of the features, in the order of their actions in the menus.
     preferences : Preferences, optional
         Settings that are stored between sessions.
     """
 
     files_wanted = Signal(list, bool)
-    """Files are to be opened by their kind, and an image with the session next to it or not."""
+    """Files are to be opened by their kind; whether an image is opened with the session next to it."""
 
     dropped = Signal(list)
-    """The places of files are dropped on the window, or pasted."""
+    """URLs of files were dropped on the window or pasted."""
 
     def __init__(
         self, workspace: Workspace, features: Sequence[type[Feature]], preferences: Preferences | None = None
@@ -109,18 +117,18 @@ class MainWindow(QMainWindow):
         self.session = session = workspace.session
         self.preferences = preferences or Preferences(self)
         self.preferences.follow(UNIT, lambda: prefer_unit(self.preferences.value(UNIT)))
-        self._garbage = GarbageCollector(self)  # before any part of the window is made: the worker is at work already
+        self._garbage = GarbageCollector(self)  # before any widget is created: the worker thread is already running
         self.turns = Turns(self)
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
-        self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
+        self.resize(_WINDOW_SIZE.boundedTo(self.screen().availableSize() - _FRAME_SIZE))
         self._use_look()
         self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
         canvas, slices = self.canvas_area.canvas, workspace.slices
         self._keyboard = Keyboard(self, canvas)
         self.offers = self.canvas_area.offers
-        session.listen(Opened, lambda _: self.offers.clear())  # before any feature offers something
+        session.listen(Opened, lambda _: self.offers.clear())  # connected first, before any feature adds an offer
         self.files = FileDialogs(self, session, self.preferences)
         self.document_file = DocumentFile(session, lambda: {**canvas.view_state(), **slices.view_state()})
         self.document_file.truth = lambda: workspace.comparison.file
@@ -151,15 +159,15 @@ class MainWindow(QMainWindow):
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._use_chosen_theme)
         self._use_chosen_theme()
         self._show()
-        if not (geometry := self.preferences.get(_GEOMETRY, QByteArray())).isEmpty():
+        if not (geometry := self.preferences.get(_GEOMETRY_KEY, QByteArray())).isEmpty():
             self.restoreGeometry(geometry)
-            self.docks.restore_layout(self.preferences.get(_LAYOUT, QByteArray()))
+            self.docks.restore_layout(self.preferences.get(_LAYOUT_KEY, QByteArray()))
         self._follow_tool()
         canvas.setFocus()
 
-    def feature(self, kind: type[P]) -> P:
-        """A feature by its class."""
-        return cast("P", self.features[kind])
+    def feature(self, kind: type[FeatureType]) -> FeatureType:
+        """Return a feature by its class."""
+        return cast("FeatureType", self.features[kind])
 
     def do(self, name: str) -> None:
         """Trigger an action by its name."""
@@ -170,7 +178,7 @@ class MainWindow(QMainWindow):
         self.session.show_status()
 
     def open_image(self, path: str | Path, resumes: bool = False) -> None:
-        """Open an image or a session, or an image that `resumes` with the session next to it."""
+        """Open an image or a session; with `resumes`, an image together with the session next to it."""
         self.files_wanted.emit([Path(path)], resumes)
 
     def use_theme(self, used: theme.Theme) -> None:
@@ -178,18 +186,18 @@ class MainWindow(QMainWindow):
         theme.apply_theme(used, self, self.turns.ask)
         self.actions_by_name.use_theme(used, self.turns)
         for widget in self.findChildren(QWidget):
-            if hasattr(widget, "use_theme"):  # with colors that the palette does not set
+            if hasattr(widget, "use_theme"):  # widgets with colors that the palette does not set
                 widget.use_theme(used)
 
     # Called by Qt
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Hide at once, then stop the worker; a feature may keep the window open."""
+        """Hide at once, then stop the worker, unless a feature keeps the window open."""
         if not all(feature.close() for feature in self.features.values()):
             event.ignore()
             return
-        self.preferences.put(_GEOMETRY, self.saveGeometry())
-        self.preferences.put(_LAYOUT, self.docks.layout_state())
+        self.preferences.put(_GEOMETRY_KEY, self.saveGeometry())
+        self.preferences.put(_LAYOUT_KEY, self.docks.layout_state())
         self.turns.stop()
         self.hide()
         self.workspace.close()
@@ -207,14 +215,14 @@ class MainWindow(QMainWindow):
         self.dropped.emit(event.mimeData().urls())
 
     def _keep_tool(self) -> None:
-        """Use the first tool in a volume where the tool in use has nothing to draw on."""
+        """Switch to the first tool if the tool in use does not work in volumes."""
         tool = self.canvas_area.canvas.hold.tool
         if self.session.scene.slices is not None and tool is not None and tool.name in NOT_IN_VOLUMES:
             self.refresh()
             self.do(FIRST_TOOL)
 
     def _follow_tool(self) -> None:
-        """Show the tab of the tool, once it has changed: the user may look at another one since."""
+        """Bring the tab of the tool to the front, once per change, as the user may switch to another tab."""
         self.docks.bring(self.canvas_area.canvas.hold.tool.panel)
         self.refresh()
 
@@ -247,10 +255,10 @@ class MainWindow(QMainWindow):
             self.offers.clear()
 
     def _follow(self, key: str) -> None:
-        """Use a preference that has changed."""
+        """Apply a preference that has changed."""
         if key == THEME.name:
             self._use_chosen_theme()
-        elif key in _LOOK:
+        elif key in _STYLE_KEYS:
             self._use_look()
             for item in self.canvas_area.canvas.scene().items():
                 item.update()
@@ -261,7 +269,7 @@ class MainWindow(QMainWindow):
             self.refresh()
 
     def _use_chosen_theme(self) -> None:
-        self.use_theme(_THEMES.get(self.preferences.value(THEME)) or theme.system_theme())
+        self.use_theme(_THEMES_BY_NAME.get(self.preferences.value(THEME)) or theme.system_theme())
 
     def _use_look(self) -> None:
         value = self.preferences.value
