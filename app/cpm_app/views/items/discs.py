@@ -70,7 +70,7 @@ class Discs(OverImage):
         self._stamped: tuple[object, ...] = ()
 
     def use_palette(self, colors: Sequence[str] = ()) -> None:
-        """Set the palette, by default the color of the item; call `show` afterwards."""
+        """Set the palette, by default the color of the item; call `show_discs` afterwards."""
         self._colors = tuple(colors) or self._own
         self.update()
 

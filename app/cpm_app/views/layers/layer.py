@@ -45,7 +45,7 @@ class Choice:
 
 @frozen
 class Amount:
-    """A number from `low` to `high` in increments of `step`, by default `first`; other fields as in `Choice`."""
+    """A number from `low` to `high` in increments of `step`, by default `default`; other fields as in `ChoiceOption`."""
 
     name: str
     title: str
@@ -62,7 +62,7 @@ class Amount:
 
 @frozen
 class Switch:
-    """An option that is on or off, by default `first`; other fields as in `Choice`."""
+    """An option that is on or off, by default `default`; other fields as in `ChoiceOption`."""
 
     name: str
     title: str
@@ -127,7 +127,7 @@ class NoRequests:
 
 
 class Layer(QObject):
-    """Base class of layers: subclasses set the class variables, add items in `make`, and draw in `follow`.
+    """Base class of layers: subclasses set the class variables, add items in `create_items`, and draw in `show_scene`.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class Layer(QObject):
         """Create the items of the layer."""
 
     def add(self, *items: QGraphicsItem, switch: str = "") -> None:
-        """Put items without a parent on the canvas; with `switch`, items are visible only while that `Switch` is on."""
+        """Put items without a parent on the canvas; with `switch`, show them only while that `SwitchOption` is on."""
         for item in items:
             self._items.append((item, switch))
             if item.parentItem() is None:
@@ -245,11 +245,11 @@ class Layer(QObject):
         self.show_or_hide()
 
     def word(self, name: str) -> str:
-        """Return the value of a `Choice`."""
+        """Return the value of a `ChoiceOption`."""
         return str(self.chosen[name])
 
     def number(self, name: str) -> float:
-        """Return the value of an `Amount`."""
+        """Return the value of an `AmountOption`."""
         return float(self.chosen[name])
 
     def view_state(self) -> dict[str, object]:
