@@ -45,7 +45,7 @@ class Choice:
 
 @frozen
 class Amount:
-    """A number from `low` to `high` in increments of `step`, by default `default`; other fields as in `ChoiceOption`."""
+    """A number from `low` to `high` in increments of `step`; other fields as in `ChoiceOption`."""
 
     name: str
     title: str
@@ -62,7 +62,7 @@ class Amount:
 
 @frozen
 class Switch:
-    """An option that is on or off, by default `default`; other fields as in `ChoiceOption`."""
+    """An option that is on or off; other fields as in `ChoiceOption`."""
 
     name: str
     title: str
