@@ -25,7 +25,7 @@ LONGEST = 800.0
 """Longest side of the box of an object that each chunk sees as a whole, with its surroundings for the network [px]."""
 
 _CLEAR_MARGIN = 16
-"""Distance from the ends of what a chunk sees within which a closed contour is not seen as a whole [px]."""
+"""Distance from the border of a window within which a closed contour does not count as seen as a whole [px]."""
 
 
 def objects_in(

@@ -26,10 +26,10 @@ _OVERLAP = 128
 """Least number of pixels that a chunk sees around its core: objects of up to about 100 px are seen as a whole."""
 
 _DISTURBED_PIXELS = 16
-"""Distance from the border of what a chunk sees within which contours may differ [px]."""
+"""Distance from the border of a padded chunk within which contours may differ from the whole image's [px]."""
 
 _DISTURBED_SIGMAS = 8.0
-"""What is added to that distance, in sigmas of the smoothing."""
+"""Addition to that distance, in sigmas of the smoothing."""
 
 UNSURE = 1.0
 """Distance from the border of a core within which a neighbor may place the middle of a box in its own core [px]."""
@@ -166,7 +166,7 @@ class Grid:
 
 
 def disturbed(smoothing: float) -> int:
-    """Compute how far from the end of what a chunk sees results may differ, after a Gaussian of this sigma [px]."""
+    """Compute how far from the border of a padded chunk results may differ, after a Gaussian of this sigma [px]."""
     return _DISTURBED_PIXELS + math.ceil(_DISTURBED_SIGMAS * smoothing)
 
 

@@ -38,7 +38,7 @@ WRITABLE = {
     ".csv": "a table of what closed contours enclose",
     ".parquet": "the same table for programs",
 }
-"""Suffixes of the files -> what they hold."""
+"""Descriptions of the files by suffix."""
 
 
 def write(found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]) -> list[str]:

@@ -28,7 +28,7 @@ Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[in
 """Applies a function to jobs, in any order and on any workers, under a title; yields the index and result of each."""
 
 WHOLE = "whole.npz"
-"""Name of the file of what depends on the whole image."""
+"""Name of the file with the statistics of the whole image."""
 
 CONTOURS = "contours"
 """Kind of the files that hold the contours of chunks."""
@@ -164,7 +164,7 @@ def in_each(
 
 
 def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whole]:
-    """Measure what depends on the whole image, and divide the image into chunks."""
+    """Measure the statistics of the whole image, and divide the image into chunks."""
     source, parameters, shape = task.source, task.parameters, task.source.shape
     if task.store.has(WHOLE):
         whole = survey.Whole.of(task.store.load(WHOLE), shape)

@@ -24,7 +24,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_part
 
 _STATISTICS_SAMPLES = 2**22
-"""Pixels of the whole image whose gray levels and edge strengths decide what is usual in it."""
+"""Number of pixels of the whole image whose gray levels and edge strengths are sampled."""
 
 _EDGE_MAP_MARGIN = 4
 """Distance beyond the image border up to which the edge map is kept, as in a run on the whole image [px]."""

@@ -23,7 +23,7 @@ WRITABLE = {
     ".csv": "a table of bodies: volume, area, center",
     ".parquet": "the same table for programs",
 }
-"""Suffixes of the files -> what they hold."""
+"""Descriptions of the files by suffix."""
 
 
 def write_labels(bodies: Bodies, path: Path, draft: Path, compute: Compute) -> str:
@@ -89,4 +89,4 @@ def write_table(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
 
 
 WRITERS = {".zarr": write_labels, ".ply": write_surface, **dict.fromkeys((".csv", ".parquet"), write_table)}
-"""Suffixes -> writers, as those of images."""
+"""Writers by suffix, with the interface of the writers of images."""

@@ -59,7 +59,7 @@ class Volume:
     grid : Grid
         The chunks.
     whole : Whole
-        What depends on the whole volume.
+        Statistics of the whole volume.
     """
 
     task: Task

@@ -45,7 +45,7 @@ class Signs(NamedTuple):
 
 
 def features(signs: Signs) -> Array:
-    """Encode what the rule weighs, shape (7,)."""
+    """Encode the features as inputs of the logistic regression, shape (7,)."""
     shares = scipy.special.logit(np.clip(signs[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
     return np.array([*shares, np.log(max(signs.places, 1)), signs.places == 0, signs.certain])
 

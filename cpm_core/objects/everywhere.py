@@ -60,7 +60,7 @@ _CONTEXT_LENGTHS = 0.75
 """Distance from the middle of an object up to which the network sees its surroundings, in object lengths."""
 
 _CONTEXT_MARGIN = 16
-"""What is added to that distance [px]."""
+"""Addition to that distance [px]."""
 
 _MAX_OVERLAP = 0.3
 """Share of an object above which it is a duplicate, unless one of the two is nested in the other."""

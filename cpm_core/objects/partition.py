@@ -259,8 +259,8 @@ class Partition(drawing.Pictured):
     ) -> tuple[Selection, ...]:
         """Find the different objects that a prompt may mean, from the smallest to the largest.
 
-        One of them is that of `select`, which has the same parameters, points of shape (M, 2) [px]. The others are
-        predictions in crops of other sizes, what contours enclose that are closed around the points, bodies alone where
+        One of them is the result of `select`, which has the same parameters. The others are predictions in crops of
+        other sizes, the insides of contours closed around the points, shape (M, 2) [px], bodies alone where
         necks join them to others, and together with them.
         """
         first, *others = self._plausible(inside, outside, stroke, box, previous, areas)

@@ -152,8 +152,8 @@ class VolumePartition:
     ) -> tuple[VolumeSelection, ...]:
         """Find the different bodies that points, shape (M, 3) [voxels], may mean, from the smallest to the largest.
 
-        One of them is that of `select`, which has the same parameters. The others are predictions in crops of other
-        sizes around the first positive point.
+        One of them is the result of `select`, which has the same parameters. The others are predictions in crops of
+        other sizes around the first positive point.
         """
         first = self.select(inside, outside, previous=previous)
         found = [first]

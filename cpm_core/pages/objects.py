@@ -30,7 +30,7 @@ _TEMPLATE_MARGIN = 0.25
 """Margin around an object that is compared as well, in lengths of the object."""
 
 _DISTANCE_PENALTY = 0.1
-"""How much the likeness of a place drops that is one object length away from the expected one."""
+"""Penalty of the likeness of a place one object length away from the expected one."""
 
 _MIN_CLOSED_IOU = 0.5
 """Overlap from which a closed region is the object that is sought."""
@@ -127,7 +127,7 @@ def follow_objects(
     outside: ArrayLike,
     numbers: Sequence[int],
 ) -> Iterator[Page]:
-    """Follow the object of some places on the first of some pages through the others, up to one without it.
+    """Follow the object that points select on the first page through the others, up to a page without it.
 
     Parameters
     ----------

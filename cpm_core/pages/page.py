@@ -1,4 +1,4 @@
-"""What is found on a page of a stack, and where the next page starts from it."""
+"""The results of the pages of a stack, and of their tracks."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MEASURE_DECIMALS = 6
 
 @record
 class Page:
-    """What has been found on a page.
+    """The result of a page.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Page:
 
 @record
 class StackResult:
-    """What has been found in a stack, or in those of its pages that are done.
+    """The results of a stack, or of the pages that are done.
 
     Attributes
     ----------
@@ -74,11 +74,11 @@ class StackResult:
     pages : tuple of Page
         The pages that have been followed, in that order.
     axis : {"z", "t", "c"}
-        What the pages are: planes, points in time, channels.
+        Meaning of the pages: planes, points in time, channels.
     alone : bool
         Whether the stack has no further axis.
     drawn : tuple of mapping
-        What was drawn before the first page, as session files hold shapes.
+        The shapes drawn before the first page, as session files hold them.
     """
 
     source: str

@@ -1,8 +1,8 @@
 """Tracks: contours on one page after the other that bound the same object.
 
-Contours are matched to tracks by their largest overlaps: the overlap of closed contours is that of the areas that they
-alone enclose, as in the label mask; of open ones, that of the areas between them and the line that joins their ends, or
-of the length that runs along the other. The measure is the Dice coefficient, 0 to 1.
+Contours are matched to tracks by their largest overlaps, measured by the Dice coefficient, 0 to 1. Closed contours are
+compared by the areas that they alone enclose, as in the label mask; open ones by the areas between them and the line
+that joins their ends, or by the length along which they run next to each other.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Closed regions: what closed contours enclose that the image confirms unambiguously.
+"""Closed regions: the insides of closed contours that the image confirms unambiguously.
 
 Particles close contours around objects, but also around specks of texture. A closed contour is an object as it is, with
 its holes, where it is unambiguous (`segmentation.reach.certain`): then no prediction is needed.

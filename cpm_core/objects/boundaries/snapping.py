@@ -16,7 +16,7 @@ MOST = 3.0
 def snapped(mask: Mask, lines: Crossings, width: float) -> Mask:
     """Snap the boundary of an object, shape (H, W), to contours within `width`, at most `MOST`; shape (H, W).
 
-    What lies deeper in the object than that, or farther away from it, stays. Each pixel between goes to the side that
+    Pixels deeper in the object, or farther away from it, stay. Each pixel between goes to the side that
     is nearer along paths that cross no line. Where lines make no difference to that, it stays as it is.
     """
     width = min(width, MOST)

@@ -289,7 +289,7 @@ class ContourMethod(Generic[SettingsT]):
     title : str
         Name for the user.
     about : str
-        One or two sentences: what moves it.
+        One or two sentences on what moves it.
     reference : str
         Where it was published.
     settings : type

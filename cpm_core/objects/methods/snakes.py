@@ -1,7 +1,7 @@
 """Snakes: closed curves that are moved by forces of an image and kept smooth by forces of their own.
 
-The points r of a curve follow ``gamma dr/dt = alpha r'' - beta r'''' + F(r)``. A step takes the forces of the curve
-itself at its end and that of the image at its beginning, so that it is stable for any tension and rigidity (Kass,
+The points r of a curve follow ``gamma dr/dt = alpha r'' - beta r'''' + F(r)``. A step is implicit in the internal
+forces of the curve and explicit in the force of the image, so that it is stable for any tension and rigidity (Kass,
 Witkin and Terzopoulos 1988, appendix A). The matrix is circulant: it is inverted by Fourier transforms. The field of
 gradient vector flow (Xu and Prince 1998) is the gradient of the edge map, extended into flat regions.
 """

@@ -24,7 +24,7 @@ _EDGE_SEARCH_REACH = 2.0
 """How far from the surface an edge is looked for [steps, at least voxels]."""
 
 _PROFILE_SPACING = 0.5
-"""Distance between samples of a profile, likewise."""
+"""Distance between samples of a profile [steps, at least voxels]."""
 
 _AVERAGING_ROUNDS = 3
 """How often profiles are averaged with those of neighbors."""

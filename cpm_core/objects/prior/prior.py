@@ -62,7 +62,7 @@ _POINT_FADING = 6.0
 
 @record
 class Prompt:
-    """What a user has told about an object.
+    """The input of a user on an object.
 
     Attributes
     ----------

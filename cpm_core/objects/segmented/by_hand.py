@@ -141,9 +141,7 @@ def split_along(item: SegmentedObject, line: Sequence[Position], scale_field: Sc
 def redrawn(item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field: ScaleField | None) -> SegmentedObject:
     """Redraw a stretch of one of the closed curves of the boundary of an object.
 
-    What is added follows the edges of the fields; without them, or where there is none, it is a gap.
-
-    What is added follows the edges of the fields; without them, or where there is none, it is a gap.
+    New stretches follow the edges of the fields; where there are none, they are gaps.
     """
     changed = [line_of(one.points) for one in apply((contour,), (edit,))[0] if one.closed]
     rest = [curve for curve in item.boundary if not np.array_equal(curve, contour.points)]
