@@ -29,7 +29,7 @@ from cpm_core.shapes import Points
 MOST_POINTS = 100_000
 """Largest number of points that can be drawn."""
 
-_TABLE_SUFFIX = ".csv"
+_POINT_TABLE_SUFFIX = ".csv"
 """Suffix of tables, which hold contours or points."""
 
 Found = Imported | Points
@@ -42,11 +42,11 @@ def read_file(session: Session, path: Path, use: Callable[[Found], object]) -> N
 
     def read_content(task: Task) -> Found:
         if image is not None and image.ndim == 3:
-            return _points(path, 3) if path.suffix.lower() == _TABLE_SUFFIX else _in_volume(path, image)
+            return _points(path, 3) if path.suffix.lower() == _POINT_TABLE_SUFFIX else _in_volume(path, image)
         try:
             return Imported.of(read_contours(path, plane), path.name)
         except ValueError as error:
-            if path.suffix.lower() != _TABLE_SUFFIX or _names_contours(path):
+            if path.suffix.lower() != _POINT_TABLE_SUFFIX or _names_contours(path):
                 raise
             try:
                 return _points(path)
