@@ -3,7 +3,7 @@
 Boundaries are compared by points every `SAMPLING` along each of them and by the distance d(x, c) of a point x to the
 nearest point on the lines c. Two empty sets agree perfectly: all fractions are 1 and all distances 0. An empty and a
 nonempty set are infinitely far apart and have no common area; the fraction of the empty boundary is 1, since none of it
-is wrong, and that of the other is 0.
+is wrong, and the fraction of the other is 0.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ class ObjectCounts:
     Attributes
     ----------
     found, missed : int
-        True objects with such a contour, and without.
+        True objects with and without such a contour.
     extra : int
         Closed contours that find no object.
     merged : int
-        Those among them that contain more than half of each of two or more objects.
+        Extra contours that contain more than half of each of two or more objects.
     """
 
     found: int
@@ -63,7 +63,7 @@ class Agreement:
     hausdorff : float
         max(max_a d(x, b), max_b d(x, a)), Huttenlocher et al. (1993), doi:10.1109/34.232073 [px].
     hausdorff95 : float
-        The same with the 95th percentile in place of each inner maximum, Taha and Hanbury (2015),
+        Like `hausdorff`, with the 95th percentile in place of each inner maximum, Taha and Hanbury (2015),
         doi:10.1186/s12880-015-0068-x [px].
     recall : float
         Fraction of the length of b within the tolerance of a, Martin et al. (2004), doi:10.1109/TPAMI.2004.1273918,
@@ -92,7 +92,7 @@ class Agreement:
 class Comparison(Agreement):
     """Agreement of contours, a, with the boundaries b of a ground truth, and of the enclosed areas.
 
-    With A the pixels inside the contours and B those of objects; boundaries as in `Agreement`:
+    A are the pixels inside the contours, B the pixels of objects; boundaries are as in `Agreement`.
 
     Attributes
     ----------
@@ -168,14 +168,14 @@ def compare(contours: Contours, truth: Truth, tolerance: float = TOLERANCE, *, h
     tolerance : float
         Distance up to which two boundaries count as the same [px].
     holes : bool
-        Whether a contour inside another is a hole in it, and a contour inside a hole an object again. Otherwise
+        Whether a contour inside another is a hole, and a contour inside a hole another object. Otherwise
         everything inside a closed contour is object.
 
     Returns
     -------
     Comparison
         Overlap, distances and differences; a pixel is inside when its center is. A stretch along the border of the
-        image is boundary of neither where an object of the truth reaches the border: nobody can see one there.
+        image is boundary of neither where an object of the truth reaches the border: it cannot be seen there.
 
     Raises
     ------
@@ -207,7 +207,7 @@ def compare(contours: Contours, truth: Truth, tolerance: float = TOLERANCE, *, h
 
 
 def distance_to(points: Array, contours: Contours) -> Array:
-    """Distance, shape (N,), of points, shape (N, 2), to the nearest line of some contours [px]; infinite if none."""
+    """Measure the distance of points, shape (N, 2), from the nearest line of contours, shape (N,) [px]; inf if none."""
     return _Boundary(contours).tree.distances(np.asarray(points, float))
 
 
@@ -227,7 +227,7 @@ class _Boundary:
 
 
 def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
-    """Which points, shape (N, 2), lie within the tolerance of the image border where it cuts an object; shape (N,)."""
+    """Return whether points, shape (N, 2), lie near the image border where it cuts an object, shape (N,)."""
     last = np.array(truth.shape) - 1
     before, beyond = points + 0.5 <= tolerance, last + 0.5 - points <= tolerance
     pixels = np.where(before, 0, np.where(beyond, last, np.clip(np.rint(points), 0, last))).astype(int)
@@ -235,7 +235,7 @@ def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
 
 
 def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float]:
-    """The attributes of `Agreement`."""
+    """Compute the attributes of `Agreement`."""
     there, back = b.tree.distances(a.samples), a.tree.distances(b.samples)
     corners = max(b.tree.distances(a.vertices).max(initial=0.0), a.tree.distances(b.vertices).max(initial=0.0))
     return boundary_figures((there, np.ones(len(there))), (back, np.ones(len(back))), float(corners), tolerance)
@@ -244,7 +244,7 @@ def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float
 def boundary_figures(
     there: tuple[Array, Array], back: tuple[Array, Array], corners: float, tolerance: float
 ) -> dict[str, float]:
-    """The attributes of `Agreement`.
+    """Compute the attributes of `Agreement` from distances and the sizes of the parts they belong to.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def boundary_figures(
     corners : float
         Greatest distance of a corner of one from the other.
     tolerance : float
-        Distance up to which boundaries count as the same.
+        Distance up to which boundaries coincide.
     """
     precision, recall = (
         float(size[away <= tolerance].sum() / size.sum()) if len(away) else 1.0 for away, size in (there, back)
@@ -276,19 +276,30 @@ def _check(tolerance: float) -> None:
 
 
 def overlap(common: int, both: int) -> tuple[float, float]:
-    """Dice and Jaccard coefficient, from the pixels in common and the sum of those of both."""
+    """Return the Dice and Jaccard coefficients of two masks, from their common pixels and the sum of their pixels."""
     return (2.0 * common / both, common / (both - common)) if both else (1.0, 1.0)
 
 
 def pixels_in_common(true: NDArray[np.integer], found: NDArray[np.integer]) -> Index:
-    """Number of pixels of each true object (rows) in each found one (columns), by labels; the first is background."""
+    """Count the pixels that each true object has in common with each found one.
+
+    Parameters
+    ----------
+    true, found : ndarray of int, shape (H, W) or (P, R, C)
+        Label of each pixel, 0 for the background.
+
+    Returns
+    -------
+    ndarray of int64, shape (T + 1, F + 1)
+        Counts by true label (rows) and found label (columns); the first of each is the background.
+    """
     height, width = int(true.max(initial=0)) + 1, int(found.max(initial=0)) + 1
     pairs = true.astype(np.int64) * width + found
     return np.bincount(pairs.ravel(), minlength=height * width).reshape(height, width)
 
 
 def object_counts(table: Index) -> ObjectCounts:
-    """Counts from the pixels of each true object (rows) in each found one (columns).
+    """Count objects from the pixels that each true one (rows) has in each found one (columns), shape (T + 1, F + 1).
 
     The first row and the first column are the background.
     """

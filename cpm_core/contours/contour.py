@@ -19,12 +19,12 @@ SAMPLING = 0.25
 """Distance between samples along contours that are compared [px]."""
 
 Reached = Literal["", "flight", "weak", "junction", "launched"]
-"""How particles came to a contour: on their own flight from the start, beyond a weak edge, by creeping over a junction,
-or by being launched elsewhere; empty where it is not known."""
+"""Way in which particles came to a contour: by their own flight from the start, beyond a weak edge, by creeping over a
+junction, or by being launched elsewhere; empty where it is not known."""
 
 
 def check_color(what: str, color: str) -> None:
-    """Raise a `ValueError` for a color of another form than "#rrggbb"; `what` is what has it."""
+    """Raise a `ValueError` unless a color has the form "#rrggbb"; `what` names its owner."""
     if color and not re.fullmatch("#[0-9A-Fa-f]{6}", color):
         raise ValueError(
             f'The color of {what} is {shown(color)} but must be "#rrggbb", two hexadecimal digits each for red, green '
@@ -34,7 +34,7 @@ def check_color(what: str, color: str) -> None:
 
 @frozen
 class Label:
-    """What the object with a number is called, and its color, ``"#rrggbb"``; either may be empty."""
+    """Name and color, ``"#rrggbb"``, of the object with a number; either may be empty."""
 
     number: int
     name: str = ""
@@ -46,7 +46,7 @@ class Label:
 
 @record
 class Curve:
-    """Vertices `points` in px, joined in their order; of a closed curve also the last to the first."""
+    """Polygonal line or polygon through `points` [px]."""
 
     points: Array
     closed: bool
@@ -75,34 +75,34 @@ class Contour(Curve):
     strength : float
         Mean of the edge map along the curve [gray levels / px].
     junctions : tuple of two bool
-        Whether the first and the last vertex lie on a junction that further contours share.
-    sides : callable or None
+        Whether the first and the last vertex lie on a junction with other contours.
+    measure_contrast : callable or None
         Measures `contrast` (`field.region_contrast.mean_contrast`); None for a curve that was not found in an image.
     name : str
         Name given by the user, or empty.
     color : str
         Color given by the user, ``"#rrggbb"``; empty for the default color.
     number : int
-        Number that it keeps through filters and runs, from 1; 0 for its place among the contours (`numbers_of`).
+        Number that it keeps through filters and runs, from 1; 0 for its place among the contours (`assign_numbers`).
     by_hand : tuple of ndarray, each of shape (K, 2)
         Stretches that were drawn by hand (`cpm_core.contours.hand_edits`): vertices of the contour, in order.
     group : int
-        Number of the object that it is a boundary of, from 1; 0 for a contour that stands for itself.
+        Number of the object whose boundary it is, from 1; 0 for a contour without an object.
     hole : bool
-        Whether it is the boundary of a hole in an object: what is inside does not belong to it.
+        Whether it is the boundary of a hole in an object.
     bridged : float
-        Length of its stretches that follow no edge that was found, but were closed [px].
-    way : callable or None
-        Finds out `reached`; None where it is not known.
+        Length of the stretches that close a gap in the edge [px].
+    measure_origin : callable or None
+        Determines `reached`; None where it is not known.
     category : str
         Name of the class of the object that it bounds, or empty.
     gray : float or None
-        Mean gray value of what it encloses by itself; None where that has not been measured, as only on pages.
+        Mean gray value inside it, without contours inside; None where it has not been measured (only pages do).
 
     Raises
     ------
     ValueError
-        When the color is of another form.
+        When the color does not have this form.
 
     Examples
     --------
@@ -144,7 +144,7 @@ class Contour(Curve):
 
     @cached_property
     def reached(self) -> str:
-        """How particles came to most of it; found out at the first access, which may take longer than the contours."""
+        """Way in which particles came to most of it; the first access may take longer than finding the contours."""
         return self.way() if self.way else ""
 
     @cached_property
@@ -154,7 +154,7 @@ class Contour(Curve):
 
     @property
     def length_by_hand(self) -> float:
-        """Length of what was drawn by hand [px]."""
+        """Length of the stretches drawn by hand [px]."""
         return sum(polyline.length(stretch) for stretch in self.by_hand)
 
     @property
@@ -170,7 +170,7 @@ class Contour(Curve):
 
 
 Contours = Sequence[Contour]
-"""Some contours."""
+"""Sequence of contours."""
 
 
 @record
@@ -205,24 +205,24 @@ class Bridge:
 
 
 def numbers_of(contours: Contours) -> Integers:
-    """The numbers of contours, no two of them equal: their own, and for those without one the next free ones."""
+    """Assign each contour a number, no two equal: its own, or the next free one where it has none."""
     taken = {contour.number for contour in contours}
     free = (number for number in itertools.count(1) if number not in taken)
     return tuple(contour.number or next(free) for contour in contours)
 
 
 def vertices_of(contours: Contours) -> Array:
-    """The vertices of contours, shape (N, 2) [px]."""
+    """Stack the vertices of contours, shape (N, 2) [px]."""
     return np.concatenate([np.empty((0, 2)), *(contour.points for contour in contours)])
 
 
 def sampled(contours: Contours) -> Array:
-    """Points every `SAMPLING` along contours, shape (N, 2) [px], for averages over their length."""
+    """Sample contours every `SAMPLE_SPACING`, shape (N, 2) [px], for averages over their length."""
     return np.concatenate([np.empty((0, 2)), *(polyline.sampled(contour.path, SAMPLING) for contour in contours)])
 
 
 def neighborhood(contours: Contours) -> PathTree:
-    """Spatial index of contours, to find those near a position."""
+    """Build a spatial index of contours, to find those near a position."""
     return PathTree([contour.path for contour in contours])
 
 
@@ -231,7 +231,7 @@ _BRIDGE_ON_CONTOUR = 0.01
 
 
 def bridges_on(bridges: Sequence[Bridge], contours: Contours) -> tuple[Bridge, ...]:
-    """The bridges that are part of one of some contours."""
+    """Select the bridges that are part of one of the contours."""
     if not bridges or not contours:
         return ()
     middles = np.array([bridge.points[len(bridge.points) // 2] for bridge in bridges])

@@ -57,7 +57,7 @@ class Graph:
         self._ways = None
 
     def insert(self, a: int, between: Array, b: int) -> None:
-        """Join two vertices through new ones, shape (K, 2)."""
+        """Join two vertices through new ones at positions of shape (K, 2)."""
         first, count = len(self.points), len(between)
         self.points = np.concatenate([self.points, between])
         self._near = np.pad(self._near, [(0, count), (0, 0)], constant_values=-1)
@@ -66,7 +66,7 @@ class Graph:
             self.link(one, other)
 
     def unlink(self, edges: ArrayLike) -> None:
-        """Remove distinct edges, shape (E, 2), as far as they exist."""
+        """Remove the existing ones of distinct edges, shape (E, 2)."""
         pairs = np.asarray(edges, np.int64).reshape(-1, 2)
         pairs = pairs[(self._near[pairs[:, 0]] == pairs[:, 1:]).any(axis=1)]
         for one, other in (pairs.T, pairs.T[::-1]):
@@ -79,30 +79,30 @@ class Graph:
         self.unlink(np.stack([path[:-1], path[1:]], axis=1))
 
     def distance(self, a: int, b: int) -> float:
-        """Distance of two vertices [px]."""
+        """Measure the distance of two vertices [px]."""
         return float(np.linalg.norm(self.points[a] - self.points[b]))
 
     def degree(self, vertex: int) -> int:
-        """Number of edges at a vertex."""
+        """Count the edges at a vertex."""
         return int(self.degrees[vertex])
 
     def neighbors(self, vertex: int) -> list[int]:
-        """Neighbors of a vertex, the lowest number first."""
+        """List the neighbors of a vertex, the lowest number first."""
         return sorted(v for v in self._near[vertex].tolist() if v >= 0)
 
     def edges(self) -> Index:
-        """Every edge once, shape (E, 2), the lower index first, sorted."""
+        """List every edge once, shape (E, 2), the lower index first, sorted."""
         one, slot = np.nonzero(self._near > np.arange(len(self._near))[:, None])
         other = self._near[one, slot]
         order = np.lexsort((other, one))
         return np.stack([one[order], other[order]], axis=1)
 
     def ends(self) -> Index:
-        """Vertices with a single edge."""
+        """List the vertices with a single edge, shape (M,)."""
         return np.flatnonzero(self.degrees == 1)
 
     def ways(self) -> Ways:
-        """Paths between ends and junctions, then cycles.
+        """Find the paths between ends and junctions, then the cycles.
 
         They begin at the ends and junctions, then at the other vertices, in the order of their numbers, toward the
         neighbor with the lowest number.
@@ -118,12 +118,12 @@ class Graph:
         return self._ways
 
     def parts(self) -> Index:
-        """Number of the connected part that each path belongs to, shape (W,)."""
+        """Label the connected parts of the graph; return the part of each path, shape (W,)."""
         ways = self.ways()
         return parts_joined((ways.first, ways.last), len(self.points))[ways.first]
 
     def branch(self, end: int) -> Index:
-        """Vertices from a loose end to the next end or junction, both included."""
+        """Trace the path from a loose end to the next end or junction, both included, shape (K,)."""
         near = self.neighbors(end)
         if not near:
             return np.array([end])
@@ -132,7 +132,10 @@ class Graph:
         return path[:count]
 
     def way_between(self, end: Index, other: Index) -> Array:
-        """Arc length from loose ends to other vertices, shapes (N,), along the ends' branches; else infinite [px]."""
+        """Measure the path length from loose ends to other vertices, shapes (N,) [px].
+
+        It is taken along the branch of the end, and infinite for vertices off it.
+        """
         ways = self.ways()
         along = lengths_along(self.points[ways.vertices])
         way = owners(np.diff(ways.start))
@@ -145,7 +148,7 @@ class Graph:
         return np.where(behind, ways.lengths[own], length)
 
     def drop_spurs(self, longest: float) -> None:
-        """Remove branches with a loose end, up to a length of `longest` [px], shortest first."""
+        """Remove branches with a loose end, up to a length of `max_length` [px], shortest first."""
         ways, degrees = self.ways(), self.degrees
         first, last = ways.first, ways.last
         backwards = degrees[last] == 1
@@ -161,19 +164,19 @@ class Graph:
                 self.drop(path)
 
     def drop_specks(self, longest: float) -> None:
-        """Remove isolated open curves up to a length of `longest` [px]."""
+        """Remove isolated open curves up to a length of `max_length` [px]."""
         ways = self.ways()
         alone = (self.degrees[ways.first] == 1) & (self.degrees[ways.last] == 1)
         self.drop_ways(alone & (ways.lengths <= longest))
 
     def drop_ways(self, gone: Mask) -> None:
-        """Remove the paths chosen by a mask of shape (W,)."""
+        """Remove the paths that a mask of shape (W,) selects."""
         if gone.any():
             edges, way = self.ways().edges()
             self.unlink(edges[gone[way]])
 
     def merge_junctions(self, longest: float, weights: Array | None = None) -> None:
-        """Merge junctions that are joined by a path up to a length of `longest` [px].
+        """Merge junctions that are joined by a path up to a length of `max_length` [px].
 
         They meet halfway, or with `weights`, shape (N,), at the one with the larger weight.
         """
@@ -200,9 +203,9 @@ class Graph:
                     self.link(kept, other)
 
     def drop_ties(self, longest: float) -> None:
-        """Remove paths between two junctions that are shorter than `longest` [px], shortest first.
+        """Remove paths between two junctions that are shorter than `max_length` [px], shortest first.
 
-        Such paths occur at the mouth of a narrow slit, where they connect its two sides.
+        Such links occur at the mouth of a narrow slit, where they connect its two sides.
         """
         ways = self.ways()
         ties = self._ties(ways)
@@ -213,17 +216,17 @@ class Graph:
                 self.drop(path)
 
     def _ties(self, ways: Ways) -> Index:
-        """Paths between two junctions."""
+        """List the paths between two junctions."""
         return np.flatnonzero(~ways.closed & (self.degrees[ways.first] > 2) & (self.degrees[ways.last] > 2))
 
     def length(self, path: Index) -> float:
-        """Length of a path [px]."""
+        """Measure the length of a path [px]."""
         return length(self.points[path])
 
     def contours(self, shortest: float = 0.0) -> tuple[Contour, ...]:
-        """Contours of a length of at least `shortest` [px], longest first.
+        """Extract the contours with a length of at least `min_length` [px], longest first.
 
-        A cycle that only dead ends leave is closed, however many they are.
+        A cycle is closed even if dead ends branch off it.
         """
         ways = self.ways()
         forks = np.stack([self.degrees[ways.first] > 2, self.degrees[ways.last] > 2], axis=1) & ~ways.closed[:, None]
@@ -236,7 +239,7 @@ class Graph:
         return tuple(sorted(found, key=lambda contour: -contour.length))
 
     def _rings(self, between: Mask) -> tuple[Ways, Mask]:
-        """What paths `between` junctions make without dead ends, and which are parts of its cycles, shapes (W,)."""
+        """Find the cycles of the paths `between` junctions without dead ends; mark the paths on them, shape (W,)."""
         edges, way = self.ways().edges()
         rest = Graph(self.points, edges[between[way]])
         rest.drop_spurs(np.inf)
@@ -246,13 +249,13 @@ class Graph:
         return ways, np.bincount(way[part], minlength=len(between)) > 0
 
     def _keys(self, edges: Index) -> Index:
-        """A number for each edge, whichever way it runs."""
+        """Compute a key for each edge, independent of its direction."""
         return np.sort(edges, axis=1) @ (len(self.points), 1)
 
 
 @record
 class Ways:
-    """Paths between ends and junctions, then cycles: every edge of a graph once.
+    """Paths between ends and junctions, then cycles; every edge of a graph is in exactly one.
 
     Attributes
     ----------
@@ -292,11 +295,11 @@ class Ways:
         return self.vertices[self.start[1:] - 1]
 
     def path(self, way: int) -> Index:
-        """Vertices of a path."""
+        """List the vertices of a path, shape (K,)."""
         return self.vertices[self.start[way] : self.start[way + 1]]
 
     def edges(self) -> tuple[Index, Index]:
-        """Edges of all paths in order, shape (E, 2), and the path of each edge, shape (E,)."""
+        """List the edges of all paths in order, shape (E, 2), and the path of each edge, shape (E,)."""
         way = owners(np.diff(self.start))
         following = np.roll(self.vertices, -1)
         following[self.start[1:] - 1] = np.where(self.closed, self.first, -1)
@@ -335,7 +338,11 @@ def _walk_all(
 
 @compiled
 def follow(near: Index, degrees: Index, walked: Mask, first: int, towards: int, out: Index) -> int:
-    """Write the path from a vertex toward a neighbor, up to the next end or junction or itself; return its size."""
+    """Write the path from a vertex toward a neighbor, up to the next end or junction or itself; return its size.
+
+    `near`, shape (N, K), holds the neighbors of each vertex, `degrees`, shape (N,), their numbers; `walked`, shape
+    (N, K), marks the used edges, and `out` takes the vertices.
+    """
     out[0] = first
     before, vertex, count = first, towards, 1
     while True:

@@ -29,7 +29,7 @@ _BLACK_WHITE_TOLERANCE = 0.125
 
 
 class _Labeled:
-    """What is told by the labels of an image or a volume."""
+    """Properties of an image or a volume that follow from its labels."""
 
     labels: Labels
 
@@ -40,7 +40,7 @@ class _Labeled:
 
     @cached_property
     def objects(self) -> Labels:
-        """Labels of the single objects, in the shape of `labels`: those of a single class are its connected parts."""
+        """Labels of the objects, in the shape of `labels`; the objects of a single class are its connected parts."""
         if self.labels.max(initial=0) > 1:
             return self.labels
         return np.asarray(scipy.ndimage.label(self.labels)[0], np.int32)
@@ -94,7 +94,7 @@ class Truth(_Labeled, drawing.Pictured):
 def truth_of_contours(
     contours: Contours, shape: Sequence[int], source: str = "ground truth", *, holes: bool = True
 ) -> Truth:
-    """Ground truth from contours: the closed ones are objects, labeled as in the label mask except for holes.
+    """Build a ground truth from contours: closed ones are objects, labeled as in the label mask except for holes.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def truth_of_contours(
     source : str
         Name for the user.
     holes : bool
-        Whether a contour in another is a hole, and one in a hole an object again; see `rasterize.inside`.
+        Whether a contour in another is a hole, and one in a hole another object; see `rasterize_mask`.
     """
     size = (int(shape[0]), int(shape[1]))
     labels = np.where(inside(contours, size, holes=holes), paint(contours, size), 0)
@@ -113,7 +113,7 @@ def truth_of_contours(
 
 
 def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> Truth:
-    """Ground truth from a mask.
+    """Build a ground truth from a mask.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
     Raises
     ------
     ValueError
-        When all pixels are equal, or so many neighbors differ that it is no mask.
+        When all pixels are equal, or too many neighbors differ for a mask.
     """
     labels = labels_of(values, source)
     return Truth(labels, _between(labels), source)
@@ -142,7 +142,25 @@ _MAX_COUNTED_RANGE = 2**16
 
 
 def labels_of(values: NDArray[np.generic], source: str) -> Labels:
-    """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
+    """Label the gray levels of a mask by numbers from 0.
+
+    Parameters
+    ----------
+    values : ndarray of real numbers, shape (H, W) or (P, R, C)
+        Gray levels.
+    source : str
+        Name for messages.
+
+    Returns
+    -------
+    ndarray of int32, shape of `values`
+        Index of each gray level among the sorted ones.
+
+    Raises
+    ------
+    ValueError
+        When all pixels are equal, or too many neighbors differ for a mask.
+    """
     low, high = float(values.min()), float(values.max())
     if high - low <= _MAX_COUNTED_RANGE and not (values % 1).any():  # sorting a volume would take seconds
         shifted = np.subtract(values, low).astype(np.int32)
@@ -169,7 +187,7 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
 
 
 def _between(labels: Labels) -> tuple[Contour, ...]:
-    """Boundaries between pixels of different labels.
+    """Trace the boundaries between pixels of different labels.
 
     Around each corner of four pixels up to four sides separate labels. Two of them are joined; three or four meet at
     the corner.
@@ -205,7 +223,7 @@ class VolumeTruth(_Labeled):
     source : str
         Name of the file for the user.
     boundary : Surface or None
-        The boundaries of the objects, where they are known better than halfway between voxels.
+        Boundaries of the objects, where they are known more precisely than halfway between voxels.
 
     Raises
     ------

@@ -1,9 +1,9 @@
-"""Edits of contours by hand: pieces that are drawn, stretches that are taken away, and both kept through further runs.
+"""Edits of contours by hand: drawn pieces, removed stretches, both of which survive further runs.
 
 Every operation is one value, `HandEdit`: a stretch that is removed, a piece that is added, or both. A cut removes a
 stretch of length zero, a join adds a piece between two ends, a redrawn stretch is removed and another one added. The
-next reconstruction moves contours by fractions of a pixel, or ends them elsewhere; `apply` finds the contours of an
-edit again by the places where they pass.
+next reconstruction moves contours by fractions of a pixel, or ends them elsewhere; `apply_hand_edits` identifies the
+contours of an edit by places on them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Integers, Line, Position, frozen
 
 Kind = Literal["cut", "deletion", "redrawing", "join", "extension", "line", "outline"]
-"""What an edit does, by what it removes and adds."""
+"""Kind of an edit, by what it removes and adds."""
 
 _SEARCH_DISTANCES = (1.0, 2.0, REACH)
 """Distances within which a removed stretch is searched, the first one that finds any [px]."""
@@ -40,7 +40,7 @@ _OUTLINE_COVER_DISTANCE = 1.5
 """Distance from an outline within which an open contour runs along it [px]."""
 
 _SHORTEST_REMAINDER = 4.0
-"""Least length of what is removed from a contour or left of it [px]."""
+"""Least length of a stretch that is removed from a contour or remains of it [px]."""
 
 _OUTLINE_SAMPLING = 0.5
 """Distance between samples along a line that is compared with an outline [px]."""
@@ -57,7 +57,7 @@ class HandEdit:
     added : tuple of (row, col)
         Vertices of the piece that is added [px].
     closed : bool
-        Whether the piece is a closed contour of its own. It takes the place of what open contours run along it.
+        Whether the piece is a closed contour of its own. It replaces the stretches of open contours along it.
     before, after : tuple of (row, col)
         For each end of the piece that continues a contour one place on that contour, some pixels back from its end;
         empty for a loose end.
@@ -71,7 +71,7 @@ class HandEdit:
 
     @property
     def kind(self) -> Kind:
-        """What it does."""
+        """Kind of the edit, by what it removes and adds."""
         if self.removed:
             return "redrawing" if self.added else "cut" if len(self.removed) == 1 else "deletion"
         if self.closed:
@@ -80,7 +80,7 @@ class HandEdit:
 
 
 def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], Integers]:
-    """Contours with edits by hand, in the order in which they were made.
+    """Apply edits by hand to contours, in the order in which they were made.
 
     Parameters
     ----------
@@ -92,9 +92,9 @@ def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour,
     Returns
     -------
     contours : tuple of Contour
-        Longest first. Those that no edit has changed are the same objects as before.
+        Longest first. Contours that no edit has changed are the same Python objects as before.
     missed : tuple of int
-        Indices of the edits that did not find all their contours; the pieces that they add are there nevertheless.
+        Indices of the edits that did not find all their contours; their pieces are added nevertheless.
     """
     if not edits:
         return tuple(contours), ()
@@ -119,7 +119,7 @@ def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour,
 
 
 def _cut(lines: list[PolygonalLine], place: Position) -> tuple[list[PolygonalLine], bool]:
-    """The lines with the nearest one within reach cut at a place; its end cannot be cut."""
+    """Cut the nearest line within reach at a place; its end cannot be cut."""
     near = [(line.nearest(place)[1], index) for index, line in enumerate(lines) if line.passes(place, REACH)]
     for _, index in sorted(near):
         line = lines[index]
@@ -130,7 +130,7 @@ def _cut(lines: list[PolygonalLine], place: Position) -> tuple[list[PolygonalLin
 
 
 def _without(lines: list[PolygonalLine], path: Array, reach: float) -> tuple[list[PolygonalLine], bool]:
-    """The lines without what follows a path within reach from its first place to its last."""
+    """Remove the stretch that follows a path within reach from its first place to its last."""
     box = np.stack([path.min(axis=0) - reach, path.max(axis=0) + reach])
     pieces: dict[int, list[PolygonalLine]] = {}
     for number, line in enumerate(lines):
@@ -153,7 +153,7 @@ def _without(lines: list[PolygonalLine], path: Array, reach: float) -> tuple[lis
 
 
 class _Tie(NamedTuple):
-    """A line that a piece continues: its number, whether at its last end, and the length along it where that ends."""
+    """Line that a piece continues: its number, whether at its last end, and the length along it where it is joined."""
 
     line: int
     at_last: bool
@@ -161,7 +161,7 @@ class _Tie(NamedTuple):
 
 
 def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLine], bool]:
-    """The lines with a piece, joined to those that it continues; and whether all of them were found."""
+    """Add a piece, joined to the lines that it continues; also return whether all of them were found."""
     points = np.array(edit.added)
     piece = PolygonalLine.by_hand(points, edit.closed)
     if edit.closed:
@@ -190,7 +190,7 @@ def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLi
 
 
 def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
-    """What is left of a line where an outline takes its place: an open one without what runs along the outline."""
+    """Return the pieces of a line that remain where an outline takes its place: of an open one, those off it."""
     apart = (line.box[1] < outline.box[0] - _OUTLINE_COVER_DISTANCE).any() or (
         line.box[0] > outline.box[1] + _OUTLINE_COVER_DISTANCE
     ).any()
@@ -212,13 +212,13 @@ def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
 
 
 def _up_to(lines: list[PolygonalLine], tie: _Tie) -> PolygonalLine:
-    """The line of a tie up to the place where the piece begins, which comes last."""
+    """Return the line of a tie up to the place where the piece begins, which comes last."""
     line = lines[tie.line]
     return line.part(0.0, tie.along) if tie.at_last else line.part(tie.along, line.length).reversed()
 
 
 def _tie(lines: list[PolygonalLine], piece: Array, behind: Line) -> _Tie | None:
-    """The line that a piece continues from its first vertex, if there is one."""
+    """Find the line that a piece continues from its first vertex."""
     row, col = piece[0].tolist()
     found: list[tuple[float, _Tie]] = []
     for index, line in enumerate(lines):
@@ -244,7 +244,7 @@ def _tie(lines: list[PolygonalLine], piece: Array, behind: Line) -> _Tie | None:
 
 
 def _holds(line: PolygonalLine, piece: PolygonalLine, edit: HandEdit) -> bool:
-    """Whether a line already runs along a piece and both contours that it joins, as after a run that closed the gap."""
+    """Return whether a line runs along a piece and both contours that it joins, as after a run that closed the gap."""
     if not all(line.passes(behind, REACH) for behind in (*edit.before, *edit.after)):
         return False
     begin, end = sorted(line.nearest(behind)[0] for behind in (*edit.before, *edit.after))

@@ -1,4 +1,4 @@
-"""The table of contours: measurements of each, and which lies in which."""
+"""The table of contours: measurements of each, and which contour lies in which."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Measures:
     label : int
         Label in the label mask, counted over the closed contours from 1; 0 when open.
     name, color : str
-        Those of the contour, or empty.
+        Name and color of the contour, or empty.
     closed : bool
         Whether the contour is closed.
     junctions : int
@@ -41,7 +41,7 @@ class Measures:
     length : float
         Length along the contour [px].
     area : float
-        Enclosed area, including that of contours inside [px²]; 0 when open.
+        Enclosed area, including contours inside [px²]; 0 when open.
     strength : float
         Mean edge strength [gray levels / px].
     contrast : float or None
@@ -51,14 +51,14 @@ class Measures:
     length_in_units, area_in_units : float
         Length and area in the unit of the image's spacing and its square.
     by_hand : float
-        Length of what was drawn by hand [px].
+        Length of the stretches drawn by hand [px].
     net_area : float
-        Enclosed area without that of the closed contours directly inside, holes or further objects [px²]: the area of
+        Enclosed area without the closed contours directly inside, holes or further objects [px²]: the area of
         its label in the label mask. 0 when open, and for the hole of an object.
     net_area_in_units : float
-        The same in the square of the unit.
+        `net_area` in the square of the unit.
     reached : {"", "flight", "weak", "junction", "launched"}
-        How particles came to it; empty where it is not known, or was not requested with the contrast.
+        Way in which particles came to it; empty where it is not known, or was not requested with the contrast.
     """
 
     number: int
@@ -87,7 +87,7 @@ class Measures:
 
 
 def contour_labels(contours: Contours) -> Integers:
-    """Label of each contour: 1, 2, ... over the closed ones in their order, 0 for open ones and holes.
+    """Assign each contour its label: 1, 2, ... for the closed ones in their order, 0 for open ones and holes.
 
     The outlines of one object share a label.
     """
@@ -120,8 +120,8 @@ def measure(
     spacing : sequence of float
         Size of a pixel along (row, col), in any unit.
     contrast : bool
-        Whether to measure the contrast and find out how contours were reached, which takes longer than everything else
-        at the first access.
+        Whether to measure the contrast and how contours were reached, which takes longer than everything else at the
+        first access.
 
     Returns
     -------
@@ -172,7 +172,7 @@ def measure(
 
 
 def centroid(contour: Contour) -> Position:
-    """Center (row, col) of the area that a closed contour encloses, or of the length of an open one [px]."""
+    """Compute the center (row, col) of the area of a closed contour, or of the length of an open one [px]."""
     path = contour.path
     if contour.area > 0.0:
         area, *first = moments(path)[:3].tolist()
@@ -183,9 +183,10 @@ def centroid(contour: Contour) -> Position:
 
 
 def moments(path: Array) -> Array:
-    """Moments of the inside of a closed path, whichever way it runs, about the origin (Green's theorem), shape (6,).
+    """Compute the moments of the inside of a closed path about the origin by Green's theorem, shape (6,).
 
-    The area, its first moments (row, col), and its second ones (row row, col col, row col).
+    The path, shape (K, 2), may run either way. The moments are the area, the first moments (row, col), and the second
+    ones (row row, col col, row col).
     """
     middle = path.mean(axis=0)  # so that squares of large coordinates do not cancel
     one, other = path[:-1] - middle, path[1:] - middle
@@ -202,7 +203,7 @@ def moments(path: Array) -> Array:
 
 
 def _net_areas(contours: Contours, around: Sequence[int | None]) -> Array:
-    """Areas without those of the contours inside, shape (N,) [px²]."""
+    """Compute the areas without those of the contours inside, shape (N,) [px²]."""
     net = np.array([contour.area for contour in contours])
     for contour, outer in zip(contours, around, strict=True):
         larger = (

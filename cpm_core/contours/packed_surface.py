@@ -1,6 +1,6 @@
 """Bodies of objects as documents and sessions hold them: a closed surface as text, or voxels, eight in a byte.
 
-Text is compressed bytes, which are checked before they are unpacked.
+Text holds compressed bytes, which are checked before they are decompressed.
 """
 
 from __future__ import annotations
@@ -37,13 +37,35 @@ _COMPRESSION_LEVEL = 1
 
 
 def packed(array: Numbers) -> str:
-    """The bytes of an array of numbers, low ones first, as text."""
+    """Encode an array of any shape as text: its bytes in little-endian order, compressed."""
     data = np.ascontiguousarray(array).astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
     return base64.b64encode(zlib.compress(data, _COMPRESSION_LEVEL)).decode()
 
 
 def unpacked(text: object, dtype: DTypeLike, count: int | None, where: str) -> Numbers:
-    """So many numbers of this type, None for any number of them; else ValueError, which names `where`."""
+    """Decode numbers from text.
+
+    Parameters
+    ----------
+    text : object
+        Text of `encode_array`.
+    dtype : dtype
+        Type of the numbers.
+    count : int or None
+        Number of them; None for any.
+    where : str
+        Name for messages.
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        The numbers.
+
+    Raises
+    ------
+    ValueError
+        When it is no such text, or holds another number of them.
+    """
     kind = np.dtype(dtype).newbyteorder("<")
     size = _MAX_ARRAY_BYTES if count is None else count * kind.itemsize
     if not isinstance(text, str) or size > _MAX_ARRAY_BYTES:
@@ -60,7 +82,7 @@ def unpacked(text: object, dtype: DTypeLike, count: int | None, where: str) -> N
 
 @frozen
 class PackedSurface:
-    """A closed surface as text, to single precision.
+    """Closed surface as text, in single precision.
 
     Attributes
     ----------
@@ -88,12 +110,12 @@ class PackedSurface:
 
     @classmethod
     def of(cls, surface: Surface) -> PackedSurface:
-        """The surface as text."""
+        """Encode a surface."""
         return cls(packed(surface.vertices.astype(np.float32)), packed(surface.faces.astype(np.int32)))
 
     @cached_property
     def surface(self) -> Surface:
-        """The surface, in voxels."""
+        """The decoded surface [voxels]."""
         vertices = unpacked(self.vertices, np.float32, None, "the surface of an object")
         faces = unpacked(self.faces, np.int32, None, "the surface of an object")
         if len(vertices) % 3 or len(faces) % 3:
@@ -111,31 +133,31 @@ class PackedSurface:
 
     @cached_property
     def painted(self) -> PackedVoxels:
-        """The same body as voxels, which a brush can change."""
+        """Voxels of the same body, which a brush can change."""
         return PackedVoxels.of(self.voxels)
 
     def part(self, begin: Corner, shape: Corner) -> Mask:
-        """Which voxels of a box, given its first voxel and its shape, have their centers inside."""
+        """Return whether the voxels of a box, given its first voxel and its shape, have their centers inside."""
         return self.painted.part(begin, shape)
 
     @property
     def volume(self) -> float:
-        """What it encloses [voxels]."""
+        """Enclosed volume [voxels]."""
         return self.surface.volume
 
     @property
     def box(self) -> Array:
-        """The least, and the largest, plane, row and column of it [voxels], shape (2, 3)."""
+        """First and last plane, row and column of the vertices, shape (2, 3) [voxels]."""
         vertices = self.surface.vertices
         return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
     @property
     def shell(self) -> Voxels:
-        """Those of them that have a side in common with a voxel outside."""
+        """Voxels inside that share a face with one outside."""
         return _shell_of(self.voxels)
 
     def moved(self, by: Place) -> PackedSurface:
-        """The same surface displaced by so much along each axis [voxels]."""
+        """Return the surface displaced along each axis [voxels]."""
         return PackedSurface.of(replace(self.surface, vertices=self.surface.vertices + np.array(by)))
 
 
@@ -163,7 +185,7 @@ _CACHED_BODIES = 32
 
 @frozen
 class PackedVoxels:
-    """Voxels of a volume in a box, eight in a byte; another version of them shares the planes that have not changed.
+    """Voxels of a volume in a box, eight in a byte; edited copies share the planes that have not changed.
 
     Attributes
     ----------
@@ -172,7 +194,7 @@ class PackedVoxels:
     width : int
         Bytes of a row.
     planes : tuple of bytes
-        The planes, row after row.
+        Bytes of each plane, row after row.
 
     Raises
     ------
@@ -190,7 +212,7 @@ class PackedVoxels:
 
     @classmethod
     def of(cls, voxels: Voxels) -> PackedVoxels:
-        """The voxels as bytes."""
+        """Pack voxels into bits."""
         bits = np.packbits(voxels.mask, axis=2)
         return cls(voxels.first or (0, 0, 0), bits.shape[2], tuple(plane.tobytes() for plane in bits))
 
@@ -200,7 +222,7 @@ class PackedVoxels:
         return len(self.planes), len(self.planes[0]) // self.width, _BITS_PER_BYTE * self.width
 
     def part(self, begin: Corner, shape: Corner) -> Mask:
-        """Which voxels of another box, given its first voxel and its shape, are among them."""
+        """Return whether the voxels of another box, given its first voxel and its shape, are set."""
         found = np.zeros(tuple(shape), bool)
         low, high = np.maximum(begin, self.first), np.minimum(np.add(begin, shape), np.add(self.first, self.shape))
         if (low < high).all():
@@ -212,7 +234,7 @@ class PackedVoxels:
         return found
 
     def with_part(self, begin: Corner, mask: Mask) -> PackedVoxels | None:
-        """These with a mask instead of what is in its box, which begins at a voxel; None without any voxel."""
+        """Replace the voxels of a box, given its first voxel and a mask of its shape; None when no voxel remains."""
         low, high = np.array(begin), np.add(begin, mask.shape)
         first, last = np.minimum(self.first, low), np.maximum(np.add(self.first, self.shape), high)
         first[2] -= (first[2] - self.first[2]) % _BITS_PER_BYTE
@@ -232,40 +254,40 @@ class PackedVoxels:
 
     @property
     def voxels(self) -> Voxels:
-        """They as a mask."""
+        """The voxels as a mask."""
         return Voxels(self.part(self.first, self.shape), self.first)
 
     @property
     def shell(self) -> Voxels:
-        """Those that have a side in common with another voxel."""
+        """Voxels that share a face with one outside."""
         return _shell_of(self.voxels)
 
     @property
     def surface(self) -> Surface:
-        """A smooth surface around them, which encloses the very same voxels [voxels]."""
+        """Smooth surface around the voxels, which encloses exactly them [voxels]."""
         return _surface(self)
 
     @property
     def painted(self) -> PackedVoxels:
-        """The same body as voxels."""
+        """The body itself."""
         return self
 
     @property
     def volume(self) -> float:
-        """Their number."""
+        """Number of voxels."""
         return float(sum(int(np.bitwise_count(self._rows(at)).sum()) for at in range(len(self.planes))))
 
     @property
     def box(self) -> Array:
-        """The least, and the largest, plane, row and column of them, shape (2, 3)."""
+        """First and last plane, row and column of the voxels, shape (2, 3)."""
         return ends(self.part(self.first, self.shape)).astype(float) + self.first
 
     def moved(self, by: Place) -> PackedVoxels:
-        """The same voxels displaced by about so much along each axis [voxels]."""
+        """Return the voxels displaced along each axis, to the nearest whole voxel."""
         return replace(self, first=tuple(np.rint(np.add(self.first, by)).astype(int).tolist()))
 
     def _rows(self, plane: int) -> Pixels:
-        """The bytes of a plane of the box, a row of the array for each of its rows."""
+        """Return the bytes of a plane of the box, shape (rows, width)."""
         return np.frombuffer(self.planes[plane], np.uint8).reshape(-1, self.width)
 
 
@@ -277,7 +299,7 @@ def _any(planes: Sequence[bytes]) -> bool:
 
 
 def _window(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
-    """A box in one that begins at a voxel."""
+    """Return the slices of a box in an array that begins at a voxel."""
     return tuple(map(slice, low - begin, high - begin))
 
 
@@ -291,7 +313,7 @@ def _surface(body: PackedVoxels) -> Surface:
     inside = np.pad(body.voxels.mask, _SURFACE_MARGIN)
     level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _VOXEL_SMOOTHING) - np.float32(0.5)
     level = np.where(inside, np.maximum(level, _LEAST_LEVEL_OFFSET), np.minimum(level, -_LEAST_LEVEL_OFFSET))
-    # a few planes at a time, between which the window has its turn; corners on the planes between are the same twice
+    # a few planes at a time, so that the window gets its turn; vertices on the planes between occur twice
     ends = pairwise([*range(0, len(level) - 1, _PLANES_PER_PIECE), len(level) - 1])
     inner = [(0, side) for side in level.shape[1:]]
     parts = [zero_surface(level, ((first, last + 1), *inner)) for first, last in ends]

@@ -45,13 +45,13 @@ class PolygonalLine(Curve):
 
     @classmethod
     def of(cls, contour: Contour) -> PolygonalLine:
-        """A contour as a line."""
+        """Convert a contour to a line."""
         drawn = np.zeros(len(contour.path) - 1, bool)
         return cls(contour.points, contour.closed, drawn, contour.junctions, contour)
 
     @classmethod
     def by_hand(cls, points: Array, closed: bool = False) -> PolygonalLine:
-        """A line that is drawn by hand as a whole."""
+        """Build a line through vertices, shape (K, 2) [px], that is drawn by hand as a whole."""
         return cls(points, closed, np.ones(len(points) - (not closed), bool))
 
     @cached_property
@@ -65,25 +65,25 @@ class PolygonalLine(Curve):
         return float(self.lengths[-1])
 
     def passes(self, place: Position, reach: float) -> bool:
-        """Whether the line passes within reach of a place [px]."""
+        """Return whether the line passes within reach of a place [px]."""
         return self.nearest(place)[1] <= reach
 
     @cached_property
     def _line(self) -> Any:
-        """The same for shapely, which needs two vertices."""
+        """The line for shapely, which needs two vertices."""
         import shapely  # noqa: PLC0415 - needed for few edits
 
         return shapely.LineString(np.concatenate([self.path, self.path[-1:]]))
 
     def nearest(self, place: Position) -> tuple[float, float]:
-        """Length along the line up to its place nearest to another one, and the distance between the two [px]."""
+        """Return the length along the line up to its place nearest to another one, and the distance of the two [px]."""
         import shapely  # noqa: PLC0415
 
         point = shapely.Point(place)
         return float(self._line.project(point)), float(self._line.distance(point))
 
     def part(self, first: float, last: float) -> PolygonalLine:
-        """The open line from one length along it to a larger one; on a closed line the second may go once around."""
+        """Return the open line between two lengths along it; on a closed line the second may go once around."""
         path, drawn, lengths = self.path, self.drawn, self.lengths
         if self.closed:
             path = np.concatenate([path, path[1:]])
@@ -99,7 +99,7 @@ class PolygonalLine(Curve):
         return PolygonalLine(points, False, drawn[np.clip(segment, 0, len(drawn) - 1)], junctions)
 
     def parts(self, cuts: Iterable[float]) -> list[PolygonalLine]:
-        """The lines between cuts at lengths along it; a closed line is whole after none, open after one."""
+        """Split the line at lengths along it; without any a closed line stays whole, one opens it."""
         at = sorted(set(cuts))
         if self.closed:
             ends = [*at, *(cut + self.length for cut in at[:1])]
@@ -111,17 +111,17 @@ class PolygonalLine(Curve):
         return found or [self]
 
     def follows(self, path: Array, reach: float) -> bool:
-        """Whether all of the line lies within reach of a path, shape (K, 2) [px]."""
+        """Return whether all of the line lies within reach of a path, shape (K, 2) [px]."""
         samples = np.concatenate([self.path[[0, -1]], polyline.sampled(self.path, _PATH_SAMPLING)])
         return bool((polyline.distances(path, samples) <= reach).all())
 
     def reversed(self) -> PolygonalLine:
-        """The same line in the other direction; the segment that closes it stays the last."""
+        """Reverse the direction of the line; the segment that closes it stays the last."""
         drawn = np.concatenate([self.drawn[-2::-1], self.drawn[-1:]]) if self.closed else self.drawn[::-1]
         return replace(self, points=self.points[::-1], drawn=drawn, junctions=self.junctions[::-1])
 
     def contour(self) -> Contour:
-        """The line as a contour: the one that it is, or a new one without strength and contrast."""
+        """Convert the line to a contour: its source, or a new one without strength and contrast."""
         if self.source is not None:
             return self.source
         change = np.flatnonzero(np.diff(self.drawn)) + 1
@@ -131,7 +131,7 @@ class PolygonalLine(Curve):
 
 
 def joined(first: PolygonalLine, second: PolygonalLine) -> PolygonalLine:
-    """Two open lines as one, from the end of the first to the beginning of the second; what is between is by hand."""
+    """Join two open lines, the end of the first to the beginning of the second; the gap counts as drawn by hand."""
     touching = _touch(first.points[-1], second.points[0])
     points = np.concatenate([first.points, second.points[touching:]])
     drawn = np.concatenate([first.drawn, [] if touching else [True], second.drawn]).astype(bool)
@@ -139,7 +139,7 @@ def joined(first: PolygonalLine, second: PolygonalLine) -> PolygonalLine:
 
 
 def ring(line: PolygonalLine) -> PolygonalLine:
-    """An open line of three vertices or more as a closed one; what is between its ends is by hand."""
+    """Close an open line of three vertices or more; the segment between its ends counts as drawn by hand."""
     if _touch(line.points[-1], line.points[0]):
         return PolygonalLine(line.points[:-1], True, line.drawn)
     return PolygonalLine(line.points, True, np.append(line.drawn, True))

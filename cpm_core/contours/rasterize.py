@@ -28,7 +28,7 @@ def paint(contours: Sequence[Contour], shape: Extent) -> Labels:
 
     A pixel is inside when its center is. Contours are filled from the largest to the smallest, so one inside another
     keeps its own label: an object in an object, and likewise a hole, which a measurement can then leave out or
-    subtract. The holes of objects that were chosen have the label 0, unless another object lies in them. Open contours
+    subtract. The holes of selected objects have the label 0, unless another object lies in them. Open contours
     enclose nothing.
 
     Parameters
@@ -60,7 +60,7 @@ def paint(contours: Sequence[Contour], shape: Extent) -> Labels:
 
 
 def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
-    """Pixels inside polygons or on their edges, as runs: the polygon, in order, row, first column and end."""
+    """Find the pixels inside polygons or on their edges, as runs: the polygon, in order, row, first column and end."""
     if not polygons:
         return []
     index = owners([len(points) for points in polygons])
@@ -68,7 +68,7 @@ def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     below, right = np.concatenate([np.roll(points, -1, axis=0) for points in polygons]).T
     low, high = np.clip([np.minimum(row, below), np.maximum(row, below)], -1, shape[0])
     places = []
-    # an edge crosses its first row but not its last one, then the other way around: both know the pixels off edges
+    # first pass: an edge crosses its first row but not its last one; second pass: vice versa; pixels off edges agree
     for side, (begin, end) in enumerate(((np.ceil(low), np.ceil(high)), (np.floor(low) + 1, np.floor(high) + 1))):
         count = (end - begin).astype(int)
         edge = owners(count)
@@ -85,13 +85,13 @@ def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
 
 
 def check_plane(shape: Sequence[int]) -> None:
-    """Refuse a shape but of rows and columns: what fills polygons reads others from places next to them in memory."""
+    """Raise ValueError unless a shape has rows and columns: filling polygons would read memory beyond any other."""
     if len(shape) != 2:
         raise ValueError(f"shape of image is {shown(shape)} but must be rows and columns.")
 
 
 def label_type(count: int) -> type[np.unsignedinteger]:
-    """Smallest type for this number of labels."""
+    """Return the smallest type for this number of labels."""
     return np.uint16 if count <= MOST_LABELS else np.uint32
 
 
@@ -105,7 +105,7 @@ def inside(contours: Sequence[Contour], shape: Extent, *, holes: bool = True) ->
     shape : tuple of int
         Shape of the image.
     holes : bool
-        Whether a contour inside another is a hole in it, and a contour inside a hole an object again.
+        Whether a contour inside another is a hole, and a contour inside a hole another object.
 
     Returns
     -------

@@ -1,7 +1,7 @@
-"""Measurements of what contours enclose, and of the objects in a volume: columns of `Result.table`.
+"""Measurements of the regions that contours enclose, and of the objects in a volume: columns of `Result.table`.
 
-Where scikit-image's ``regionprops`` measures the same, the name is the same, but lengths and areas are those of the
-contours themselves, which run between the pixels, and not of pixels. Only the gray levels are those of the pixels whose
+Columns have the names of scikit-image's ``regionprops`` where they measure the same quantity, but lengths and areas are
+measured on the contours, which run between the pixels, and not on pixels. Gray levels are measured on the pixels whose
 centers lie inside.
 """
 
@@ -81,9 +81,20 @@ def region_table(
     spacing: Sequence[float],
     unit: str | None,
 ) -> Table:
-    """Table of what closed contours enclose, one row a label; `labels` and `gray` have the shape (H, W).
+    """Measure the regions that closed contours enclose, one row a label.
 
-    Lengths are in `unit`, of which `spacing` are those of a pixel.
+    Parameters
+    ----------
+    contours : sequence of Contour
+        Contours [px].
+    labels : ndarray of int, shape (H, W)
+        Label mask of the contours.
+    gray : ndarray or None, shape (H, W)
+        Gray levels.
+    spacing : sequence of float
+        Size of a pixel along each axis [unit].
+    unit : str or None
+        Unit of lengths; px where None.
     """
     sides = np.array(spacing, float)
     around, numbers = containment(contours), contour_labels(contours)
@@ -104,7 +115,19 @@ def region_table(
 
 
 def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Sequence[float], unit: str | None) -> Table:
-    """Table of the objects of a label volume, shape (P, R, C), from the voxels inside; lengths are in `unit`."""
+    """Measure the objects of a label volume from the voxels inside, one row a label.
+
+    Parameters
+    ----------
+    labels : ndarray of int, shape (P, R, C)
+        Label of each voxel.
+    gray : ndarray or None, shape (P, R, C)
+        Gray levels.
+    spacing : sequence of float
+        Size of a voxel along each axis [unit].
+    unit : str or None
+        Unit of lengths; px where None.
+    """
     sides = np.array(spacing, float)
     numbers = np.unique(labels[labels > 0]).astype(np.int64)
     counts = np.bincount(labels.ravel())[numbers]
@@ -120,7 +143,7 @@ def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Seque
 
 
 def _row(label: int, outlines: Contours, holes: Contours, sides: Array) -> dict[str, object]:
-    """The columns of one label except for gray levels."""
+    """Measure one label, without its gray levels."""
     import shapely  # noqa: PLC0415 - needed for tables only
 
     paths, cuts = ([contour.path * sides for contour in some] for some in (outlines, holes))
@@ -149,7 +172,7 @@ def _row(label: int, outlines: Contours, holes: Contours, sides: Array) -> dict[
 
 
 def _ellipse(net: Array, center: Array) -> dict[str, object]:
-    """The ellipse of the same second moments: its axes, eccentricity, and the angle between rows and its long axis."""
+    """Fit the ellipse of the same second moments: axes, eccentricity, and the angle between rows and its long axis."""
     if net[0] <= 0.0:
         return dict.fromkeys(("axis_major_length", "axis_minor_length", "eccentricity", "orientation"), np.nan)
     rows, cols, mixed = net[3:] / net[0] - (center[0] ** 2, center[1] ** 2, center[0] * center[1])
@@ -167,7 +190,7 @@ _GRAY_STATISTICS = {"mean": "mean", "std": "standard_deviation", "min": "minimum
 
 
 def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | None) -> dict[str, Column]:
-    """Mean, deviation, least and largest gray level of each label; NaN where no center of a pixel lies inside."""
+    """Measure the gray levels of each label; NaN where no center of a pixel lies inside."""
     if gray is None or not len(numbers):
         return {}
     there = np.isin(numbers, labels)
@@ -179,6 +202,6 @@ def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | Non
 
 
 def _units(columns: dict[str, Column], unit: str, power: str) -> dict[str, str]:
-    """Unit of each column of lengths and areas."""
+    """Return the unit of each column of lengths and areas."""
     found = {name: unit for name in columns if name.startswith(_LENGTH_COLUMNS)}
     return {**found, **dict.fromkeys(_AREA_COLUMNS, f"{unit}{power}"), "orientation": "rad"}

@@ -61,7 +61,7 @@ class Result(drawing.Pictured):
     channel : str
         Channel of a color image in which the contours were found, one of `Parameters.channel`.
     provenance : Provenance
-        How they were found.
+        Origin of the contours.
 
     Examples
     --------
@@ -99,9 +99,9 @@ class Result(drawing.Pictured):
         """Label of each pixel or voxel, an array in the shape of the image, read-only; 0 outside.
 
         Every closed contour fills its inside with its own label, counted from 1 in the order of `contours`; one inside
-        another has its own, so that the hole of a ring can be told from the ring. The holes of chosen objects have the
+        another has its own, so that the hole of a ring differs from the ring. The holes of selected objects have the
         label 0. Open contours enclose nothing. In a volume each object inside a closed surface has a label, the
-        largest 1; without such a surface all are 0. Files of labels hold the same.
+        largest 1; without such a surface all are 0. Files of labels hold the same array.
         """
         found = np.zeros(self.shape, np.int32)
         if self.surface is not None and self.surface.closed:
@@ -122,8 +122,8 @@ class Result(drawing.Pictured):
         Returns
         -------
         Table
-            Columns by name, which are those of ``skimage.measure.regionprops`` where they mean the same: ``area``
-            without what lies inside, ``area_filled`` with it, ``area_convex``, ``perimeter`` with that of holes,
+            Columns by name, named as in ``skimage.measure.regionprops`` where they mean the same: ``area``
+            without contours inside, ``area_filled`` with them, ``area_convex``, ``perimeter`` including holes,
             ``centroid-0`` (row) and ``centroid-1``, ``box-0`` to ``box-3`` (least row and column, largest row and
             column), ``axis_major_length``, ``axis_minor_length``, ``eccentricity``, ``orientation``,
             ``equivalent_diameter_area``, ``solidity``, ``circularity`` (4π area_filled over the square of the outer
@@ -153,7 +153,7 @@ class Result(drawing.Pictured):
         ax : matplotlib.axes.Axes, optional
             Where; by default in a new figure. For a surface, axes with ``projection="3d"``.
         image, contours, particles, labels, scale_bar : bool
-            What is drawn on an image: the image itself, contours, particles, the name or label of each closed contour,
+            Parts of the drawing: the image itself, contours, particles, the name or label of each closed contour,
             and a scale bar, in px where the size of a pixel is not known.
 
         Returns
@@ -204,12 +204,12 @@ class Result(drawing.Pictured):
 
     @property
     def geometry(self) -> Geometry | None:
-        """Where its image lies in space; None where that is not known."""
+        """Position of its image in space; None where it is not known."""
         return None if self.image is None else self.image.geometry
 
 
 def remaining(result: Result, stays: Sequence[bool]) -> Result:
-    """The result with some of its contours, and the bridges on them; `stays` marks which, one value each."""
+    """Keep some contours of a result, marked by one value for each, and the bridges on them."""
     if all(stays):
         return result
     kept = tuple(contour for contour, stay in zip(result.contours, stays, strict=True) if stay)

@@ -33,7 +33,7 @@ _ISOLATED_DISTANCE = 3.0 * REACH
 
 @frozen
 class Outline:
-    """Where a contour ran when it was kept; the attributes are those of `Contour`, the default is none."""
+    """Course of a contour when it was kept; the attributes are those of `Contour`, by default none."""
 
     points: Line = ()
     closed: bool = False
@@ -41,7 +41,7 @@ class Outline:
     number: int = 0
 
     def contour(self, name: str = "", color: str = "") -> Contour:
-        """The contour as it was."""
+        """Convert the outline to a contour."""
         points = np.array(self.points, float).reshape(-1, 2)
         return Contour(points, self.closed, self.strength, name=name, color=color, number=self.number)
 
@@ -104,7 +104,7 @@ class ReviewedContour:
 
 
 def reviewed(contours: Contours, marks: Sequence[Mark]) -> tuple[ReviewedContour, ...]:
-    """Each contour with its mark, in order; the marks may be from an earlier reconstruction."""
+    """Pair each contour with its mark, in order; the marks may be from an earlier reconstruction."""
     owner = attached(contours, [mark.anchor for mark in marks])
     by_contour = {contour: mark for contour, mark in zip(owner, marks, strict=True) if contour is not None}
     found = []
@@ -118,7 +118,7 @@ def reviewed(contours: Contours, marks: Sequence[Mark]) -> tuple[ReviewedContour
 
 
 def apply(result: Result, marks: Sequence[Mark]) -> Result:
-    """The result without rejected contours, and with names and colors.
+    """Apply marks to a result: leave out rejected contours, and set names and colors.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
     Returns
     -------
     Result
-        The same one without marks.
+        The result itself without marks.
     """
     if not marks:
         return result
@@ -140,7 +140,7 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
 
 
 def attached(contours: Contours, anchors: Sequence[Position]) -> list[int | None]:
-    """For each anchor (row, col) the index of its contour: the nearest one within `REACH` [px]; None without one.
+    """Assign each anchor (row, col) the index of the nearest contour within `ANCHOR_REACH` [px]; None without one.
 
     Each anchor has at most one contour and each contour one anchor: the nearest pair is assigned first, then the
     nearest of the others. Among equally near anchors the first has priority, among contours the longest.
@@ -162,12 +162,12 @@ def attached(contours: Contours, anchors: Sequence[Position]) -> list[int | None
 
 
 def middle(contour: Contour) -> Position:
-    """Position halfway along a contour."""
+    """Return the position halfway along a contour."""
     return tuple(polyline.middles(contour.path, 1)[0].tolist())
 
 
 def anchors(contours: Contours, indices: Sequence[int]) -> list[Position]:
-    """For each index a position (row, col) on its contour, far from the other contours and from its own ends [px]."""
+    """Find for each index a position (row, col) on its contour, far from other contours and from its own ends [px]."""
     if not indices:
         return []
     share = (np.arange(_ANCHOR_CANDIDATES) + 0.5) / _ANCHOR_CANDIDATES
@@ -197,7 +197,7 @@ _OVERLAP_SAMPLES = 24
 
 
 def with_kept(result: Result, marks: Sequence[Mark]) -> Result:
-    """The result with each kept contour that is not in it, or only in parts, as it was when it was kept.
+    """Restore each kept contour that is not in a result, or only in parts, as it was when it was kept.
 
     A contour is found again when another one runs along most of it. Otherwise the kept one is added,
     last, and takes the place of the contours that run along it for most of their length.
@@ -212,7 +212,7 @@ def with_kept(result: Result, marks: Sequence[Mark]) -> Result:
     Returns
     -------
     Result
-        The same one when all kept contours have been found again.
+        The result itself when all kept contours are in it.
     """
     kept = [mark for mark in marks if mark.verdict == "kept" and mark.outline.points]
     if not kept:
@@ -234,13 +234,13 @@ def with_kept(result: Result, marks: Sequence[Mark]) -> Result:
 
 
 def outline_of(contour: Contour) -> Outline:
-    """Where a contour runs now, to restore it later."""
+    """Capture the course of a contour, to restore it later."""
     points = tuple((round(row, 4), round(col, 4)) for row, col in contour.points.tolist())
     return Outline(points, contour.closed, contour.strength, contour.number)
 
 
 def _runs_along(contour: Contour, other: Contour) -> bool:
-    """Whether a contour runs along another one for most of its length."""
+    """Return whether a contour runs along another one for most of its length."""
     low, high = other.box
     if (contour.box[0] > high + _SAME_EDGE_DISTANCE).any() or (contour.box[1] < low - _SAME_EDGE_DISTANCE).any():
         return False

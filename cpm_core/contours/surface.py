@@ -1,4 +1,4 @@
-"""A surface in a volume: triangles, and what decides whether to trust them."""
+"""A surface in a volume: triangles, and the figures that tell whether to trust them."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ class Surface:
     unsupported : float
         Share of the vertices that have no particle near: there the surface is a guess. NaN when it is not known.
     left_out : int
-        Number of components that were left out, because they had too few particles or vertices without any near.
+        Number of components that were left out for too few particles, or too many vertices without any near.
     numbers : ndarray of int64, shape (F,), or None
-        Number, from 1 up, of the object that each triangle bounds; None where objects have none of their own.
+        Number, from 1 up, of the object that each triangle bounds; None where objects have no numbers.
     labels : tuple of Label
-        What these objects are called; empty where nobody has named them.
+        Names and colors of these objects; empty where none has been given.
 
     Examples
     --------
@@ -163,7 +163,7 @@ class Surface:
 
     @cached_property
     def components(self) -> int:
-        """Number of parts that do not hang together."""
+        """Number of connected components."""
         return len(np.unique(self.component_of_vertex[self.faces[:, 0]]))
 
     @property
@@ -190,7 +190,7 @@ class Surface:
 
 
 def rows_of_three(name: str, values: ArrayLike) -> Array:
-    """Finite numbers, shape (N, 3); ValueError for others, with their name."""
+    """Check that numbers are finite and have the shape (N, 3), else raise ValueError with their name."""
     rows = real_numbers(values)
     if rows.size == 0:
         return np.empty((0, 3))
@@ -206,7 +206,20 @@ _LINE_OFFSET = (1.3e-6, 2.9e-6)
 
 
 def inside_of(surface: Surface, shape: Extent) -> Mask:
-    """Voxels of a volume of that shape whose center lies inside a closed surface; hollows are outside."""
+    """Mark the voxels of a volume whose centers lie inside a closed surface; hollows are outside.
+
+    Parameters
+    ----------
+    surface : Surface
+        Closed surface [voxels].
+    shape : tuple of int
+        Shape of the volume, (planes, rows, columns).
+
+    Returns
+    -------
+    ndarray of bool, shape `shape`
+        True inside, by the parity of crossings along each row.
+    """
     corners = surface.vertices[surface.faces] - (*_LINE_OFFSET, 0.0)
     low = np.clip(np.ceil(corners.min(axis=1)), 0, shape).astype(np.int64)
     high = np.clip(np.floor(corners.max(axis=1)) + 1, 0, shape).astype(np.int64)
@@ -216,21 +229,24 @@ def inside_of(surface: Surface, shape: Extent) -> Mask:
     first = low.min(axis=0)
     around = found[tuple(map(slice, first, high.max(axis=0)))]
     _mark_crossings(corners, low, high, first, around)
-    np.logical_xor.accumulate(around, axis=2, out=around)  # an even number of crossings changes nothing
+    np.logical_xor.accumulate(around, axis=2, out=around)  # an even number of crossings cancels out
     return found
 
 
 def alone(surface: Surface, number: int) -> Surface:
-    """The surface of the object with a number, with no other vertices."""
+    """Extract the surface of the object with a number, without the other vertices."""
     used, corners = np.unique(surface.faces[surface.numbers == number], return_inverse=True)
     return replace(surface, vertices=surface.vertices[used], faces=corners.reshape(-1, 3), numbers=None)
 
 
 def numbered(surface: Surface, shape: Extent) -> Index:
-    """Number of the object that each voxel of a volume lies in: its own, or the largest first from 1 up; 0 outside."""
+    """Label each voxel of a volume of shape `shape` with the object it lies in, 0 outside.
+
+    Labels are the objects' own numbers, or else count from 1, the largest first.
+    """
     found = np.zeros(shape, np.int64)
     if surface.numbers is not None:
-        for number in np.unique(surface.numbers):  # where objects share voxels, the last one has them
+        for number in np.unique(surface.numbers):  # where objects share voxels, the last one gets them
             found[inside_of(alone(surface, number), shape)] = number
         return found
     inside = inside_of(surface, shape)
@@ -271,9 +287,9 @@ _LABEL_MARGIN = 1
 def surface_of_labels(
     labels: NDArray[np.int32], spacing: Sides, unit: str | None, *, open_border: bool = False
 ) -> Surface:
-    """The surfaces halfway between the voxels of labels and their neighbors.
+    """Build the surfaces halfway between the voxels of labels, shape (P, R, C), and their neighbors.
 
-    At the border of the volume they are closed, or with `open_border` open, as the objects may go on beyond it. With
+    At the border of the volume they are closed, or with `open_border` open, as the objects may continue beyond it. With
     a single label the connected parts are the objects, and none has a number.
     """
     places, corners, numbers, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], [np.empty(0, np.int64)], 0
@@ -296,7 +312,7 @@ def surface_of_labels(
 
 
 def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: Sides, unit: str | None) -> Surface:
-    """The surfaces of objects, each with its number, as one."""
+    """Join the surfaces of objects, each with its number, into one."""
     firsts = np.cumsum([0, *(len(body.vertices) for _, body in bodies)])
     return Surface(
         np.concatenate([body.vertices for _, body in bodies]),
@@ -308,7 +324,7 @@ def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: Sides, unit:
 
 
 def section_of(surface: Surface, axis: int, index: int) -> tuple[Contour, ...]:
-    """Where a slice of the volume cuts a surface: closed contours, and open ones where the surface has a rim."""
+    """Cut a surface by a slice of the volume: closed contours, and open ones where the surface has a rim."""
     heights = surface.vertices[:, axis] - index
     above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
     corners = above[surface.faces]

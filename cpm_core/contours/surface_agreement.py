@@ -1,8 +1,8 @@
 """Agreement of a surface with the ground truth of a volume.
 
-Surfaces are compared as contours are in `cpm_core.contours.agreement`, by area in place of length: points are the
-centers of triangles hardly longer than a voxel, and the distance of a point is that to the nearest triangle. Distances
-are in the unit of the spacing. Along the border of the volume a surface is closed where no edge is; what lies beyond
+Surfaces are compared like contours in `cpm_core.contours.agreement`, by area in place of length: the points are the
+centers of triangles hardly longer than a voxel, and their distance is measured to the nearest triangle. Distances
+are in the unit of the spacing. Along the border of the volume a surface is closed where no edge is; anything beyond
 the centers of the outermost voxels is not compared.
 """
 
@@ -69,7 +69,7 @@ class Triangles:
         return scipy.spatial.cKDTree(self.centers)
 
     def distances(self, points: Array) -> Array:
-        """Distance of each of points, shape (N, 3), from the nearest triangle; infinite where there is none."""
+        """Measure the distance of points, shape (N, 3), from the nearest triangle, shape (N,); infinite without any."""
         found = np.full(len(points), np.inf)
         if not len(self.corners):
             return found
@@ -93,10 +93,10 @@ class Triangles:
 
 
 def triangles_of(surface: Surface, shape: Extent) -> Triangles:
-    """Those of a surface, no longer than one and a half of the smallest side of a voxel.
+    """Divide a surface into triangles no longer than one and a half of the smallest side of a voxel.
 
-    Only those between the centers of the outermost voxels of a volume of this shape: along its border a surface is
-    closed where no edge is.
+    Only triangles between the centers of the outermost voxels of a volume of this shape are kept: along its border a
+    surface is closed where no edge is.
     """
     sides = np.array(surface.spacing)
     corners = (surface.vertices * sides)[surface.faces]
@@ -111,15 +111,15 @@ def triangles_of(surface: Surface, shape: Extent) -> Triangles:
 
 
 def within_border(voxels: Array, shape: Extent) -> Mask:
-    """Which of positions, shape (N, 3) [voxels], lie between the centers of the outermost voxels of a volume."""
+    """Return whether positions, shape (N, 3) [voxels], lie between the centers of the outermost voxels, shape (N,)."""
     return np.all((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0), axis=1)
 
 
 @record
 class SurfaceComparison(Agreement):
-    """Agreement of a surface with that of a ground truth, and of what they enclose.
+    """Agreement of a surface with a true one, and of the volumes that they enclose.
 
-    What `Agreement` says of the length of contours holds for the area of surfaces, and its distances are in the unit of
+    The measures are those of `Agreement`, by the area of surfaces in place of the length of contours, in the unit of
     the spacing. `mean_boundary_distance` is the average symmetric surface distance, `recall` and `precision` are the
     shares of the true and of the found area within the tolerance of the other surface (surface overlap; Nikolov et al.
     2021, doi:10.2196/26151, take both together).

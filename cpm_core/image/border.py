@@ -61,7 +61,7 @@ def inside_border(slopes: Callable[[Window], Array], strength: Array, smoothing:
 
 
 def _edge_of_border(edge: Array, stray: int) -> int:
-    """Farthest line along a side that an edge of one sign follows over most of its length; -1 if there is none."""
+    """Find the farthest line along a side that an edge of one sign follows over most of its length; -1 for none."""
     steepest = np.abs(edge[1:-1])
     ridge = (steepest >= np.abs(edge[:-2])) & (steepest > np.abs(edge[2:]))
     farthest = -1

@@ -1,4 +1,4 @@
-"""Colors: how a color image is shown, and its channels; the model works on the gray levels of one of them."""
+"""Colors for display, and the channels of a color image; the model works on the gray levels of one of them."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ LUMINANCE_NOTE = "Color was turned into luminance."
 """Note on an image whose colors were reduced to luminance."""
 
 LUMINANCE = "luminance"
-"""Choice of the luminance in `COLORS`, and name of that channel."""
+"""Choice of the luminance in `COLOR_CHOICES`, and name of that channel."""
 
 CONTRAST = "contrast"
 """Choice of the channel whose gray levels vary the most, in place of the name of a channel."""
 
 COLORS = (LUMINANCE, *_PRIMARY_COLORS, CONTRAST)
-"""What gray levels can be made of colors."""
+"""Ways to make gray levels of colors."""
 
 _STAIN_NAMES = ("hematoxylin", "eosin", "dab")
 """Names of the channels of `skimage.color.rgb2hed`."""
@@ -53,7 +53,7 @@ class Colors:
 
 
 def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
-    """Gray levels of one of the channels of `Parameters.channel`, shape (H, W).
+    """Extract the gray levels of one of the channels of `Parameters.channel`, shape (H, W).
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
     colors : Colors, optional
         Its colors.
     channel : str
-        Name of the channel. That of a stain is the light that the stain alone lets through: dark where there is much.
+        Name of the channel. A stain's channel is the light that this stain alone transmits: dark where there is much.
 
     Returns
     -------
@@ -86,11 +86,11 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
 
 
 Reduced = tuple[Numbers, Colors | None, Texts]
-"""Gray levels of pixels of several samples, their colors where they have any, and what was done."""
+"""Gray levels of pixels of several samples, their colors where they have any, and notes on the conversion."""
 
 
 def full_scale(values: Numbers) -> float:
-    """Gray level of white: the largest value of an integer type, else 1 or the largest value that occurs."""
+    """Return the gray level of white: the largest value of an integer type, else 1 or the largest value."""
     if values.dtype.kind == "b":
         return 1.0
     if values.dtype.kind in "ui":
@@ -151,7 +151,7 @@ def reduced(samples: Numbers, alpha: Numbers | None = None, white: float | None 
 
 @compiled
 def _weigh_bytes(samples: Pixels, weights: tuple[float, float, float], gray: Array) -> None:
-    """`luminance` of bytes, in its order."""
+    """Compute the luminance of bytes, in the order of `compute_luminance`."""
     for row in range(samples.shape[0]):
         for col in range(samples.shape[1]):
             red, green, blue = samples[row, col, 0], samples[row, col, 1], samples[row, col, 2]
@@ -159,7 +159,7 @@ def _weigh_bytes(samples: Pixels, weights: tuple[float, float, float], gray: Arr
 
 
 def luminance(channels: Numbers) -> Array:
-    """Luminance of red, green and blue, which are the last axis, in their range."""
+    """Compute the luminance, shape (...), of red, green and blue, shape (..., 3), in their range."""
     gray = np.zeros(channels.shape[:-1])
     for channel, weight in enumerate(WEIGHTS):
         gray += np.float64(weight) * channels[..., channel]  # of half precision too
@@ -167,7 +167,7 @@ def luminance(channels: Numbers) -> Array:
 
 
 def in_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Array, str]:
-    """Gray levels of one of `COLORS`, and a sentence that states it.
+    """Compute gray levels, shape (H, W), by one of `COLOR_CHOICES`, and a sentence that states it.
 
     Raises
     ------
@@ -185,7 +185,7 @@ def in_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Array, str
 
 
 def checked_color(given: object) -> str:
-    """What gray levels are made of color; ValueError for what is none of `COLORS`."""
+    """Check the choice of how gray levels are made of color; raise ValueError unless it is in `COLOR_CHOICES`."""
     if not isinstance(given, str) or given not in COLORS:
         raise ValueError(f"color is {shown(given)} but must be one of {', '.join(COLORS)}.")
     return given

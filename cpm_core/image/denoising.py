@@ -5,7 +5,8 @@ the data along the edges that it has found have much less noise and keep the con
 finds the edges again, more exactly. The length of the averages follows from the ratio of the noise to the edges: the
 error of the position of a step grows with the square of this ratio and falls with the length of the average.
 
-Where noise replaces pixels by random gray levels, the gray levels first go through a regression (`expected`). If that
+Where noise replaces pixels by random gray levels, the gray levels first go through a regression
+(`regress_gray_levels`). If that
 reduces the noise much against the edges, the result is used in place of the data.
 """
 
@@ -73,7 +74,7 @@ _STEP_PER_SLOPE = float(np.sqrt(2.0 * np.pi))
 
 
 class Cleaned(NamedTuple):
-    """An image without heavy noise, and what its edges then need.
+    """Image without heavy noise, with the smoothing and the floor that its edges then need.
 
     Attributes
     ----------
@@ -117,7 +118,7 @@ def clean(values: Array) -> Cleaned:
 
 
 class _Estimate(NamedTuple):
-    """First estimate: the image, it at half size, its noise, it without most of the noise, noise over contrast."""
+    """First estimate: the image, its half size, its noise, the image without most noise, noise over contrast."""
 
     values: Array
     halved: Array
@@ -127,7 +128,7 @@ class _Estimate(NamedTuple):
 
 
 def _estimate(values: Array) -> _Estimate:
-    """First estimate of an image, shape (H, W)."""
+    """Estimate the noise and the contrast of an image, shape (H, W)."""
     halved = _halved(values)
     # halving the size halves white noise, but leaves more than half of correlated noise and of texture
     noise = max(2.0 * noise_level(halved), 4.0 * noise_level(_halved(halved)))
@@ -142,7 +143,7 @@ def _estimate(values: Array) -> _Estimate:
 
 
 def _regions(values: Array, image: Array, noise: float, length: float, rounds: int) -> Array:
-    """Regions of an image, by averages along the edges of `image`, which is computed again in every round."""
+    """Smooth an image into regions, by averages along the edges of `image`, which is computed again in every round."""
     surface = scipy.ndimage.gaussian_filter(values, _PIXEL_SMOOTHING, mode="nearest")
     for _ in range(rounds):
         way = directions(image, max(_LEAST_DIRECTION_SIGMA, _EDGE_SLENDERNESS * length), _DIRECTION_AVERAGING * length)
@@ -151,14 +152,14 @@ def _regions(values: Array, image: Array, noise: float, length: float, rounds: i
 
 
 def _halved(values: Array) -> Array:
-    """Image of half the size, from means of 2 x 2 pixels; the last row and column are repeated where one is missing."""
+    """Halve the size of an image by means of 2 x 2 pixels; a missing last row or column is repeated."""
     rows, cols = values.shape
     even = np.pad(values, ((0, rows % 2), (0, cols % 2)), mode="edge")
     return even.reshape((rows + 1) // 2, 2, (cols + 1) // 2, 2).mean(axis=(1, 3))
 
 
 def _doubled(values: Array, shape: Extent) -> Array:
-    """Image of a shape from the one of half the size."""
+    """Double the size of an image to a shape."""
     row, col = (0.5 * (np.arange(size) - 0.5) for size in shape)
     grid = np.meshgrid(row, col, indexing="ij")
     return scipy.ndimage.map_coordinates(values, np.stack(grid), order=1, mode="nearest")
@@ -172,7 +173,7 @@ _SECOND_DIFFERENCE = np.array([1.0, -2.0, 1.0])
 
 
 def noise_level(values: Array) -> float:
-    """Standard deviation of the noise in an image or volume [gray levels].
+    """Estimate the standard deviation of the noise in an image or volume of any shape [gray levels].
 
     It follows, after Immerkaer (1996, doi:10.1006/cviu.1996.0060), from the mean square of the response of a mask that
     ignores smooth structure, for noise of any distribution. Corners add a little to it.
@@ -183,7 +184,7 @@ def noise_level(values: Array) -> float:
 
 
 def total_variation(values: Array, weight: float) -> Array:
-    """Image of least total variation near the data: the u with least ``sum |grad u| + |u - values|^2 / (2 weight)``.
+    """Minimize the total variation near the data: the u with least ``sum |grad u| + |u - values|^2 / (2 weight)``.
 
     Solved by the accelerated primal-dual iteration of Chambolle and Pock (2011, doi:10.1007/s10851-010-0251-1).
     `skimage.restoration.denoise_tv_chambolle` with as many iterations takes 3.4 times as long for 512 x 512 pixels with
@@ -263,7 +264,7 @@ class Directions(NamedTuple):
 
 
 def directions(values: Array, inner: float, outer: float) -> Directions:
-    """Directions of the edges of an image, shape (H, W), by its structure tensor.
+    """Compute the directions of the edges of an image, shape (H, W), by its structure tensor.
 
     `inner` is the Gaussian before the gradient, `outer` the one over which directions are averaged [px].
     """
@@ -283,7 +284,7 @@ def directions(values: Array, inner: float, outer: float) -> Directions:
 
 
 def averaged_along(values: Array, way: Directions, length: float) -> Array:
-    """Averages of an image, shape (H, W), along the lines that follow its edges in the directions `way`.
+    """Average an image, shape (H, W), along the lines that follow its edges in the directions `way`.
 
     `length` is the standard deviation of the Gaussian along a line [px]. The average is shorter where directions are
     uncertain, so that it does not pass corners.

@@ -45,7 +45,7 @@ _MAX_BAR_SHARE = 0.3
 """Largest length of a scale bar, as a share of the width of the image."""
 
 BOX = {"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5}
-"""What lies behind texts, so that they can be read on any gray; with outlines they would be no texts in SVG."""
+"""Style of the box behind texts, so that they are readable on any gray; outlined texts would be no texts in SVG."""
 
 _FIGURE_DPI = 200
 """Resolution of the figure of a file [dots per inch]."""
@@ -57,11 +57,11 @@ _FIGURE_SIDE = 6.0
 """Longer side of the figure of a file [inches]."""
 
 FIGURES = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
-"""Suffix of a figure -> what matplotlib calls its format."""
+"""Suffix of a figure -> name of its format in matplotlib."""
 
 
 class Curve(Protocol):
-    """A line to draw."""
+    """Line that can be drawn."""
 
     @property
     def path(self) -> Array:
@@ -69,7 +69,7 @@ class Curve(Protocol):
 
     @property
     def closed(self) -> bool:
-        """Whether it is closed."""
+        """Whether the line is closed."""
 
     @property
     def color(self) -> str:
@@ -77,17 +77,17 @@ class Curve(Protocol):
 
 
 def color_of(curve: Curve) -> str:
-    """The color in which a curve is drawn."""
+    """Return the color in which a curve is drawn."""
     return curve.color or (CLOSED if curve.closed else OPEN)
 
 
 def has_matplotlib() -> bool:
-    """Whether matplotlib is installed."""
+    """Return whether matplotlib is installed."""
     return find_spec("matplotlib") is not None
 
 
 def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
-    """The axes that are given, or those of a new figure; with `space` they have three dimensions."""
+    """Return the given axes, or those of a new figure; with `space` they have three dimensions."""
     if ax is not None:
         if not hasattr(ax, "plot_trisurf" if space else "imshow"):
             wanted = 'axes of matplotlib in space (projection="3d")' if space else "axes of matplotlib"
@@ -99,7 +99,7 @@ def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
 
 
 def show_image(ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), colors: Pixels | None = None) -> None:
-    """An image, or its colors, in px: row 0 is on top, and pixels that are not square are drawn as wide as they are."""
+    """Show gray levels, shape (H, W), or colors, shape (H, W, 3), in px: row 0 on top, pixels in their proportions."""
     rows, cols = values.shape[:2]
     if colors is not None:
         ax.imshow(colors, interpolation="nearest")
@@ -110,14 +110,14 @@ def show_image(ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), c
 
 
 def gray_limits(values: Array) -> tuple[float, float]:
-    """The gray levels that are shown as black and as white."""
+    """Return the gray levels, of values of any shape, that are shown as black and as white."""
     low, high = np.percentile(values, EXTREME_PERCENTILES)
     unit = max(high - low, 1e-300) / (BRIGHTEST_SHOWN - DARKEST_SHOWN)
     return low - DARKEST_SHOWN * unit, high + (1.0 - BRIGHTEST_SHOWN) * unit
 
 
 def frame(ax: Axes, shape: Extent, spacing: Sequence[float] = (1.0, 1.0)) -> None:
-    """The limits of an image of this shape, without ticks and a box."""
+    """Set the limits of axes to an image of this shape, without ticks and a box."""
     ax.set(xlim=(-0.5, shape[1] - 0.5), ylim=(shape[0] - 0.5, -0.5), xticks=[], yticks=[])
     ax.set_aspect(float(spacing[0]) / float(spacing[1]))
     for spine in ax.spines.values():
@@ -125,7 +125,7 @@ def frame(ax: Axes, shape: Extent, spacing: Sequence[float] = (1.0, 1.0)) -> Non
 
 
 def show_curves(ax: Axes, curves: Sequence[Curve]) -> None:
-    """Lines with a dark halo, closed ones in blue and open ones in orange, except those with a color of their own."""
+    """Show lines with a dark halo: closed ones in blue, open ones in orange, or in a color of their own."""
     from matplotlib.collections import LineCollection
 
     paths = [curve.path[:, ::-1] for curve in curves]
@@ -135,7 +135,7 @@ def show_curves(ax: Axes, curves: Sequence[Curve]) -> None:
 
 
 def show_particles(ax: Axes, places: Array) -> None:
-    """Particles, shape (N, 2) [px]."""
+    """Show particles, shape (N, 2) [px]."""
     row, col = places.T
     size = next(size for most, size in _DOT_SIZES if len(places) <= most)
     if size > _DOT_SIZES[-1][1]:
@@ -144,7 +144,7 @@ def show_particles(ax: Axes, places: Array) -> None:
 
 
 def show_scale_bar(ax: Axes, shape: Extent, spacing: Sequence[float], unit: str | None) -> None:
-    """A bar of round length with its length in a readable unit, in px where the size of a pixel is not known."""
+    """Show a bar of round length with its length in a readable unit, in px where the pixel size is not known."""
     from matplotlib.patheffects import withStroke
 
     rows, cols = shape
@@ -163,7 +163,7 @@ def show_scale_bar(ax: Axes, shape: Extent, spacing: Sequence[float], unit: str 
 
 
 def new_figure(shape: Extent | None, spacing: Sequence[float] = (1.0, 1.0)) -> tuple[Figure, Axes]:
-    """A figure that one image fills, with its axes; for None axes in space."""
+    """Create a figure that one image fills, with its axes; for None with axes in space."""
     from matplotlib.figure import Figure
 
     if shape is None:
@@ -176,7 +176,7 @@ def new_figure(shape: Extent | None, spacing: Sequence[float] = (1.0, 1.0)) -> t
 
 
 def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _FIGURE_DPI) -> bytes:
-    """A figure as the bytes of a file that tell what it shows and no time, so that equal figures are equal files."""
+    """Encode a figure as the bytes of a file with a description and without a time: equal figures are equal files."""
     import matplotlib as mpl
 
     stream = io.BytesIO()
@@ -191,10 +191,10 @@ def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _FIGURE_D
 
 
 METRIC = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
-"""Units in which a length is given, and what they are worth [m]."""
+"""Unit of length -> its size [m]."""
 
 KNOWN = {**METRIC, "um": 1e-6, "cm": 1e-2}
-"""Units that images have."""
+"""Unit of the spacing of images -> its size [m]."""
 
 
 @frozen
@@ -206,7 +206,7 @@ class Bar:
 
 
 def longest_bar(most: float, spacing: float, unit: str | None, *, keep_unit: bool = False) -> Bar:
-    """The longest scale bar of round length, 1, 2 or 5 times a power of ten, in a readable unit.
+    """Fit the longest scale bar of round length, 1, 2 or 5 times a power of ten, in a readable unit.
 
     `most` is its maximum length [px of the image], `spacing` the size of a pixel [unit], px without a unit. With
     `keep_unit` the length is given in this very unit.
@@ -220,7 +220,7 @@ def longest_bar(most: float, spacing: float, unit: str | None, *, keep_unit: boo
 
 
 def _readable(size: float, unit: str) -> tuple[float, str]:
-    """The size in the metric unit in which it has one to three digits; unchanged in any other unit."""
+    """Convert a size to the metric unit in which it has one to three digits; keep any other unit."""
     if unit not in KNOWN:
         return size, unit
     meters = size * KNOWN[unit]
@@ -233,7 +233,7 @@ class Pictured:
     """An object that notebooks show by its plot, with the line that `repr` gives as its title."""
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw it."""
+        """Draw the object."""
         raise NotImplementedError
 
     def _repr_png_(self) -> bytes:

@@ -1,4 +1,4 @@
-"""Geometry: where the pixels or voxels of an image lie in space, as medical files tell."""
+"""Geometry: the position of pixels or voxels in space, as medical files give it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cpm_core.numerics.types import Array, Sides, frozen
 from cpm_core.parameters.quotation import described, shown
 
 Convention = Literal["LPS", "RAS"]
-"""Where x, y and z point: to the Left, Posterior (back) and Superior (head) of a patient, or Right, Anterior and
+"""Directions of x, y and z: to the Left, Posterior (back) and Superior (head) of a patient, or Right, Anterior and
 Superior."""
 
 CONVENTIONS = ("LPS", "RAS")
@@ -35,16 +35,16 @@ _PATIENT_DIRECTIONS = (("L", "R"), ("P", "A"), ("S", "I"))
 class Geometry:
     """Position and orientation of an image; the size of a voxel is the image's own, `Image.spacing`.
 
-    Without arguments it is that of a picture: the first pixel at zero, columns to the left, rows to the back and planes
-    to the head.
+    The defaults are for a picture: the first pixel at zero, columns to the left, rows to the back and planes to the
+    head.
 
     Attributes
     ----------
     origin : tuple of float
         Position (x, y, z) of the center of the first voxel, in the unit of the image's spacing.
     directions : tuple of tuple of float
-        Unit vectors (x, y, z) along the axes (plane, row, col); that of the row axis leads from a row to the next.
-        They are brought to length 1.
+        Unit vectors (x, y, z) along the axes (plane, row, col), normalized; the one of the row axis leads from a row
+        to the next.
     convention : {"LPS", "RAS"}
         Where x, y and z point, as in the file that it comes from.
     depth : float
@@ -86,13 +86,13 @@ class Geometry:
             )
         _check_convention(self.convention)
         checked_number("depth", self.depth, lambda depth: depth > 0.0, "a number above 0")
-        one = np.abs(lengths - 1.0) < 1e-12  # they stay as they are to the bit
+        one = np.abs(lengths - 1.0) < 1e-12  # unit vectors stay equal to the bit
         directions = directions / np.where(one, 1.0, lengths)[:, None]
         object.__setattr__(self, "origin", tuple(origin.tolist()))
         object.__setattr__(self, "directions", tuple(map(tuple, directions.tolist())))
 
     def affine(self, spacing: Sides, convention: Convention | None = None) -> Array:
-        """Matrix from voxels (plane, row, col, 1) to positions (x, y, z, 1), shape (4, 4).
+        """Return the matrix from voxels (plane, row, col, 1) to positions (x, y, z, 1), shape (4, 4).
 
         Parameters
         ----------
@@ -117,21 +117,21 @@ class Geometry:
         return matrix
 
     def moved(self, voxels: ArrayLike, spacing: Sides) -> Geometry:
-        """The geometry of the part of an image that begins at a voxel (plane, row, col)."""
+        """Return the geometry of the part of an image that begins at a voxel (plane, row, col), shape (3,)."""
         matrix = self.affine(spacing)
         x, y, z, _ = (matrix @ np.r_[real_numbers(voxels), 1.0]).tolist()
         return replace(self, origin=(x, y, z))
 
     def scaled(self, factor: float) -> Geometry:
-        """The same in another unit of length, of which `factor` are one of the former."""
+        """Return the geometry in another unit of length, `factor` of which make one of the present unit."""
         x, y, z = self.origin
         return replace(self, origin=(factor * x, factor * y, factor * z), depth=factor * self.depth)
 
     @property
     def letters(self) -> tuple[str, str, str]:
-        """Direction of a patient that each axis (plane, row, col) leads to about: L, R, P, A, S (head) or I (feet).
+        """Patient direction to which each axis (plane, row, col) roughly leads: L, R, P, A, S (head) or I (feet).
 
-        Each axis has another one, the axis first that is nearest to one, also where two are nearest to the same.
+        Each axis gets another one. Where two axes are nearest to the same direction, the nearer one gets it.
         """
         flip = _LPS_TO_RAS if self.convention == "RAS" else np.ones(3)
         left, _, right = np.linalg.svd((np.array(self.directions) * flip)[::-1])
@@ -145,7 +145,7 @@ class Geometry:
 
     @property
     def ends(self) -> tuple[tuple[str, str], tuple[str, str], tuple[str, str]]:
-        """Where each axis (plane, row, col) begins and ends, by the letters of `letters`."""
+        """Letters of the directions at which each axis (plane, row, col) begins and ends."""
         other = {one: end for pair in _PATIENT_DIRECTIONS for one, end in (pair, pair[::-1])}
         plane, row, col = ((other[letter], letter) for letter in self.letters)
         return plane, row, col
@@ -157,7 +157,7 @@ class Geometry:
 
     @property
     def slant(self) -> float:
-        """How far the angle between two axes is from a right one at most [degrees]."""
+        """Largest deviation of the angle between two axes from a right one [degrees]."""
         along = np.array(self.directions)
         return math.degrees(math.asin(min(float(np.abs(along @ along.T)[np.triu_indices(3, 1)].max()), 1.0)))
 
@@ -167,7 +167,7 @@ class Geometry:
 
 
 def from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:
-    """Geometry and spacing (plane, row, col) from a matrix of a file, from (col, row, plane, 1) to (x, y, z, 1)."""
+    """Read geometry and spacing (plane, row, col) from a matrix (col, row, plane, 1) -> (x, y, z, 1), shape (4, 4)."""
     matrix = real_numbers(affine)
     along = matrix[:3, 2::-1].T
     plane, row, col = np.linalg.norm(along, axis=1).tolist()
@@ -175,6 +175,6 @@ def from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:
 
 
 def _check_convention(given: object) -> None:
-    """ValueError unless it is the name of a convention."""
+    """Raise ValueError unless a value is the name of a convention."""
     if not isinstance(given, str) or given not in CONVENTIONS:
         raise ValueError(f'The convention is {shown(given)} but must be "LPS" or "RAS".')

@@ -31,9 +31,23 @@ _KNOWN_RIM = 2
 def usable(values: Array, ends: tuple[float, float]) -> tuple[Array, tuple[str, ...]]:
     r"""Fill pixels without data from their surroundings, and bring extreme gray levels into a range for fields.
 
-    A single value of 9e36 or more, far beyond all others, stands for no data: this is what geographic and medical
-    programs write. What it is replaced by changes so slowly that it makes no edges. Gray levels whose span is above
-    1e15 or below 1e-15 are divided by a power of ten. The `ends` are the least and the largest gray level.
+    A single value of 9e36 or more, far beyond all others, stands for no data: geographic and medical programs write it.
+    Its replacement changes so slowly that it makes no edges. Gray levels whose span is above 1e15 or below 1e-15 are
+    divided by a power of ten.
+
+    Parameters
+    ----------
+    values : ndarray, shape (\*shape)
+        Gray levels.
+    ends : tuple of float
+        Least and largest of them.
+
+    Returns
+    -------
+    values : ndarray, shape (\*shape)
+        Gray levels that fields can be computed of.
+    notes : tuple of str
+        What was changed, one sentence each.
     """
     notes: list[str] = []
     low, high = ends
@@ -52,13 +66,13 @@ def usable(values: Array, ends: tuple[float, float]) -> tuple[Array, tuple[str, 
 
 
 def no_data_note(count: int) -> str:
-    """The note on so many pixels without data."""
+    """Format the note on a number of pixels without data."""
     what = "1 pixel has" if count == 1 else f"{count} pixels have"
     return f"{what} no data, filled from around: contours there mean nothing."
 
 
 def _absent(values: Array) -> Mask | None:
-    """Pixels without data; None when there are none."""
+    """Find the pixels without data; None when there are none."""
     absent = np.abs(values) >= _LEAST_NO_DATA
     others = values[~absent]
     kinds = np.unique(values[absent])
@@ -70,16 +84,16 @@ def _absent(values: Array) -> Mask | None:
 
 
 def _filled(values: Array, known: Mask) -> Array:
-    """Values whose unknown pixels are means of known ones next to unknown ones, the farther away, the more of them.
+    """Replace unknown pixels by means of known ones next to unknown ones, of more of them the farther away they are.
 
-    Known ones beyond would put the brightness of an object at some distance next to the background around it.
+    Known pixels beyond that rim would put the brightness of an object at some distance next to the background.
     """
     beside = known & scipy.ndimage.binary_dilation(~known, iterations=_KNOWN_RIM)
     return np.where(known, values, _spread(np.where(beside, values, 0.0), beside))
 
 
 def _spread(values: Array, known: Mask) -> Array:
-    """The same for all unknown pixels, of which those that lie together are filled together."""
+    """Spread the known values over all unknown pixels, together over those that lie together."""
     if known.all():
         return values
     weight = skimage.measure.block_reduce(known.astype(float), 2, np.sum)  # type: ignore[no-untyped-call]
@@ -109,7 +123,7 @@ _GAMMA_ON_BRIGHT = 0.7
 
 
 def automatic_gamma(values: Array) -> float:
-    r"""Exponent that suits the gray levels of an image, shape (\*shape): from 1/2 to 1.
+    r"""Choose the exponent that suits the gray levels of an image, shape (\*shape): from 1/2 to 1.
 
     Where most pixels are almost as dark as the darkest, or as bright as the brightest, the image shows objects on a
     background. Their brightness differs by factors, and the exponent is 1/2 on a dark background, 0.7 on a bright one.
@@ -125,7 +139,7 @@ def automatic_gamma(values: Array) -> float:
 
 
 def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
-    r"""Gray levels on a power scale, ``low + range * ((I - low) / range)**gamma``, within the same range.
+    r"""Put gray levels on a power scale, ``low + range * ((I - low) / range)**gamma``, within the same range.
 
     Parameters
     ----------
@@ -143,7 +157,7 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
     low, high = float(values.min()), float(values.max())
     if exponent == 1.0 or high <= low:
         return values
-    if values.dtype.kind == "u":  # one of few levels each, and so many pixels that they are kept in few bytes
+    if values.dtype.kind == "u":  # few gray levels, in images large enough to be kept in few bytes per pixel
         table = toned(np.maximum(np.arange(high + 1.0), low), exponent)
         shown: Numbers = np.empty(values.shape, np.float32)
 
@@ -156,5 +170,5 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
 
 
 def on_power_scale(values: Array, low: float, high: float, exponent: float) -> Array:
-    """Gray levels on a power scale within a range; see `toned`."""
+    """Put gray levels of any shape on a power scale within a range; see `apply_gamma`."""
     return low + (high - low) * ((values - low) / (high - low)) ** exponent

@@ -1,4 +1,4 @@
-"""Image: the gray levels that a run works on, and what is known about their origin."""
+"""Image: the gray levels that a run works on, and their origin."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ class Image(drawing.Pictured):
     Parameters
     ----------
     values : array_like of real numbers, shape (H, W), (P, H, W), (H, W, 3) or (H, W, 4)
-        Gray levels. They are copied to float64 and are then read-only. Pixels without data, as those that a masked
-        array masks, are filled, and extreme gray levels divided by a power of ten (`gray_levels.usable`). Three or
+        Gray levels. They are copied to float64 and are then read-only. Pixels without data, such as masked ones, are
+        filled, and extreme gray levels divided by a power of ten (`gray_levels.make_usable`). Three or
         four values a pixel are red, green, blue and opacity, from which `color` makes gray levels.
     spacing : tuple of float, optional
         Size of a pixel along each axis, in `unit`; 1 px each where it is not known.
@@ -55,20 +55,20 @@ class Image(drawing.Pictured):
     source : str, optional
         Name of the image, for display.
     notes : tuple of str, optional
-        What was changed between the file and `values`, one sentence each.
+        Changes between the file and `values`, one sentence each.
     colors : Colors, optional
         Colors of the pixels, for display; None for a gray image.
     file_sha256 : str, optional
         Hash of its file, as `fingerprint` makes it; empty for an image that is not from a file.
     geometry : Geometry, optional
-        Where it lies in space; None where that is not known. What is written lies there as well.
+        Position in space; None where it is not known. Written files keep it.
     hounsfield : bool, optional
         Whether gray levels are Hounsfield units; None where the file does not say, see `is_ct`.
     finer : tuple, optional
         The same image with two, four and more times the rows and columns, the finest first, for display: objects with
-        a `shape`, of which a window is read by index. What is found is found in `values`.
+        a `shape`, of which a window is read by index. Contours are found in `values`.
     color : {"luminance", "red", "green", "blue", "contrast"}, optional
-        What gray levels are made of color, as in `load_image`: how bright it is to the eye, one of its channels, or
+        How gray levels are made of color, as in `load_image`: brightness to the eye, one of its channels, or
         the channel whose gray levels vary the most. With the luminance the image keeps its colors, so that
         `Parameters.channel` can choose another one for a run.
 
@@ -138,13 +138,13 @@ class Image(drawing.Pictured):
         precision = given.dtype if small else np.float64
         owner = given if given.base is None else given.base
         fits = given.dtype == np.float64 and type(owner) is np.ndarray and given.flags.c_contiguous
-        unchanging = fits and not (given.flags.writeable or owner.flags.writeable)  # nobody writes to its memory
+        unchanging = fits and not (given.flags.writeable or owner.flags.writeable)  # its memory is never written to
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
             values = given if unchanging else np.array(given, precision, order="C")
         if not whole:
             values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA
             given = values
-        ends = float(given.min()), float(given.max())  # of few bytes a pixel sooner than of eight
+        ends = float(given.min()), float(given.max())  # faster on few bytes per pixel than on eight
         if not all(map(math.isfinite, ends)):
             unusable = values.size - int(np.isfinite(values).sum())
             raise ValueError(
@@ -165,7 +165,7 @@ class Image(drawing.Pictured):
             )
 
     def __getattr__(self, name: str) -> Array:
-        """The gray levels of an image of integers, once they are first asked for: it is seen before."""
+        """Convert stored integers to `values` when they are first asked for: the image is seen before."""
         if name != "values":
             raise AttributeError(f"An image has no {name}.")
         known = vars(self)
@@ -179,12 +179,12 @@ class Image(drawing.Pictured):
 
     @property
     def stored(self) -> NDArray[Any]:
-        """The gray levels in the type in which they are kept, which are many bytes for each only once `values` is."""
+        """Gray levels in the shape of the image and the type in which they are kept: float64 once `values` was read."""
         stored = vars(self).get("_stored")
         return self.values if stored is None else stored
 
     def _take_colors(self, samples: NDArray[Any], color: str) -> NDArray[Any]:
-        """Gray levels of colors, which are kept next to the luminance."""
+        """Reduce colors to gray levels, and keep them next to the luminance."""
         alpha = samples[..., 3] if samples.shape[-1] == 4 else None
         values, colors, notes = reduced(np.array(samples[..., :3]), alpha)
         if colors is not None and color == LUMINANCE:
@@ -239,7 +239,7 @@ class Image(drawing.Pictured):
         if self.file_sha256:
             return self.file_sha256
         found = hashlib.sha256()
-        for line in self.stored:  # without a copy of all of them
+        for line in self.stored:  # without copying the whole array
             found.update(np.ascontiguousarray(line, "<f8").data)
         return found.hexdigest()
 
@@ -250,9 +250,9 @@ class Image(drawing.Pictured):
 
     @property
     def is_ct(self) -> bool:
-        """Whether gray levels are Hounsfield units: as the file says, or as it lies in space and shows air as CT does.
+        """Whether gray levels are Hounsfield units: by the file, or by a place in space and the gray level of air.
 
-        Air has -1000 of them. What lies outside of the scanner's circle is at most as low as 12 bits of it.
+        Air has -1000 units. Outside of the scanner's circle the least level is at most as low as 12 bits of them.
         """
         if self.hounsfield is not None or self.geometry is None or self.colors is not None:
             return bool(self.hounsfield)
@@ -260,9 +260,9 @@ class Image(drawing.Pictured):
         return lowest <= self.gray_range[0] <= highest
 
     def sized(self, spacing: Sides, unit: str | None, factor: float = 1.0) -> Image:
-        """The same gray levels, which are shared, with another size of a pixel; ValueError as for an image.
+        """Return the image with another size of a pixel and shared gray levels; ValueError as for an image.
 
-        `factor` is how many of the unit one of the former is: the place in space is given in the unit.
+        `factor` of the new unit make one of the present unit: the place in space is converted.
         """
         sizes = _sizes(self.source, spacing, self.ndim)
         self.values  # noqa: B018 - made once for both
@@ -272,7 +272,7 @@ class Image(drawing.Pictured):
         return made
 
     def cut(self, axis: int, index: int) -> Image:
-        """A slice of a volume across an axis, as an image that shares the gray levels: they are not checked again."""
+        """Return a slice of a volume across an axis, as an image that shares the gray levels without another check."""
         sides = tuple(side for other, side in enumerate(self.spacing) if other != axis)
         made = object.__new__(type(self))
         values = self.values[(slice(None),) * axis + (index,)]
@@ -286,17 +286,17 @@ class Image(drawing.Pictured):
         return self.stored.shape
 
     def gray(self, channel: str = "luminance") -> Array:
-        """Gray levels of a channel of `Parameters.channel`: `values` of a gray image; see `colors.gray_levels`."""
+        """Return the gray levels of a channel of `Parameters.channel`, in the shape of the image."""
         return channel_of(self.values, self.colors, channel)
 
     def gray_at(self, pixel: tuple[int, ...], channel: str = "luminance") -> float:
-        """Gray level of a pixel (row, col), or of a voxel (plane, row, col), in a channel."""
+        """Return the gray level of a pixel (row, col), or of a voxel (plane, row, col), in a channel."""
         place = tuple(slice(at, at + 1) for at in pixel)
         colors = self.colors and Colors(self.colors.samples[place], self.colors.white)
         return float(channel_of(self.stored[place], colors, channel).item())
 
     def channel(self, wanted: str) -> str:
-        """Name of the channel that is taken when one is wanted: a gray image has its luminance alone."""
+        """Return the name of the channel that is used when one is wanted: a gray image has its luminance alone."""
         return wanted if self.colors is not None else "luminance"
 
     @property
@@ -306,7 +306,7 @@ class Image(drawing.Pictured):
 
 
 def _sizes(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:
-    """Size of a pixel along each axis, 1 where none is given; ValueError when it is not valid."""
+    """Check the size of a pixel along each axis, 1 where none is given; ValueError when it is not valid."""
     sizes = tuple(np.ravel(real_numbers(spacing)).tolist()) or (1.0,) * ndim
     if len(sizes) != ndim or not all(math.isfinite(size) and size > 0 for size in sizes):
         raise ValueError(
@@ -318,7 +318,7 @@ def _sizes(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:
 
 
 def as_plane(values: ArrayLike | Image) -> Image:
-    """Image of two axes from values; `ValueError` when they have another number of axes, or are not an image."""
+    """Convert values, shape (H, W), to an image of two axes; ValueError for any other shape."""
     image = as_image(values)
     if image.ndim != 2:
         raise _not_a_plane(image.source, image.shape)
@@ -326,7 +326,7 @@ def as_plane(values: ArrayLike | Image) -> Image:
 
 
 def as_image(values: ArrayLike | Image) -> Image:
-    """Image of two or three axes from values."""
+    """Convert values, shape (H, W) or (P, H, W), to an image or a volume."""
     return values if isinstance(values, Image) else Image(values)  # type: ignore[arg-type]
 
 

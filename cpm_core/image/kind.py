@@ -1,6 +1,6 @@
 """The kind of an image, guessed from its gray levels, for settings that suit it.
 
-A kind is only guessed where several signs of it are seen; most images have none.
+A kind is only guessed where an image shows several signs of it; most images show none.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _EXTREME_SHARE = 0.06
 
 
 def guessed_kind(values: Array) -> Kind | None:
-    """The kind that an image, shape (H, W), looks like; None where it looks like none of them.
+    """Guess the kind of an image, shape (H, W); None where it shows the signs of none.
 
     Gray levels are taken from 0 to 1, without half a percent at either end.
     """
@@ -76,7 +76,7 @@ def guessed_kind(values: Array) -> Kind | None:
 
 
 def _blocks(levels: Array) -> Array:
-    """The pixels of each block, shape (blocks, pixels)."""
+    """Split gray levels into blocks, shape (blocks, pixels)."""
     rows, cols = (side // _BLOCK_SIDE * _BLOCK_SIDE for side in levels.shape)
     return skimage.util.view_as_blocks(levels[:rows, :cols], (_BLOCK_SIDE, _BLOCK_SIDE)).reshape(
         -1, _BLOCK_SIDE * _BLOCK_SIDE

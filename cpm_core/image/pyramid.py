@@ -22,7 +22,7 @@ _REDUCTION_SMOOTHING = 1.0
 
 
 def most_scales(shape: Extent) -> int:
-    """Largest number of scales of an image of this shape."""
+    """Return the largest number of scales of an image of this shape."""
     side, scales = min(shape), 1
     while (side + 1) // 2 >= LEAST_SIDE:
         side, scales = (side + 1) // 2, scales + 1
@@ -30,7 +30,7 @@ def most_scales(shape: Extent) -> int:
 
 
 def shape_of_scale(shape: Extent, scale: int) -> Extent:
-    """Shape of an image of shape `shape` at a scale."""
+    """Return the shape of an image of shape `shape` at a scale."""
     for _ in range(scale):
         shape = tuple((n + 1) // 2 for n in shape)
     return shape
@@ -64,7 +64,7 @@ def _reduce_rows(fine: Array, coarse: Array, first: int, end: int) -> None:
 
 
 def _halved(fine: Array, shape: Extent) -> Array:
-    """Every second pixel of a part of an image of this shape, or, halfway between pixels, the mean of two."""
+    """Take every second pixel of a part of an image of this shape, or, halfway between pixels, the mean of two."""
     for axis in range(fine.ndim):
         across = (slice(None),) * axis
         even, odd = fine[(*across, slice(0, None, 2))], fine[(*across, slice(1, None, 2))]
@@ -77,14 +77,14 @@ def _center(shape: Extent) -> Array:
 
 
 def to_image(positions: Array, scale: int, shape: Extent) -> Array:
-    """Positions (N, D) of a scale in px of the image of shape `shape`."""
+    """Convert positions (N, D) of a scale to px of the image of shape `shape`."""
     if scale == 0:
         return positions
     return (positions - _center(shape_of_scale(shape, scale))) * 2.0**scale + _center(shape)
 
 
 def to_scale(positions: Array, scale: int, shape: Extent) -> Array:
-    """Positions (N, D) of the image of shape `shape` in px of a scale."""
+    """Convert positions (N, D) of the image of shape `shape` to px of a scale."""
     if scale == 0:
         return positions
     return (positions - _center(shape)) * 0.5**scale + _center(shape_of_scale(shape, scale))

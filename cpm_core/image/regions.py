@@ -80,7 +80,7 @@ class Regions:
                 )
 
     def at_scale(self, scale: int, shape: Extent) -> Regions:
-        """These regions of an image of shape `shape`, in px of one of its scales."""
+        """Return the regions of an image of shape `shape`, in px of one of its scales."""
         parts = (
             [to_scale(polyline.corners_of(line), scale, shape) for line in lines]
             for lines in (self.interest, self.barriers)
@@ -88,29 +88,29 @@ class Regions:
         return Regions(*(tuple(as_line(points) for points in part) for part in parts))
 
     def contains(self, points: Array) -> Mask:
-        """Which of points, shape (N, 2) [px], lie in a region of interest; all of them where there is none."""
+        """Return whether points, shape (N, 2) [px], lie in a region of interest; all do where there is none."""
         if not self.interest:
             return np.ones(len(points), bool)
         return np.any([polyline.inside(polygon, points) for polygon in self.interest], axis=0)
 
     def allows(self, points: Array) -> Mask:
-        """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""
+        """Return whether particles may be at points, shape (N, 2) [px]: in a region of interest, off all lines."""
         lines = np.concatenate([self.rims(), self.lines()])
         away = nearest_distances(np.ascontiguousarray(points, float), lines)
         return self.contains(points) & (away >= _ON_LINE_DISTANCE)
 
     def pixels(self, shape: Extent) -> Mask:
-        """Which pixels of an image of this shape have their center in a region of interest."""
+        """Mark the pixels of an image of this shape whose center lies in a region of interest."""
         if not self.interest:
             return np.ones(shape, bool)
         return np.any([pixels_in(polygon, shape) for polygon in self.interest], axis=0)
 
     def rims(self) -> Array:
-        """Boundary of the union of the regions of interest as segments, shape (S, 4) [px]."""
+        """Return the boundary of the union of the regions of interest as segments, shape (S, 4) [px]."""
         return _rims(self.interest)
 
     def lines(self) -> Array:
-        """Barriers as segments, shape (S, 4)."""
+        """Return the barriers as segments, shape (S, 4) [px]."""
         return np.concatenate([np.zeros((0, 4)), *(segments_of(polyline.corners_of(line)) for line in self.barriers)])
 
     def __repr__(self) -> str:
@@ -143,14 +143,14 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
 
 @lru_cache(maxsize=_CACHED_POLYGONS)
 def pixels_in(polygon: Line, shape: Extent) -> Mask:
-    """Which pixels of an image of this shape have their center in a polygon."""
+    """Mark the pixels of an image of this shape whose center lies in a polygon."""
     places = np.indices(shape).reshape(2, -1).T.astype(float)
     return polyline.inside(polygon, places).reshape(shape)
 
 
 @lru_cache(maxsize=_CACHED_POLYGONS)
 def _rims(interest: tuple[Line, ...]) -> Array:
-    """Rim of the union of polygons; see `Regions.rims`."""
+    """Compute the rim of the union of polygons; see `Regions.rim_segments`."""
     return rim_of([polyline.corners_of(polygon) for polygon in interest])
 
 
@@ -180,13 +180,13 @@ class BarrierMap(NamedTuple):
     clearance: Array
 
     def crossed(self, start: Array, end: Array) -> Mask:
-        """Which of the straight moves from `start` to `end`, shapes (N, 2) [px], cross or touch a barrier."""
+        """Return whether straight moves from `start` to `end`, shapes (N, 2) [px], cross or touch a barrier."""
         if not len(self.segments):
             return np.zeros(len(start), bool)
         return _crossed(self, np.ascontiguousarray(start, float), np.ascontiguousarray(end, float))
 
     def within(self, window: Window) -> BarrierMap:
-        """The same barriers in a window of the image."""
+        """Crop the barriers to a window of the image."""
         if not len(self.segments):
             return self
         return BarrierMap(self.segments - 2 * [side.start for side in window], self.clearance[window].copy())
@@ -196,7 +196,7 @@ NO_BARRIERS = BarrierMap(np.zeros((0, 4)), np.zeros((1, 1)))
 
 
 def build_barrier_map(regions: Regions, shape: Extent) -> BarrierMap:
-    """Barriers and boundaries of `regions`, in px of the scale, for an image of this shape."""
+    """Build the map of barriers and boundaries of `regions`, in px of the scale, for an image of this shape."""
     segments = np.concatenate([regions.rims(), regions.lines()])
     if not len(segments):
         return NO_BARRIERS
@@ -216,7 +216,7 @@ def build_barrier_map(regions: Regions, shape: Extent) -> BarrierMap:
 
 @compiled
 def crosses(barrier_map: BarrierMap, a: Array, b: Array) -> bool:
-    """Whether the straight line from a to b crosses or touches a barrier."""
+    """Return whether the straight line from a to b, shapes (2,), crosses or touches a barrier."""
     if len(barrier_map.segments) == 0:
         return False
     rows, cols = barrier_map.clearance.shape

@@ -1,4 +1,4 @@
-"""A measure of vessels: how much each pixel belongs to something long and thin.
+"""A measure of vessels: the degree to which each pixel belongs to a long and thin structure.
 
 Sato et al., "Three-dimensional multi-scale line filter for segmentation and visualization of curvilinear structures in
 medical images", Medical Image Analysis 2 (1998), https://doi.org/10.1016/S1361-8415(98)80009-1. It differs from
@@ -42,7 +42,7 @@ _IGNORED_FRAME = 0.1
 
 
 class Lines(NamedTuple):
-    """What is seen of dark lines, or of bright ones.
+    """Response of dark lines, or of bright ones.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Lines(NamedTuple):
     contrast: Array
 
     def above_chance(self, other: Lines) -> Mask:
-        """Pixels, shape (H, W), of lines with more contrast than lines of the other kind have by chance."""
+        """Find the pixels, shape (H, W), of lines with more contrast than lines of the other kind have by chance."""
         level = max(
             float(np.quantile(other.contrast, _CHANCE_QUANTILE)), _LEAST_CHANCE_CONTRAST * float(self.curvature.max())
         )
@@ -65,7 +65,7 @@ class Lines(NamedTuple):
 
 
 def vesselness(values: Array) -> Array:
-    """Vessel measure of an image, shape (H, W), in gray levels: large within vessels, 0 next to them.
+    """Measure the vessels of an image, shape (H, W), in gray levels: large within vessels, 0 next to them.
 
     Vessels are the dark or the bright lines, whichever cover more of the image above chance.
     """
@@ -77,7 +77,7 @@ def vesselness(values: Array) -> Array:
 
 
 def lines(values: Array) -> tuple[Lines, Lines]:
-    """The dark and the bright lines of an image, shape (H, W)."""
+    """Filter an image, shape (H, W), for dark and for bright lines."""
     margin = round(_REFLECTED_MARGIN * _VESSEL_SIGMAS[-1])
     wider = np.pad(values, margin, mode="reflect", reflect_type="odd")  # a slope of light continues beyond the border
     place = np.indices(wider.shape, np.float64)

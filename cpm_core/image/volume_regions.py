@@ -1,7 +1,7 @@
 """Regions of interest and barriers of volumes, and the walls that they make, which no particle crosses.
 
-Both are sets of voxels, each a cube around its center. A region of interest is a box, what a line through slices
-encloses, or a mask; particles stay inside the cubes of all regions together. A barrier is the voxels that a plane or a
+Both are sets of voxels, each a cube around its center. A region of interest is a box, the inside of a line through
+slices, or a mask; particles stay inside the cubes of all regions together. A barrier is the voxels that a plane or a
 line through slices passes through, or a mask; no particle enters them.
 
 Whether a move crosses a wall is decided exactly, by the straight line between its ends; touching counts. A particle is
@@ -36,7 +36,7 @@ WALL_CONTACT_DISTANCE = 1e-6
 
 @record
 class Walls:
-    """What no particle crosses, in a volume at one of its scales.
+    """Walls that no particle crosses, in a volume at one of its scales.
 
     Attributes
     ----------
@@ -53,50 +53,50 @@ class Walls:
     first: Array
 
     def at_scale(self, scale: int, pitch: Vector) -> Walls:
-        """The same walls for positions at a scale, in units in which a voxel has these sides."""
+        """Return the walls for positions at a scale, in units in which a voxel has these sides."""
         ends = to_image(np.array([[0.0] * 3, [1.0] * 3]), scale, self.closed.shape)
         return replace(self, size=(ends[1] - ends[0]) / np.array(pitch), first=ends[0])
 
     def voxels(self, positions: Array) -> Array:
-        """Positions of the scale, shape (N, 3), in voxels of the volume."""
+        """Convert positions of the scale, shape (N, 3), to voxels of the volume."""
         return positions * self.size + self.first
 
     def crossed(self, start: Array, end: Array) -> Mask:
-        """Which of the straight moves between positions of the scale, shapes (N, 3), cross or touch a wall."""
+        """Return whether straight moves between positions of the scale, shapes (N, 3), cross or touch a wall."""
         out = np.zeros(len(start), bool)
         if len(start):
             _crossed(self.closed, self.voxels(start), self.voxels(end), out)
         return out
 
     def rooms(self, positions: Array) -> Index:
-        """Number of the room that each position of the scale, shape (N, 3), lies in; -1 in a wall.
+        """Find the number of the room in which each position of the scale, shape (N, 3), lies; -1 in a wall.
 
         No move leads from one room to another. Parts of a volume that are connected, but not straight, are one room.
         """
         return self._open.part_at(self._nearest(positions))
 
     def shut(self, shape: Extent, pitch: Vector, positions: Array) -> Mask:
-        """Which voxels of the scale, of this shape, are in a wall or in a room without any of the positions."""
+        """Mark the voxels of the scale, of this shape, in walls or in rooms without any of the positions (N, 3)."""
         here = self._nearest_to_voxels(shape, pitch)
         return self.closed[here] | ~np.isin(self._open.labels[here] - 1, self.rooms(positions))
 
     def filled(self, shape: Extent, pitch: Vector) -> Mask:
-        """Which voxels of the scale, of this shape, have their centers in a wall."""
+        """Mark the voxels of the scale, of this shape, whose centers lie in a wall."""
         return self.closed[self._nearest_to_voxels(shape, pitch)]
 
     def _nearest_to_voxels(self, shape: Extent, pitch: Vector) -> tuple[Index, ...]:
-        """Voxels of the volume, along each axis, nearest to the centers of those of the scale."""
+        """Find the voxels of the volume, along each axis, nearest to the centers of those of the scale."""
         along = self._nearest(np.arange(max(shape))[:, None] * np.array(pitch))
         return np.ix_(*(along[:n, axis] for axis, n in enumerate(shape)))
 
     def _nearest(self, positions: Array) -> Index:
-        """The voxel of the volume nearest to each position of the scale, shape (N, 3)."""
+        """Find the voxel of the volume nearest to each position of the scale, shape (N, 3)."""
         voxels = np.rint(self.voxels(positions)).astype(np.int64)
         return np.clip(voxels, 0, np.array(self.closed.shape) - 1)
 
     @cached_property
     def _open(self) -> Parts:
-        """The parts of what is not closed; voxels with a common face are connected."""
+        """Parts of the volume that are not closed; voxels with a common face are connected."""
         return parts_of(~self.closed, corners=False)
 
 
@@ -119,7 +119,7 @@ def _crossed(closed: Mask, start: Array, end: Array, out: Mask) -> None:
 
 @compiled
 def _enters(a: Vector, b: Vector, center: Vector) -> bool:
-    """Whether a straight line meets the cube around a voxel."""
+    """Return whether a straight line meets the cube around a voxel."""
     begin, end = 0.0, 1.0
     for axis in range(3):
         way, off = b[axis] - a[axis], a[axis] - center[axis]
@@ -144,7 +144,7 @@ _LINE_SAMPLING = 0.25
 
 @record
 class Voxels:
-    """Some voxels of a volume; equal to others that are the same voxels.
+    """Set of voxels of a volume; equal to others with the same voxels.
 
     Attributes
     ----------
@@ -171,7 +171,7 @@ class Voxels:
         return hash((self.mask.shape, int(np.count_nonzero(self.mask))))
 
     def fill(self, filled: Mask) -> None:
-        """Mark them in a volume."""
+        """Mark the voxels in a volume, shape (P, R, C)."""
         begin = np.array(self.first or (0, 0, 0))
         end = begin + self.mask.shape
         low, high = np.clip(begin, 0, filled.shape), np.clip(end, 0, filled.shape)
@@ -193,7 +193,7 @@ class Extrusion:
     first, last : float
         Where along the axis it begins and ends [voxels].
     closed : bool
-        Whether the voxels are those that the line encloses, or those that it passes through.
+        Whether the line stands for the voxels it encloses, or for those it passes through.
 
     Examples
     --------
@@ -221,7 +221,7 @@ class Extrusion:
             checked_number(f"the {name} slice of the line", place, lambda _: True, "a finite number")
 
     def fill(self, filled: Mask) -> None:
-        """Mark its voxels in a volume."""
+        """Mark its voxels in a volume, shape (P, R, C)."""
         slices = np.moveaxis(filled, self.axis, 0)
         begin, end = np.clip([np.ceil(self.first), np.floor(self.last) + 1], 0, len(slices)).astype(int)
         slices[begin:end] |= (pixels_in if self.closed else _pixels_on)(self.line, slices.shape[1:])
@@ -233,7 +233,7 @@ class Extrusion:
 
 @lru_cache(maxsize=_CACHED_REGIONS)
 def _pixels_on(line: Line, shape: Extent) -> Mask:
-    """The pixels of a slice that a line passes through."""
+    """Mark the pixels of a slice that a line passes through."""
     pixels = np.rint(polyline.resampled(polyline.corners_of(line), _LINE_SAMPLING)).astype(np.int64)
     pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
     filled = np.zeros(shape, bool)
@@ -311,7 +311,7 @@ class VolumeRegions:
                 )
 
     def contains(self, points: Array) -> Mask:
-        """Which of points, shape (N, 3) [voxels], lie in a region of interest; all of them where there is none."""
+        """Return whether points, shape (N, 3) [voxels], lie in a region of interest, shape (N,)."""
         if not self.interest:
             return np.ones(len(points), bool)
         voxels = np.maximum(np.rint(points), 0.0).astype(np.int64)
@@ -319,7 +319,7 @@ class VolumeRegions:
         return filled[tuple(voxels.T)]
 
     def allows(self, points: Array) -> Mask:
-        """Where of points, shape (N, 3) [voxels], a particle may be: in a region of interest, and on no barrier."""
+        """Return whether a particle may be at points, shape (N, 3) [voxels]: in a region of interest, off barriers."""
         allowed = np.ones(len(points), bool)
         last = np.maximum(np.rint(points.max(axis=0, initial=0.0)), 0.0).astype(np.int64) + 1
         closed = self.walls(tuple((last + 1).tolist())).closed
@@ -331,11 +331,11 @@ class VolumeRegions:
         return allowed
 
     def voxels(self, shape: Extent) -> Mask | None:
-        """Which voxels of a volume of this shape are of interest; None when all of them are."""
+        """Mark the voxels of interest of a volume of this shape; None when all of them are."""
         return _filled(self.interest, shape, _fill_box) if self.interest else None
 
     def walls(self, shape: Extent) -> Walls:
-        """What no particle crosses in a volume of this shape, at its full size."""
+        """Build the walls that no particle crosses in a volume of this shape, at its full size."""
         return _walls(self, shape)
 
     def __repr__(self) -> str:
@@ -356,7 +356,7 @@ def _walls(regions: VolumeRegions, shape: Extent) -> Walls:
 
 
 def _filled(limits: tuple[Limit, ...], shape: Extent, fill_pair: Callable[[Mask, Pair], None]) -> Mask:
-    """Which voxels of a volume lie in some limits; what a pair of places fills depends on what it is."""
+    """Mark the voxels of a volume in limits; a pair of places is filled by `fill_pair`."""
     filled = np.zeros(shape, bool)
     for limit in limits:
         if isinstance(limit, tuple):
@@ -411,5 +411,5 @@ def _limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> Limit
 
 
 def of_plane(regions: AnyRegions | None) -> Regions | None:
-    """The regions of an image; None for those of a volume."""
+    """Return the regions of an image; None for those of a volume."""
     return regions if isinstance(regions, Regions) else None

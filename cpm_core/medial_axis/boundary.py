@@ -79,8 +79,8 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     tree = scipy.spatial.cKDTree(vertices_of(found))
     owner = polyline.owners([len(contour.points) for contour in found])
     for number, contour in enumerate(found):
-        # a loose piece with more room on all sides than it is long closes nothing off, as where the shade in an object
-        # changes, but would part the axis of this object
+        # a loose piece with more room on all sides than its length closes nothing off, such as a change of shade in
+        # an object, but would divide the axis of this object
         loose = len(found) > 1 and not any(contour.junctions) and _loose_ends(contour, shape).all()
         near = (
             tree.query_ball_point(polyline.middles(contour.path, 1)[0], _LOOSE_NEIGHBORHOOD * contour.length)
@@ -93,7 +93,7 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
 
 
 def outlined_boundary(outlines: Contours, scale_field: ScaleField) -> Boundary:
-    """The boundary that closed contours are: outer boundaries of objects and of their holes.
+    """Build the boundary from closed contours: outer boundaries of objects and of their holes.
 
     Where an outline follows the image border there is no edge: the object continues beyond it.
     """
@@ -102,7 +102,7 @@ def outlined_boundary(outlines: Contours, scale_field: ScaleField) -> Boundary:
 
 
 def _joined(contours: Contours, paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:
-    """Boundary along paths, each with the part of it that lies in the image."""
+    """Build the boundary along paths, each with the part of it that lies in the image."""
     if not paths:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros((0, 2)))
     start = np.cumsum([0, *(len(path) for path, _ in paths)])
@@ -126,14 +126,14 @@ def _joined(contours: Contours, paths: list[tuple[Array, slice]], scale_field: S
 
 
 def _loose_ends(contour: Contour, shape: Extent) -> Mask:
-    """Which of both ends of a contour lie in the image and are no junctions, shape (2,)."""
+    """Return whether both ends of a contour lie in the image and are no junctions, shape (2,)."""
     size = np.array(shape, float) - 1.0
     inside = np.minimum(contour.points, size - contour.points)[[0, -1]].min(axis=1) > _BORDER_DISTANCE
     return inside & ~np.array(contour.junctions) & (not contour.closed)
 
 
 def _without_border(path: Array, shape: Extent) -> list[Array]:
-    """Pieces of a closed path that do not follow the image border; the whole path if none of it does."""
+    """Split off the pieces of a closed path that follow the image border; the whole path if all of it does."""
     size = np.array(shape, float)
     away = np.minimum(path + 0.5, size - 0.5 - path).min(axis=1) > _ON_BORDER_DISTANCE
     if away.all():
@@ -145,7 +145,7 @@ def _without_border(path: Array, shape: Extent) -> list[Array]:
 
 
 def _evenly(contour: Contour) -> Array:
-    """Points along a contour, including its vertices; of a closed one the first is repeated at the end."""
+    """Sample points along a contour, including its vertices; of a closed one the first is repeated at the end."""
     path = contour.path
     counts = np.maximum(np.ceil(np.linalg.norm(np.diff(path, axis=0), axis=1) / _BOUNDARY_STRIDE), 1).astype(int)
     at = np.concatenate([[0.0], *(k + np.arange(1, count + 1) / count for k, count in enumerate(counts.tolist()))])
@@ -153,7 +153,7 @@ def _evenly(contour: Contour) -> Array:
 
 
 def _continued(path: Array, shape: Extent) -> tuple[Array, slice]:
-    """Path with straight continuations at the image border, and the part of it that is the path itself."""
+    """Extend a path straight beyond the image border; also return the slice that is the path itself."""
     if (path[0] == path[-1]).all():
         return path, slice(0, len(path))
     before, behind = _continuation(path[::-1], shape), _continuation(path, shape)
@@ -161,7 +161,7 @@ def _continued(path: Array, shape: Extent) -> tuple[Array, slice]:
 
 
 def _continuation(path: Array, shape: Extent) -> Array:
-    """Points from the end of a path out of the image; none if it ends inside."""
+    """Return points from the end of a path out of the image; none if it ends inside."""
     size = np.array(shape, float)
     end = path[-1]
     beyond = np.concatenate([end, size - 1.0 - end])

@@ -1,8 +1,8 @@
-"""Center lines of vessels and other long things in a volume, with radii, as a graph of branches.
+"""Center lines of vessels and other long structures in a volume, with radii, as a graph of branches.
 
 The inside is thinned to lines of voxels (`thinning`); scikit-image's own thinning loses rods of an even width. Voxels
-at which more than two lines meet become one junction. A branch that ends in the open is a wrinkle of the surface, and
-is pruned, if it hardly leaves the largest ball around its junction, or if its tip does not stick out of that ball. The
+at which more than two lines meet become one junction. A branch with a free end is a wrinkle of the surface, and is
+pruned, if it hardly leaves the largest ball around its junction, or if its tip does not protrude from that ball. The
 others are moved to the middle between voxels that are as deep, and smoothed along their length.
 """
 
@@ -135,7 +135,7 @@ class Centerlines:
 
 
 def longest_first(lines: Centerlines) -> Centerlines:
-    """The same lines with their branches by length."""
+    """Sort branches by length, the longest first."""
     order = np.argsort(-lines.lengths, kind="stable")
     return replace(lines, branches=tuple(lines.branches[k] for k in order))
 
@@ -143,7 +143,7 @@ def longest_first(lines: Centerlines) -> Centerlines:
 def centerlines(
     inside: ArrayLike, spacing: Sides = (1.0, 1.0, 1.0), unit: str | None = None, pruning: float = 1.0
 ) -> Centerlines:
-    """Center lines of what a label volume holds.
+    """Find the center lines of the inside of a label volume.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def centerlines(
     lines = thinned(part, depth)
 
     def is_wrinkle(chain: Chain) -> bool:
-        """Whether a chain hardly leaves the ball at its junction, or its tip with its ball hardly sticks out."""
+        """Return whether a chain hardly leaves the ball at its junction, or its tip with its ball hardly sticks out."""
         points = chain.points if chain.free_end else chain.points[::-1]  # from the junction
         tip = chain.own[-1 if chain.free_end else 0]
         reach = pruning * float(depth[tuple(np.rint(points[0]).astype(int))])
@@ -198,7 +198,7 @@ def centerlines(
         salient = away + depth[tuple(tip)] > reach + _LEAST_PROTRUSION * size.min()
         return bool(length <= reach or (pruning > 0.0 and not salient))
 
-    # short chains that end in the open are taken away, again and again
+    # remove short chains with a free end, until none is left
     chains = chains_of(lines)
     while short := [chain for chain in chains if chain.free and is_wrinkle(chain)]:
         for chain in short:
@@ -211,7 +211,7 @@ def centerlines(
 
 
 def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array) -> Branch:
-    """A chain of voxels moved to the mean of those around that are about as deep as the deepest, and smoothed.
+    """Move a chain of voxels to the mean of those around that are about as deep as the deepest, and smooth it.
 
     Its ends are kept; `walls` are the voxels around the inside.
     """

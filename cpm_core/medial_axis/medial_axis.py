@@ -53,11 +53,11 @@ class Axis:
     sides: Index = field(default_factory=lambda: np.zeros((0, 2), np.int64))
 
     def chosen(self, edges: Mask) -> Axis:
-        """The axis with the edges chosen by a mask of shape (M,)."""
+        """Select edges by a mask of shape (M,)."""
         return self.only(self.edges[edges], sides=self.sides[edges])
 
     def only(self, edges: Index, alone: Index | None = None, sides: Index | None = None) -> Axis:
-        """The axis with some of its edges, the vertices that they join, and some isolated vertices."""
+        """Keep some edges, shape (K, 2), the vertices that they join, and some isolated vertices, shape (L,)."""
         alone = np.zeros(0, np.int64) if alone is None else alone
         used, index = np.unique(np.concatenate([edges.ravel(), alone]), return_inverse=True)
         joined = index.ravel()[: edges.size].reshape(-1, 2)
@@ -81,20 +81,20 @@ class Axis:
 
     @property
     def alone(self) -> Mask:
-        """Which vertices no edge joins, shape (N,)."""
+        """Whether no edge joins a vertex, shape (N,)."""
         return np.bincount(self.edges.ravel(), minlength=len(self.points)) == 0
 
     def narrower(self, width: float) -> Axis:
-        """The part of the axis where disks are at most `width` across [px]."""
+        """Return the part of the axis where disks are at most `width` across [px]."""
         thin = 2.0 * self.radius <= width
         return self.only(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & self.alone))
 
     def inside(self, low: Array | float, high: Array) -> Mask:
-        """Which vertices lie in a rectangle, shape (N,)."""
+        """Return whether vertices lie in a rectangle, shape (N,)."""
         return np.all((self.points >= low) & (self.points <= high), axis=1)
 
     def within(self, low: Array, high: Array) -> Axis:
-        """The part of the axis in a rectangle; edges are clipped."""
+        """Clip the axis, edges included, to a rectangle between two corners, shape (2,)."""
         places = np.column_stack([self.points, self.radius])
         nearest, edges, kept = self.nearest, self.edges.copy(), np.ones(len(self.edges), bool)
         for axis, bound, inward in [(k, end[k], sign) for end, sign in ((low, 1.0), (high, -1.0)) for k in range(2)]:
@@ -115,7 +115,7 @@ class Axis:
 
 
 def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
-    """Medial axis of all regions between edges, in objects and in the background.
+    """Compute the medial axis of all regions between edges, in objects and in the background.
 
     It covers the image of this shape and a margin around it. Edges are at most a pixel long, and every irregularity of
     the boundary has a short branch. The image border is no boundary.
@@ -141,13 +141,13 @@ def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
 
 
 def _measured(points: Array, edges: Index, sides: Index, tree: scipy.spatial.cKDTree) -> Axis:
-    """Axis with the distances of its vertices to the boundary."""
+    """Build an axis with the distances of its vertices from the boundary."""
     radius, nearest = tree.query(points)
     return Axis(points, edges, np.asarray(radius), np.asarray(nearest, np.int64), sides)
 
 
 def _divided(points: Array, edges: Index, sides: Index) -> tuple[Array, Index, Index]:
-    """Points, edges and their sides, long edges divided: along these the radius does not change linearly."""
+    """Divide long edges, since the radius does not change linearly along them; return points, edges and their sides."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     pieces = np.maximum(np.ceil(np.linalg.norm(b - a, axis=1) / _MAX_AXIS_EDGE), 1).astype(np.int64)
     edge = np.repeat(np.arange(len(edges)), pieces - 1)
@@ -200,15 +200,15 @@ def prune(axis: Axis, pruning: float) -> Axis:
 
 
 def parts(axis: Axis) -> tuple[int, Index]:
-    """Number of connected parts of an axis, and the part that each of its points belongs to."""
+    """Label the connected parts of an axis; return their count and the part of each vertex, shape (N,)."""
     part = parts_joined(axis.edges.T, len(axis.points))
     return int(part.max(initial=-1)) + 1, part
 
 
 def without_tips(axis: Axis, leaves: Callable[[int, int], bool], kept: frozenset[int] = frozenset()) -> Index:
-    """Edges that remain when tips are removed as long as they leave, which is asked of a tip and the vertex next to it.
+    """Remove tips while `should_remove` of a tip and the vertex next to it; return the remaining edges, shape (K, 2).
 
-    Some vertices are kept in any case.
+    Vertices in `kept` are never removed.
     """
     links: list[set[int]] = [set() for _ in axis.points]
     for a, b in axis.edges.tolist():

@@ -16,7 +16,7 @@ from cpm_core.numerics.types import Array, Extent, Integers, Line, Mask, frozen
 
 @frozen
 class Outlined:
-    """What has a skeleton in place of what is found in an image; nothing for the image itself.
+    """Objects or outlines that have a skeleton in place of what is found in an image; nothing for the image itself.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Outlined:
 
 
 def outlines_of(within: Contours | ArrayLike, shape: Extent) -> tuple[Contour, ...]:
-    """Closed outlines from contours, of which open ones are left out, or from a mask of the shape of the image.
+    """Collect the closed outlines among contours, or trace them in a mask of the shape of the image.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def outlines_of(within: Contours | ArrayLike, shape: Extent) -> tuple[Contour, .
 
 
 def mask_of(within: Contours | ArrayLike, shape: Extent) -> Mask:
-    """A given mask of an image or a volume; ValueError when its shape is not the same."""
+    """Check that a mask has the shape of an image or a volume, else raise ValueError."""
     if isinstance(within, Sequence) and any(isinstance(one, Contour) for one in within):
         raise ValueError("within holds contours, which lie in a plane: give a mask in a volume.")
     mask = real_numbers(cast("ArrayLike", within)) != 0.0
@@ -62,7 +62,7 @@ def mask_of(within: Contours | ArrayLike, shape: Extent) -> Mask:
 
 
 def inside_outlines(outlines: Contours, places: Array) -> Mask:
-    """Which places, shape (N, 2) [px], lie inside an odd number of outlines: in objects and not in their holes."""
+    """Return whether places, shape (N, 2) [px], lie inside an odd number of outlines: in objects, not in holes."""
     inside = np.zeros(len(places), bool)
     for outline in outlines:
         low, high = outline.points.min(axis=0), outline.points.max(axis=0)

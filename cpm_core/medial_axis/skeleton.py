@@ -61,13 +61,13 @@ class Skeleton(drawing.Pictured):
     source : str
         Name of the image for the user.
     polarity : int
-        -1 if it is of what is dark, 1 of what is light, 0 of both.
+        -1 for the skeleton of dark objects, 1 of light ones, 0 of both.
     width : float
         Largest width that counted [px]; 0 for any.
     channel : str
         Channel of a color image in which it was found, one of `Parameters.channel`.
     provenance : Provenance
-        How it was found.
+        Origin of the skeleton.
     geometry : Geometry or None
         Where the image lies in space.
     image : Image or None
@@ -115,7 +115,7 @@ class Skeleton(drawing.Pictured):
         return sum(contour.length for contour in self.contours)
 
     def rebuilt(self) -> Mask:
-        """The shape that the skeleton represents: the disks around its vertices, and those between two vertices.
+        """Rebuild the shape that the skeleton represents: the disks around its vertices, and those between them.
 
         Returns
         -------
@@ -135,7 +135,7 @@ class Skeleton(drawing.Pictured):
         ax : matplotlib.axes.Axes, optional
             Where, such as the axes of `Image.plot`; by default in a new figure.
         image, scale_bar : bool
-            What is drawn next to them, as in `Result.plot`, which also says what is returned and raised.
+            Further parts of the drawing, as in `Result.plot`, which also documents what is returned and raised.
         """
         ax = drawing.axes_for(ax)
         if image and self.image is not None:
@@ -153,7 +153,7 @@ class Skeleton(drawing.Pictured):
 
 
 def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:
-    """Branches of an axis, and their radii."""
+    """Extract the branches of an axis, and their radii, shape (K,) [px]."""
     graph = Graph(axis.points, axis.edges)
     ways = graph.ways()
     paths = [(ways.path(n), bool(ways.closed[n])) for n in range(len(ways))]
@@ -168,14 +168,14 @@ def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Con
 
 
 def along(points: Array, radii: Array) -> Array:
-    """Disks (row, col, radius), shape (M, 3), along a path, shape (K, 2), with interpolated radii, shape (K,) [px]."""
+    """Interpolate disks (row, col, radius), shape (M, 3), along a path, shape (K, 2), with radii of shape (K,) [px]."""
     way = lengths_along(points)
     at = np.union1d(way, np.arange(0.0, way[-1], _DISK_STRIDE))
     return np.column_stack([np.interp(at, way, values) for values in (*points.T, radii)])
 
 
 def covered(disks: Array, shape: Extent) -> Mask:
-    """Pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px]."""
+    """Mark the pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px]."""
     found = np.zeros(shape, bool)
     for row, col, radius in disks.tolist():
         found[skimage.draw.disk((row, col), radius + _RADIUS_TOLERANCE, shape=shape)] = True  # type: ignore[no-untyped-call]

@@ -1,6 +1,6 @@
-"""The method that finds skeletons, in three steps that a run can show: what encloses, the medial axis, pruning.
+"""The method that finds skeletons, in three steps that a run can show: edges, medial axis, pruning.
 
-In a volume the first step finds what is inside, the second its center lines, the third those that remain after pruning.
+In a volume the first step finds the inside, the second its center lines, and the third prunes them.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from cpm_core.parameters.quotation import described, shown, sized
 from cpm_core.reconstruction.surface.pipeline import find_surface
 
 Within = Contours | ArrayLike
-"""What a skeleton can be of: closed outlines, or a mask of the shape of the image."""
+"""Objects that have a skeleton: closed outlines, or a mask of the shape of the image."""
 
 OF_CENTERLINES = ("smoothing", "gamma", "edge_floor", "polarity", "pruning")
 """Parameters that the center lines of gray levels in a volume depend on."""
@@ -52,7 +52,7 @@ _POLARITY_CHOICES = {"dark": -1.0, "light": 1.0, "auto": 0.0}
 
 @record
 class SkeletonState:
-    """A moment of a run of the skeleton: what it is of, axis and branches as far as they have been found.
+    """Moment of a run of the skeleton: its input, and axis and branches as far as they have been found.
 
     Attributes
     ----------
@@ -63,15 +63,15 @@ class SkeletonState:
     structure : Structure, ndarray of bool or None
         The edges that count, found by the first step; in a volume the voxels inside.
     made_of : tuple
-        All that `structure` depends on, besides the image.
+        Everything that `structure` depends on, except for the image.
     axis : Axis, Centerlines or None
         The medial axis, found by the second step; in a volume all center lines.
     points : ndarray, shape (N, D)
-        Points that the next step works on, as far as they lie in the image [px].
+        Points in the image that the next step works on [px].
     first : int
-        Identity of the first of the points: those of the axis have others than those of the boundary.
+        Identity of the first point: points of the axis and of the boundary have different ones.
     contours, radii : tuple
-        Branches and their radii, found by the third step; until then those of the previous parameters.
+        Branches and their radii, found by the third step; until then found with the previous parameters.
     lines : Centerlines or None
         The branches in a volume.
     stop_reason : str
@@ -114,7 +114,7 @@ class SkeletonState:
         return Particles.at_rest(self.position, self.first)
 
     def arrays(self) -> list[Numbers]:
-        """The arrays that take up memory."""
+        """List the arrays that take up memory."""
         found: list[Numbers] = [self.points, *(contour.points for contour in self.contours), *self.radii]
         if isinstance(self.structure, np.ndarray):
             found.append(self.structure)
@@ -124,12 +124,12 @@ class SkeletonState:
         return found
 
     def resumed(self) -> SkeletonState:
-        """The same state as one of a running run, to continue with other parameters."""
+        """Return the state as one of a running run, to continue with other parameters."""
         return replace(self, stop_reason="", converged=False)
 
 
 class SkeletonMethod(ImageFields):
-    """Skeletons as a `Method` of three steps; in a volume the center lines of what is lighter than its surroundings.
+    """Skeletons as a `Method` of three steps; in a volume the center lines of objects lighter than their surroundings.
 
     It needs no seeds. In regions of interest only edges and branches inside them count; barriers have no effect.
 
@@ -178,34 +178,34 @@ class SkeletonMethod(ImageFields):
 
     @classmethod
     def steering(cls, parameters: Parameters) -> tuple[object, ...]:
-        """Values that a step depends on; see `Method.steering`."""
+        """Return the values that a step depends on; see `Method.steering`."""
         return tuple(getattr(parameters, name) for name in cls.parameters)
 
     def suits(self, parameters: Parameters) -> bool:
-        """Always true: the method works on the image at full size."""
+        """Return True: the method works on the image at full size."""
         return True
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
-        """The same method with other regions of interest."""
+        """Return the method with other regions of interest."""
         other = super().with_regions(_in_plane(regions))
         other.regions = regions
         return other
 
     def of_objects(self, objects: Contours | Sequence[PackedBody]) -> Self:
-        """The same method for some closed outlines, or bodies in a volume; without any for what it finds itself."""
+        """Return the method for closed outlines, or bodies in a volume; without any for what it finds itself."""
         other = copy(self)
         other._within = tuple(objects)
         return other
 
     def start(self, seeds: ArrayLike = ()) -> SkeletonState:
-        """First state of a run; seeds have no effect."""
+        """Return the first state of a run; seeds, of any shape, have no effect."""
         return SkeletonState(points=np.zeros((0, self.image.ndim)))
 
     def step(self, state: SkeletonState, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> SkeletonState:
-        """Find what encloses, then the medial axis, then the branches that remain after pruning.
+        """Find the enclosing edges, then the medial axis, then the branches that remain after pruning.
 
-        Values that differ from those of the last step start again with the first, except for the pruning, which starts
-        with the third step. Charges have no effect. The state of a run that has stopped is returned unchanged.
+        If a value differs from the last step, the run starts with the first step again, or, if only the pruning
+        differs, with the third. Charges have no effect. The state of a run that has stopped is returned unchanged.
         """
         if state.stop_reason:
             return state
@@ -251,7 +251,7 @@ class SkeletonMethod(ImageFields):
         )
 
     def result(self, state: SkeletonState, parameters: Parameters) -> Skeleton:
-        """The skeleton of a state; without branches until the first is found."""
+        """Return the skeleton of a state; without branches until the first is found."""
         image, found, lines, names = self.image, state.structure, None, self.parameters
         polarity, width, channel = 0, 0.0, image.channel(parameters.channel)
         if image.ndim == 3:
@@ -269,16 +269,16 @@ class SkeletonMethod(ImageFields):
         )  # fmt: skip
 
     def measures(self, state: SkeletonState, parameters: Parameters) -> Mapping[str, float]:
-        """Metrics of a state by name; see `Method.measures`."""
+        """Measure a state by name; see `Method.measures`."""
         length = self.result(state, parameters).length
         return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}
 
     def positions(self, state: SkeletonState) -> Array:
-        """Points of the next step, shape (N, D) [px]."""
+        """Return the points of the next step, shape (N, D) [px]."""
         return state.position
 
     def _in_image(self, points: Array) -> Array:
-        """Those of points that lie in the image; boundary and axis continue beyond it."""
+        """Return the points that lie in the image; boundary and axis continue beyond it."""
         return points[inside_image(points, self.image.shape)]
 
     @property
@@ -286,7 +286,7 @@ class SkeletonMethod(ImageFields):
         return [one for one in self._within if isinstance(one, Contour)]
 
     def _with_axis(self, found: Structure, parameters: Parameters) -> tuple[Structure, Axis]:
-        """What the skeleton in an image is of, and its medial axis."""
+        """Find the structure in an image and its medial axis."""
         if self._within or self._outside:
             axis = medial_axis(found.boundary, self.image.shape)
             if self._within:
@@ -301,7 +301,7 @@ class SkeletonMethod(ImageFields):
         return found, axis
 
     def _inside(self, parameters: Parameters) -> Mask:
-        """The voxels of a volume that have center lines."""
+        """Find the voxels of a volume that have center lines."""
         image, dark = self.image, parameters.polarity < 0.0
         low, high = image.gray_range
         if self._within:
@@ -315,7 +315,7 @@ class SkeletonMethod(ImageFields):
             inside = image.values == (low if dark else high)
         else:
             field = cast("VolumeField", self.scale_field(parameters))
-            smoothed = -field.smoothed if dark else field.smoothed  # inside is what is lighter
+            smoothed = -field.smoothed if dark else field.smoothed  # the inside is lighter
             places = field.ridges.place / field.pitch
             surface = find_surface(smoothed, field.edges, places, image.spacing, image.unit, smoothing=field.smoothing)
             inside = inside_of(surface, image.shape)
@@ -327,18 +327,18 @@ class SkeletonMethod(ImageFields):
 
 
 def _in_plane(regions: AnyRegions | None) -> Regions | None:
-    """The regions of interest in an image, without barriers."""
+    """Return the regions of interest in an image, without barriers."""
     return Regions(regions.interest) if isinstance(regions, Regions) and regions.interest else None
 
 
 def _shown(inside: Mask) -> Array:
-    """Voxels at the boundary of what is inside, shape (N, 3), evenly fewer of them where there are very many."""
+    """Return the voxels at the boundary of the inside, shape (N, 3), thinned evenly where there are very many."""
     places = np.argwhere(inside & ~scipy.ndimage.binary_erosion(inside)).astype(float)
     return places[:: -(-max(len(places), 1) // _MAX_SHOWN_VOXELS)]
 
 
 def _nothing(found: Structure) -> str:
-    """Why there is no skeleton in an image."""
+    """Explain why there is no skeleton in an image."""
     if found.width:
         kind = "" if not found.polarity else "dark " if found.polarity == DARK else "light "
         return f"nothing {kind}up to {found.width:g} px wide is found; raise the width or lower the edge floor"
@@ -364,21 +364,21 @@ def skeleton(
     values : array_like, shape (H, W) or (P, H, W), or Image
         Image, whose border is no edge: an object continues beyond it. Or volume; one of two gray levels is a mask.
     params : Parameters, optional
-        For the edges, and what the following do not say; by default the preset "noisy", or "volume".
+        For the edges, and where the following arguments are not given; by default the preset "noisy", or "volume".
     of : {"dark", "light", "auto"}, optional
-        What is darker, or lighter, than its surroundings on both sides; "auto" is what most of the image shares, or, if
-        outlines are closed and nothing is shared, regions unlike the image border; in a volume what is lighter.
+        Objects darker, or lighter, than their surroundings on both sides; "auto" takes what most objects are, or, if
+        outlines are closed and objects differ, regions unlike the image border; in a volume lighter ones.
     max_width : float, optional
-        Width above which a part has no skeleton [px]; what remains are strips between two edges, three widths long or
-        more. At 0 any width counts if outlines are closed, else one that the strips themselves tell. Images only.
+        Width above which a part has no skeleton [px]; the rest are strips between two edges, three widths long or more.
+        At 0 any width counts if outlines are closed, else it is estimated from the strips themselves. Images only.
     pruning : float, optional
         How far a part of the shape may extend beyond the disks of the rest for its branch to be left out [px]. At one
         pixel neither the steps of a binary image nor moderate noise cause short branches (at 0.25 they do). In a
-        volume the length of what is left out, in radii at its junction, by default 1; see `centerlines`.
+        volume the length of branches that are left out, in radii at their junction, by default 1; see `centerlines`.
     within : sequence of Contour, or array_like of bool, shape of the image, optional
         Closed outlines of objects and holes, or a mask: the skeleton is theirs, and `of` has no effect.
     outside : bool, optional
-        Whether to include the skeleton of the background, whatever `of` is. Images only.
+        Whether to include the skeleton of the background, for any `of`. Images only.
 
     Returns
     -------
@@ -388,7 +388,7 @@ def skeleton(
     Raises
     ------
     ValueError
-        For an unusable image or value; the message says what to do.
+        For an unusable image or value.
 
     Examples
     --------

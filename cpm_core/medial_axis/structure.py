@@ -1,9 +1,9 @@
-"""What a skeleton is of: the edges that count, the polarity, and the widest part.
+"""Structures that have a skeleton: the edges that count, the polarity, and the largest width.
 
-Where the outlines in an image are closed, regions are told apart by gray level, and any width counts. Elsewhere, as in
-an angiogram, only strips of one polarity can be told from the background: objects and background hang together through
-the gaps, and what lies between two edges is told by these edges alone. In a dark object the image gets lighter across
-each of them, seen from inside.
+Where the outlines in an image are closed, regions are distinguished by gray level, and any width counts. Elsewhere, as
+in an angiogram, only strips of one polarity can be distinguished from the background: objects and background are
+connected through the gaps, and only the two edges on its sides identify a strip. In a dark object the image gets
+lighter outward across each of them.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ _LARGEST_HALF_WIDTH = 6.0
 
 
 def step_width(smoothing: float) -> float:
-    """Width of a smoothed step: the standard deviation of its slope, including pixels and differences [px]."""
+    """Return the width of a smoothed step: the standard deviation of its slope, with pixels and differences [px]."""
     return float(np.sqrt(smoothing**2 + _PIXEL_VARIANCE))
 
 
 def half_width(distance: Array, smoothing: float) -> Array:
-    """Half width [px] of lines whose ridges lie at a distance [px] from the center line; at most that distance.
+    """Correct the distance of ridges from the center line, shape (N,), to the half width of the line, shape (N,) [px].
 
     The smoothing pushes the two edges of a thin line apart. With s the width of the smoothed step, the ridge of an edge
     at h from the center line lies at d where ``(d - h) / (d + h) = exp(-2 d h / s²)``: for a line of 3 px and the usual
-    smoothing of 1 px that is 0.12 px too far out; from 5 px on the difference is negligible.
+    smoothing of 1 px that is 0.12 px too far out; from 5 px on the difference is negligible. The result is at most d.
     """
     half = np.geomspace(_LEAST_HALF_WIDTH, _LARGEST_HALF_WIDTH, 400)
     low, high = half.copy(), half + 1.5
@@ -56,10 +56,10 @@ def half_width(distance: Array, smoothing: float) -> Array:
 
 
 DARK = -1
-"""Polarity of what is darker than its surroundings; 0 stands for neither."""
+"""Polarity of regions darker than their surroundings; 0 stands for neither."""
 
 LIGHT = 1
-"""Polarity of what is lighter than its surroundings."""
+"""Polarity of regions lighter than their surroundings."""
 
 _LEAST_GRADIENT_COSINE = 0.3
 """Least cosine of the angle between the image gradient at an edge and the direction from the axis to it."""
@@ -73,7 +73,7 @@ for an image to have one."""
 
 
 def polarities(axis: Axis, boundary: Boundary) -> NDArray[np.int8]:
-    """Polarity of every edge of an axis with sides, shape (M,): `DARK`, `LIGHT` or 0 between different sides."""
+    """Compute the polarity of every edge of an axis, shape (M,): `DARK_POLARITY`, `LIGHT_POLARITY` or 0."""
     outward = boundary.points[axis.sides] - axis.middles[:, None]
     gradient = boundary.normals[axis.sides]
     size = np.linalg.norm(outward, axis=2) * np.linalg.norm(gradient, axis=2)
@@ -83,9 +83,10 @@ def polarities(axis: Axis, boundary: Boundary) -> NDArray[np.int8]:
 
 
 def of_polarity(axis: Axis, polarity: NDArray[np.int8], sign: int) -> Axis:
-    """The parts of an axis with one of the `polarities`; a connected part as a whole if nearly all of it has it.
+    """Select the parts of an axis whose edges have a polarity, given for all, shape (M,).
 
-    At the sharp corners of a region, which smoothing rounds, the gradient does not point away from the axis.
+    A connected part is selected as a whole if nearly all of it has that polarity: at the sharp corners of a region,
+    which smoothing rounds, the gradient does not point away from the axis.
     """
     length = axis.lengths
     count, part = parts(axis)
@@ -102,18 +103,18 @@ def common_polarity(
     objects: Mask,
     shape: Extent,
 ) -> int:
-    """Polarity that the objects of an image share; 0 if they do not.
+    """Find the polarity that the objects of an image share; 0 if they share none.
 
     Parameters
     ----------
     axis, boundary
         Medial axis of all regions, and the edges between them.
     polarity : ndarray of int8, shape (M,)
-        `polarities` of its edges.
+        `edge_polarities` of its edges.
     objects : ndarray of bool, shape (M,)
         Which edges lie in objects.
     shape : tuple of int
-        Shape of the image; what lies outside has no effect.
+        Shape of the image; parts outside have no effect.
     """
     inside = axis.inside(-0.5, np.array(shape) - 0.5)[axis.edges].all(axis=1)
     outward = boundary.points[axis.sides] - axis.middles[:, None]
@@ -210,7 +211,7 @@ _STRIP_WIDTH_FACTOR = 1.5
 
 
 def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
-    """The parts of a pruned axis that lie in strips.
+    """Select the parts of a pruned axis that lie in strips.
 
     Parameters
     ----------
@@ -226,7 +227,7 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
     thin = axis.narrower(width)
 
     def is_mouth(tip: int, following: int) -> bool:
-        """Whether a tip widens into an open region."""
+        """Return whether a tip widens into an open region."""
         away = np.linalg.norm(thin.points[tip] - thin.points[following])
         return bool(thin.radius[tip] - thin.radius[following] > _MAX_RADIUS_CHANGE * away)
 
@@ -252,12 +253,12 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
 
 
 def evidence(found: Axis, boundary: Boundary) -> float:
-    """How much speaks for strips: their length, in widths, times the strength of their edges [gray levels / px]."""
+    """Sum the length of strips, in widths, times the strength of their edges [gray levels / px]."""
     return float((_weights(found, boundary) / np.maximum(found.widths, 1e-300)).sum())
 
 
 def own_width(found: Axis, boundary: Boundary) -> float:
-    """Width that nearly all of some strips stay well below [px]; 0 without any."""
+    """Estimate the width that nearly all of some strips stay well below [px]; 0 without any."""
     if not len(found.edges):
         return 0.0
     weights = _weights(found, boundary)
@@ -267,7 +268,7 @@ def own_width(found: Axis, boundary: Boundary) -> float:
 
 
 def _weights(found: Axis, boundary: Boundary) -> Array:
-    """Length of each edge of an axis times the strength of the boundary next to it, shape (M,)."""
+    """Compute the length of each edge of an axis times the strength of the boundary next to it, shape (M,)."""
     return found.lengths * boundary.strength[found.nearest[found.edges]].mean(axis=1)
 
 
@@ -295,7 +296,7 @@ _LEAST_BACKGROUND = 0.04
 
 @record
 class Structure:
-    """What a skeleton is of.
+    """Edges that have a skeleton, with their polarity and width.
 
     Attributes
     ----------
@@ -304,7 +305,7 @@ class Structure:
     smoothing : float
         Sigma of their edge map [px].
     polarity : int
-        `DARK` or `LIGHT`; 0 for both.
+        `DARK_POLARITY` or `LIGHT_POLARITY`; 0 for both.
     width : float
         Largest width [px]; 0 for any.
     sure : float or None
@@ -318,7 +319,7 @@ class Structure:
     sure: float | None = None
 
     def pruned(self, axis: Axis, pruning: float, shape: Extent) -> Axis:
-        """The part of an axis that remains after pruning in an image of this shape, no wider than allowed."""
+        """Prune an axis in an image of this shape, clip it, and leave out what is wider than allowed."""
         rest = prune(axis, pruning).within(np.full(2, -0.5), np.array(shape) - 0.5)
         if self.sure is not None:
             return strips(rest, self.boundary, self.width, self.sure)
@@ -356,7 +357,7 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
 
 
 def with_axis(found: Structure, values: Array, parameters: Parameters) -> tuple[Structure, Axis]:
-    """The structure with its polarity and the width of its strips, and its medial axis, in an image, shape (H, W)."""
+    """Find the polarity and the width of strips in an image, shape (H, W), and its medial axis."""
     axis = medial_axis(found.boundary, values.shape)
     sign = polarities(axis, found.boundary)
     if found.sure is None:

@@ -34,7 +34,7 @@ THRESHOLD_FRACTION_STEP = 0.02
 
 
 class Spaced:
-    """What is filled evenly; its size is the distance of the particles. Subclasses are frozen dataclasses."""
+    """Evenly filled shape; its size is the distance of the particles. Subclasses are frozen dataclasses."""
 
     spacing: float
 
@@ -43,14 +43,14 @@ class Spaced:
         raise NotImplementedError
 
     def resized(self, by: float) -> Self:
-        """The same shape with the spacing changed by so much, as far as particles may be as dense and as sparse."""
+        """Return the shape with its spacing changed, within the allowed density of particles."""
         finest = max(LEAST_GRID_SPACING, finest_spacing(self._lengths))
         spacing = min(max(self.spacing + by, finest), max(LARGEST_GRID_SPACING, finest))
         return replace(self, spacing=spacing)  # type: ignore[type-var]
 
 
 class OnStrongEdges:
-    """What has particles where edges are strong; its size is how strong. Subclasses are frozen dataclasses."""
+    """Shape with particles where edges are strong; its size is how strong. Subclasses are frozen dataclasses."""
 
     follows_smoothing: ClassVar[bool] = True
     title: ClassVar[str] = "threshold"
@@ -58,7 +58,7 @@ class OnStrongEdges:
     fraction: float
 
     def resized(self, by: float) -> Self:
-        """The same shape with the threshold raised by so many steps of 0.02."""
+        """Return the shape with its threshold raised by a number of steps of 0.02."""
         fraction = round(
             min(
                 max(self.fraction + THRESHOLD_FRACTION_STEP * by, LEAST_THRESHOLD_FRACTION), LARGEST_THRESHOLD_FRACTION
@@ -89,7 +89,7 @@ class Grid(Spaced, ClosedPath):
         check_spacing(self.spacing, self._lengths)
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2), centered in the area; a single one where the area is too small."""
+        """Return the positions of the particles, shape (N, 2), centered in the area; at least one."""
         places = evenly(self._lengths, self.spacing) + np.min(self.points, axis=0)
         found = places[polyline.inside(self.points, places)]
         return found if len(found) else np.mean(self.points, axis=0)[None]
@@ -119,7 +119,7 @@ class Threshold(OnStrongEdges, ClosedPath):
         check_number("fraction", self.fraction, 0.0, 1.0)
 
     def seeds_for(self, values: Array, strength: Callable[[], Array]) -> Array:
-        """Positions of the particles on an image, shape (N, 2); see `Everywhere.seeds_for`."""
+        """Return the positions of the particles on an image, shape (N, 2); see `Everywhere.seeds_for`."""
         corner = np.array(values.shape) - 1
         low = np.clip(np.ceil(np.min(self.points, axis=0)), 0, corner).astype(int)
         high = np.clip(np.floor(np.max(self.points, axis=0)), 0, corner).astype(int)
@@ -141,13 +141,13 @@ def check_spacing(spacing: float, lengths: Sequence[float]) -> None:
 
 
 def finest_spacing(lengths: Sequence[float]) -> int:
-    """The least spacing at which a box of these lengths has no more particles than are allowed."""
+    """Return the least spacing at which a box of these lengths has no more particles than allowed."""
     side = (2.0 * math.prod(length + 1.0 for length in lengths) / MAX_GRID_PARTICLES) ** (1.0 / len(lengths))
     return math.ceil(side)
 
 
 def evenly(lengths: Sequence[float], spacing: float) -> Array:
-    """Positions in a box of D lengths, shape (N, D), with the same margin at opposite sides."""
+    """Place positions evenly in a box of D lengths, shape (N, D), with the same margin on opposite sides."""
     along = []
     for length in lengths:
         count = int(length // spacing) + 1

@@ -18,7 +18,7 @@ _CHARGE_STRENGTH_STEP = 0.5
 
 @frozen
 class Charge(WithoutOutline):
-    """A placed charge; it acts on all particles within its reach at once.
+    """Placed charge; it acts on all particles within its reach at once.
 
     Attributes
     ----------
@@ -45,14 +45,14 @@ class Charge(WithoutOutline):
         return PlacedCharge(self.position, self.strength)
 
     def moved(self, by: Place) -> Charge:
-        """The same charge displaced by so much along each axis."""
+        """Return the charge displaced along each axis."""
         return Charge(tuple(map(operator.add, self.position, by)), self.strength)
 
     def resized(self, by: float) -> Charge:
-        """The charge with its absolute strength raised by so many steps of a half."""
+        """Return the charge with its absolute strength raised by a number of steps of a half."""
         size = min(max(abs(self.strength) + _CHARGE_STRENGTH_STEP * by, LEAST_CHARGE_STRENGTH), STRONGEST)
         return Charge(self.position, math.copysign(size, self.strength))
 
     def distance(self, position: Place) -> float:
-        """Distance of a position from the charge [px]."""
+        """Measure the distance of a position from the charge [px]."""
         return math.dist(self.position, position)

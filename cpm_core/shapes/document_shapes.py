@@ -31,7 +31,7 @@ _IMAGE_ELEMENTS = {2: "pixels", 3: "voxels"}
 
 
 def axes_of(shape: Shape) -> int | None:
-    """How many axes an image has for which a shape is: 2, or 3 for a volume; None where any image will do."""
+    """Count the axes of the images that a shape is for: 2, or 3 for a volume; None where any image will do."""
     match shape:
         case Everywhere():
             return None
@@ -71,12 +71,12 @@ def check_axes(shapes: Iterable[Shape], size: Extent = (), image: str = "the ima
 
 
 def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
-    """The shapes that give particles."""
+    """Select the shapes that give particles."""
     return tuple(shape for shape in shapes if isinstance(shape, Start))
 
 
 def regions_of(shapes: Iterable[Shape], barriers: tuple[Line | Voxels, ...] = ()) -> AnyRegions | None:
-    """Regions of interest, and barriers with those that are given besides; None when there are none."""
+    """Collect regions of interest and barriers, with further given barriers; None when there are none."""
     drawn = tuple(shapes)
     inside = tuple(shape.limit for shape in drawn if isinstance(shape, BoxRegion | PrismRegion | EnclosedRegion))
     painted = [barrier for barrier in barriers if isinstance(barrier, Voxels)]
@@ -90,12 +90,12 @@ def regions_of(shapes: Iterable[Shape], barriers: tuple[Line | Voxels, ...] = ()
 
 
 def charges_of(shapes: Iterable[Shape]) -> tuple[PlacedCharge, ...]:
-    """The placed charges."""
+    """Collect the placed charges."""
     return tuple(shape.placed for shape in shapes if isinstance(shape, Charge))
 
 
 def seeds_of(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Array:
-    """Positions of the particles of shapes, shape (N, 2), or (N, 3) in a volume, in their order.
+    """Collect the positions of the particles of shapes, shape (N, 2), or (N, 3) in a volume, in their order.
 
     For starts that depend on the image the positions are taken from `image_seeds`.
     """
@@ -104,7 +104,7 @@ def seeds_of(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Arr
 
 
 def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, channel: str = "luminance") -> Array:
-    """Positions of the particles of shapes on an image, shape (N, 2).
+    """Compute the positions of the particles of shapes on an image, shape (N, 2), or (N, 3) in a volume.
 
     `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it.
     `channel` says what gives the gray levels of a color image.

@@ -23,38 +23,38 @@ _OUTLINE_CORNERS = 180
 
 
 class Centered:
-    """What has a center. Subclasses are frozen dataclasses."""
+    """Shape with a center. Subclasses are frozen dataclasses."""
 
     center: Place
 
     def moved(self, by: Place) -> Self:
-        """The same shape displaced by so much along each axis."""
+        """Return the shape displaced along each axis."""
         return replace(self, center=tuple(map(operator.add, self.center, by)))  # type: ignore[type-var]
 
 
 class Round(Centered):
-    """What is as far from its center all around. Subclasses are frozen dataclasses."""
+    """Shape whose outline is equally far from its center all around. Subclasses are frozen dataclasses."""
 
     radius: float
 
     def resized(self, by: float) -> Self:
-        """The shape with its radius changed by so much."""
+        """Return the shape with its radius changed."""
         return self._with_radius(self.radius + by)
 
     def with_handle_at(self, handle: Place, to: Place) -> Self:
-        """The shape with the same center through a position, for any handle."""
+        """Return the shape with the same center through a position, for any handle."""
         return self._with_radius(self.away(to))
 
     def away(self, position: Place) -> float:
-        """Distance of a position from the center, in the unit of the radius."""
+        """Measure the distance of a position from the center, in the unit of the radius."""
         return math.dist(self.center, position)
 
     def distance(self, position: Place) -> float:
-        """Distance of a position from the line or the surface, in the unit of the radius."""
+        """Measure the distance of a position from the line or the surface, in the unit of the radius."""
         return abs(self.away(position) - self.radius)
 
     def encloses(self, position: Place) -> bool:
-        """Whether a position lies inside."""
+        """Return whether a position lies inside."""
         return self.away(position) <= self.radius
 
     def _with_radius(self, radius: float) -> Self:
@@ -82,7 +82,7 @@ class Circle(Round):
         check_number("radius", self.radius)
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2)."""
+        """Return the positions of the particles, shape (N, 2)."""
         return initialization.circle(self.center, self.radius)
 
     @property
@@ -92,7 +92,7 @@ class Circle(Round):
         return np.array(self.center) + self.radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
 
     def handles(self) -> Line:
-        """Positions on the line for resizing: top, right, bottom, left."""
+        """Return the positions on the line for resizing: top, right, bottom, left."""
         (row, col), radius = self.center, self.radius
         return ((row - radius, col), (row, col + radius), (row + radius, col), (row, col - radius))
 
@@ -129,7 +129,7 @@ class Ellipse(Centered):
             check_number("radii", radius)
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2)."""
+        """Return the positions of the particles, shape (N, 2)."""
         return initialization.loop(self.outline[:-1])
 
     @property
@@ -140,17 +140,17 @@ class Ellipse(Centered):
         return np.array(self.center) + first * np.cos(turn)[:, None] * along + second * np.sin(turn)[:, None] * across
 
     def resized(self, by: float) -> Ellipse:
-        """The ellipse with both radii changed by so many px."""
+        """Return the ellipse with both radii changed by a number of px."""
         return self._with_radii(self.radii[0] + by, self.radii[1] + by)
 
     def handles(self) -> Line:
-        """The four ends of the axes, for resizing, and one beyond the first, for rotation."""
+        """Return the four ends of the axes, for resizing, and one place beyond the first, for rotation."""
         first, second = np.array(self.radii)[:, None] * self._axes
         beyond = (_ROTATION_ARM * self.radii[0] + _ROTATION_OFFSET) * self._axes[0]
         return as_line(np.array([first, second, -first, -second, beyond]) + self.center)
 
     def with_handle_at(self, handle: Position, to: Position) -> Ellipse:
-        """The ellipse with the radius of the handle reaching a position, or rotated toward it."""
+        """Return the ellipse with the radius of the handle reaching a position, or rotated toward it."""
         handles = self.handles()
         which = min(range(len(handles)), key=lambda index: math.dist(handles[index], handle))
         row, col = map(operator.sub, to, self.center)
@@ -161,11 +161,11 @@ class Ellipse(Centered):
         return self._with_radii(reached, second) if which % 2 == 0 else self._with_radii(first, reached)
 
     def distance(self, position: Position) -> float:
-        """Distance of a position from the line [px]."""
+        """Measure the distance of a position from the line [px]."""
         return polyline.distance(self.outline, position)
 
     def encloses(self, position: Position) -> bool:
-        """Whether a position lies inside."""
+        """Return whether a position lies inside."""
         shares = self._axes @ np.subtract(position, self.center) / self.radii
         return bool(shares @ shares <= 1.0)
 

@@ -48,7 +48,7 @@ class Everywhere(WithoutOutline):
         return self.kind == "gradient"
 
     def seeds_for(self, values: Array, strength: Callable[[], Array]) -> Array:
-        """Positions of the particles on an image, shape (N, 2).
+        """Return the positions of the particles on an image, shape (N, 2).
 
         Parameters
         ----------
@@ -64,7 +64,7 @@ class Everywhere(WithoutOutline):
         return divergence_centers(values)
 
     def seeds_in(self, volume: Image, smoothing: float) -> Array:
-        """Positions of the particles in a volume, shape (N, 3).
+        """Return the positions of the particles in a volume, shape (N, 3).
 
         `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
         """
@@ -75,9 +75,9 @@ class Everywhere(WithoutOutline):
         return volume_starts.at_centers(volume)
 
     def moved(self, by: Position) -> Everywhere:
-        """The same shape: it has no position."""
+        """Return the shape itself: it has no position."""
         return self
 
     def distance(self, position: Position) -> float:
-        """Infinite, so that it is never selected in place of a drawn shape."""
+        """Return infinity, so that it is never selected in place of a drawn shape."""
         return math.inf

@@ -34,25 +34,25 @@ class SeedCache:
         volume, gray = image.ndim == 3, lru_cache(1)(image.gray)
 
         @lru_cache(1)
-        def smoothing_of(channel: str) -> float:
+        def automatic_sigma(channel: str) -> float:
             return 1.0 if volume else automatic_smoothing(gray(channel))
 
         @lru_cache(1)  # dragging an area does not change the smoothing
-        def edges(sigma: float, channel: str) -> Array:
+        def edge_strength(sigma: float, channel: str) -> Array:
             return strength_of(image, sigma) if volume else edge_map(gray(channel), sigma)
 
         @lru_cache(_CACHED_STARTS)
-        def seeds(start: ImageStart, sigma: float, channel: str) -> Array:
+        def find_seeds(start: ImageStart, sigma: float, channel: str) -> Array:
             if isinstance(start, Everywhere) and volume:
                 return start.seeds_in(image, sigma)
             if isinstance(start, BoxThreshold) is not volume:
                 kind, found = ("images", "a volume") if volume else ("volumes", "an image")
                 raise ValueError(f"this {start.title} is for {kind}, but {image.source} is {found}: draw another one.")
             if isinstance(start, BoxThreshold):
-                return start.seeds_within(lambda: edges(sigma, channel))
-            return start.seeds_for(gray(channel), lambda: edges(sigma, channel))
+                return start.seeds_within(lambda: edge_strength(sigma, channel))
+            return start.seeds_for(gray(channel), lambda: edge_strength(sigma, channel))
 
-        self._smoothing_of, self._seeds = smoothing_of, seeds
+        self._automatic_sigma, self._find_seeds = automatic_sigma, find_seeds
 
     def seeds_for(
         self,
@@ -61,11 +61,11 @@ class SeedCache:
         regions: AnyRegions | None = None,
         channel: str = "luminance",
     ) -> ImageSeeds:
-        """Positions for each of the starts, only those in the regions of interest.
+        """Find the positions of the particles of each start, only those in the regions of interest.
 
         `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it;
         `channel` says what gives the gray levels of a color image.
         """
-        sigma = self._smoothing_of(channel) if isinstance(smoothing, str) else smoothing
-        found = {start: self._seeds(start, sigma if start.follows_smoothing else 0.0, channel) for start in starts}
+        sigma = self._automatic_sigma(channel) if isinstance(smoothing, str) else smoothing
+        found = {start: self._find_seeds(start, sigma if start.follows_smoothing else 0.0, channel) for start in starts}
         return {s: p if regions is None else p[regions.contains(p)] for s, p in found.items()}

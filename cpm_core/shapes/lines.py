@@ -26,7 +26,7 @@ class Stroke(OpenPath):
     points: tuple[Place, ...]
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2), or (N, 3) in a volume."""
+        """Return the positions of the particles, shape (N, 2), or (N, 3) in a volume."""
         return initialization.stroke(self.points)
 
 
@@ -39,7 +39,7 @@ class Polygon(ClosedPath):
     points: tuple[Place, ...]
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2), or (N, 3) in a volume."""
+        """Return the positions of the particles, shape (N, 2), or (N, 3) in a volume."""
         return initialization.loop(self.points)
 
 
@@ -50,7 +50,7 @@ class Region(ClosedPath):
     title: ClassVar[str] = "region of interest"
 
     def encloses(self, position: Position) -> bool:
-        """Always false: a region is selected at its line only, since other shapes lie inside it."""
+        """Return False: a region is selected at its line only, since other shapes lie inside it."""
         return False
 
 
@@ -78,13 +78,13 @@ class Points(WithoutOutline):
         return "point" if len(self.positions) == 1 else "points"
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2), or (N, 3) in a volume."""
+        """Return the positions of the particles, shape (N, 2), or (N, 3) in a volume."""
         return np.array(self.positions, float)
 
     def moved(self, by: Place) -> Points:
-        """The same points displaced by so much along each axis."""
+        """Return the points displaced along each axis."""
         return Points(polyline.moved(self.positions, by))
 
     def distance(self, position: Place) -> float:
-        """Distance of a position from the nearest point [px]."""
+        """Measure the distance of a position from the nearest point [px]."""
         return min(math.dist(point, position) for point in self.positions)

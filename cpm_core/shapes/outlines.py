@@ -1,4 +1,4 @@
-"""The closed lines of drawn starts, from which methods that need an inside begin; and starts along what is given."""
+"""Closed lines of drawn starts, for methods that need an inside; and starts along contours, surfaces and lines."""
 
 from __future__ import annotations
 
@@ -21,12 +21,15 @@ SURFACE_START_SPACING = 2.0
 
 
 def outlines_of(shapes: Iterable[Shape]) -> Arrays:
-    """Corners of each circle, ellipse and polygon among shapes, shape (K, 2) [px], the first not repeated."""
+    """Collect the corners of circles, ellipses and polygons, shape (K, 2) each [px], the first not repeated."""
     return tuple(shape.outline[:-1] for shape in shapes if isinstance(shape, Circle | Ellipse | Polygon))
 
 
 def starts_along(contours: Contours, places: Array | None = None) -> tuple[Polygon | Stroke | Points, ...]:
-    """Starts along contours, with the corners that matter: polygons and strokes, and single points as one start."""
+    """Convert contours to starts with the corners that matter: polygons and strokes.
+
+    Single points, shape (N, 2) [px], make one more start.
+    """
     starts: list[Polygon | Stroke | Points] = []
     for contour in contours:
         corners = polyline.thinned(contour.path.tolist())
@@ -38,7 +41,7 @@ def starts_along(contours: Contours, places: Array | None = None) -> tuple[Polyg
 
 
 def start_on_surface(surface: Surface) -> Points:
-    """A start on a surface: of its vertices one in each cube whose side is `SURFACE_START_SPACING`."""
+    """Sample a surface as a start: one vertex in each cube with sides of `SURFACE_START_SPACING`."""
     used = surface.vertices[np.unique(surface.faces)]
     cubes = np.floor(used * surface.spacing / (SURFACE_START_SPACING * min(surface.spacing))).astype(np.int64)
     first = np.sort(np.unique(cubes, axis=0, return_index=True)[1])
@@ -46,5 +49,5 @@ def start_on_surface(surface: Surface) -> Points:
 
 
 def starts_in(lines: Centerlines) -> tuple[Stroke, ...]:
-    """Starts along center lines, with the corners that matter."""
+    """Convert center lines to starts with the corners that matter."""
     return tuple(Stroke(polyline.thinned(branch.points.tolist())) for branch in lines.branches)

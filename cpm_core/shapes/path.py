@@ -1,4 +1,4 @@
-"""What shapes have in common: checks of values, and the behavior of open lines, closed lines and single positions."""
+"""Common parts of shapes: checks of values, and the behavior of open lines, closed lines and single positions."""
 
 from __future__ import annotations
 
@@ -33,27 +33,27 @@ def check_positions(name: str, positions: Sequence[Place], least: int) -> None:
 
 
 class WithoutOutline:
-    """A shape without an outline: it has no handles, no size and no inside. Subclasses are frozen dataclasses."""
+    """Shape without an outline: it has no handles, no size and no inside. Subclasses are frozen dataclasses."""
 
     @property
     def outline(self) -> Array:
-        """Empty, shape (0, 2)."""
+        """Empty outline, shape (0, 2)."""
         return np.empty((0, 2))
 
     def resized(self, by: float) -> Self:
-        """The same shape."""
+        """Return the shape itself: it has no size."""
         return self
 
     def handles(self) -> tuple[Place, ...]:
-        """Empty: the shape is dragged as a whole."""
+        """Return no handles: the shape is dragged as a whole."""
         return ()
 
     def with_handle_at(self, handle: Place, to: Place) -> Self:
-        """The same shape."""
+        """Return the shape itself: it has no handles."""
         return self
 
     def encloses(self, position: Place) -> bool:
-        """Always false."""
+        """Return False: it has no inside."""
         return False
 
 
@@ -84,19 +84,19 @@ class OpenPath(WithoutOutline):
         return polyline.corners_of(self.points)
 
     def moved(self, by: Place) -> Self:
-        """The same shape displaced by so much along each axis."""
+        """Return the shape displaced along each axis."""
         return self._with_points(polyline.moved(self.points, by))
 
     def handles(self) -> tuple[Place, ...]:
-        """The corners; empty where there are so many that they would hide the line."""
+        """Return the corners; none where there are so many that they would hide the line."""
         return self.points if len(self.points) <= MOST_HANDLES else ()
 
     def with_handle_at(self, handle: Place, to: Place) -> Self:
-        """The shape with the corner nearest to a handle moved; unchanged where too few corners would differ."""
+        """Return the shape with the corner nearest to a handle moved; unchanged where too few corners would differ."""
         return self._with_points(polyline.with_handle_at(self.points, handle, to))
 
     def distance(self, position: Place) -> float:
-        """Distance of a position from the line [px]."""
+        """Measure the distance of a position from the line [px]."""
         return polyline.distance(self.points, position)
 
     def _with_points(self, points: tuple[Place, ...]) -> Self:
@@ -116,7 +116,7 @@ class ClosedPath(OpenPath):
         return np.concatenate([corners, corners[:1]])
 
     def resized(self, by: float) -> Self:
-        """The shape enlarged around its center, so that its farthest corner moves outward by so many px."""
+        """Enlarge the shape around its center, so that its farthest corner moves outward by a number of px."""
         off = polyline.corners_of(self.points)
         center = off.mean(axis=0)
         farthest = np.linalg.norm(off - center, axis=1).max()
@@ -124,9 +124,9 @@ class ClosedPath(OpenPath):
         return self._with_points(tuple(map(tuple, corners)))
 
     def distance(self, position: Place) -> float:
-        """Distance of a position from the line [px]."""
+        """Measure the distance of a position from the line [px]."""
         return polyline.distance(self.outline, position)
 
     def encloses(self, position: Place) -> bool:
-        """Whether the line winds around a position; no line in a volume encloses any."""
+        """Return whether the line winds around a position; no line in a volume encloses any."""
         return len(position) == 2 and bool(polyline.inside(self.points, np.array([position]))[0])

@@ -36,13 +36,13 @@ _BOX_CORNERS = np.array(list(product((False, True), repeat=3)))
 
 
 def sides_of(spacing: Sequence[float]) -> Sides:
-    """The sides of a voxel in the smallest of them."""
+    """Return the sides of a voxel relative to the smallest of them."""
     return tuple(side / min(spacing) for side in spacing)
 
 
 @frozen
 class Cuboid(WithoutOutline):
-    """A box whose faces lie across the axes of the volume.
+    """Box whose faces lie across the axes of the volume.
 
     Attributes
     ----------
@@ -66,26 +66,26 @@ class Cuboid(WithoutOutline):
 
     @property
     def center(self) -> Voxel:
-        """(plane, row, col) [voxels]."""
+        """Center (plane, row, col) [voxels]."""
         return tuple(0.5 * (low + high) for low, high in zip(self.first, self.last, strict=True))
 
     @property
     def outline(self) -> Array:
-        """The corners, shape (8, 3)."""
+        """Corners of the box, shape (8, 3)."""
         return np.where(_BOX_CORNERS, self.last, self.first)
 
     def moved(self, by: Place) -> Self:
-        """The same box displaced by so much along each axis."""
+        """Return the box displaced along each axis."""
         return self._between(*polyline.moved((self.first, self.last), by))
 
     def resized(self, by: float) -> Self:
-        """The box with each face moved outward."""
+        """Return the box with each face moved outward."""
         low, high = np.array(self.first), np.array(self.last)
         inward = np.minimum(-by, 0.5 * (high - low - SMALLEST))
         return self._between((low + inward).tolist(), (high - inward).tolist())
 
     def with_handle_at(self, handle: Place, to: Place) -> Self:
-        """The box with the faces that a handle lies on moved to a position; none becomes too thin."""
+        """Return the box with the faces of a handle moved to a position; it never becomes too thin."""
         low, high = [*self.first], [*self.last]
         for axis, (at, end) in enumerate(zip(handle, to, strict=True)):
             if abs(at - low[axis]) <= _ON_FACE_DISTANCE:
@@ -95,12 +95,12 @@ class Cuboid(WithoutOutline):
         return self._between(low, high)
 
     def distance(self, position: Place) -> float:
-        """Distance of a position from the nearest face [voxels]."""
+        """Measure the distance of a position from the nearest face [voxels]."""
         beside = [max(low - at, at - high) for low, at, high in zip(self.first, position, self.last, strict=True)]
         return math.hypot(*(max(off, 0.0) for off in beside)) if max(beside) > 0.0 else -max(beside)
 
     def encloses(self, position: Place) -> bool:
-        """Whether a position lies inside."""
+        """Return whether a position lies inside."""
         return all(low <= at <= high for low, at, high in zip(self.first, position, self.last, strict=True))
 
     def _between(self, first: Sequence[float], last: Sequence[float]) -> Self:
@@ -108,7 +108,7 @@ class Cuboid(WithoutOutline):
 
 
 def _off(end: float, other: float) -> float:
-    """The place of a face, at least the smallest side away from the opposite one."""
+    """Keep the place of a face at least the smallest side away from the opposite one."""
     return end if abs(end - other) >= SMALLEST else other + math.copysign(SMALLEST, end - other)
 
 
@@ -119,7 +119,7 @@ class Box(Cuboid):
     title: ClassVar[str] = "box"
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 3)."""
+        """Return the positions of the particles, shape (N, 3)."""
         return volume_starts.box(self.first, self.last, self.apart)
 
     @property
@@ -132,17 +132,17 @@ class Box(Cuboid):
 
 @frozen
 class BoxRegion(Cuboid):
-    """A region of interest in a volume, a box that particles do not leave."""
+    """Region of interest in a volume, a box that particles do not leave."""
 
     title: ClassVar[str] = "region of interest"
 
     @property
     def limit(self) -> Pair:
-        """It as the engine takes it."""
+        """Limit as the engine takes it."""
         return self.first, self.last
 
     def encloses(self, position: Place) -> bool:
-        """Always false: a region is selected at its faces only, since other shapes lie inside it."""
+        """Return False: a region is selected at its faces only, since other shapes lie inside it."""
         return False
 
 
@@ -173,13 +173,13 @@ class BoxGrid(Spaced, Cuboid):
 
     @classmethod
     def between(cls, one: Voxel, other: Voxel, spacing: Sides) -> BoxGrid:
-        """A grid between two corners of a volume with this size of a voxel along each axis, no finer than allowed."""
+        """Build a grid between two corners of a volume with this voxel size along each axis, no finer than allowed."""
         sides = sides_of(spacing)
         lengths = [abs(b - a) * side for a, b, side in zip(one, other, sides, strict=True)]
         return cls(one, other, max(8.0, finest_spacing(lengths)), sides)
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 3), centered in the box."""
+        """Return the positions of the particles, shape (N, 3), centered in the box."""
         return evenly(self._lengths, self.spacing) / np.array(self.sides) + self.first
 
     @property
@@ -207,7 +207,7 @@ class BoxThreshold(OnStrongEdges, Cuboid):
         check_number("fraction", self.fraction, 0.0, 1.0)
 
     def seeds_within(self, strength: Callable[[], Array]) -> Array:
-        """Positions of the particles in a volume, shape (N, 3), given the edge strength of its voxels."""
+        """Return the positions of the particles in a volume, shape (N, 3), given the edge strength of its voxels."""
         whole = strength()
         low = np.clip(np.ceil(self.first), 0, whole.shape).astype(int)
         high = np.clip(np.floor(self.last) + 1, low, whole.shape).astype(int)
@@ -246,14 +246,14 @@ class Sphere(Round, WithoutOutline):
 
     @classmethod
     def round(cls, center: Voxel, radius: float, spacing: Sides) -> Sphere:
-        """A sphere that is round in a volume with this size of a voxel along each axis."""
+        """Build a sphere that is round in a volume with this voxel size along each axis."""
         return cls(center, radius, sides_of(spacing))
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 3)."""
+        """Return the positions of the particles, shape (N, 3)."""
         return volume_starts.sphere(self.center, self.radius, spacing=self.sides)
 
     def away(self, position: Place) -> float:
-        """Distance of a position from the center, in sides of the smallest voxel."""
+        """Measure the distance of a position from the center, in sides of the smallest voxel."""
         offsets = map(operator.sub, position, self.center)
         return math.hypot(*map(operator.mul, offsets, self.sides))

@@ -1,4 +1,4 @@
-"""What is drawn in a slice of a volume and limits the particles in other slices as well."""
+"""Shapes drawn in a slice of a volume that limit the particles in other slices as well."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ON_CORNER_DISTANCE = 1e-6
 
 @frozen
 class Extruded(WithoutOutline):
-    """A line in the slices across an axis, from one of them to another.
+    """Line in the slices across an axis, from one of them to another.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Extruded(WithoutOutline):
     """
 
     flat: ClassVar[type[Region] | type[Barrier]]
-    """What a slice across the axis shows."""
+    """Shape that a slice across the axis shows."""
 
     points: Line
     axis: int
@@ -49,7 +49,7 @@ class Extruded(WithoutOutline):
 
     @property
     def limit(self) -> Extrusion:
-        """It as the engine takes it."""
+        """Limit as the engine takes it."""
         return Extrusion(self.points, self.axis, self.first, self.last, closed=self.flat is Region)
 
     @property
@@ -58,16 +58,16 @@ class Extruded(WithoutOutline):
         return np.insert(self.flat(self.points).outline, self.axis, 0.5 * (self.first + self.last), axis=1)
 
     def moved(self, by: Place) -> Self:
-        """The same shape displaced by so much along each axis."""
+        """Return the shape displaced along each axis."""
         points = self.flat(self.points).moved(self.within(by)).points
         return self._with(points, self.first + by[self.axis], self.last + by[self.axis])
 
     def resized(self, by: float) -> Self:
-        """What is closed is enlarged in its slices."""
+        """Enlarge a closed line in its slices."""
         return self._with(self.flat(self.points).resized(by).points, self.first, self.last)
 
     def with_handle_at(self, handle: Place, to: Place) -> Self:
-        """The shape with a corner moved in its slice, or with the nearer end of its range moved."""
+        """Return the shape with a corner moved in its slice, or with the nearer end of its range moved."""
         at, flat = self.within(handle), self.flat(self.points)
         if handle[self.axis] == to[self.axis] and any(
             math.dist(at, corner) <= _ON_CORNER_DISTANCE for corner in self.points
@@ -79,12 +79,12 @@ class Extruded(WithoutOutline):
         return self._with(self.points, self.first, max(end, self.first))
 
     def distance(self, position: Place) -> float:
-        """Distance of a position from the line through the slices [voxels]."""
+        """Measure the distance of a position from the line through the slices [voxels]."""
         beyond = max(self.first - position[self.axis], position[self.axis] - self.last, 0.0)
         return math.hypot(self.flat(self.points).distance(self.within(position)), beyond)
 
     def within(self, place: Place) -> Position:
-        """A place in the slices across the axis."""
+        """Project a place to the slices across the axis."""
         return place[: self.axis] + place[self.axis + 1 :]
 
     def _with(self, points: Line, first: float, last: float) -> Self:
@@ -93,7 +93,7 @@ class Extruded(WithoutOutline):
 
 @frozen
 class PrismRegion(Extruded):
-    """A region of interest in a volume: what a line in a slice encloses, through a range of slices."""
+    """Region of interest in a volume: the inside of a line in a slice, through a range of slices."""
 
     title: ClassVar[str] = "region of interest"
     flat: ClassVar[type[Region]] = Region
@@ -109,7 +109,7 @@ class Wall(Extruded):
 
 @frozen
 class Enclosed(WithoutOutline):
-    """The inside of a closed surface.
+    """Inside of a closed surface.
 
     Attributes
     ----------
@@ -121,25 +121,25 @@ class Enclosed(WithoutOutline):
 
     @property
     def limit(self) -> Voxels:
-        """It as the engine takes it."""
+        """Limit as the engine takes it."""
         raise NotImplementedError
 
     @property
     def center(self) -> Place:
-        """The middle of the box around it, (plane, row, col) [voxels]."""
+        """Middle of the bounding box, (plane, row, col) [voxels]."""
         return tuple(self.surface.box.mean(axis=0).tolist())
 
     @property
     def outline(self) -> Array:
-        """The corners of its triangles, shape (K, 3)."""
+        """Corners of the triangles, shape (K, 3)."""
         return self.surface.surface.vertices
 
     def moved(self, by: Place) -> Self:
-        """The same shape displaced by so much along each axis."""
+        """Return the shape displaced along each axis."""
         return replace(self, surface=self.surface.moved(by))
 
     def distance(self, position: Place) -> float:
-        """Distance of a position from the nearest corner of a triangle [voxels]."""
+        """Measure the distance of a position from the nearest corner of a triangle [voxels]."""
         return math.sqrt(float(((self.outline - position) ** 2).sum(axis=1).min()))
 
     def __repr__(self) -> str:
@@ -154,7 +154,7 @@ class EnclosedRegion(Enclosed):
 
     @property
     def limit(self) -> Voxels:
-        """The voxels whose centers lie inside."""
+        """Voxels whose centers lie inside."""
         return self.surface.voxels
 
 
@@ -166,5 +166,5 @@ class EnclosingWall(Enclosed):
 
     @property
     def limit(self) -> Voxels:
-        """The voxels inside that have a side in common with one outside."""
+        """Voxels inside that share a face with one outside."""
         return self.surface.shell

@@ -1,6 +1,6 @@
-"""Live wire: the strongest way along the edges from one place to another.
+"""Live wire: the strongest path along the edges from one place to another.
 
-A path of least cost over the pixels, in which a step is the cheaper the stronger the edge is (Mortensen and Barrett
+It is a path of least cost over the pixels; the stronger the edge, the cheaper the step (Mortensen and Barrett
 1995, doi:10.1145/218380.218442), moved onto the ridge of the edge between the pixels. The costs from one place to all
 pixels around it are found once, so that the path follows the pointer at once.
 """
@@ -53,7 +53,7 @@ class LiveWire:
     start : tuple of float
         Where all paths begin (row, col) [px].
     avoided : sequence of ndarray, each of shape (K, 2)
-        Lines that a path neither follows nor crosses unless there is no other way.
+        Lines that a path neither follows nor crosses unless it has to.
     spared : sequence of tuple of float
         Further places around which nothing is avoided, since the path may end there.
     """
@@ -71,7 +71,7 @@ class LiveWire:
         self._search: skimage.graph.MCP_Geometric | None = None
 
     def to(self, place: Position) -> Array:
-        """The path from the start to another place, both included, shape (K, 2) [px]."""
+        """Find the path from the start to another place, both included, shape (K, 2) [px]."""
         ends = np.array([self._start, place], float)
         if np.linalg.norm(ends[1] - ends[0]) < _PATH_SPACING:
             return ends
@@ -90,7 +90,7 @@ class LiveWire:
         return np.clip(pixel - margin, 0, last), np.clip(pixel + margin, 0, last)
 
     def _look_around(self, goal: Index) -> skimage.graph.MCP_Geometric:
-        """The costs of all pixels around the start and the goal, and around what was searched before."""
+        """Compute the costs of all pixels around the start and the goal, and around the searched box."""
         low, high = self._around(goal, _EXTENDED_SEARCH_MARGIN)
         self._low, self._high = np.minimum(self._low, low), np.maximum(self._high, high)
         window = tuple(slice(a, b + 1) for a, b in zip(self._low.tolist(), self._high.tolist(), strict=True))
@@ -111,7 +111,7 @@ class LiveWire:
 
 
 def on_ridge(path: Array, scale_field: ScaleField) -> Array:
-    """A path near edges, shape (K, 2), moved onto their ridges; both ends stay.
+    """Move a path near edges, shape (K, 2), onto their ridges; both ends stay.
 
     Where there is no edge near enough, it stays as well, and in between it fades from one to the other.
     """
@@ -136,7 +136,7 @@ def on_ridge(path: Array, scale_field: ScaleField) -> Array:
 
 
 def nearest_ridge(place: Position, scale_field: ScaleField, reach: float) -> Position:
-    """The place on the ridge of an edge that a place is moved to, if there is one within reach [px]; else itself."""
+    """Move a place to the ridge of an edge within reach [px]; without one return the place itself."""
     ridge, found = ridge_points(np.array([place]), scale_field)
     strong = scale_field.strength(ridge)[0] >= scale_field.floor
     if found[0] and strong and np.linalg.norm(ridge[0] - place) <= reach:

@@ -1,6 +1,6 @@
 """Edits of contours by hand: join, close, merge, cut, delete, pull, redraw, draw.
 
-Each function gives the edits that `cpm_core.contours.hand_edits.apply` carries out; none changes a contour itself.
+Each function returns edits for `cpm_core.contours.hand_edits.apply_hand_edits`; none changes a contour itself.
 """
 
 from __future__ import annotations
@@ -50,13 +50,13 @@ class Contact:
 
     @classmethod
     def at(cls, contour: Contour, place: Position) -> Contact:
-        """The place of a contour that is nearest to another place."""
+        """Return the place of a contour that is nearest to another place."""
         line = PolygonalLine.of(contour)
         return cls(line, line.nearest(place)[0])
 
     @classmethod
     def ends(cls, contour: Contour) -> tuple[Contact, ...]:
-        """Both ends of an open contour; none of a closed one."""
+        """Return both ends of an open contour; none of a closed one."""
         line = PolygonalLine.of(contour)
         return () if contour.closed else (cls(line, 0.0), cls(line, line.length))
 
@@ -77,11 +77,11 @@ class Contact:
 
     @property
     def behind(self) -> Line:
-        """Of an end, the place by which its contour is found again; of any other place none."""
+        """For an end, the place that identifies its contour later; none for any other place."""
         return (self.off(-_ANCHOR_DISTANCE if self.at_last else _ANCHOR_DISTANCE),) if self.at_end else ()
 
     def off(self, by: float) -> Position:
-        """The place so far along the contour from here, on an open one at most halfway to its other end [px]."""
+        """Return the place at a distance along the contour, on an open one at most halfway to its other end [px]."""
         along, whole = self.along + by, self.line.length
         if self.line.closed:
             along %= whole
@@ -90,12 +90,12 @@ class Contact:
         return tuple(polyline.places_at(self.line.path, np.array([along]))[0].tolist())
 
     def same_contour(self, other: Contact) -> bool:
-        """Whether another place is on the same contour."""
+        """Return whether another place is on the same contour."""
         return self.line.source is other.line.source
 
 
 def carried_out(result: Result, edits: Sequence[HandEdit], scale_field: ScaleField | None) -> tuple[Result, Integers]:
-    """A result with edits by hand, without the bridges that they have removed; and the edits that were missed.
+    """Apply edits by hand to a result, without the bridges they have removed; also return the missed edits.
 
     Contours that have changed are measured in the fields of the image, where these are given.
     """
@@ -109,18 +109,18 @@ def carried_out(result: Result, edits: Sequence[HandEdit], scale_field: ScaleFie
 
 
 def connect(path: Array, begin: Contact | None = None, end: Contact | None = None) -> tuple[HandEdit, ...]:
-    """Edits that a drawn path stands for, by what its two ends touch.
+    """Return the edits that a drawn path stands for, by what its two ends touch.
 
     Between two ends it joins them, or closes their contour. From an end to the side of the same contour it closes the
-    contour there, and what is beyond stays a contour of its own. Between two sides of one contour it takes the place of
-    the stretch between them. Any other path is added, and continues the contour at whose end it begins or ends.
+    contour there, and the rest stays a contour of its own. Between two sides of one contour it replaces the stretch
+    between them. Any other path is added, and continues the contour at whose end it begins or ends.
 
     Parameters
     ----------
     path : ndarray, shape (K, 2)
         The path, from the place of `begin` to that of `end` [px].
     begin, end : Contact, optional
-        What its ends touch.
+        Places that its ends touch.
     """
     if begin is not None and end is not None and begin.same_contour(end):
         if not begin.at_end and not end.at_end:
@@ -146,7 +146,7 @@ def connect(path: Array, begin: Contact | None = None, end: Contact | None = Non
 
 
 def chain(scale_field: ScaleField, contours: Contours, closing: bool = False) -> tuple[HandEdit, ...]:
-    """Open contours joined to one by live wires between ends, the nearest first; where `closing`, to a closed one."""
+    """Join open contours into one by live wires between ends, the nearest first; with `closing` into a closed one."""
     ends = [(number, end) for number, contour in enumerate(contours) for end in Contact.ends(contour)]
     apart = [(math.dist(ends[i][1].place, ends[j][1].place), i, j) for i, j in combinations(range(len(ends)), 2)]
     chains = list(range(len(contours)))  # of each contour the number of its chain
@@ -164,19 +164,19 @@ def chain(scale_field: ScaleField, contours: Contours, closing: bool = False) ->
 
 
 def wire_from(scale_field: ScaleField, begin: Contact, contours: Contours = ()) -> LiveWire:
-    """Live wire from a place on a contour that does not run back along it, or along further contours."""
+    """Start a live wire at a place on a contour that does not run back along it, or along further contours."""
     avoided = [PolygonalLine.of(contour) for contour in contours] or [begin.line]
     ends = [end.place for line in avoided if line.source is not None for end in Contact.ends(line.source)]
     return LiveWire(scale_field, begin.place, [line.path for line in avoided], ends)
 
 
 def cut(at: Contact) -> HandEdit:
-    """A contour cut at a place."""
+    """Cut a contour at a place."""
     return HandEdit(removed=(_rounded(at.place),))
 
 
 def deletion(one: Contact, other: Contact) -> HandEdit:
-    """A contour without the stretch between two places, of a closed one the shorter of the two."""
+    """Delete the stretch of a contour between two places, of a closed one the shorter of the two."""
     first, last = sorted((one.along, other.along))
     line = one.line
     if line.closed and last - first > 0.5 * line.length:
@@ -185,10 +185,10 @@ def deletion(one: Contact, other: Contact) -> HandEdit:
 
 
 def pull(held: Contact, to: Position, scale_field: ScaleField | None = None) -> HandEdit:
-    """A stretch of a contour pulled to a place.
+    """Pull a stretch of a contour to a place.
 
-    The stretch is the longer the farther it is pulled. With the fields of the image it snaps to the edges: it runs
-    along the live wire through the edge nearest to the place. Without them it bends smoothly.
+    The farther it is pulled, the longer the stretch. With the fields of the image it snaps to the edges: it runs along
+    the live wire through the edge nearest to the place. Without them it bends smoothly.
     """
     line = held.line
     far = math.dist(to, held.place)
@@ -212,14 +212,14 @@ def pull(held: Contact, to: Position, scale_field: ScaleField | None = None) -> 
 
 
 def places(path: Array) -> Line:
-    """A path as the places of an edit, none of them twice in a row."""
+    """Round a path, shape (K, 2), to the places of an edit, none of them twice in a row."""
     rounded = [_rounded(place) for place in path.tolist()]
     kept = [place for place, _ in groupby(rounded)]
     return tuple(kept if len(kept) > 1 else rounded[:1] * 2)
 
 
 def _instead(stretch: PolygonalLine, path: Array, begin: Contact, end: Contact) -> HandEdit:
-    """A path in place of a stretch of a contour, which continues before its beginning and behind its end."""
+    """Replace a stretch of a contour, which continues before its beginning and behind its end, by a path."""
     before = () if begin.at_end else (begin.off(-_ANCHOR_DISTANCE),)
     after = () if end.at_end else (end.off(_ANCHOR_DISTANCE),)
     return HandEdit(places(stretch.points), places(path), False, before, after)

@@ -24,7 +24,7 @@ _COTANGENT_OF_ZERO = 1e12
 
 
 def crust(points: Array) -> Index:
-    """Edges of the one-step crust of distinct points, shape (N, 2): sorted pairs of indices, shape (E, 2)."""
+    """Find the edges of the one-step crust of distinct points, shape (N, 2): sorted pairs of indices, shape (E, 2)."""
     if len(points) < _LEAST_TRIANGULATED_POINTS:
         return np.zeros((0, 2), np.int64)
     try:
@@ -50,7 +50,7 @@ def crust(points: Array) -> Index:
 
 
 def _cotangents(triangles: Array) -> Array:
-    """Cotangents of the angles of triangles, shape (N, 3, 2), at their corners, shape (N, 3)."""
+    """Compute the cotangents of the angles of triangles, shape (N, 3, 2), at their corners, shape (N, 3)."""
     out = np.empty(triangles.shape[:2])
     for k in range(3):
         u, v = triangles[:, (k + 1) % 3] - triangles[:, k], triangles[:, (k + 2) % 3] - triangles[:, k]
@@ -60,7 +60,7 @@ def _cotangents(triangles: Array) -> Array:
 
 
 def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
-    """Contours through unorganized points: the paths of the crust.
+    """Reconstruct contours through unorganized points: the paths of the crust.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ _GAP_SAMPLES = 7
 def close_gaps(graph: Graph, scale_field: ScaleField, reach: float) -> None:
     """Join loose ends to each other and to the sides of curves, which makes a junction; the graph is changed in place.
 
-    The nearest pairs come first. A gap must not be wider than `reach` [px] and have an edge of the image across it.
+    The nearest pairs come first. A gap must not be wider than `max_gap` [px] and have an edge of the image across it.
     """
     ends = graph.ends()
     used = np.flatnonzero(graph.degrees)

@@ -65,7 +65,7 @@ _SMOOTHING_PASSES = 6
 
 @record
 class _Way:
-    """A possible bridge: its cost, its two vertices, and its points including theirs, shape (K, 2)."""
+    """Candidate for a bridge: its cost, its two vertices, and its points including theirs, shape (K, 2)."""
 
     cost: float
     end: int
@@ -87,11 +87,11 @@ def bridge_gaps(
         Changed in place: the vertices of bridges are added.
     scale_field : ScaleField
         Fields of the scale.
-    longest : float
+    max_gap : float
         Widest gap [px]; 0 for none.
     spacing : float
         Largest distance between the vertices of a bridge [px].
-    least : float
+    min_curve_length : float
         Length of the shortest curve that is joined [px].
     """
     ends = _ends(graph, scale_field, least) if longest > 0.0 else {}
@@ -112,7 +112,7 @@ def bridge_gaps(
 
 
 class _Site:
-    """What bridges are built in: the graph, its edges, and the pixels of contours and barriers."""
+    """Surroundings in which bridges are built: the graph, its edges, and the pixels of contours and barriers."""
 
     def __init__(self, graph: Graph, scale_field: ScaleField) -> None:
         self.graph = graph
@@ -127,12 +127,12 @@ class _Site:
             self.blocked |= scale_field.barrier_map.clearance <= 0.0
 
     def strength(self, end: int) -> float:
-        """Edge strength near a loose end, at least the floor."""
+        """Measure the edge strength near a loose end, at least the floor."""
         stretch = last_stretch(self.graph.points[self.graph.branch(end)], _STRENGTH_LENGTH)
         return max(float(self.scale_field.strength(stretch).max()), self.scale_field.floor)
 
     def crossing(self, path: Array, spared: Integers) -> tuple[int, tuple[int, int]] | None:
-        """First segment of a path that crosses an edge of the graph, and that edge; edges at `spared` are ignored."""
+        """Find the first segment of a path, shape (K, 2), that crosses an edge off `spared` vertices, and that edge."""
         edges = self._edges[~np.isin(self._edges, spared).any(axis=1)]
         at, crossed = first_crossing(path, self.graph.points[edges].reshape(-1, 4))
         if crossed < 0:
@@ -141,21 +141,21 @@ class _Site:
         return at, (one, other)
 
     def build(self, end: int, between: Array, other: int) -> None:
-        """Add a bridge to the graph."""
+        """Add a bridge to the graph through new vertices at positions of shape (K, 2)."""
         first = len(self.graph.points)
         self.graph.insert(end, between, other)
         way = np.array([end, *range(first, first + len(between)), other], dtype=np.int64)
         self._edges = np.concatenate([self._edges, np.stack([way[:-1], way[1:]], axis=1)])
 
     def free(self, path: Array, spared: Integers) -> bool:
-        """Whether a path crosses neither a contour nor a barrier."""
+        """Return whether a path, shape (K, 2), crosses neither a contour nor a barrier."""
         return (
             not self.scale_field.barrier_map.crossed(path[:-1], path[1:]).any() and self.crossing(path, spared) is None
         )
 
 
 def _between_ends(graph: Graph, site: _Site, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
-    """Bridges from end to end."""
+    """Yield bridges from end to end."""
     number = np.array(list(ends))
     pairs = number[sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest))].reshape(-1, 2)
     around = graph.way_between(*pairs.T)
@@ -175,7 +175,7 @@ def _between_ends(graph: Graph, site: _Site, ends: dict[int, Array], longest: fl
 
 
 def _to_sides(graph: Graph, site: _Site, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
-    """Bridges from an end to the side of a contour ahead."""
+    """Yield bridges from an end to the side of a contour ahead."""
     sides = np.flatnonzero(graph.degrees > 1)
     if not len(sides):
         return
@@ -199,13 +199,13 @@ def _to_sides(graph: Graph, site: _Site, ends: dict[int, Array], longest: float)
         total, path = _cheapest(costs, places[0, 0], place, graph.points[near])
         goal = np.argmin(np.linalg.norm(graph.points[near] - path[-1], axis=1))
         way = _stopped(graph, site, end, smoothed(path, place, graph.points[near[goal]]))
-        gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther away
+        gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a farther vertex
         if way is not None and gap <= longest and length(way.path) <= _MAX_BRIDGE_DETOUR * gap:
             yield _Way(_SIDE_COST_FACTOR * total, end, way.other, way.path)
 
 
 def _stopped(graph: Graph, site: _Site, end: int, path: Array) -> _Way | None:
-    """A bridge that ends where its path first meets a contour; None if it meets it at a narrow angle."""
+    """Stop a bridge where its path first meets a contour; None if it meets it at a narrow angle."""
     (before,) = graph.neighbors(end)
     meeting = site.crossing(path, (end, before))
     if meeting is None:
@@ -223,7 +223,7 @@ def _stopped(graph: Graph, site: _Site, end: int, path: Array) -> _Way | None:
 def way_across(
     edges: Array, strength: float, ends: Array, directions: Array, blocked: Mask | None = None
 ) -> tuple[float, Array] | None:
-    """Cost and points, shape (K, 2), of the cheapest way between two ends over an edge map; None if it is a detour.
+    """Find the cheapest path between two ends over an edge map; None if it is a detour.
 
     Parameters
     ----------
@@ -234,7 +234,14 @@ def way_across(
     ends, directions : ndarray, shape (2, 2)
         Places that are joined [px], and unit vectors in which curves leave there.
     blocked : ndarray of bool, shape (H, W), optional
-        Pixels that the way should avoid, except around its ends.
+        Pixels that the path should avoid, except around its ends.
+
+    Returns
+    -------
+    cost : float
+        Sum of the costs of its steps.
+    path : ndarray, shape (K, 2)
+        Its points [px].
     """
     (a, b), gap = ends, float(np.linalg.norm(ends[1] - ends[0]))
     guide = continuation(a, directions[0], b, directions[1])
@@ -249,7 +256,7 @@ def way_across(
 
 
 def _costs(edges: Array, strength: float, points: Array, margin: float) -> tuple[Array, Index]:
-    """Cost of a step on every pixel around points, and these pixels, shape (H, W, 2)."""
+    """Compute the cost of a step on every pixel around points, and these pixels, shape (H, W, 2)."""
     last = np.array(edges.shape) - 1
     low = np.clip(np.floor(points.min(axis=0) - margin), 0, last).astype(np.int64)
     high = np.clip(np.ceil(points.max(axis=0) + margin), 0, last).astype(np.int64)
@@ -258,7 +265,7 @@ def _costs(edges: Array, strength: float, points: Array, margin: float) -> tuple
 
 
 def _cheapest(costs: Array, low: Index, start: Array, goals: Array) -> tuple[float, Array]:
-    """Cost and pixels of the cheapest path from a position to one of several others; `low` is the first pixel."""
+    """Find the cheapest path from a position to one of several others and its cost; `low` is the first pixel."""
     pixels = np.clip(np.rint(np.concatenate([start[None], goals]) - low), 0, np.array(costs.shape) - 1)
     first, *last = map(tuple, pixels.astype(int).tolist())
     search = skimage.graph.MCP_Geometric(costs)
@@ -268,7 +275,7 @@ def _cheapest(costs: Array, low: Index, start: Array, goals: Array) -> tuple[flo
 
 
 def smoothed(path: Array, start: Array, end: Array) -> Array:
-    """A pixel path as a smooth curve between two positions."""
+    """Smooth a pixel path, shape (K, 2), into a curve between two positions, shape (2,)."""
     inner = path[(np.linalg.norm(path - start, axis=1) > 1.0) & (np.linalg.norm(path - end, axis=1) > 1.0)]
     smooth = np.concatenate([start[None], inner, end[None]])
     for _ in range(_SMOOTHING_PASSES):
@@ -277,7 +284,7 @@ def smoothed(path: Array, start: Array, end: Array) -> Array:
 
 
 def continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
-    """Cubic curve from a to b in the directions of the two ends."""
+    """Draw the cubic Bezier curve from a to b in the directions of the two ends, shapes (2,); shape (K, 2)."""
     handle = np.linalg.norm(b - a) / 3.0
     t = np.linspace(0.0, 1.0, 4 + int(2.0 * np.linalg.norm(b - a)))[:, None]
     s = 1.0 - t
@@ -285,7 +292,7 @@ def continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
 
 
 def _ends(graph: Graph, scale_field: ScaleField, least: float) -> dict[int, Array]:
-    """Loose ends, and their directions, of curves that are long enough and do not end at a barrier."""
+    """Find the loose ends, and their directions, of curves that are long enough and do not end at a barrier."""
     ways = graph.ways()
     part = graph.parts()
     long = np.bincount(part, ways.lengths)[part] >= least
@@ -297,12 +304,12 @@ def _ends(graph: Graph, scale_field: ScaleField, least: float) -> dict[int, Arra
 
 
 def last_stretch(points: Array, back: float) -> Array:
-    """The vertices of a curve, shape (K, 2), from its first one up to a length along it, at least two [px]."""
+    """Return the vertices of a curve, shape (K, 2), from the first up to a length along it, at least two [px]."""
     return points[: max(int(np.searchsorted(lengths_along(points), back, side="right")), 2)]
 
 
 def direction_at_end(points: Array) -> Array:
-    """Unit vector in which a curve, shape (K, 2), leaves its first vertex."""
+    """Return the unit vector, shape (2,), in which a curve, shape (K, 2), leaves its first vertex."""
     stretch = last_stretch(points, _DIRECTION_LENGTH)
     way = stretch[0] - stretch[-1]
     return way / max(float(np.linalg.norm(way)), 1e-300)

@@ -55,7 +55,7 @@ def drop_unreached(graph: Graph, reached: Mask) -> None:
 
 
 def ratings(graph: Graph, measure: Callable[[Array], Array]) -> tuple[Index, Array]:
-    """Every edge of a graph, shape (E, 2), and its rating, shape (E,), by a measure of points, shape (N, 2).
+    """Rate every edge of a graph, shape (E, 2), by a measure of points, shape (N, 2) -> (N,); ratings have shape (E,).
 
     A closed contour, or one between two junctions, is rated as a whole by its mean, so that a weak stretch does not
     open it. A contour with a loose end is rated stretch by stretch, since it fades gradually.
@@ -75,7 +75,7 @@ def ratings(graph: Graph, measure: Callable[[Array], Array]) -> tuple[Index, Arr
 
 
 def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
-    """Remove everything that is not connected to a vertex of at least the strength `sure`."""
+    """Remove everything not connected to a vertex with a strength, shape (N,), of at least `sure`."""
     ways = graph.ways()
     if not len(ways):
         return
@@ -86,19 +86,19 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
 
 
 def shortest(smoothing: float, parameters: Parameters) -> float:
-    """Least length of a contour for any value of `min_length`, after a Gaussian of `smoothing` px [px]."""
+    """Return the least length of a contour for any `min_length`, after a Gaussian of `smoothing` px [px]."""
     return max(LEAST_LENGTH * parameters.d_min, _LEAST_LENGTH_IN_SIGMA * smoothing)
 
 
 def choose(contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters) -> tuple[Contour, ...]:
-    """The contours of a graph that are neither too short nor degenerate, with their strength and contrast."""
+    """Select the contours that are neither too short nor degenerate, with their strength and contrast."""
     least = max(shortest(scale_field.smoothing, parameters), parameters.min_length)
     chosen = [c for c in contours if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)]
     return measured(chosen, scale_field)
 
 
 def measured(contours: Sequence[Contour], scale_field: ScaleField) -> tuple[Contour, ...]:
-    """The same contours with their strength and contrast."""
+    """Measure the strength of contours, and prepare their contrast."""
     if not contours:
         return ()
     points = np.concatenate([c.points for c in contours])

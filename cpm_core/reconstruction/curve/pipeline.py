@@ -34,7 +34,7 @@ _BRIDGE_SPACING = 2.0
 def find_contours(
     positions: Array, scale_field: ScaleField, parameters: Parameters, at_rest: bool = False
 ) -> tuple[tuple[Contour, ...], tuple[Bridge, ...]]:
-    """Contours that particles have found.
+    """Find the contours through particles.
 
     Parameters
     ----------

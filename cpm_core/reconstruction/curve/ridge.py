@@ -34,14 +34,14 @@ class Ridge(NamedTuple):
 
 
 def ridge_of(scale_field: ScaleField) -> Ridge:
-    """The ridge arrays of a scale, without copies."""
+    """Collect the ridge arrays of a scale, without copies."""
     down, right = scale_field.gradient
     return Ridge(scale_field.edge_map, scale_field.spline, down, right)
 
 
 @compiled
 def height(values: Array, row: float, col: float) -> float:
-    """Bilinear interpolation; positions beyond the image border are clamped to it."""
+    """Interpolate values of shape (H, W) bilinearly; positions beyond the image border are clamped to it."""
     rows, cols = values.shape
     row, col = min(max(row, 0.0), rows - 1.0), min(max(col, 0.0), cols - 1.0)
     above, before = int(row), int(col)
@@ -54,7 +54,7 @@ def height(values: Array, row: float, col: float) -> float:
 
 @compiled
 def uphill(ridge: Ridge, row: float, col: float) -> tuple[float, float]:
-    """Unit vector along the image gradient, which on an edge leads across it; zero where there is no gradient."""
+    """Return the unit vector of the image gradient, which on an edge leads across it; zero without a gradient."""
     down, right = height(ridge.down, row, col), height(ridge.right, row, col)
     size = max(np.sqrt(down * down + right * right), 1e-300)
     return down / size, right / size
@@ -62,7 +62,7 @@ def uphill(ridge: Ridge, row: float, col: float) -> tuple[float, float]:
 
 @compiled
 def spline_height(spline: Array, row: float, col: float) -> float:
-    """Value of a cubic spline from its coefficients, which include `SPLINE_MARGIN` on every side."""
+    """Interpolate by the coefficients of a cubic spline, shape (H, W), with `SPLINE_MARGIN` on every side."""
     rows, cols = spline.shape
     row = min(max(row, -1.0), rows - 2.0 * SPLINE_MARGIN)
     col = min(max(col, -1.0), cols - 2.0 * SPLINE_MARGIN)
@@ -79,7 +79,7 @@ def spline_height(spline: Array, row: float, col: float) -> float:
 
 @compiled
 def _weights(t: float) -> tuple[float, float, float, float]:
-    """Cubic B-spline weights of the four pixels around a position that is `t` beyond the second."""
+    """Compute the cubic B-spline weights of the four pixels around a position that is `t` beyond the second."""
     u = 1.0 - t
     return (
         u * u * u / 6.0,
@@ -91,7 +91,7 @@ def _weights(t: float) -> tuple[float, float, float, float]:
 
 @compiled
 def slope(ridge: Ridge, row: float, col: float) -> float:
-    """Difference of the edge map on both sides of a position, along the image gradient."""
+    """Compute the difference of the edge map on both sides of a position, along the image gradient."""
     down, right = uphill(ridge, row, col)
     ahead = spline_height(ridge.spline, row + PROBE * down, col + PROBE * right)
     return ahead - spline_height(ridge.spline, row - PROBE * down, col - PROBE * right)

@@ -46,12 +46,12 @@ abrupt end is blurred."""
 
 
 def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:
-    """Join points along the ridge.
+    """Trace ridges from point to point.
 
     Parameters
     ----------
     points : ndarray, shape (N, 2)
-        Distinct points on the ridge, `ridge_points` [px].
+        Distinct points on the ridge, `refine_to_ridge` [px].
     scale_field : ScaleField
         Fields of the scale.
     d_min : float
@@ -91,7 +91,7 @@ def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = 
 
 
 def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
-    """Points as seeds, moved exactly onto the ridge."""
+    """Sort points into seeds by pixel, moved exactly onto the ridge."""
     place = np.array(points, dtype=float)
     ahead = np.zeros_like(place)
     share(
@@ -128,7 +128,7 @@ class _Walks:
         met = np.full(len(seeds), -1, np.int64)
         found: dict[int, list[tuple[Array, Index]]] = {}
 
-        def work(first: int, last: int) -> None:
+        def follow_share(first: int, last: int) -> None:
             own = found[first] = []
             way = np.empty((self._longest + 2, 4))
             while first < last:
@@ -137,7 +137,7 @@ class _Walks:
                 first, added, joined = walk(*self._walked, seeds, met, sign, loose, first, last, way, vertices, edges)
                 own.append((vertices[:added], edges[:joined]))
 
-        share(work, len(seeds), _LEAST_SEEDS_PER_THREAD)
+        share(follow_share, len(seeds), _LEAST_SEEDS_PER_THREAD)
         for first in sorted(found):
             for vertices, edges in found[first]:
                 self._vertices.append(vertices)
@@ -146,5 +146,5 @@ class _Walks:
         return met
 
     def graph(self) -> tuple[Array, Index]:
-        """Vertices, the seeds first, and edges."""
+        """Return all vertices, the seeds first, shape (M, 2), and edges, shape (E, 2)."""
         return np.concatenate(self._vertices), np.concatenate(self._edges)

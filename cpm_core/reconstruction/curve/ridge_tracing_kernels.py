@@ -1,6 +1,6 @@
 """Following the ridge in small steps: the compiled loops of `ridge_tracing`.
 
-They see barriers as a `BarrierMap`.
+Barriers are passed as a `BarrierMap`.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class Seeds(NamedTuple):
 
 @compiled
 def place_on_ridge(ridge: Ridge, place: Array, ahead: Array, step: float, first: int, last: int) -> None:
-    """Move some seeds onto the ridge, and write its direction there."""
+    """Move seeds `first` to `last`, shape (N, 2), onto the ridge, and write its direction there, shape (N, 2)."""
     farthest = _MAX_SIDEWAYS * step
     for i in range(first, last):
         down, right = uphill(ridge, place[i, 0], place[i, 1])
@@ -99,10 +99,10 @@ def walk(
     vertices: Array,
     edges: Index,
 ) -> tuple[int, int, int]:
-    """Paths from some of the seeds, until all are done or the output arrays are full.
+    """Trace paths from some of the seeds, until all are done or the output arrays are full.
 
-    Returns the next seed to begin with, and the numbers of added vertices and edges. The new vertices are numbered from
-    -1 downward, since the number of earlier vertices is not yet known.
+    Returns the next seed to begin with, and the numbers of added vertices, shape (M, 2), and edges, shape (E, 2). The
+    new vertices are numbered from -1 downward, since the number of earlier vertices is not yet known.
     """
     added, joined = 0, 0
     while first < last and added + len(way) < len(vertices) and joined + len(way) < len(edges):
@@ -115,7 +115,7 @@ def walk(
             way[steps, 0], way[steps, 1] = seeds.place[other, 0], seeds.place[other, 1]
         elif not loose:
             continue
-        at, one = steps - steps, i  # a plain 0 would compile the function below a second time, for a constant
+        at, one = steps - steps, i  # a literal 0 would make Numba compile the function below once more
         while at < steps:
             ahead = _straight_to(way, at, steps)
             to = other
@@ -131,7 +131,7 @@ def walk(
 
 @compiled
 def _straight_to(way: Array, first: int, last: int) -> int:
-    """Last vertex up to which all vertices of a path are near the straight line."""
+    """Return the last vertex up to which all vertices of a path are near the straight line."""
     for end in range(first + 2, last + 1):
         down, right = way[end, 0] - way[first, 0], way[end, 1] - way[first, 1]
         squared = max(down * down + right * right, 1e-300)
@@ -191,7 +191,7 @@ def _follow(
 def _meets(
     seeds: Seeds, i: int, sign: float, row: float, col: float, down: float, right: float, length: float, step: float
 ) -> int:
-    """Seed near a position on the path with the same direction; -1 for none."""
+    """Find the seed near a position on the path with the same direction; -1 for none."""
     near = _MEETING_DISTANCE * step
     best, nearest = -1, near * near
     for k in range(int(max(row - near, 0.0) + 0.5), int(min(row + near, seeds.head.shape[0] - 1.0) + 0.5) + 1):
@@ -210,7 +210,7 @@ def _meets(
 def _advance(
     ridge: Ridge, row: float, col: float, down: float, right: float, sign: float, step: float
 ) -> tuple[bool, bool, float, float, float, float]:
-    """One step along the ridge.
+    """Advance one step along the ridge.
 
     Returns whether the ridge continues, whether it leaves the image (the position is then at the image border), the
     position, and the direction there.
@@ -241,7 +241,7 @@ def _advance(
 
 @compiled
 def _part_inside(image: Array, row: float, col: float, to_row: float, to_col: float) -> float:
-    """Fraction of a straight line from a position in the image that lies inside."""
+    """Return the fraction of a straight line from a position in the image that lies inside."""
     part = 1.0
     rows, cols = image.shape
     for at, to, last in ((row, to_row, rows - 1.0), (col, to_col, cols - 1.0)):
@@ -254,7 +254,7 @@ def _part_inside(image: Array, row: float, col: float, to_row: float, to_col: fl
 
 @compiled
 def _cut(image: Array, row: float, col: float, to_row: float, to_col: float, part: float) -> tuple[float, float]:
-    """End of a straight line, cut off at the image border."""
+    """Return the end of a straight line, cut off at the image border."""
     if part < 1.0:
         to_row = min(max(row + part * (to_row - row), 0.0), image.shape[0] - 1.0)
         to_col = min(max(col + part * (to_col - col), 0.0), image.shape[1] - 1.0)
@@ -287,7 +287,7 @@ def _correct(
 
 @compiled
 def _direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float]:
-    """Direction of the ridge at a position, with the brighter side always on the same hand; False off a ridge."""
+    """Return the direction of the ridge at a position, the brighter side always on the same hand; False off a ridge."""
     e = _SLOPE_DIFFERENCE
     down = slope(ridge, row - e, col) - slope(ridge, row + e, col)
     right = slope(ridge, row, col - e) - slope(ridge, row, col + e)

@@ -47,7 +47,7 @@ def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask
     refined : ndarray, shape (N, 2)
         Points on the ridge.
     found : ndarray of bool, shape (N,)
-        Whether there was a ridge within `FARTHEST` of the point.
+        Whether there was a ridge within `MAX_RIDGE_DISTANCE` of the point.
     """
     ridge = ridge_of(scale_field)
     place = np.array(positions, dtype=float)

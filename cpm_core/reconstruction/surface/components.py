@@ -1,4 +1,4 @@
-"""Components of a surface that enough particles bear out, and regions away from particles that lie inside."""
+"""Components of a surface with enough particles, and the side of regions away from all particles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _LEAST_SUPPORTED_SHARE = 0.25
 
 
 def support(vertices: Array, points: Array, distance: float) -> Mask:
-    """Which vertices have a point within a distance."""
+    """Return whether vertices, shape (N, 3), have one of the points, shape (M, 3), within a distance, shape (N,)."""
     return np.asarray(scipy.spatial.KDTree(points).query(vertices)[0] <= distance)
 
 
@@ -37,9 +37,22 @@ def well_supported(
     spacing: Sides,
     unit: str | None,
 ) -> Surface:
-    """Surface of the components that are not left out; `supported` marks which vertices have a particle near.
+    """Keep the components of a surface that enough particles support.
 
     A particle belongs to the component of the vertex next to it.
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (N, 3)
+        Vertices [voxels].
+    faces : ndarray of int64, shape (F, 3)
+        Vertices of each triangle.
+    points : ndarray, shape (M, 3)
+        Particles [voxels].
+    supported : ndarray of bool, shape (N,)
+        Whether each vertex has a particle near.
+    spacing, unit
+        Size of a voxel along each axis, and its unit.
     """
     whole = Surface(vertices, faces, spacing, unit)
     if not len(faces):
@@ -57,19 +70,19 @@ def well_supported(
 
 
 def is_borne_out(particles: Index, share: Array) -> Mask:
-    """Which components stay, by the number of their particles and the share of vertices that have one near."""
+    """Return whether components have enough particles, and share of vertices with one near; all of shape (C,)."""
     return (particles >= max(_LEAST_COMPONENT_PARTICLES, _LEAST_PARTICLE_SHARE * particles.max(initial=0))) & (
         share >= _LEAST_SUPPORTED_SHARE
     )
 
 
 def typical_distance(places: Array) -> float:
-    """Typical distance between neighboring places, shape (N, 3), in their unit."""
+    """Return the typical distance between neighboring places, shape (N, 3), in their unit."""
     return float(np.median(distances_between(places)))
 
 
 def distances_between(places: Array) -> Array:
-    """Distance of each of places, shape (N, 3), from about its nearest neighbors, in their unit."""
+    """Measure the distance of places, shape (N, 3), from about their nearest neighbors, shape (N,), in their unit."""
     return np.asarray(scipy.spatial.KDTree(places).query(places, [min(_NEIGHBOR_RANK, len(places) - 1) + 1])[0])[:, 0]
 
 
@@ -78,16 +91,17 @@ FAR = 4.0
 
 
 def fill_regions(height: Single) -> None:
-    """Replace NaN in a height by `FAR` or its negative, region by region, by the sign of most of the voxels around.
+    """Replace NaN in a height, shape (P, R, C), region by region, by the sign of most of the voxels around.
 
-    The outermost voxels become infinite: they belong to no region, nor do others that are infinite.
+    The value is `HEIGHT_AWAY_FROM_PARTICLES` or its negative. The outermost voxels become infinite: they belong to no
+    region, nor do others that are infinite.
     """
     parts, votes = unknown_regions(height)
     parts.fill(np.where(votes > 0, np.float32(FAR), np.float32(-FAR)), height)
 
 
 def unknown_regions(height: Single) -> tuple[Parts, Index]:
-    """Regions of NaN in a height, whose outermost voxels become infinite, and how many more around are above zero."""
+    """Find regions of NaN in a height, shape (P, R, C), and for each the surplus of voxels around above zero."""
     set_border(height, np.inf)
     parts = parts_of(np.isnan(height), corners=False)
     votes = np.zeros(parts.count, np.int64)
@@ -96,14 +110,14 @@ def unknown_regions(height: Single) -> tuple[Parts, Index]:
 
 
 def set_border(height: Single, value: float) -> None:
-    """Set the outermost voxels."""
+    """Set the outermost voxels of a height, shape (P, R, C)."""
     for axis in range(3):
         np.moveaxis(height, axis, 0)[[0, -1]] = value
 
 
 @compiled
 def _vote(begin: Index, first: Labels, end: Labels, part: Index, height: Single, votes: Index) -> None:
-    """Add up, for each part of some voxels within, how many more around lie above zero than below."""
+    """Count, for each part, the surplus of the voxels around it that lie above zero over those below."""
     rows = height.shape[1]
     for row in range(len(begin) - 1):
         p, r = row // rows, row % rows

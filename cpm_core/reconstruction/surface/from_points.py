@@ -31,7 +31,7 @@ _MAX_GRID_STEPS = 400_000_000
 
 
 def implicit_surface(points: Array, normals: Array, apart: float) -> tuple[Array, Index]:
-    """Vertices and triangles of a closed surface through points, shape (N, 3), with unit normals outward.
+    """Build a closed surface, vertices and triangles, through points, shape (N, 3), with unit normals outward.
 
     `apart` is the typical distance between the points, in their unit. ValueError when they are strewn so far apart
     that the grid would not fit into memory.
@@ -87,11 +87,11 @@ _LEAST_LINK_COST = 1e-6
 
 
 def estimated_normals(points: Array, apart: float) -> Array:
-    """Unit normals of points, shape (N, 3), outward; `apart` is the typical distance between them.
+    """Estimate unit normals of points, shape (N, 3), outward; `apart` is the typical distance between them.
 
     The normal is the direction in which the neighbors spread least. Its sign spreads from point to point along the
-    links where normals agree best (Hoppe et al. 1992, DOI 10.1145/133994.134011). What lies inside another surface,
-    like the inner wall of a shell, is the surface of a hollow, and points inward.
+    links where normals agree best (Hoppe et al. 1992, DOI 10.1145/133994.134011). A part inside another surface, like
+    the inner wall of a shell, is the surface of a hollow, and its normals point inward.
     """
     tree = scipy.spatial.KDTree(points)
     near = np.asarray(tree.query(points, min(_NORMAL_NEIGHBORS, len(points) - 1) + 1)[1])
@@ -122,7 +122,7 @@ def estimated_normals(points: Array, apart: float) -> Array:
 
 
 def hollow(points: Array, normals: Array, part: Index) -> Mask:
-    """Which parts, numbered from 0 up, lie inside an odd number of others; normals point out of each by itself."""
+    """Return whether parts, numbered by `part` (N,), lie inside an odd number of others; the arrays have N rows."""
     members = [np.flatnonzero(part == number) for number in range(int(part.max()) + 1)]
     within = np.zeros(len(members), int)
     for outer, around in enumerate(members):
@@ -149,7 +149,7 @@ _MAX_EXTENT = 1e100
 
 
 def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> Surface:
-    """Surface through points that lie densely on it, without the volume in which they were found.
+    """Reconstruct a surface from points that lie densely on it, without the volume in which they were found.
 
     Parameters
     ----------

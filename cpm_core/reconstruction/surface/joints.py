@@ -1,18 +1,18 @@
-"""Parts of the inside that hang together other than through a wall: by necks thinner than the voxels, and by threads.
+"""Connections between parts of the inside: necks thinner than the voxels, and thin vessels.
 
 Where a vessel is about as thin as a voxel, the smoothed volume may sink below the local threshold although the vessel
-continues. Between two parts the way along which the volume stays highest passes a saddle; if it lies in a neck, the
-voxels of the way are raised. The ways make no loop, since each joins two parts that were apart.
+continues. The path between two parts along which the volume stays highest passes a saddle; if the saddle lies in a
+neck, the voxels of the path are raised. The paths form no loop, since each joins two parts that were separate.
 
-At a saddle between two parts the gray levels rise toward both. Across that way they fall on all sides along a neck,
-as steeply as they rise along it; in a gap between two objects they hardly change. And where objects are truly apart,
-edges face each other: particles sit on both banks with normals that point across, while along a neck they sit next to
-the way and their normals point away from it.
+At a saddle the gray levels rise toward both parts. Across the path they fall: in a neck on all sides, as steeply as
+they rise along it; in a gap between two objects they hardly change. Where objects are truly separate, edges face each
+other: particles sit on both banks with normals that point across, while in a neck they sit next to the path and their
+normals point away from it.
 
-Threads are vessels so thin and faint that no particle stays on them. The way between two parts along which the volume
-stays brightest runs along such a vessel. It differs from a chance way through noise by its contrast against what is
-around it, all along, in units of the noise, and from the blur between two objects by its length: blur does not reach
-that far.
+Thin vessels are so thin and faint that no particle stays on them. The path between two parts along which the volume
+stays brightest runs along such a vessel. It differs from a chance path through noise by its contrast against its
+surroundings everywhere along it, in units of the noise, and from the blur between two objects by its length: blur does
+not reach that far.
 """
 
 from __future__ import annotations
@@ -54,10 +54,22 @@ _BANK_OVERLAP = 0.3
 
 @record
 class Surroundings:
-    """What is known around saddles: gray levels that are higher inside than outside, and particles on the edges.
+    """Volume and particles around saddles, where gray levels are higher inside than outside.
 
-    The smoothed volume; 1, or -1 where the inside is darker; positions [voxels] of the particles, shape (N, 3), with
-    unit vectors away from the inside and the steepness of the edges; and the sides of a voxel, the smallest being 1.
+    Attributes
+    ----------
+    volume : ndarray of float32, shape (P, R, C)
+        Smoothed volume.
+    sign : float
+        1, or -1 where the inside is darker.
+    points : ndarray, shape (N, 3)
+        Particles on the edges [voxels].
+    normals : ndarray, shape (N, 3)
+        Unit vectors away from the inside.
+    slopes : ndarray, shape (N,)
+        Steepness of the edges [gray levels / smallest side of a voxel].
+    size : ndarray, shape (3,)
+        Sides of a voxel [smallest sides].
     """
 
     volume: Single
@@ -72,7 +84,7 @@ class Surroundings:
         return scipy.spatial.KDTree(self.points * self.size)
 
     def on_a_ridge(self, way: Index, saddle: Index) -> bool:
-        """Whether gray levels fall to all sides of a way, shape (K, 3), nearly as much as they rise along it.
+        """Return whether gray levels fall on all sides of a path, shape (K, 3), nearly as much as they rise along it.
 
         The curvature is the mean over its voxels without both ends, which lie inside. At the saddle alone noise
         decides, and where a thin vessel ends in a thick one the saddle lies on the flank of the thick one.
@@ -85,7 +97,7 @@ class Surroundings:
         return bool(-middle >= max(_LEAST_NECK_CURVATURE * most, _LEAST_NECK_STEEPNESS * self.slopes[near].mean()))
 
     def faces_across(self, way: Index, saddle: Index) -> bool:
-        """Whether edges face each other across a way, shape (K, 3), at its lowest voxel."""
+        """Return whether edges face each other across a path, shape (K, 3), at its lowest voxel."""
         at, across = saddle * self.size, (way[-1] - way[0]) * self.size
         across = across / np.linalg.norm(across)
         near = self._places.query_ball_point(at, _SADDLE_RADIUS)
@@ -117,9 +129,9 @@ _MAX_MEETINGS = 4
 
 
 def join(height: Single, begin: Index, surroundings: Surroundings) -> list[Index]:
-    """Raise the voxels of necks in a height just above zero; `begin` is its first voxel in the volume.
+    """Raise the voxels of necks in a height, shape (P, R, C), just above zero; return those of each in the volume.
 
-    The voxels of each neck are returned, in the volume.
+    `begin` is the first voxel of the height in the volume.
     """
     parts = parts_of(height > 0.0, corners=True)
     passable, every = (height <= 0.0) & (height > -DEEPEST), np.ones(parts.count, bool)
@@ -150,11 +162,11 @@ def ways_over_saddles(
     reach: int,
     joins: Callable[[Index, Index], bool],
 ) -> Iterator[Index]:
-    """Ways between wanted parts over passable voxels, the highest first; they make no loop.
+    """Find paths between wanted parts over passable voxels, the highest first; they make no loop.
 
-    They keep the values as high as possible, which may be changed between one way and the next. Of saddles of the same
-    two parts nearer than `apart` one is looked at, and the way is sought in the voxels up to `reach` around it. `joins`
-    says of a way, shape (K, 3), and its saddle, shape (3,), whether two parts hang together along it.
+    They keep the values as high as possible, which may be changed between one path and the next. Of saddles of the same
+    two parts nearer than `min_separation` one is examined, and the path is searched in the voxels up to `reach` around
+    it. `joins` tells of a path, shape (K, 3), and its saddle, shape (3,), whether it connects two parts.
     """
     if wanted.sum() < 2:
         return
@@ -174,7 +186,7 @@ def ways_over_saddles(
 
 
 def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> Index:
-    """Voxels, and the two parts, where the slopes of different wanted parts meet, the highest first, shape (M, 5)."""
+    """Find the voxels, and the two parts, where the slopes of different parts meet, the highest first, shape (M, 5)."""
     low = np.argwhere(passable)
     low = low[parts.part_at(low) < 0]
     low = low[np.argsort(-values[tuple(low.T)], kind="stable")]
@@ -187,7 +199,7 @@ def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> I
 
 @compiled
 def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, found: Index) -> int:
-    """Give voxels, from high to low, to the part whose slope they lie on; note where two parts meet.
+    """Assign voxels, from high to low, to the part whose slope they lie on; note where two parts meet.
 
     A voxel without a higher neighbor begins a basin of its own, which goes to the first part that reaches it.
     """
@@ -227,9 +239,9 @@ def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, 
 
 
 def way_between(values: Single, parts: Parts, saddle: Index, one: int, other: int, reach: int) -> Index | None:
-    """Shortest way between two parts over voxels no lower than a saddle, through it, ends included; None without.
+    """Find the shortest path, shape (K, 3), between two parts through a saddle, over voxels no lower; None without.
 
-    Voxels up to `reach` from the saddle are looked at.
+    Both ends are included. Voxels up to `reach` from the saddle are examined.
     """
     low = np.maximum(saddle - reach, 0)
     passable = values[tuple(map(slice, low, saddle + reach + 1))] >= values[tuple(saddle)]
@@ -295,9 +307,10 @@ _PATH_END_RADIUS = 4.0
 
 
 def spin(height: Single, begin: Index, surroundings: Surroundings, width: float) -> list[Index]:
-    """Raise the voxels of threads in a height just above zero, and return those of each as `join` does.
+    """Raise the voxels of thin vessels in a height, shape (P, R, C), just above zero; return those of each.
 
-    `begin` is the first voxel of the height in the volume, and `width` that of a smoothed step [smallest sides].
+    `begin` is the first voxel of the height in the volume, and `width` that of a smoothed step [smallest sides]. The
+    returned voxels are those of the volume.
     """
     inner, low = height[1:-1, 1:-1, 1:-1], begin + 1
     parts = parts_of(inner > 0.0, corners=True)
@@ -315,7 +328,7 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
     )
 
     def is_thread(way: Index, _: Index) -> bool:
-        """Whether gray levels fall to all sides of a way, shape (K, 3), all along, by more than noise would."""
+        """Return whether gray levels fall on all sides of a path, shape (K, 3), all along, by more than noise."""
         outside, size = way[parts.part_at(way) < 0] + low.astype(float), surroundings.size
         steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
         if len(outside) <= _AVERAGED_VOXELS or not _SHORTEST_VESSEL * width <= steps.sum() <= _LONGEST_VESSEL * width:
@@ -339,7 +352,7 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
 
 
 def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:
-    """Typical gray level of the background, and the standard deviation of its noise; outliers do not count."""
+    """Estimate the gray level of the background and the standard deviation of its noise; outliers do not count."""
     every, seen, samples = max(int(np.count_nonzero(background)) // _BACKGROUND_SAMPLES, 1), 0, []
     for plane, here in zip(gray, background, strict=True):
         levels = plane[here]
@@ -353,16 +366,15 @@ def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:
 
 
 def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:
-    """How much higher the volume is on a way, shape (K, 3), than around it, shape (K, directions)."""
+    """Measure how much higher the volume is on a path, shape (K, 3), than around it, shape (K, directions)."""
     size = surroundings.size
     places = way * size
     along = scipy.ndimage.uniform_filter1d(np.gradient(places, axis=0), _AVERAGED_VOXELS, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
     helper = np.eye(3)[np.abs(places[-1] - places[0]).argmin()]
     one = np.cross(along, helper)
-    askew = (
-        np.linalg.norm(one, axis=1) < _PARALLEL_SINE
-    )  # a bend of the way runs along the axis that the whole way avoids
+    # where a bend of the path runs along the axis that the path as a whole avoids
+    askew = np.linalg.norm(one, axis=1) < _PARALLEL_SINE
     one[askew] = np.cross(along[askew], np.roll(helper, 1))
     one /= np.linalg.norm(one, axis=1)[:, None]
     other = np.cross(along, one)

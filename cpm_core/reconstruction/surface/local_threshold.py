@@ -28,10 +28,10 @@ _LEAST_BAND_RADIUS = 2.0
 
 @record
 class Levels:
-    """Particles on the edges of a volume, shape (N, 3) [voxels], and what the surface needs to know of each.
+    """Particles on the edges of a volume, shape (N, 3) [voxels], with the local threshold and the slope of the edge.
 
-    The gray level of the smoothed volume at which the edge lies, and the steepness of the edge [gray levels / smallest
-    side of a voxel].
+    The threshold is the gray level of the smoothed volume at which the edge lies, the slope is the steepness of the
+    edge [gray levels / smallest side of a voxel].
     """
 
     points: Array
@@ -47,11 +47,29 @@ class Box(NamedTuple):
 
 
 def height(volume: Single, box: Box, levels: Levels, size: Array, width: float, band: float) -> Single:
-    """Height over the local threshold, within `band` of a particle, NaN elsewhere, in steps of the slope there.
+    """Compute the height over the local threshold within `band` of a particle, in steps of the slope; NaN elsewhere.
 
-    That is about the distance to the edge, in smallest sides of a voxel. The height of a box of the volume is found,
-    which may reach beyond the border: there the outermost voxels go on. `size` holds the sides of a voxel, `width` is
-    that of the Gaussian, and `band` a distance, all in the same unit.
+    It is about the distance to the edge, in smallest sides of a voxel.
+
+    Parameters
+    ----------
+    volume : ndarray of float32, shape (P, R, C)
+        Smoothed volume.
+    box : VoxelBox
+        Part of it, which may reach beyond the border: there the outermost voxels continue.
+    levels : LocalThresholds
+        Particles and their thresholds.
+    size : ndarray, shape (3,)
+        Sides of a voxel [smallest sides].
+    width : float
+        Width of the Gaussian that spreads the thresholds [smallest sides].
+    band : float
+        Distance from a particle up to which the height is known [smallest sides].
+
+    Returns
+    -------
+    ndarray of float32, shape `box.shape`
+        The height.
     """
     found = np.full(box.shape, np.nan, np.float32)
     radii = np.maximum(band / size, _LEAST_BAND_RADIUS)
@@ -62,15 +80,15 @@ def height(volume: Single, box: Box, levels: Levels, size: Array, width: float, 
     _mark(found, points, radii)
     weight = -0.5 / width**2
 
-    def work(first: int, last: int) -> None:
+    def compute_planes(first: int, last: int) -> None:
         _height(volume, box.begin, found, points, thresholds, slopes, begin, cells, size, reach, weight, first, last)
 
-    share(work, len(found), _LEAST_PLANES_PER_THREAD)
+    share(compute_planes, len(found), _LEAST_PLANES_PER_THREAD)
     return found
 
 
 def _in_cells(places: Array, extent: Array, side: float) -> tuple[Index, NDArray[np.int32], Index]:
-    """Order of places by cubic cells, the first place of each cell, and the number of cells along each axis."""
+    """Sort places by cubic cells: their order, the first place of each cell, and the cells along each axis."""
     cells = (extent / side).astype(np.int64) + 1
     at = np.clip((places / side).astype(np.int64), 0, cells - 1)
     cell = (at[:, 0] * cells[1] + at[:, 1]) * cells[2] + at[:, 2]

@@ -1,6 +1,6 @@
 """From particles on the edges of a volume to a surface that is closed, oriented and manifold by construction.
 
-The surface parts what is brighter than the edges from what is darker, nested walls included. Where two bright regions
+The surface separates the bright from the dark side of the edges, nested walls included. Where two bright regions
 of different gray levels touch, both are inside, and a thin slit, which may have bridges, runs along the wall between
 them. A thin sheet between two regions of the same gray level is a body with two sides.
 """
@@ -55,7 +55,7 @@ def find_surface(
     smoothing: float = 1.0,
     shut: Mask | None = None,
 ) -> Surface:
-    """Surface through particles that rest on the edges of a smoothed volume, shape (N, 3) [voxels].
+    """Find the surface through particles that rest on the edges of a smoothed volume, shape (N, 3) [voxels].
 
     `smoothing` is the width of the Gaussian that has smoothed it, in smallest sides of a voxel. The surface leaves out
     the voxels that are `shut`: objects get a flat end there, as at the border of the volume. It has no triangles when
@@ -92,7 +92,7 @@ def find_surface(
 
 
 def levels_of(volume: Single, edges: Edges, points: Array, size: Array, smoothing: float) -> tuple[Levels, Array]:
-    """Particles moved to the ridge, with what the surface needs to know of them and unit vectors away from bright.
+    """Move particles, shape (N, 3) [voxels], to the ridge; return their thresholds, and their normals away from bright.
 
     The arguments are those of `find_surface`, and `size` holds the sides of a voxel.
     """
@@ -103,14 +103,14 @@ def levels_of(volume: Single, edges: Edges, points: Array, size: Array, smoothin
 
 
 def width_and_band(apart: float) -> tuple[float, float]:
-    """Width of the Gaussian and thickness of the band, from the typical distance between particles."""
+    """Return the width of the Gaussian and the thickness of the band, from the typical distance between particles."""
     return max(_THRESHOLD_SPREAD * apart, _LEAST_THRESHOLD_SPREAD), max(_BAND_THICKNESS * apart, _LEAST_BAND_THICKNESS)
 
 
 def _settle(found: Single, left_out: Mask | None) -> float:
     """Decide on every voxel of a height, its rim being outside; return -1 if bright and dark were exchanged.
 
-    An object may be darker than what is around it: the inside is not on the side that most of the border lies on.
+    An object may be darker than its surroundings: the inside is the side that less of the border lies on.
     """
     if left_out is not None:
         found[left_out] = np.inf

@@ -1,7 +1,7 @@
 """Particles on an edge in a volume, to a fraction of a voxel: on the ridge of the edge map, and where the edge was.
 
-Smoothing moves a curved edge. A ball or a tube shrinks a little, a hollow grows, and what is thinner than the Gaussian
-swells. The movement depends on the two principal curvatures, one independently of the other, and is undone.
+Smoothing moves a curved edge. A ball or a tube shrinks a little, a hollow grows, and anything thinner than the
+Gaussian swells. The movement depends on the two principal curvatures, one independently of the other, and is undone.
 """
 
 from __future__ import annotations
@@ -24,19 +24,20 @@ _MAX_EDGE_SHIFT = 1.0
 
 
 def gray_at(volume: Single, points: Array) -> Array:
-    """Gray levels of a volume at points, shape (N, 3) [voxels], shape (N,)."""
+    """Interpolate the gray levels of a volume at points, shape (N, 3) [voxels], shape (N,)."""
     return interpolate(volume[None], points)[:, 0]
 
 
 def step_width(smoothing: float) -> float:
-    """Width of the Gaussian as which a sharp edge is seen after one of width `smoothing` [smallest sides]."""
+    """Return the width of a sharp edge as seen after a Gaussian of width `smoothing` [smallest sides]."""
     return float(np.sqrt(smoothing**2 + _VOXEL_VARIANCE))
 
 
 def levels_at(volume: Single, edges: Edges, points: Array, size: Array, width: float) -> tuple[Levels, Array]:
-    """What the surface needs to know of particles on a ridge, and their normals away from the bright side.
+    """Measure the thresholds and slopes of particles on a ridge, shape (N, 3) [voxels], and their normals (N, 3).
 
-    `size` holds the sides of a voxel, and `width` is that of a smoothed step, both in smallest sides of a voxel.
+    Normals point away from the bright side. `size` holds the sides of a voxel, and `width` is that of a smoothed step,
+    both in smallest sides of a voxel.
     """
     normals, bent = _bends(volume, points, size)
     curved, shift = _shift_of_tubes()
@@ -46,9 +47,10 @@ def levels_at(volume: Single, edges: Edges, points: Array, size: Array, width: f
 
 
 def _bends(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:
-    """Unit vectors against the slope of a volume at points [voxels], in units of length.
+    """Compute unit vectors against the slope of a volume at points [voxels], and the principal curvatures there.
 
-    With the two principal curvatures of the surfaces of equal gray level there, positive where bright is convex.
+    Both are in units of length. The curvatures are those of the surfaces of equal gray level, positive where bright is
+    convex.
     """
     steps, at = np.eye(3), gray_at(volume, points)
     ahead, behind = ([gray_at(volume, points + sign * step) for step in steps] for sign in (1, -1))
@@ -72,7 +74,7 @@ def _bends(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:
 
 @cache
 def _shift_of_tubes() -> tuple[Array, Array]:
-    """Curvature of the ridge, and what its radius lacks, of tubes under a Gaussian of width 1, from straight up."""
+    """Tabulate the curvature of the ridge, and the shift of its radius, of tubes under a Gaussian of width 1."""
     radii = np.geomspace(40.0, 0.05, 200)
     around = np.linspace(0.5, 46.0, 9101)
     ridges = []
