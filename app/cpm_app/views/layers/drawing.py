@@ -278,17 +278,17 @@ class DrawingLayer(Layer):
 
     def _show_starts(self) -> None:
         """Show lines, areas and handles; hide the seeds during a run, because they would cover its particles."""
-        chosen, shapes = self.selected, self._shapes
-        rest = [shape for shape in shapes if shape is not chosen]
+        selected, shapes = self.selected, self._shapes
+        rest = [shape for shape in shapes if shape is not selected]
         self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
         self._areas.show([shape.outline for shape in rest if _is_area(shape)])
-        self._chosen.show(_outlines([chosen] if isinstance(chosen, _Line | Grid | Threshold | Limit) else []))
+        self._chosen.show(_outlines([selected] if isinstance(selected, _Line | Grid | Threshold | Limit) else []))
         # A selected circle shows handles; a selected stroke can be recognized only by its particles.
-        pointed = [chosen] if isinstance(chosen, Points | Stroke) else []
+        pointed = [selected] if isinstance(selected, Points | Stroke) else []
         self._chosen_points.show(_particles(pointed))
         seen = () if self.scene.has_particles else rest if pointed else shapes
         self._seeds.show(_particles([shape for shape in seen if isinstance(shape, _Line | Points | Grid)]))
-        self._handles.show(chosen.handles() if chosen else ())
+        self._handles.show(selected.handles() if selected else ())
         self._show_computed()
 
     def _show_computed(self) -> None:
@@ -300,18 +300,18 @@ class DrawingLayer(Layer):
 
     def _show_limits_and_charges(self) -> None:
         """Show regions, barriers and placed charges."""
-        chosen, shapes = self.selected, self._shapes
+        selected, shapes = self.selected, self._shapes
         regions = [shape for shape in shapes if isinstance(shape, Region)]
         self._dim.show(regions)
         self._regions.show(_outlines(regions))
         self._barriers.show(_outlines([shape for shape in shapes if isinstance(shape, Barrier)]))
         charges = [shape for shape in shapes if isinstance(shape, _AnyCharge)]
         self._rings.show([_ring(charge, RADIUS) for charge in charges], [_color(charge) for charge in charges])
-        self._reach.show([_ring(chosen, REACH)] if isinstance(chosen, _AnyCharge) else [])
+        self._reach.show([_ring(selected, REACH)] if isinstance(selected, _AnyCharge) else [])
         charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
         places = [charge.position for charge in charges]
         rims = [
-            _cached_pen(theme.CHOSEN, width=2.6) if each is chosen else _cached_pen(theme.HALO, width=1.4)
+            _cached_pen(theme.CHOSEN, width=2.6) if each is selected else _cached_pen(theme.HALO, width=1.4)
             for each in charges
         ]
         self._charges.show(
@@ -325,12 +325,12 @@ class DrawingLayer(Layer):
     def fade(self) -> None:
         """Set the opacity; starts are faint behind a run."""
         super().fade()
-        chosen = self.selected
-        if self.scene.has_particles and not isinstance(chosen, Start | StartSection):
+        selected = self.selected
+        if self.scene.has_particles and not isinstance(selected, Start | StartSection):
             for item in self._starts:
                 item.setOpacity(self.opacity * _BEHIND_RUN_OPACITY)
         for kind, discs in self.computed.items():
-            strong = isinstance(chosen, Threshold) if kind is None else chosen == Everywhere(kind)
+            strong = isinstance(selected, Threshold) if kind is None else selected == Everywhere(kind)
             discs.setOpacity(self.opacity * (1.0 if strong else _COMPUTED_OPACITY))
 
 

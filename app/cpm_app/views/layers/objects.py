@@ -141,9 +141,9 @@ class ObjectLayer(Layer):
     def _paths_of(self, numbers: Iterable[int]) -> list[Array]:
         """Find the boundaries of objects by number and of proposals by key, each of shape (K, 2)."""
         wanted = set(numbers)
-        chosen = [found for key, found in self._proposals if key and key in wanted]
+        proposals = [found for key, found in self._proposals if key and key in wanted]
         own = [path for number, (_, paths) in self._paths.items() if number in wanted for path in paths]
-        return [*own, *_outlines(chosen)]
+        return [*own, *_outlines(proposals)]
 
     def _show_proposals(self) -> None:
         found = [selection for _, selection in self._proposals]
