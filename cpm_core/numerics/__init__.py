@@ -1,4 +1,4 @@
-"""What the model computes with: compiled loops and their cache, threads, and the geometry of lines in the plane."""
+"""Numerical foundations of the model: compiled loops and their cache, threads, grids, and the geometry of lines."""
 
 from cpm_core.numerics.jit import compiled as compiled
 from cpm_core.numerics.parallel import cores as cores

@@ -1,4 +1,4 @@
-"""Grids of values: the largest and the mean one around every pixel, a part at a time, and what hangs together."""
+"""Grids of values: local maxima and means, processing by windows and bands, and connected parts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
 Labels = NDArray[np.int32]
-"""Numbers of parts, or columns."""
+"""Numbers of parts or columns, in 32 bits."""
 
 Values = TypeVar("Values", Array, Mask)
 Filling = TypeVar("Filling", Single, Labels)
@@ -31,14 +31,14 @@ def whole_window(shape: Extent) -> Window:
 
 
 def around(window: Window, margin: int, shape: Extent) -> Window:
-    """A window with so many pixels around it, as far as a grid of this shape has them."""
+    """Return a window with a margin of pixels around it, cut off at the border of a grid of this shape."""
     return tuple(
         slice(max(side.start - margin, 0), min(side.stop + margin, n)) for side, n in zip(window, shape, strict=True)
     )
 
 
 def running_maximum(values: Values, reach: int) -> Values:
-    """Maximum over a box around every pixel, cut off at the border; of a mask, whether any pixel of the box is true.
+    """Return the maximum over a box around every pixel, cut off at the border; of a mask, whether any pixel is true.
 
     The box reaches `reach` pixels to both sides along all axes. The result has the shape of `values`. Whole arrays are
     compared with shifted copies, one axis after the other: for small boxes this is several times faster than a filter
@@ -56,24 +56,24 @@ def running_maximum(values: Values, reach: int) -> Values:
 
 
 def relative(window: Window, outer: Window) -> Window:
-    """A window in pixels of another one around it."""
+    """Return a window in the pixel coordinates of an outer window that contains it."""
     return tuple(slice(a.start - b.start, a.stop - b.start) for a, b in zip(window, outer, strict=True))
 
 
 def tiles(shape: Extent, side: int) -> list[Window]:
-    """Windows of this side, or less at the end of an axis, that make up a grid of this shape."""
+    """Split a grid of this shape into windows of this side, smaller at the end of an axis."""
     axes = ([slice(at, min(at + side, n)) for at in range(0, n, side)] for n in shape)
     return list(product(*axes))
 
 
 def sides_of(window: Window) -> tuple[int, ...]:
-    """Lengths of the sides of a window."""
+    """Return lengths of the sides of a window."""
     return tuple(side.stop - side.start for side in window)
 
 
 @record
 class Parts:
-    """The connected parts of a mask of three axes, as runs of voxels along the last one.
+    """Connected parts of a mask of three axes, as runs of voxels along the last one.
 
     `begin` has the first run of each row, shape (P R + 1,); the runs have the first column, the one behind the last,
     and the number of the part.
@@ -113,14 +113,14 @@ class Parts:
         return found
 
     def part_at(self, voxels: Index) -> Index:
-        """Part that voxels, shape (N, 3), belong to; -1 where the mask is False."""
+        """Return the part of each voxel, shape (N, 3), as shape (N,); -1 where the mask is False."""
         found = np.empty(len(voxels), np.int64)
         _look_up(self.begin, self.first, self.end, self.part, self.shape[1], voxels, found)
         return found
 
 
 def parts_of(mask: Mask, *, corners: bool) -> Parts:
-    """Parts of a mask of three axes; with `corners` voxels have 26 neighbors, else 6."""
+    """Find the connected parts of a mask, shape (P, R, C); with `corners` voxels have 26 neighbors, else 6."""
     begin = np.zeros(mask.shape[0] * mask.shape[1] + 1, np.int64)
     first, end = _runs(mask, begin)
     part = np.arange(len(first))
@@ -129,7 +129,7 @@ def parts_of(mask: Mask, *, corners: bool) -> Parts:
 
 @compiled
 def _runs(mask: Mask, begin: Index) -> tuple[Labels, Labels]:
-    """First columns of the runs of a mask, and those behind their last; their number up to each row into `begin`."""
+    """Find the first columns of runs and the columns behind their last; write their number up to each row."""
     planes, rows, cols = mask.shape
     for row in range(planes * rows):
         line, before, count = mask[row // rows, row % rows], False, begin[row]
@@ -154,7 +154,7 @@ def _runs(mask: Mask, begin: Index) -> tuple[Labels, Labels]:
 
 @compiled
 def _join_runs(begin: Index, first: Labels, end: Labels, rows: int, corners: bool, group: Index) -> int:
-    """Number the parts of some runs, each a part at first, in the order of their first ones; return how many."""
+    """Label the connected parts of runs in the order of their first runs; return the number of parts."""
     reach = int(corners)
     for row in range(len(begin) - 1):
         for n in range(4):  # the row before, and three in the plane before
@@ -176,7 +176,7 @@ def _join_runs(begin: Index, first: Labels, end: Labels, rows: int, corners: boo
 
 @compiled
 def renumber(group: Index) -> int:
-    """Number groups from 0 in the order of their first members, which lead to themselves; return how many there are."""
+    """Label groups from 0 in the order of their first members, which lead to themselves; return how many there are."""
     count = 0
     for q in range(len(group)):
         if group[q] == q:
@@ -214,7 +214,7 @@ def _look_up(begin: Index, first: Labels, end: Labels, part: Index, rows: int, v
 
 
 def parts_joined(pairs: Iterable[Index], count: int) -> Index:
-    """Number of the part, from 0, of each of so many items; `pairs`, shape (2, N), belong together."""
+    """Return the number, from 0, of the part of each of `count` items; `pairs`, shape (2, N), are connected."""
     one, other = pairs
     joined = scipy.sparse.coo_array((np.ones(len(one)), (one, other)), (count, count))
     return scipy.sparse.csgraph.connected_components(joined, directed=False)[1].astype(np.int64)
@@ -222,32 +222,32 @@ def parts_joined(pairs: Iterable[Index], count: int) -> Index:
 
 @compiled
 def root(group: Index, k: int) -> int:
-    """First member of the group that a number belongs to; the way to it is shortened."""
+    """Find the first member of the group of an item, `group` of shape (N,), and shorten the path to it."""
     while group[k] != k:
         group[k] = group[group[k]]
         k = group[k]
     return k
 
 
-_NEAREST = 1e-3
+_MIN_RELATIVE_VALUE = 1e-3
 """Least size of a value, in the median size: no vertex lies at a voxel, where triangles would have no area."""
 
-_CORNERS = tuple(product((0, 1), repeat=3))
-"""Corners of a cube of eight voxels; those of the first four are opposite to those of the last four."""
+_CUBE_CORNERS = tuple(product((0, 1), repeat=3))
+"""Corners of a cube of eight voxels; the first four are opposite to the last four."""
 
 
 def zero_surface(values: Single, inner: tuple[tuple[int, int], ...] | None = None) -> tuple[Array, Index]:
-    """Vertices [voxels], shape (N, 3), and triangles, shape (F, 3), of the surface around the voxels above zero.
+    """Return vertices [voxels], shape (N, 3), and triangles, shape (F, 3), of the surface around the voxels above zero.
 
-    Seen from outside, triangles run counter-clockwise. Voxels inside hang together over sides and edges, those outside
-    over sides alone. `inner` is the range of voxels to consider along each axis; the surface is open where it leaves
+    Seen from outside, triangles run counter-clockwise. Voxels inside are connected over faces and edges, those outside
+    over faces alone. `inner` is the range of voxels to consider along each axis; the surface is open where it leaves
     that range.
     """
     begin, end = np.transpose(inner if inner is not None else [(0, size) for size in values.shape])
     part = values[tuple(map(slice, begin, end))]
     if min(part.shape) < 2 or not part.max() > 0.0 >= part.min():
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
-    least = np.float32(_NEAREST) * np.median(np.abs(part), overwrite_input=True)
+    least = np.float32(_MIN_RELATIVE_VALUE) * np.median(np.abs(part), overwrite_input=True)
     darker = -part
     for plane in darker:
         small = np.abs(plane) < least
@@ -256,71 +256,73 @@ def zero_surface(values: Single, inner: tuple[tuple[int, int], ...] | None = Non
     return vertices.astype(float) + begin, faces.astype(np.int64)
 
 
-_PLANES = 16
-"""Planes of cubes that are looked at together."""
+_PLANES_PER_PASS = 16
+"""Number of planes of cubes that are examined together."""
 
 
 def join_corners(values: Single, raised: float) -> None:
-    """Raise voxels of a volume so that two above zero that meet at a corner alone hang together over sides as well."""
+    """Raise voxels of a volume so that two above zero that touch at a corner only are connected over faces as well."""
     inside = values > 0.0
-    for first in range(0, len(values) - 1, _PLANES):
-        part = inside[first : first + _PLANES + 1]
-        corners = {at: part[tuple(slice(k, n - 1 + k) for k, n in zip(at, part.shape, strict=True))] for at in _CORNERS}
+    for first in range(0, len(values) - 1, _PLANES_PER_PASS):
+        part = inside[first : first + _PLANES_PER_PASS + 1]
+        corners = {
+            at: part[tuple(slice(k, n - 1 + k) for k, n in zip(at, part.shape, strict=True))] for at in _CUBE_CORNERS
+        }
         two = np.zeros(corners[0, 0, 0].shape, np.uint8)
         for here in corners.values():
             two += here
         two = two == 2
-        for (plane, row, col), corner in zip(_CORNERS[:4], _CORNERS[:3:-1], strict=True):
+        for (plane, row, col), corner in zip(_CUBE_CORNERS[:4], _CUBE_CORNERS[:3:-1], strict=True):
             joint = np.argwhere(two & corners[plane, row, col] & corners[corner])
             values[tuple((joint + np.array((first + 1 - plane, row, col))).T)] = raised
 
 
 def ends(mask: Mask) -> Index:
-    """First and last position along each axis that hold a true pixel of a mask, which has one; shape (2, D)."""
+    """Return the first and last position along each axis, shape (2, D), of the true pixels of a mask."""
     others = (tuple(k for k in range(mask.ndim) if k != axis) for axis in range(mask.ndim))
     lines = (np.flatnonzero(mask.any(axis=axes)) for axes in others)
     return np.array([[line[0], line[-1]] for line in lines]).T
 
 
 def box_of(mask: Mask) -> Window:
-    """The least window with all true pixels of a mask, which has one."""
+    """Return the smallest window with all true pixels of a mask that is not empty."""
     return tuple(slice(int(first), int(last) + 1) for first, last in ends(mask).T)
 
 
-_REACH = 4.0
-"""Standard deviations after which the Gaussian ends."""
+_GAUSSIAN_TRUNCATION = 4.0
+"""Number of standard deviations at which the Gaussian is cut off."""
 
-_LINES = 32
-"""Rows of a band, which then stays in the cache of a core."""
+_BAND_ROWS = 32
+"""Number of rows of a band, which then stays in the cache of a core."""
 
-_AT_ONCE = 512
-"""Pixels of a row that are summed at once, for the same reason."""
+_SUMMED_PIXELS = 512
+"""Number of pixels of a row that are summed together, for the same reason."""
 
 
-def in_bands(work: Callable[[int, int], object], rows: int, lines: int = _LINES) -> None:
-    """Do some work on bands of so many rows, side by side; it gets the first row of one and the one behind its last."""
+def in_bands(work: Callable[[int, int], object], rows: int, lines: int = _BAND_ROWS) -> None:
+    """Process bands of rows in parallel; `work` gets the first row of a band and the one behind its last."""
 
-    def some(first: int, end: int) -> None:
+    def run_bands(first: int, end: int) -> None:
         for begin in range(lines * first, min(lines * end, rows), lines):
             work(begin, min(begin + lines, rows))
 
-    share(some, -(-rows // lines), 1)
+    share(run_bands, -(-rows // lines), 1)
 
 
 def gaussian_reach(sigma: float) -> int:
-    """Distance after which a Gaussian of a standard deviation ends [px]."""
-    return int(_REACH * sigma + 0.5)
+    """Return the distance at which a Gaussian of standard deviation `sigma` is cut off [px]."""
+    return int(_GAUSSIAN_TRUNCATION * sigma + 0.5)
 
 
 def half_gaussian(sigma: float) -> Array:
-    """Weights of a Gaussian of a standard deviation [px], from its middle to its end."""
+    """Return the weights of a Gaussian of standard deviation `sigma` [px] from its middle on, shape (R + 1,)."""
     weights = np.exp(-0.5 / (sigma * sigma) * np.arange(gaussian_reach(sigma), -1, -1) ** 2)
     weights /= np.concatenate([weights, weights[-2::-1]]).sum()
     return weights[::-1].copy()
 
 
 def smoothed_rows(values: Array, sigma: float, first: int, end: int) -> Array:
-    """Rows of an image, shape (H, W), after a Gaussian of a standard deviation along both axes [px].
+    """Return rows of an image, shape (H, W), after a Gaussian of standard deviation `sigma` along both axes [px].
 
     The image continues beyond its border by its outermost pixels. Rows outside the image are left out. The sums are
     those of `scipy.ndimage.gaussian_filter`, bit for bit, in a tenth of its time.
@@ -338,18 +340,18 @@ def _smooth(values: Array, weights: Array, first: int, smooth: Array) -> None:
     reach, cols = len(weights) - 1, values.shape[1]
     line = np.empty(cols + 2 * reach)
     for i in range(len(smooth)):
-        for left in range(0, cols, _AT_ONCE):
-            right = min(left + _AT_ONCE, cols)
+        for left in range(0, cols, _SUMMED_PIXELS):
+            right = min(left + _SUMMED_PIXELS, cols)
             sum_across(values[:, left:right], first + i, weights, line[reach + left : reach + right])
         extend(line, reach)
-        for left in range(0, cols, _AT_ONCE):
-            right = min(left + _AT_ONCE, cols)
+        for left in range(0, cols, _SUMMED_PIXELS):
+            right = min(left + _SUMMED_PIXELS, cols)
             sum_along(line[left : right + 2 * reach], weights, smooth[i, left:right])
 
 
 @compiled
 def sum_across(lines: Array, at: int, weights: Array, total: Array) -> None:
-    """Write the weighted sum of a line and those before and behind it; the weights are those of one side."""
+    """Write the weighted sum of row `at` of lines, shape (N, M), and rows on both sides, into `total`, shape (M,)."""
     here, last = lines[at], len(lines) - 1
     for j in range(len(total)):
         total[j] = here[j] * weights[0]
@@ -361,14 +363,14 @@ def sum_across(lines: Array, at: int, weights: Array, total: Array) -> None:
 
 @compiled
 def extend(line: Array, reach: int) -> None:
-    """Continue a line at both ends, over so many entries, by its outermost ones."""
+    """Extend a line, shape (N,), at both ends, over `reach` entries, by its outermost inner values."""
     for k in range(reach):
         line[k], line[len(line) - 1 - k] = line[reach], line[len(line) - 1 - reach]
 
 
 @compiled
 def sum_along(line: Array, weights: Array, total: Array) -> None:
-    """Write the weighted sums along a line, which is longer at both ends by the reach of the weights."""
+    """Write the weighted sums along a line, shape (N + 2 reach,), into `total`, shape (N,)."""
     reach = len(weights) - 1
     here = line[reach:]
     for j in range(len(total)):

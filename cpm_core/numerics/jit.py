@@ -1,4 +1,4 @@
-"""How the inner loops of the model are compiled: cached on disk, free of the interpreter's lock, vectorized.
+"""Compilation of the inner loops of the model: cached on disk, free of the interpreter's lock, vectorized.
 
 The loops compute in the order in which they are written and round after each operation. Where no contour depends on the
 last bits, `reordered` lets the compiler choose the order. No loop assumes that values are finite. None starts threads
@@ -19,24 +19,26 @@ from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-_OPTIONS: dict[str, Any] = {
+_NUMBA_OPTIONS: dict[str, Any] = {
     "nogil": True,
     "error_model": "numpy",
     "no_cfunc_wrapper": True,  # it would be compiled with each kernel, and only other languages call it
 }
+"""Options of every kernel."""
 
 
 class _Kernel:
-    """Stands for a compiled function, and is one to Numba; before its first use not even Numba is imported."""
+    """Function that imports Numba and compiles itself on its first use; Numba accepts it as its own."""
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         update_wrapper(self, function)
         self._options, self._compiled = options, None
 
     def _made(self) -> Any:
-        import numba  # a third of what the program imports
+        """Compile the function and keep the result."""
+        import numba  # takes a third of the time of all imports
 
-        made = numba.njit(cache=True, **self._options, **_OPTIONS)(self.__wrapped__)
+        made = numba.njit(cache=True, **self._options, **_NUMBA_OPTIONS)(self.__wrapped__)
         self._compiled = self._compiled or made  # of two threads the first one decides
         return self._compiled
 
@@ -50,7 +52,7 @@ class _Kernel:
 
 
 def _kernel(**options: Any) -> Callable[[Function], Function]:
-    """Compile on the first call, and store the result in Numba's cache."""
+    """Make a decorator that compiles on the first call and stores the result in Numba's cache."""
     return lambda function: _Kernel(function, options)  # type: ignore[return-value]
 
 

@@ -1,4 +1,4 @@
-"""Memory: how much is free, so that work which cannot fit is refused before the system ends the program."""
+"""Free memory, so that work that cannot fit is refused before the system ends the program."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from pathlib import Path
 
 from cpm_core.numerics.types import Extent
 
-_GROUP = Path("/sys/fs/cgroup")
-"""What the system says of the group of processes that this one belongs to, as in a container."""
+_CGROUP_FOLDER = Path("/sys/fs/cgroup")
+"""Limits of the control group that this process belongs to, as in a container."""
 
 
 def free() -> float:
-    """Memory that this process may still take [bytes]; infinite where the system does not say."""
+    """Return the memory that this process may still allocate [bytes]; infinite where the system does not report it."""
     room = math.inf
     with suppress(OSError, ValueError, IndexError, StopIteration):
         lines = Path("/proc/meminfo").read_text().splitlines()
         room = next(1024.0 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
     with suppress(OSError, ValueError):  # "max" is no number: there is no limit
-        most, taken = (int((_GROUP / f"memory.{name}").read_text()) for name in ("max", "current"))
-        parts = (line.split() for line in (_GROUP / "memory.stat").read_text().splitlines())
+        most, taken = (int((_CGROUP_FOLDER / f"memory.{name}").read_text()) for name in ("max", "current"))
+        parts = (line.split() for line in (_CGROUP_FOLDER / "memory.stat").read_text().splitlines())
         given_back = sum(int(count) for name, count in parts if name in ("inactive_file", "active_file"))
         room = min(room, float(max(most - taken + given_back, 0)))
     return room
 
 
 def check_room(shape: Extent, each: float, source: str) -> None:
-    """Check whether there is room for the fields of an image.
+    """Check that the fields of an image fit into memory.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def check_room(shape: Extent, each: float, source: str) -> None:
     Raises
     ------
     ValueError
-        When there is not; the sentence names a size that would fit.
+        When they do not; the message names a size that would fit.
     """
     needed, there = math.prod(shape) * each, free()
     if needed <= there:

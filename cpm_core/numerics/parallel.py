@@ -2,8 +2,8 @@
 
 No loop of the model starts threads of its own, so that two callers never meet inside one parallel region. A caller cuts
 its items into parts, and each part is written by one thread alone: the same input gives the same bits on any number of
-threads. There are more parts than threads, since some parts take longer than others: whoever has finished a part takes
-the next one, so that no caller waits for threads that work for another one.
+threads. There are more parts than threads, since some parts take longer than others: a thread that has finished a part
+takes the next one, so that no caller waits for threads that work for another one.
 """
 
 from __future__ import annotations
@@ -16,27 +16,27 @@ from contextlib import contextmanager
 from functools import lru_cache
 from itertools import pairwise
 
-_PARTS = 2
-"""Parts for each thread."""
+_PARTS_PER_THREAD = 2
+"""Number of parts for each thread."""
 
-_MOST = 8
-"""Threads beyond which the parts get too small to pay."""
+_MAX_USEFUL_THREADS = 8
+"""Number of threads beyond which the parts get too small to pay."""
 
-_USABLE = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-"""Cores that the system lets this process use."""
+_USABLE_CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+"""Number of cores that the system lets this process use."""
 
-_limits = [_MOST]
-"""What those who run this process allow it, the last of them counts."""
+_limits = [_MAX_USEFUL_THREADS]
+"""Limits set on the number of threads of this process; the last one applies."""
 
 
 def cores() -> int:
-    """Cores that this process may use, up to a sensible number, or to what `at_most` allows."""
-    return min(_USABLE, _limits[-1])
+    """Return the number of cores to use: those of the process, up to a sensible number or to the limit of `at_most`."""
+    return min(_USABLE_CORES, _limits[-1])
 
 
 @contextmanager
 def at_most(count: int) -> Iterator[None]:
-    """Within this context, use so many cores at most, as one of several processes that share them."""
+    """Limit the number of cores within this context, as for one of several processes that share them."""
     _limits.append(count)
     try:
         yield
@@ -49,7 +49,7 @@ _helpers = lru_cache(maxsize=1)(lambda: ThreadPoolExecutor(max(1, cores() - 1), 
 
 
 def share(work: Callable[[int, int], object], count: int, least: int) -> None:
-    """Do some work on items 0 to `count` - 1, in parts that run side by side.
+    """Process items 0 to `count` - 1 in parts that run in parallel.
 
     `work` gets the first item of a part and the one behind its last. It must release the interpreter's lock for a gain
     in time, and write only what belongs to its items. A part has `least` items or more; if there are not enough items
@@ -59,11 +59,13 @@ def share(work: Callable[[int, int], object], count: int, least: int) -> None:
     if threads < 2:
         work(0, count)
         return
-    todo = deque(pairwise(count * part // (_PARTS * threads) for part in range(_PARTS * threads + 1)))
+    todo = deque(
+        pairwise(count * part // (_PARTS_PER_THREAD * threads) for part in range(_PARTS_PER_THREAD * threads + 1))
+    )
     helping = [_helpers().submit(_work_off, todo, work) for _ in range(threads - 1)]
     try:
         _work_off(todo, work)
-    finally:  # after an error or an interruption nobody begins another part
+    finally:  # after an error or an interruption no thread begins another part
         todo.clear()
         errors = [task.exception() for task in helping if not task.cancel()]
     for error in filter(None, errors):
@@ -71,7 +73,7 @@ def share(work: Callable[[int, int], object], count: int, least: int) -> None:
 
 
 def _work_off(todo: deque[tuple[int, int]], work: Callable[[int, int], object]) -> None:
-    """Do parts until none is left."""
+    """Process parts until none is left."""
     while todo:
         try:
             part = todo.popleft()

@@ -1,4 +1,4 @@
-"""Polygonal lines: length, places along them, distance, what they enclose, and the same line with fewer corners."""
+"""Polygonal lines: length, points along them, distance, enclosed area, and simplification."""
 
 from __future__ import annotations
 
@@ -11,54 +11,54 @@ from cpm_core.numerics.segments import distances_to_segments, nearest_distances,
 from cpm_core.numerics.types import Array, Index, Line, Mask, Position
 
 MOST_HANDLES = 24
-"""Corners up to which each of them is a handle; freehand paths have more."""
+"""Largest number of corners with a handle each; freehand paths have more corners."""
 
-_TOLERANCE = 0.25
+_SIMPLIFY_TOLERANCE = 0.25
 """Largest distance of a simplified path from the drawn one [px]: less than a pixel of the pointer."""
 
-_HALVINGS = 3
-"""How often every second corner of a path may be left out before it is painted."""
+_HALVING_ROUNDS = 3
+"""Number of times that every second corner of a path may be dropped before it is painted."""
 
 
 def corners_of(path: Array | Sequence[Sequence[float]]) -> Array:
-    """Corners of a path as an array, shape (K, D)."""
+    """Return corners of a path as an array, shape (K, D)."""
     return np.asarray(path, float)
 
 
 def as_line(points: Array) -> Line:
-    """Positions of an array as plain numbers."""
+    """Return positions of an array as plain numbers."""
     return tuple(map(tuple, points.tolist()))
 
 
 def owners(counts: Sequence[int] | Index) -> Index:
-    """Which of several things each of their parts is of, by how many parts each has."""
+    """Return the index of the owner of each part, shape (N,); `counts` is how many parts each owner has."""
     return np.repeat(np.arange(len(counts)), counts)
 
 
 def lengths_along(path: Array) -> Array:
-    """Length along a path, shape (K, D), up to each of its vertices, shape (K,) [px]; 0 at the first."""
+    """Return the length along a path, shape (K, D), up to each of its vertices, shape (K,) [px]; 0 at the first."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
 
 
 def length(path: Array | Sequence[Position]) -> float:
-    """Length along a path [px]."""
+    """Return the length of a path, shape (K, D) [px]."""
     corners = np.asarray(path, float).reshape(len(path), -1)
     return float(np.linalg.norm(corners[1:] - corners[:-1], axis=1).sum())
 
 
 def places_at(path: Array, lengths: Array) -> Array:
-    """Places on a path, shape (K, D), at lengths along it, shape (N,), shape (N, D) [px]."""
+    """Return the points, shape (N, D), that lie at lengths, shape (N,), along a path, shape (K, D) [px]."""
     along = lengths_along(path)
     return np.stack([np.interp(lengths, along, axis) for axis in path.T], axis=1)
 
 
 def middles(path: Array, count: int) -> Array:
-    """Midpoints of `count` equal parts of a path, shape (K, D), shape (count, D) [px]."""
+    """Return the midpoints, shape (count, D), of `count` equal parts of a path, shape (K, D) [px]."""
     return places_at(path, (np.arange(count) + 0.5) * lengths_along(path)[-1] / count)
 
 
 def middles_of(paths: Sequence[Array], count: int) -> Array:
-    """`middles` of many paths, one or more, shape (P, count, D), at once."""
+    """Return `middles` of one or more paths, shape (P, count, D), at once."""
     counts = [len(path) for path in paths]
     corners, ends = np.concatenate(paths), np.cumsum(counts)
     steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
@@ -70,15 +70,15 @@ def middles_of(paths: Sequence[Array], count: int) -> Array:
 
 
 def sampled(path: Array, spacing: float) -> Array:
-    """Midpoints of equal parts of a path that are at most `spacing` long, shape (N, D) [px].
+    """Return the midpoints of equal parts of a path that are at most `spacing` long, shape (N, D) [px].
 
-    Each stands for the same length, so that a mean over them is a mean over the length.
+    Each represents the same length, so that a mean over them is a mean over the length.
     """
     return middles(path, max(1, int(np.ceil(length(path) / spacing))))
 
 
 def resampled(path: Array, spacing: float) -> Array:
-    """Path, shape (K, D), with vertices at equal distances of at most `spacing` [px] and at least one between its ends.
+    """Return a path, shape (K, D), with vertices at equal distances of at most `spacing` [px], one or more inside.
 
     Both ends are kept to the bit.
     """
@@ -90,12 +90,12 @@ def resampled(path: Array, spacing: float) -> Array:
 
 
 def distance(path: Array | Sequence[Position], position: Position) -> float:
-    """Distance of a position (row, col) from the nearest place on a path of at least one corner [px]."""
+    """Return the distance of a position (row, col) from a path, shape (K, 2), of at least one corner [px]."""
     return float(distances(path, np.array([position], float))[0])
 
 
 def distances(path: Array | Sequence[Position], positions: Array) -> Array:
-    """Distances of positions, shape (N, D), from the nearest place on a path of one corner or more, shape (N,)."""
+    """Return distances, shape (N,), of positions, shape (N, D), from a path of one corner or more, shape (K, D)."""
     corners = corners_of(path)
     if len(corners) == 1:
         corners = corners[[0, 0]]
@@ -107,7 +107,7 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
 
 
 def distances_from_closed(curves: Iterable[Sequence[Position]], positions: Array) -> Array:
-    """Distances of positions, shape (N, 2), from the nearest of closed curves, one or more, shape (N,).
+    """Return the distances, shape (N,), of positions, shape (N, 2), from the nearest of one or more closed curves.
 
     The first corner of a curve is not repeated at its end.
     """
@@ -115,19 +115,19 @@ def distances_from_closed(curves: Iterable[Sequence[Position]], positions: Array
 
 
 def inside(path: Array | Sequence[Position], positions: Array) -> Mask:
-    """Which positions, shape (N, 2), lie inside a path that is closed from its last corner to its first, shape (N,)."""
+    """Return a mask, shape (N,), of the positions, shape (N, 2), inside a path, closed from its last corner."""
     places = np.ascontiguousarray(positions, float).reshape(-1, 2)
     return winds_around(np.ascontiguousarray(corners_of(path)), places)
 
 
 def area(path: Array | Sequence[Position]) -> float:
-    """Area inside a path whose last corner is joined to its first [px²]."""
+    """Return the area enclosed by a path, shape (K, 2), closed from its last corner to its first [px²]."""
     row, col = np.array(path, float).T
     return 0.5 * abs(float(row @ np.roll(col, -1) - col @ np.roll(row, -1)))
 
 
-def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> Line:
-    """Path without the corners that are not needed; both ends stay.
+def thinned(path: Sequence[Position], tolerance: float = _SIMPLIFY_TOLERANCE) -> Line:
+    """Remove the corners of a path, shape (K, 2), that are not needed; both ends stay.
 
     A freehand path has a corner for every movement of the pointer, but a document should stay small. Of the corners
     between two that are kept, the farthest one is kept as well, until none is off by more than the tolerance (Douglas
@@ -147,17 +147,17 @@ def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> Line:
 
 
 def coarser(paths: Sequence[Array], off: float) -> list[Array]:
-    """Leave out corners that lie close to the line between their neighbors; both ends of each path, shape (K, 2), stay.
+    """Drop corners that lie close to the line between their neighbors; both ends of each path, shape (K, 2), stay.
 
-    Much faster than `thinned`, but it leaves more corners: where possible it leaves out every second corner,
-    `_HALVINGS` times. A corner that is left out is at most `off` [px] from the line; in all, a path moves by at most
-    `_HALVINGS` times as much.
+    Much faster than `thinned`, but it leaves more corners: it drops every second corner where possible,
+    `_HALVING_ROUNDS` times. A dropped corner is at most `off` [px] from the line; in total, a path moves by at most
+    `_HALVING_ROUNDS` times as much.
     """
     if not paths:
         return []
     corners = np.concatenate(paths)
     number = owners([len(path) for path in paths])
-    for _ in range(_HALVINGS):
+    for _ in range(_HALVING_ROUNDS):
         before, along = corners[1:-1] - corners[:-2], corners[2:] - corners[:-2]
         behind = along - before
         aside = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0]
@@ -171,7 +171,7 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
 
 
 def stretches(on: Mask, closed: bool = False) -> list[Index]:
-    """Indices of consecutive marked vertices; those of a closed path go around its end, to the first one if all are."""
+    """Return the index runs of marked vertices, `on` of shape (K,); runs of a closed path continue past its end."""
     order = np.arange(len(on))
     if on.all():
         return [np.append(order, order[: int(closed)])] if len(on) else []
@@ -182,11 +182,11 @@ def stretches(on: Mask, closed: bool = False) -> list[Index]:
 
 
 def moved(path: Sequence[Position], by: Position) -> Line:
-    """Path displaced by so much along each axis."""
+    """Translate a path by an offset along each axis [px]."""
     return tuple(tuple(map(operator.add, corner, by)) for corner in path)
 
 
 def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> Line:
-    """Path with the corner nearest to a position moved to another position."""
+    """Return a path with the corner nearest to a position moved to another position."""
     nearest = np.linalg.norm(corners_of(path) - corner, axis=1).argmin()
     return (*path[:nearest], to, *path[nearest + 1 :])

@@ -1,4 +1,4 @@
-"""Real numbers: the checks of arrays and numbers that callers give."""
+"""Checks of arrays and numbers that callers pass."""
 
 from __future__ import annotations
 
@@ -14,14 +14,21 @@ from numpy.typing import ArrayLike
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
-_REAL = (int, float, np.integer, np.floating)
+_REAL_TYPES = (int, float, np.integer, np.floating)
+"""Types that count as real numbers."""
 
-_SIDES, _FLATTEST = (1e-12, 1e12), 1000
-"""Least and greatest side of a voxel, in any unit, and how many times as long as another it may be."""
+_MIN_VOXEL_SIDE = 1e-12
+"""Least side of a voxel, in any unit."""
+
+_MAX_VOXEL_SIDE = 1e12
+"""Greatest side of a voxel, in any unit."""
+
+_MAX_SIDE_RATIO = 1000
+"""Greatest ratio of two sides of a voxel."""
 
 
 def real_numbers(values: ArrayLike) -> Array:
-    """Values in double precision, not copied if they are; ValueError when they are complex, text or objects.
+    """Return values of any shape in double precision, not copied if they are; raise ValueError for other types.
 
     NumPy's own conversion drops the imaginary parts.
     """
@@ -35,7 +42,7 @@ def real_numbers(values: ArrayLike) -> Array:
 
 
 def as_places(given: ArrayLike, axes: str) -> Array:
-    """Places as an array of shape (N, D), one column for each of the named axes; ValueError when they are none.
+    """Return positions as an array, shape (N, D), with a column for each named axis; raise ValueError for others.
 
     `axes` are their names in the plural, such as ``"rows and columns"``.
     """
@@ -52,9 +59,9 @@ def as_places(given: ArrayLike, axes: str) -> Array:
 
 
 def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:
-    """A number that a caller gives; ValueError, which says what is wanted, unless it is a finite one that fits."""
+    """Return a number as float; raise ValueError, which says what is wanted, unless it is finite and fits."""
     number = math.nan
-    if issubclass(type(value), _REAL):
+    if issubclass(type(value), _REAL_TYPES):
         with suppress(OverflowError):  # of a whole number of some hundred digits
             number = float(value)
     if not (math.isfinite(number) and fits(number)):
@@ -63,7 +70,10 @@ def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted:
 
 
 def three_numbers(name: str, values: ArrayLike, positive: bool = False) -> Array:
-    """Three finite numbers along the axes of a volume; ValueError otherwise, also when they have to be above 0."""
+    """Return three finite numbers along the axes of a volume, shape (3,); raise ValueError otherwise.
+
+    With `positive` they must be above 0.
+    """
     given = np.empty(0)
     with suppress(ValueError):
         given = real_numbers(values)
@@ -74,23 +84,26 @@ def three_numbers(name: str, values: ArrayLike, positive: bool = False) -> Array
 
 
 def voxel_sides(name: str, values: ArrayLike) -> Array:
-    """Sides of a voxel along each axis; ValueError unless areas and volumes in them can be computed and make sense."""
+    """Return the sides of a voxel, shape (3,); raise ValueError unless areas and volumes in them make sense."""
     sides = three_numbers(name, values, positive=True)
-    if not (_SIDES[0] <= sides.min() and sides.max() <= _SIDES[1]):
+    if not (sides.min() >= _MIN_VOXEL_SIDE and sides.max() <= _MAX_VOXEL_SIDE):
         raise ValueError(
-            f"{name} is {shown(values)} but must be three numbers from {_SIDES[0]:g} to {_SIDES[1]:g}, (plane, row, "
-            "col): choose another unit."
+            f"{name} is {shown(values)} but must be three numbers from {_MIN_VOXEL_SIDE:g} to {_MAX_VOXEL_SIDE:g}, "
+            "(plane, row, col): choose another unit."
         )
-    if sides.max() > _FLATTEST * sides.min():
+    if sides.max() > _MAX_SIDE_RATIO * sides.min():
         raise ValueError(
-            f"{name} is {shown(values)}, (plane, row, col), which makes a side of a voxel more than {_FLATTEST} times "
-            "as long as another: correct it."
+            f"{name} is {shown(values)}, (plane, row, col), which makes a side of a voxel more than {_MAX_SIDE_RATIO} "
+            "times as long as another: correct it."
         )
     return sides
 
 
 def grid_of_numbers(values: ArrayLike, least: int = 1) -> Array:
-    """Values of an image or a volume in double precision; ValueError unless they are finite, on a grid of this size."""
+    """Return an image, shape (H, W) or (P, H, W), in double precision; raise ValueError unless it is finite.
+
+    Each axis must have `least` pixels or more.
+    """
     image = real_numbers(values)
     if image.ndim not in (2, 3) or min(image.shape) < least:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Straight segments in the plane: distances, crossings, and which positions lie inside a polygon.
+"""Straight segments in the plane: distances, crossings, and the interior of polygons.
 
 Whether two segments meet and whether a polygon winds around a position is decided by the same signed area, `side`, in
 compiled loops, since a step of a run asks thousands of times.
@@ -18,7 +18,7 @@ from cpm_core.numerics.types import Array, Index, Mask, Position
 
 
 def segments_of(path: Array) -> Array:
-    """Segments of a path, shapes (K - 1, 4) and (K, 2), without those of zero length.
+    """Return segments of a path, shapes (K - 1, 4) and (K, 2), without those of zero length.
 
     A row holds row and column of one end, then of the other [px].
     """
@@ -27,7 +27,7 @@ def segments_of(path: Array) -> Array:
 
 
 def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
-    """Distance of each point from the segment that belongs to it, shape (...) [px].
+    """Return the distance of each point from the segment that belongs to it, shape (...) [px].
 
     `points`, `begin` and `along` have shapes (..., D) that broadcast: the points, one end of each segment, and the
     vector from it to the other end, which may be zero.
@@ -41,7 +41,7 @@ def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
 
 @compiled
 def nearest_distances(points: Array, segments: Array) -> Array:
-    """Distance of each of points, shape (N, 2), from the nearest of segments, shape (S, 4), shape (N,) [px].
+    """Return the distance of each of points, shape (N, 2), from the nearest of segments, shape (S, 4), shape (N,) [px].
 
     The loop over all pairs of `distances_to_segments`; `SegmentTree` is faster where there are many of both.
     """
@@ -69,7 +69,7 @@ class SegmentTree:
         self._tree = shapely.STRtree(np.where(short, shapely.points(begin), lines))
 
     def distances(self, points: Array) -> Array:
-        """Distance of points, shape (N, 2), from the nearest segment, shape (N,) [px]; infinite when there is none."""
+        """Return the distance, shape (N,) [px], of points, shape (N, 2), from the nearest segment; inf for none."""
         import shapely  # noqa: PLC0415
 
         least = np.full(len(points), np.inf)
@@ -80,7 +80,7 @@ class SegmentTree:
 
 
 class PathTree:
-    """Paths, each of shape (K, 2) [px], to find those near a position."""
+    """Paths, each of shape (K, 2) [px], indexed to find those near a position."""
 
     def __init__(self, paths: Sequence[Array]) -> None:
         import shapely  # noqa: PLC0415 - takes long to load
@@ -95,9 +95,9 @@ class PathTree:
         self._tree = shapely.STRtree(self._lines)
 
     def pairs(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-        """Pairs of a position, of shape (N, 2), and a path within `reach` [px] of it.
+        """Find the pairs of a position, shape (N, 2), and a path within `reach` [px] of it.
 
-        Returns the index of the position, that of the path, and their distance [px], each of shape (P,).
+        Returns the indices of position and path, and their distance [px], each of shape (P,).
         """
         import shapely  # noqa: PLC0415
 
@@ -106,23 +106,23 @@ class PathTree:
         return place, path, shapely.distance(points[place], self._lines[path])
 
     def passing(self, place: Position, reach: float) -> list[int]:
-        """Indices of the paths within `reach` [px] of a position, nearest first."""
+        """Return indices of the paths within `reach` [px] of a position, nearest first."""
         _, path, away = self.pairs(np.array([place]), reach)
         return list(path[np.lexsort((path, away))].tolist())
 
 
 def _signed_area(p: Array, q: Array, a: Array) -> Any:
-    """Twice the signed area of the triangle p, q, a [px²]: by its sign, the side of the line through p and q."""
+    """Return twice the signed area of the triangle p, q, a [px²]: by its sign, the side of the line through p and q."""
     return (q[0] - p[0]) * (a[1] - p[1]) - (q[1] - p[1]) * (a[0] - p[0])
 
 
 side = compiled(_signed_area)
-"""On which side of the line through p and q a position a lies, by the sign."""
+"""Signed area whose sign is the side of the line through p and q that a position a lies on."""
 
 
 @compiled
 def meet(segment: Array, a: Array, b: Array) -> bool:
-    """Whether a segment, shape (4,), and the straight line from a to b have a point in common; touching counts."""
+    """Return whether a segment, shape (4,), meets the one from a to b, shape (2,); touching counts."""
     if (
         max(a[0], b[0]) < min(segment[0], segment[2])
         or min(a[0], b[0]) > max(segment[0], segment[2])
@@ -135,7 +135,7 @@ def meet(segment: Array, a: Array, b: Array) -> bool:
 
 
 def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
-    """First segment of a path, shape (K, 2), that crosses or touches one of others, shape (S, 4), and which; or -1.
+    """Return the first segment of a path, shape (K, 2), that meets one of others, shape (S, 4), and which one; else -1.
 
     It uses the formula of `side`, but in NumPy: a compiled loop may round a product and a sum as one, so that it does
     not always find that a path which ends on a vertex of the others touches them.
@@ -153,9 +153,10 @@ def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
 
 
 def winds_around(corners: Array, points: Array) -> Mask:
-    """Which points, shape (N, 2), a polygon of shape (K, 2) winds around, closed from its last corner to its first.
+    """Return a mask, shape (N,), of the points, shape (N, 2), that a closed polygon, shape (K, 2), winds around.
 
-    The winding number decides, not the parity of crossings: a polygon that crosses itself has no holes.
+    The polygon is closed from its last corner to its first. The winding number decides, not the parity of crossings: a
+    polygon that crosses itself has no holes.
     """
     order = np.argsort(points[:, 0], kind="stable")
     rows = points[order, 0]
@@ -169,7 +170,7 @@ def winds_around(corners: Array, points: Array) -> Mask:
 
 @compiled
 def _turns(from_: Array, to: Array, points: Array, first: Index, last: Index) -> Index:
-    """Winding number of a polygon around points in ascending order of their rows.
+    """Return the winding number of a polygon around points in ascending order of their rows.
 
     `first` and `last`, shape (K,), are the points at whose height each side is.
     """
@@ -185,7 +186,7 @@ def _turns(from_: Array, to: Array, points: Array, first: Index, last: Index) ->
 
 
 def rim_of(polygons: Sequence[Array]) -> Array:
-    """Boundary of what some polygons, each of shape (K, 2), wind around, as segments, shape (S, 4)."""
+    """Return the boundary, shape (S, 4), of the union of the areas that polygons, each of shape (K, 2), wind around."""
     import shapely  # noqa: PLC0415 - needed for regions of interest only
 
     inside = []
@@ -193,7 +194,7 @@ def rim_of(polygons: Sequence[Array]) -> Array:
         line = shapely.union_all(shapely.LineString([*corners, corners[0]]))  # cut where it crosses itself
         pieces = shapely.get_parts(shapely.polygonize([line]))
         places = shapely.get_coordinates(shapely.point_on_surface(pieces))
-        # joined by themselves, as what they share is exactly the same: with other polygons a crack might be left
+        # first the pieces of one polygon, whose common sides are equal to the bit: else a crack might remain
         inside.append(shapely.union_all(pieces[winds_around(corners, places)]))
     rings = shapely.get_parts(shapely.boundary(shapely.union_all(inside)))
     return np.concatenate([np.zeros((0, 4)), *(segments_of(shapely.get_coordinates(ring)) for ring in rings)])

@@ -19,7 +19,7 @@ Index = NDArray[np.int64]
 """Indices and counts."""
 
 Mask = NDArray[np.bool_]
-"""Which of some things are chosen, or which pixels."""
+"""Truth values: a mask of pixels, or of the selected items."""
 
 Pixels = NDArray[np.uint8]
 """Pixels for the screen, (H, W) or (H, W, 3)."""
@@ -46,33 +46,33 @@ Extent = tuple[int, ...]
 """How many pixels or voxels there are along each axis."""
 
 Integers = tuple[int, ...]
-"""Whole numbers: counts, or which of some things."""
+"""Integers: counts or indices."""
 
 Arrays = tuple[Array, ...]
-"""Arrays, as the points of several lines."""
+"""Several arrays, such as the points of several lines."""
 
 Sides = tuple[float, ...]
 """Side of a pixel or voxel along each axis."""
 
 Plain = Mapping[str, Any]
-"""What files hold by name, as JSON."""
+"""JSON object, as read from a file."""
 
 Entries = dict[str, Any]
-"""The same, while it is put together."""
+"""JSON object under construction."""
 
 Callback = Callable[[], object]
-"""What is called without anything."""
+"""Function without arguments."""
 
 _Kind = TypeVar("_Kind")
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
 def frozen(kind: type[_Kind]) -> type[_Kind]:
-    """A frozen dataclass of which two are equal if their fields are."""
+    """Make a frozen dataclass whose instances are equal if their fields are."""
     return dataclass(frozen=True)(kind)
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
 def record(kind: type[_Kind]) -> type[_Kind]:
-    """A frozen dataclass of which each is equal to itself alone, since arrays are not compared."""
+    """Make a frozen dataclass whose instances are equal only to themselves, since arrays are not compared."""
     return dataclass(frozen=True, eq=False)(kind)

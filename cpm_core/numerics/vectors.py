@@ -1,4 +1,4 @@
-"""Vectors of space as three numbers, for compiled loops: no array is made for any of them."""
+"""Vectors in space as three numbers, for compiled loops: none of them allocates an array."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ Vector = tuple[float, float, float]
 
 @compiled
 def dot(one: Vector, other: Vector) -> float:
-    """Scalar product."""
+    """Return the scalar product of two vectors."""
     return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
 
 
 @compiled
 def length(vector: Vector) -> float:
-    """Length of a vector."""
+    """Return the length of a vector."""
     return float(np.sqrt(dot(vector, vector)))
 
 
 @compiled
 def moved(place: Vector, way: float, direction: Vector) -> Vector:
-    """The place that is reached from another one by going some way in a direction."""
+    """Return the place at a distance from another one in a direction."""
     return place[0] + way * direction[0], place[1] + way * direction[1], place[2] + way * direction[2]
 
 
 @compiled
 def scaled(vector: Vector, factor: float) -> Vector:
-    """A vector times a number."""
+    """Return a vector times a number."""
     return factor * vector[0], factor * vector[1], factor * vector[2]
 
 
 @compiled
 def difference(one: Vector, other: Vector) -> Vector:
-    """The vector from the other place to the first one."""
+    """Return the vector from the other place to the first one."""
     return one[0] - other[0], one[1] - other[1], one[2] - other[2]
 
 
@@ -54,5 +54,5 @@ def set_row(rows: Array, i: int, vector: Vector) -> None:
 
 
 def lengths(vectors: Array) -> Array:
-    """Length of each of some vectors of any dimension, shape (N, D): several times as fast as a norm along an axis."""
+    """Return the length of each row of vectors, shape (N, D), as shape (N,); faster than `np.linalg.norm`."""
     return np.sqrt(np.einsum("ni,ni->n", vectors, vectors))

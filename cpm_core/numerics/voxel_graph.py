@@ -1,4 +1,4 @@
-"""Voxels as graphs: solids thinned to lines, chains between their ends and branches, and closed ways in solids."""
+"""Voxels as graphs: solids thinned to lines, chains between ends and branches, and closed loops in solids."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from cpm_core.numerics.types import Array, Index, Mask
 
 
 def thinned(inside: Mask, depth: Array) -> Mask:
-    """Lines of voxels in the middle of a mask whose outermost voxels are False; `depth` is the distance inward."""
+    """Thin a mask whose outermost voxels are False to lines of voxels in its middle.
+
+    `inside` and `depth`, the distance inward, have the shape (P, R, C), as the result.
+    """
     lines = inside.copy()
     voxels = np.argwhere(lines)
     voxels = voxels[np.argsort(depth[tuple(voxels.T)], kind="stable")]
@@ -25,22 +28,34 @@ def thinned(inside: Mask, depth: Array) -> Mask:
 
 
 def _bits(chosen: Callable[[int, int, int], bool]) -> int:
-    """The chosen ones of the 27 voxels of a cube as bits, by their places along the axes from -1 to 1."""
+    """Return the selected ones of the 27 voxels of a cube as bits, by their places along the axes from -1 to 1."""
     return sum(1 << k for k, step in enumerate(product((-1, 0, 1), repeat=3)) if chosen(*step))
 
 
-_FACES = _bits(lambda p, r, c: abs(p) + abs(r) + abs(c) == 1)
-_SIDES = _bits(lambda p, r, c: 1 <= abs(p) + abs(r) + abs(c) <= 2)
-_UP, _LEFT, _RIGHT = _bits(lambda p, r, c: r > -1), _bits(lambda p, r, c: c > -1), _bits(lambda p, r, c: c < 1)
-_DOWN = _bits(lambda p, r, c: r < 1)
-"""Voxels of the cube by which a middle one touches others, and those that have one next to them in a direction."""
+_FACE_NEIGHBORS = _bits(lambda p, r, c: abs(p) + abs(r) + abs(c) == 1)
+"""Voxels of the cube that share a face with the middle one."""
+
+_EDGE_NEIGHBORS = _bits(lambda p, r, c: 1 <= abs(p) + abs(r) + abs(c) <= 2)
+"""Voxels of the cube that share a face or an edge with the middle one."""
+
+_HAS_UPPER = _bits(lambda p, r, c: r > -1)
+"""Voxels of the cube with another one in the row before."""
+
+_HAS_LOWER = _bits(lambda p, r, c: r < 1)
+"""Voxels of the cube with another one in the row behind."""
+
+_HAS_LEFT = _bits(lambda p, r, c: c > -1)
+"""Voxels of the cube with another one in the column before."""
+
+_HAS_RIGHT = _bits(lambda p, r, c: c < 1)
+"""Voxels of the cube with another one in the column behind."""
 
 
 @compiled
 def _thin(lines: Mask, voxels: Index) -> int:
-    """Take simple voxels away, in order; return their number.
+    """Remove simple voxels, in order; return their number.
 
-    Around a simple one the inside hangs together, and so does the outside at its sides.
+    Around a simple voxel the inside is connected, and so is the outside across faces.
     """
     taken = 0
     for n in range(len(voxels)):
@@ -54,8 +69,8 @@ def _thin(lines: Mask, voxels: Index) -> int:
         for k in range(27):
             around |= int(lines[p + k // 9 - 1, r + k // 3 % 3 - 1, c + k % 3 - 1]) << k
         around &= ~(1 << 13)
-        outside = ~around & _SIDES
-        if around & (around - 1) and _hangs(around, around, True) and _hangs(outside, outside & _FACES, False):
+        outside = ~around & _EDGE_NEIGHBORS
+        if around & (around - 1) and _hangs(around, around, True) and _hangs(outside, outside & _FACE_NEIGHBORS, False):
             lines[p, r, c] = False
             taken += 1
     return taken
@@ -63,23 +78,24 @@ def _thin(lines: Mask, voxels: Index) -> int:
 
 @compiled
 def _hangs(voxels: int, wanted: int, corners: bool) -> bool:
-    """Whether the wanted ones of some voxels of a cube, as bits, hang together, over corners or over sides alone."""
+    """Return whether the `wanted` voxels of a cube, as bits, are connected, over corners or over faces alone."""
     part, before = wanted & -wanted, 0
     while part != before:
         before = part
-        grown = part | (part & _RIGHT) << 1 | (part & _LEFT) >> 1
+        grown = part | (part & _HAS_RIGHT) << 1 | (part & _HAS_LEFT) >> 1
         across = grown if corners else part
-        grown |= (across & _DOWN) << 3 | (across & _UP) >> 3
+        grown |= (across & _HAS_LOWER) << 3 | (across & _HAS_UPPER) >> 3
         across = grown if corners else part
         part = (grown | across << 9 | across >> 9) & voxels
     return wanted & ~part == 0
 
 
-_AROUND = np.array([step for step in product((-1, 0, 1), repeat=3) if any(step)])
+_NEIGHBOR_STEPS = np.array([step for step in product((-1, 0, 1), repeat=3) if any(step)])
+"""Steps from a voxel to its 26 neighbors."""
 
 
 class Chain(NamedTuple):
-    """A line of voxels.
+    """Line of voxels.
 
     Attributes
     ----------
@@ -105,11 +121,11 @@ class Chain(NamedTuple):
 
 
 def chains_of(lines: Mask) -> list[Chain]:
-    """Chains of a mask of lines one voxel thick, whose outermost voxels are False."""
+    """Find the chains of a mask of lines one voxel thick, whose outermost voxels are False."""
     voxels = np.argwhere(lines)
     number = np.full(lines.shape, -1, np.int64)
     number[tuple(voxels.T)] = np.arange(len(voxels))
-    near = number[tuple((voxels[:, None] + _AROUND).transpose(2, 0, 1))]
+    near = number[tuple((voxels[:, None] + _NEIGHBOR_STEPS).transpose(2, 0, 1))]
     degree = (near >= 0).sum(1)
     crowded = np.zeros(lines.shape, bool)
     crowded[tuple(voxels[degree > 2].T)] = True
@@ -117,7 +133,7 @@ def chains_of(lines: Mask) -> list[Chain]:
     junction = labels[tuple(voxels.T)] - 1  # -1 for voxels of chains
     centers = np.array([voxels[junction == k].mean(0) for k in range(count)]).reshape(-1, 3)
     neighbors = [row[row >= 0].tolist() for row in near]
-    # every line is followed from its ends, then what is left: rings, and junctions without lines are no chains
+    # follow every line from its ends, then the remaining rings; junctions without lines are no chains
     used, chains = set[int](), list[Chain]()
     plain = [k for k in range(len(voxels)) if junction[k] < 0]
     inner = {k: [n for n in neighbors[k] if junction[n] < 0] for k in plain}
@@ -143,24 +159,24 @@ def chains_of(lines: Mask) -> list[Chain]:
     return chains
 
 
-_OFF_GRID = np.array([0.0317, 0.0271, 0.0193])
+_LOOP_OFFSET = np.array([0.0317, 0.0271, 0.0193])
 """Offset of one loop from another [voxels], so that no segment meets the edge of a triangle."""
 
-_AT_ONCE = 1_000_000
-"""Pairs of a segment and a triangle that are tested at once."""
+_PAIRS_PER_PASS = 1_000_000
+"""Number of pairs of a segment and a triangle that are tested together."""
 
 
 def loops_of(boundary: Index) -> list[Array]:
-    """Loops along the center lines of what a boundary encloses, each of shape (K, 3), closed.
+    """Find loops along the center lines of the solid that a boundary encloses, each of shape (K, 3), closed.
 
-    `boundary`, shape (M, 3), are voxels on it. Every other closed way in there is made up of these loops.
+    `boundary`, shape (M, 3), are voxels on it. Every other closed path in there is a combination of these loops.
     """
     low = boundary.min(0) - 3
     solid = np.zeros(boundary.max(0) - low + 4, bool)
     solid[tuple((boundary - low).T)] = True
     solid = scipy.ndimage.binary_fill_holes(scipy.ndimage.binary_dilation(solid, np.ones((3, 3, 3), bool)))
     lines = thinned(solid, scipy.ndimage.distance_transform_cdt(solid).astype(float))
-    # of the chains, each that joins what others join already closes a loop
+    # a chain between two nodes that other chains connect already closes a loop
     ways: dict[int, list[tuple[int, Array]]] = defaultdict(list)
     loops = []
     for chain in chains_of(lines):
@@ -175,7 +191,7 @@ def loops_of(boundary: Index) -> list[Array]:
 
 
 def _way(ways: dict[int, list[tuple[int, Array]]], start: int, end: int) -> list[Array] | None:
-    """The points of the chains along the one way through a forest; None where there is none."""
+    """Return the points of the chains along the one path through a forest; None where there is none."""
     waiting: list[tuple[int, int, list[Array]]] = [(start, -1, [])]
     while waiting:
         node, before, pieces = waiting.pop()
@@ -186,14 +202,14 @@ def _way(ways: dict[int, list[tuple[int, Array]]], start: int, end: int) -> list
 
 
 def linking_number(one: Array, other: Array) -> int:
-    """How often a loop winds around another, both of shape (K, 3) and closed.
+    """Count how often a loop winds around another, both of shape (K, 3) and closed.
 
     It passes as often through a surface with the other as its rim, counted by direction: triangles around its middle.
     """
     tip = other.mean(0)
     a, b = other - tip, np.roll(other, -1, axis=0) - tip
-    loop, normal = one - tip + _OFF_GRID, np.cross(a, b)
-    following, step, total = np.roll(loop, -1, axis=0), max(1, _AT_ONCE // len(a)), 0
+    loop, normal = one - tip + _LOOP_OFFSET, np.cross(a, b)
+    following, step, total = np.roll(loop, -1, axis=0), max(1, _PAIRS_PER_PASS // len(a)), 0
     for k in range(0, len(loop), step):
         start, end = loop[k : k + step], following[k : k + step]
         from_, to = start @ normal.T, end @ normal.T
