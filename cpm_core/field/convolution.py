@@ -19,13 +19,16 @@ from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Array, Index, Integers, Numbers, Single, record
 
-_MOST_KEPT = 2**21
+_MAX_KEPT_PIXELS = 2**21
 """Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
 
-_AT_ONCE, _LEAST_AT_ONCE = 2**14, 8
-"""Pixels whose spectrum, small enough for the cache, is multiplied with the kernels at once; least columns of it."""
+_SPECTRUM_BLOCK = 2**14
+"""Number of pixels whose spectrum, small enough for the cache, is multiplied with the kernels together."""
 
-_MOST_IN_DOUBLE = 2**22
+_MIN_SPECTRUM_COLUMNS = 8
+"""Least number of columns of such a block."""
+
+_MAX_DOUBLE_PIXELS = 2**22
 """Pixels up to which kernels are transformed in double precision."""
 
 
@@ -35,25 +38,26 @@ def convolved_field(
     precision: DTypeLike = np.float64,
     pitch: tuple[float, ...] | None = None,
 ) -> Numbers:
-    r"""Electric field of the fixed charges, exact to rounding, shape (D, \*shape); it points towards the charges.
+    r"""Compute the electric field of the fixed charges, exact to rounding, shape (D, \*shape).
 
     The sum of eq. (8) is a convolution; computed with Fourier transforms on a grid padded with zeros to at least twice
-    the size, nothing wraps around. `edge_map` is the edge strength ``f`` of every pixel, shape (\*shape); the force of
-    one charge decays with the power `exponent` of the distance, by default the dimension ``D``. `pitch` has the
-    distance of two pixels along each axis, by default one. In double precision the error is 1e-14 of the largest
-    vector, in single precision 1e-6. Raises `ValueError` for an exponent that is not positive.
+    the size, nothing wraps around. The field points towards the charges. `edge_map` is the edge strength ``f`` of every
+    pixel, shape (\*shape); the force of one charge decays with the power `exponent` of the distance, by default the
+    dimension ``D``. `pitch` has the distance of two pixels along each axis, by default one. In double precision the
+    error is 1e-14 of the largest vector, in single precision 1e-6. Raises `ValueError` for an exponent that is not
+    positive.
     """
     f = np.asarray(edge_map, dtype=precision)
     power = checked_number("exponent", f.ndim if exponent is None else exponent, lambda number: number > 0.0, "above 0")
     half = tuple(scipy.fft.next_fast_len(max(n, 2)) for n in f.shape)
-    kernel_of = _kernel_spectrum if math.prod(half) <= _MOST_KEPT else _kernel_spectrum.__wrapped__
+    kernel_of = _kernel_spectrum if math.prod(half) <= _MAX_KEPT_PIXELS else _kernel_spectrum.__wrapped__
     # in single precision only where double takes too much memory
-    made_in = np.dtype(float) if f.size <= _MOST_IN_DOUBLE else f.dtype
+    made_in = np.dtype(float) if f.size <= _MAX_DOUBLE_PIXELS else f.dtype
     kernels = [kernel_of(k, half, power, made_in, f.dtype, pitch or (1.0,) * f.ndim) for k in range(f.ndim)]
     spectrum = scipy.fft.rfft(f, 2 * half[-1], workers=cores())
     fields = [*(np.empty_like(spectrum) for _ in half[1:]), spectrum]
 
-    def convolve(first: int, end: int) -> None:
+    def convolve_columns(first: int, end: int) -> None:
         some = (..., slice(first, end))
         charges: NDArray[Any] = spectrum[some] * spectrum.dtype.type(1j)  # the kernels' spectra are imaginary
         for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
@@ -65,7 +69,7 @@ def convolved_field(
                 back = back[(slice(None),) * axis + (slice(n),)]
             fields[component][some] = back
 
-    in_bands(convolve, spectrum.shape[-1], max(_AT_ONCE // math.prod(half[:-1]), _LEAST_AT_ONCE))
+    in_bands(convolve_columns, spectrum.shape[-1], max(_SPECTRUM_BLOCK // math.prod(half[:-1]), _MIN_SPECTRUM_COLUMNS))
     kernels.clear()  # the rest needs their memory
     out = np.empty((f.ndim, *f.shape), f.dtype)
     for component in range(f.ndim):
@@ -74,12 +78,12 @@ def convolved_field(
 
 
 def _inverse(spectrum: NDArray[Any], out: Array, first: int, end: int) -> None:
-    """Transform the last axis of some planes back, without what it was padded with."""
+    """Transform the last axis of some planes back, without the padding."""
     out[first:end] = scipy.fft.irfft(spectrum[first:end])[..., : out.shape[-1]]
 
 
 def _times(spectrum: NDArray[Any], kernel: Array, component: int) -> NDArray[Any]:
-    """A spectrum times that of a component of the kernel, which is even along all axes except its own: there it is odd.
+    """Multiply a spectrum by a component of the kernel, which is even along all axes except its own: there it is odd.
 
     The kernel has the frequencies from zero up to the largest one, along all axes.
     """
@@ -104,9 +108,9 @@ def _kernel_spectrum(
     precision: np.dtype,
     pitch: tuple[float, ...],
 ) -> Array:
-    """Fourier transform, over i, of a component of the field of one unit charge at the origin: it is odd and real.
+    """Transform, over i, a component of the field of a unit charge at the origin: the transform is odd and real.
 
-    Of a grid of twice `half`, up to the largest frequency along each axis.
+    The grid is twice `half` wide; the transform goes up to the largest frequency along each axis.
     """
     steps = [side * np.arange(n + 1.0, dtype=made_in) for n, side in zip(half, pitch, strict=True)]
     grid = np.meshgrid(*steps, indexing="ij", sparse=True)
@@ -125,24 +129,29 @@ def _kernel_spectrum(
 
 
 def _raised(squared: NDArray[Any], power: float) -> NDArray[Any]:
-    """Power ``r^(n + 1)`` of distances, by their squares; roots are several times faster than powers."""
+    """Return the power ``r^(n + 1)`` of distances by their squares; roots are several times faster than powers."""
     return squared * np.sqrt(squared) if power == 2.0 else squared ** (0.5 * (power + 1.0))
 
 
-_NEAR, _BLOCK = 64, 8
-"""Distance up to which charges act one by one, and the distance of the nodes that carry the rest of the field [px]."""
+_NEAR_CHARGE_RANGE = 64
+"""Distance up to which charges act one by one [px]."""
 
-_TERMS, _SPLINES = 4, 8
-"""Terms of the polynomial that replaces the law of force up to `_NEAR`, and the power of the sinc by which two cubic
-splines, one that spreads charges over nodes and one between the nodes, smooth their field."""
+_NODE_SPACING = 8
+"""Distance of the nodes that carry the rest of the field [px]."""
 
-_BEYOND = 3
+_POLYNOMIAL_TERMS = 4
+"""Terms of the polynomial that replaces the law of force up to `_NEAR_CHARGE_RANGE`."""
+
+_SINC_POWER = 8
+"""Power of the sinc by which two cubic splines, to the nodes and between them, smooth their field."""
+
+_NODES_BEYOND = 3
 """Nodes beyond the image on each side, over which its outermost charges are spread."""
 
 
 @record
 class WindowedField:
-    """The electric field of the fixed charges of a large image in any window of it.
+    """Electric field of the fixed charges of a large image in any window of it.
 
     Up to a distance of 64 px the sum of eq. (8) runs over charges, less a polynomial that joins the law of force there
     smoothly. The polynomial and all beyond it make a smooth field, which is computed once for the whole image, on nodes
@@ -161,14 +170,16 @@ class WindowedField:
     exponent: float | None
 
     def within(self, window: Window) -> Single:
-        r"""Field in a window, shape (2, \*sides of the window)."""
-        outer = around(window, _NEAR, self.charges.shape)
-        sides = [n + 3 * _NEAR for n in sides_of(window)]
+        r"""Compute the field in a window, shape (2, h, w)."""
+        outer = around(window, _NEAR_CHARGE_RANGE, self.charges.shape)
+        sides = [n + 3 * _NEAR_CHARGE_RANGE for n in sides_of(window)]
         field = _convolved(self.charges[outer], sides, _near_kernels, self.exponent)
         field = field[(slice(None), *relative(window, outer))]
-        down, right = (slice(side.start // _BLOCK, -(-side.stop // _BLOCK) + 2 * _BEYOND) for side in window)
+        down, right = (
+            slice(side.start // _NODE_SPACING, -(-side.stop // _NODE_SPACING) + 2 * _NODES_BEYOND) for side in window
+        )
         rows, cols = (
-            _splines(np.arange(side.start, side.stop), np.arange(some.start, some.stop) - _BEYOND)
+            _splines(np.arange(side.start, side.stop), np.arange(some.start, some.stop) - _NODES_BEYOND)
             for side, some in zip(window, (down, right), strict=True)
         )
         field += rows @ self._nodes[:, down, right] @ cols.T
@@ -177,12 +188,14 @@ class WindowedField:
     @cached_property
     def _nodes(self) -> Single:
         """Smooth part of the field on the nodes, before the splines between them; shape (2, rows, columns)."""
-        spread = np.empty((len(self.charges), -(-self.charges.shape[1] // _BLOCK) + 2 * _BEYOND), np.float32)
+        spread = np.empty(
+            (len(self.charges), -(-self.charges.shape[1] // _NODE_SPACING) + 2 * _NODES_BEYOND), np.float32
+        )
 
-        def work(first: int, end: int) -> None:
+        def spread_rows(first: int, end: int) -> None:
             spread[first:end] = _spread(self.charges[first:end])
 
-        in_bands(work, len(spread))
+        in_bands(spread_rows, len(spread))
         charges = _spread(spread.T).T
         rows, cols = charges.shape
         return _convolved(charges, [2 * rows, 2 * cols], _far_kernels, self.exponent)[:, :rows, :cols]
@@ -194,7 +207,7 @@ def _convolved(
     kernels_of: Callable[[Integers, float], Single],
     exponent: float | None,
 ) -> Single:
-    """Field of charges on a grid padded to these sides or more, from the transforms of its two kernels over i."""
+    """Return the field of charges on a grid padded to these sides or more, by its two kernels, transformed over i."""
     padded = _padded(sides)
     spectrum = scipy.fft.rfft2(charges.astype(np.float32, copy=False), padded, workers=cores()) * np.complex64(1j)
     spectrum = spectrum * kernels_of(padded, 2.0 if exponent is None else exponent)
@@ -202,42 +215,45 @@ def _convolved(
 
 
 def _padded(sides: list[int]) -> Integers:
-    """The least sides of a grid from these on whose transforms are fast; the last axis is transformed as real."""
+    """Return the least sides, from these on, whose transforms are fast; the last axis is transformed as real."""
     return tuple(scipy.fft.next_fast_len(n, axis == len(sides) - 1) for axis, n in enumerate(sides))
 
 
 def _splines(pixels: Index, nodes: Index) -> Single:
-    """Weights of nodes in a cubic spline at pixels."""
-    away = np.abs((pixels[:, None] + 0.5) / _BLOCK - 0.5 - nodes)
+    """Return weights of nodes in a cubic spline at pixels."""
+    away = np.abs((pixels[:, None] + 0.5) / _NODE_SPACING - 0.5 - nodes)
     beyond, squared = np.maximum(2.0 - away, 0.0), away * away
     within = 2.0 / 3.0 - squared + 0.5 * away * squared
     return np.where(away < 1.0, within, beyond * beyond * beyond / 6.0).astype(np.float32)
 
 
 def _spread(lines: NDArray[Any]) -> Single:
-    """Charges along lines, shape (K, N), on nodes, each spread by a cubic spline."""
-    blocks = np.pad(lines, ((0, 0), (0, -lines.shape[1] % _BLOCK))).reshape(len(lines), -1, _BLOCK)
-    weights = _splines(np.arange(_BLOCK), np.arange(-2, 3))
+    """Spread charges along lines, shape (K, N), over nodes by a cubic spline each."""
+    blocks = np.pad(lines, ((0, 0), (0, -lines.shape[1] % _NODE_SPACING))).reshape(len(lines), -1, _NODE_SPACING)
+    weights = _splines(np.arange(_NODE_SPACING), np.arange(-2, 3))
     shares = blocks.astype(np.float32, copy=False) @ weights
-    nodes = np.zeros((len(lines), blocks.shape[1] + 2 * _BEYOND), np.float32)
+    nodes = np.zeros((len(lines), blocks.shape[1] + 2 * _NODES_BEYOND), np.float32)
     for k in range(weights.shape[1]):
         nodes[:, k + 1 : k + 1 + blocks.shape[1]] += shares[..., k]
     return nodes
 
 
 def _smooth_decay(squared: Single, power: float) -> Single:
-    """Law of force over distance, ``1 / r^(n + 1)``, by the squared distance, made smooth up to `_NEAR`."""
-    decay, near = np.reciprocal(_raised(np.maximum(squared, _NEAR**2), power)), squared < _NEAR**2
+    """Return the law of force over distance, ``1 / r^(n + 1)``, by the squared distance, smooth at short range."""
+    decay, near = (
+        np.reciprocal(_raised(np.maximum(squared, _NEAR_CHARGE_RANGE**2), power)),
+        squared < _NEAR_CHARGE_RANGE**2,
+    )
     inside, half, factor = np.zeros(np.count_nonzero(near)), 0.5 * (power + 1.0), 1.0
-    for term in range(_TERMS):
-        inside += factor * (squared[near] / _NEAR**2 - 1.0) ** term
+    for term in range(_POLYNOMIAL_TERMS):
+        inside += factor * (squared[near] / _NEAR_CHARGE_RANGE**2 - 1.0) ** term
         factor *= -(half + term) / (term + 1)
-    decay[near] = inside * _NEAR ** (-2.0 * half)
+    decay[near] = inside * _NEAR_CHARGE_RANGE ** (-2.0 * half)
     return decay
 
 
 def _offsets(padded: Integers, pitch: int) -> tuple[Single, Single]:
-    """Offsets between two nodes of a padded grid, shape (2, rows, columns) [px], and their squared length."""
+    """Return offsets between two nodes of a padded grid, shape (2, rows, columns) [px], and their squared length."""
     steps = (np.float32(pitch * size) * np.fft.fftfreq(size).astype(np.float32) for size in padded)
     offsets = np.stack(np.meshgrid(*steps, indexing="ij")).round()
     return offsets, offsets[0] ** 2 + offsets[1] ** 2
@@ -245,30 +261,32 @@ def _offsets(padded: Integers, pitch: int) -> tuple[Single, Single]:
 
 @lru_cache(maxsize=8)
 def _near_kernels(padded: Integers, power: float) -> Single:
-    """Transforms, over i, of the components of the field of one unit charge, less its smooth part."""
+    """Transform, over i, the components of the field of one unit charge, less its smooth part."""
     offsets, squared = _offsets(padded, 1)
-    squared[0, 0] = _NEAR**2  # no charge acts on itself
+    squared[0, 0] = _NEAR_CHARGE_RANGE**2  # no charge acts on itself
     decay = np.reciprocal(_raised(squared, power)) - _smooth_decay(squared, power)
-    decay[squared >= _NEAR**2] = 0.0
+    decay[squared >= _NEAR_CHARGE_RANGE**2] = 0.0
     return scipy.fft.rfft2(-decay * offsets, workers=cores()).imag.astype(np.float32)
 
 
 @lru_cache(maxsize=8)
 def _far_kernels(padded: Integers, power: float) -> Single:
-    """Transforms, over i, of the smooth part on nodes, such that splines to and between them leave it as it is."""
-    offsets, squared = _offsets(padded, _BLOCK)
+    """Transform, over i, the smooth part on nodes, such that splines to and between them leave it as it is."""
+    offsets, squared = _offsets(padded, _NODE_SPACING)
     decay = _smooth_decay(squared, power)
     for axis, size in enumerate(padded):
         if size % 2 == 0:  # farther than any two nodes; without it the kernel is odd
             np.moveaxis(decay, axis, 0)[size // 2] = 0.0
-    smoothing = np.multiply.outer(np.sinc(np.fft.fftfreq(padded[0])), np.sinc(np.fft.rfftfreq(padded[1]))) ** _SPLINES
+    smoothing = (
+        np.multiply.outer(np.sinc(np.fft.fftfreq(padded[0])), np.sinc(np.fft.rfftfreq(padded[1]))) ** _SINC_POWER
+    )
     return (scipy.fft.rfft2(-decay * offsets, workers=cores()).imag / smoothing).astype(np.float32)
 
 
 def convolved_potential(
     edge_map: NDArray[np.floating], pitch: tuple[float, ...] | None = None, exponent: float | None = None
 ) -> Array:
-    r"""Potential of the fixed charges of an image, shape (\*shape), whose slope is the field of eq. (8).
+    r"""Compute the potential of the fixed charges of an image, shape (\*shape), whose slope is the field of eq. (8).
 
     ``V(r) = sum_k -f_k / ((n - 1) |r - R_k|^(n - 1))`` with the exponent ``n`` of the field, by default the dimension
     ``D``; in the plane this is eq. (7). For ``n = 1`` it is ``sum_k f_k log(|r - R_k| / R)``, where no two pixels are
@@ -294,7 +312,7 @@ def convolved_potential(
 
 
 def block_means(volume: Single, block: list[int]) -> Single:
-    """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
+    """Return the means of the blocks of a volume, shape (P, R, C); the last blocks may be smaller."""
     for axis, n in enumerate(block):
         if n > 1:
             starts = np.arange(0, volume.shape[axis], n)

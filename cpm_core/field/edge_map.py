@@ -1,4 +1,4 @@
-"""The edge map: how strongly each pixel attracts the particles.
+"""The edge map: strength with which each pixel attracts the particles.
 
 Every pixel carries a fixed charge ``-f`` with ``f = |grad(G_sigma * I)|`` (section 3.1).
 """
@@ -19,32 +19,37 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers, real_numbers
 from cpm_core.numerics.types import Array, Index
 
-_DEVIATIONS = 4.0
+_BACKGROUND_DEVIATIONS = 4.0
+"""Deviations of a component of the gradient that the background rarely exceeds."""
+
 _RAYLEIGH_QUARTILE = 0.7585276164
 """Lower quartile of the Rayleigh distribution of unit width, ``sqrt(2 ln(4/3))``."""
 
-_SERIES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
+_SMOOTHING_SERIES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 """Widths that the automatic smoothing tries [px]."""
 
-_WIDE = 2.0
+_HEAVY_NOISE_SIGMA = 2.0
 """Gaussian beyond which noise counts as heavy [px]."""
 
-_FAINT = 0.05
-"""Noise, as a fraction of the standard deviation of the gray levels, up to which it does not explain the background."""
+_FAINT_NOISE = 0.05
+"""Noise, as a fraction of the standard deviation of the gray levels, that does not explain the background."""
 
-_STRONG_PERCENTILE = 99.0
-_CLEAR = 0.25
+_STRONG_GRADIENT_PERCENTILE = 99.0
+"""Percentile of the edge strength that counts as strong."""
+
+
+_WEAK_BACKGROUND = 0.25
 """Fraction of the strong edges under which the background is weak enough."""
 
 NO_SMOOTHING = 0.01
 """Standard deviation up to which a Gaussian has no weight next to its pixel in double precision [px]."""
 
-_LEAST_SIDE = 2
-"""Pixels along each axis without which there is no difference between two of them."""
+_MIN_DIFFERENCE_PIXELS = 2
+"""Number of pixels along an axis needed for a difference of two."""
 
 
 def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.float64) -> Array:
-    r"""Gradient of the smoothed image, shape (D, \*shape) [gray levels / px].
+    r"""Return the gradient of the smoothed image, shape (D, \*shape) [gray levels / px].
 
     Central differences of `values`, shape (\*shape), after a Gaussian of standard deviation `smoothing` [px]; 0 leaves
     the image as it is. The image is continued beyond its border by its outermost pixels, so that the border is no edge.
@@ -55,10 +60,10 @@ def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.floa
     if image.ndim == 2 and smoothing > NO_SMOOTHING:
         image = np.ascontiguousarray(image)
 
-        def work(first: int, end: int) -> None:
+        def write_band(first: int, end: int) -> None:
             _write_slopes(smoothed_rows(image, smoothing, first - 1, end + 1), min(first, 1), out[:, first:end])
 
-        in_bands(work, len(image))
+        in_bands(write_band, len(image))
         return out
     if smoothing > NO_SMOOTHING:
         image = scipy.ndimage.gaussian_filter(image, smoothing, mode="nearest")
@@ -66,14 +71,14 @@ def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.floa
 
 
 def gradient_within(values: Array, smoothing: float, window: Window) -> Array:
-    """`gradient` of an image, shape (H, W), in a window of it, in single precision."""
+    """Return `gradient` of an image, shape (H, W), in a window of it, shape (2, h, w), in single precision."""
     outer = around(window, gaussian_reach(smoothing) + 1, values.shape)
     return gradient(values[outer], smoothing, np.float32)[(slice(None), *relative(window, outer))]
 
 
 @compiled
 def _write_slopes(smooth: Array, at: int, out: Array) -> None:
-    """`_differences` of some lines in the plane, from one of them on."""
+    """Write `_differences` of rows in the plane, from row `at` on."""
     lines, cols = smooth.shape
     half = out.dtype.type(0.5)
     for i in range(out.shape[1]):
@@ -88,7 +93,7 @@ def _write_slopes(smooth: Array, at: int, out: Array) -> None:
 
 
 def _differences(values: Array, out: Array) -> Array:
-    r"""Central differences of values, shape (\*shape), along each axis, and of two values at the border."""
+    r"""Write the central differences of values, shape (\*shape), along each axis, and of two values at the border."""
     for axis, part in enumerate(out):
         line, slope = np.moveaxis(values, axis, 0), np.moveaxis(part, axis, 0)
         np.subtract(line[2:], line[:-2], out=slope[1:-1])
@@ -99,12 +104,12 @@ def _differences(values: Array, out: Array) -> Array:
 
 
 def magnitude(vectors: NDArray[np.floating]) -> Array:
-    r"""Length of each vector of a field of shape (D, \*shape)."""
+    r"""Return the length of each vector of a field, shape (D, \*shape), as shape (\*shape)."""
     return np.sqrt(np.einsum("i...,i...->...", vectors, vectors))
 
 
 def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Array:
-    r"""Edge map ``f = |grad(G_sigma * I)|`` of an image (section 3.1).
+    r"""Compute the edge map ``f = |grad(G_sigma * I)|`` of an image (section 3.1).
 
     Parameters
     ----------
@@ -129,39 +134,39 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     >>> strength.shape, bool(strength[32, 12] > 10 * strength[32, 32])
     ((64, 64), True)
     """
-    image = grid_of_numbers(values, _LEAST_SIDE)
+    image = grid_of_numbers(values, _MIN_DIFFERENCE_PIXELS)
     if isinstance(smoothing, str) and smoothing == "auto":
         image, smoothing, _ = prepared(image)
     return magnitude(gradient(image, checked_number("smoothing", smoothing, lambda sigma: sigma >= 0.0, "0 or more")))
 
 
 def background_strength(strength: Array) -> float:
-    r"""Edge strength that the background, free of edges, rarely exceeds [gray levels / px]; 0 for a flat background.
+    r"""Return the edge strength that the background rarely exceeds [gray levels / px]; 0 for a flat background.
 
     In the background noise and texture give a gradient with normally distributed components, so that its magnitude
     follows a Rayleigh distribution. Where edges cover less than about half of an image, the lower quartile of the edge
     map, shape (\*shape), gives its width. The result is four standard deviations of a component, which one in three
     thousand pixels exceeds by chance.
     """
-    return _DEVIATIONS * _quartile(strength.ravel()) / _RAYLEIGH_QUARTILE
+    return _BACKGROUND_DEVIATIONS * _quartile(strength.ravel()) / _RAYLEIGH_QUARTILE
 
 
-_BINS = 16
-"""First bits of a number by which many of them are sorted roughly."""
+_SORTING_BITS = 16
+"""Number of leading bits by which numbers are sorted roughly."""
 
-_WORTH_A_THREAD = 2**20
+_NUMBERS_PER_THREAD = 2**20
 """Numbers from which a second thread counts them faster."""
 
 
 def _quartile(values: Array) -> float:
-    """The lower quartile of numbers that are not negative, shape (N,), without a copy of all of them.
+    """Return the lower quartile of numbers that are not negative, shape (N,), without a copy of all of them.
 
     The bits of such numbers have the order of the numbers.
     """
     bits = values.view(f"i{values.itemsize}")
-    shift = 8 * values.itemsize - _BINS
+    shift = 8 * values.itemsize - _SORTING_BITS
     counts: list[Index] = []
-    share(lambda first, end: counts.append(_counts(bits[first:end], shift)), len(bits), _WORTH_A_THREAD)
+    share(lambda first, end: counts.append(_counts(bits[first:end], shift)), len(bits), _NUMBERS_PER_THREAD)
     before = np.cumsum(sum(counts))
     place = 0.25 * (len(values) - 1)
     first, last = np.searchsorted(before, [int(place), math.ceil(place)], side="right").tolist()
@@ -172,8 +177,8 @@ def _quartile(values: Array) -> float:
 
 @compiled
 def _counts(bits: Index, shift: int) -> Index:
-    """How many numbers begin with the same bits, by these."""
-    counts = np.zeros(1 << _BINS, np.int64)
+    """Count the numbers that begin with the same bits."""
+    counts = np.zeros(1 << _SORTING_BITS, np.int64)
     for number in bits:
         counts[number >> shift] += 1
     return counts
@@ -187,23 +192,23 @@ def prepared(values: Array) -> Cleaned:
     edges. Volumes, shape (P, H, W), are left to the Gaussian: the averages along edges exist in the plane only.
     """
     sigma = automatic_smoothing(values)
-    if values.ndim != 2 or sigma <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
+    if values.ndim != 2 or sigma <= _HEAVY_NOISE_SIGMA or noise_level(values) <= _FAINT_NOISE * float(values.std()):
         return Cleaned(values, sigma, 0.0)
     return clean(values)
 
 
 def automatic_smoothing(values: ArrayLike) -> float:
-    r"""Least sigma [px] that raises the edges of a noisy image, shape (\*shape), above its background.
+    r"""Return the least sigma [px] that raises the edges of a noisy image, shape (\*shape), above its background.
 
     With it `background_strength` is below a quarter of the strong edges; where no sigma of the series reaches this, the
     one that comes closest.
     """
     image = real_numbers(values)
     shares = []
-    for sigma in _SERIES:
+    for sigma in _SMOOTHING_SERIES:
         strength = magnitude(gradient(image, sigma))
-        strong = float(np.percentile(strength, _STRONG_PERCENTILE))
+        strong = float(np.percentile(strength, _STRONG_GRADIENT_PERCENTILE))
         shares.append(background_strength(strength) / strong if strong > 0.0 else 0.0)
-        if shares[-1] <= _CLEAR:
+        if shares[-1] <= _WEAK_BACKGROUND:
             return sigma
-    return _SERIES[int(np.argmin(shares))]
+    return _SMOOTHING_SERIES[int(np.argmin(shares))]

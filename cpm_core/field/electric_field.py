@@ -19,7 +19,7 @@ def electric_field(
     method: str = "convolution",
     exponent: float | None = None,
 ) -> Array:
-    r"""Electric field of the fixed charges, eq. (8).
+    r"""Compute the electric field of the fixed charges, eq. (8).
 
     Every pixel carries the charge ``-f``; the field on a pixel is the sum over all the others,
     ``E(r) = sum_k -f_k (r - R_k) / |r - R_k|^(exponent + 1)``.

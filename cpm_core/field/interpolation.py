@@ -1,4 +1,4 @@
-"""Fields between the pixels: for any number of axes, and for the inner loops of a run in the plane and in a volume."""
+"""Interpolation of fields between pixels: for any number of axes, and in the inner loops of a run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cpm_core.numerics.vectors import Vector
 
 
 def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
-    r"""Multilinear interpolation of a field, shape (C, \*shape), at positions, shape (N, D), into shape (N, C).
+    r"""Interpolate a field, shape (C, \*shape), linearly along each axis at positions, shape (N, D); shape (N, C).
 
     A position beyond the outermost pixels takes the value of the nearest point of the border.
     """
@@ -22,7 +22,7 @@ def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
 
 @compiled
 def between(packed: Single, y: float, x: float) -> tuple[int, int, float, float]:
-    """Pixel before a position in an image, shape (H, W, ...), and the distance of the position from it, by axis."""
+    """Return the pixel before a position in an image, shape (H, W, ...), and the distance from it along each axis."""
     y = min(max(0.0, y), packed.shape[0] - 1.0)  # 0 first: that is the larger one when the other is no number
     x = min(max(0.0, x), packed.shape[1] - 1.0)
     row, col = min(int(y), packed.shape[0] - 2), min(int(x), packed.shape[1] - 2)
@@ -31,7 +31,7 @@ def between(packed: Single, y: float, x: float) -> tuple[int, int, float, float]
 
 @compiled
 def component(packed: Single, c: int, place: tuple[int, int, float, float]) -> float:
-    """Component `c` of a packed force field, shape (H, W, C), at a position as `between` returns it."""
+    """Interpolate component `c` of a packed force field, shape (H, W, C), at a position as `between` returns it."""
     row, col, down, right = place
     upper = packed[row, col, c] * (1.0 - right) + packed[row, col + 1, c] * right
     lower = packed[row + 1, col, c] * (1.0 - right) + packed[row + 1, col + 1, c] * right
@@ -40,7 +40,7 @@ def component(packed: Single, c: int, place: tuple[int, int, float, float]) -> f
 
 @compiled
 def between_voxels(count: int, at: float) -> tuple[int, float]:
-    """Voxel before a position along an axis of so many voxels, and the distance of the position from it."""
+    """Return the voxel before a position along an axis of `count` voxels, and the distance from it."""
     at = min(max(0.0, at), count - 1.0)  # 0 first: that is the larger one when the other is no number
     index = max(min(int(at), count - 2), 0)  # never negative, as the compiler sees too
     return index, at - index
@@ -48,7 +48,7 @@ def between_voxels(count: int, at: float) -> tuple[int, float]:
 
 @inlined
 def mean_of_eight(volume: Single, plane: tuple[int, float], row: tuple[int, float], col: tuple[int, float]) -> float:
-    """Trilinear interpolation between eight voxels, by the first of them along each axis and the distances from it."""
+    """Interpolate a volume, shape (P, R, C), between eight voxels, by the first one and the distances from it."""
     i, z = plane
     j, y = row
     k, x = col
@@ -61,20 +61,20 @@ def mean_of_eight(volume: Single, plane: tuple[int, float], row: tuple[int, floa
 
 @inlined
 def value_at(volume: Single, plane: float, row: float, col: float) -> float:
-    """Trilinear interpolation at a position in voxels; beyond the outermost ones the value at the border."""
+    """Interpolate a volume, shape (P, R, C), at a position in voxels; beyond the outermost ones by their values."""
     planes, rows, cols = volume.shape
     return mean_of_eight(volume, between_voxels(planes, plane), between_voxels(rows, row), between_voxels(cols, col))
 
 
 @inlined
 def sampled(volume: Single, pitch: Vector, place: Vector) -> float:
-    """Value of a volume at a place."""
+    """Interpolate a volume, shape (P, R, C), at a place [units]."""
     return value_at(volume, place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2])
 
 
 @compiled
 def slope_at(volume: Single, pitch: Vector, place: Vector) -> Vector:
-    """Slope of a volume at a place: differences over one unit to both sides along each axis."""
+    """Return the slope of a volume, shape (P, R, C), at a place: differences over one unit to both sides."""
     planes, rows, cols = volume.shape
     z, y, x = place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2]
     dz, dy, dx = 1.0 / pitch[0], 1.0 / pitch[1], 1.0 / pitch[2]
@@ -91,7 +91,7 @@ def slope_at(volume: Single, pitch: Vector, place: Vector) -> Vector:
 
 @compiled
 def normal_at(volume: Single, pitch: Vector, place: Vector) -> Vector:
-    """Direction in which a volume rises most steeply at a place; of no length where it is flat."""
+    """Return the unit direction in which a volume, shape (P, R, C), rises most steeply; zero where it is flat."""
     z, y, x = slope_at(volume, pitch, place)
     size = np.sqrt(z * z + y * y + x * x) + 1e-12
     return z / size, y / size, x / size

@@ -45,18 +45,19 @@ MOST = 4.0
 STRONGEST = 10.0
 """Largest strength of a charge, attracting or repelling."""
 
-_AT_ONCE = 2**16
-"""Pixels whose forces are computed at once."""
+_PIXELS_PER_WINDOW = 2**16
+"""Number of pixels whose forces are computed together."""
 
-_REST = 1.0 - RADII**-3
+_LEFT_AT_RADIUS = 1.0 - RADII**-3
+"""Factor that fading out leaves of the potential at the radius."""
 
-_NORM = 1.0 / (9.0 * _REST**2 / RADII**3 * 2.0**-0.25 + _REST**3 * 2.0**-1.25)
+_FORCE_NORM = 1.0 / (9.0 * _LEFT_AT_RADIUS**2 / RADII**3 * 2.0**-0.25 + _LEFT_AT_RADIUS**3 * 2.0**-1.25)
 """Factor that makes the force of a charge of one equal to one at its radius."""
 
 
 @frozen
 class PlacedCharge:
-    """A charge that the user places.
+    """Charge placed by the user.
 
     Parameters
     ----------
@@ -111,12 +112,12 @@ Charges = tuple[PlacedCharge, ...]
 
 
 def in_order(charges: Sequence[PlacedCharge]) -> Charges:
-    """The same charges, in an order that does not depend on the order in which they were placed."""
+    """Sort charges, so that the order in which they were placed does not matter."""
     return tuple(sorted(charges, key=lambda charge: (charge.position, charge.strength)))
 
 
 def placed_in(charges: Sequence[PlacedCharge], axes: int) -> Charges:
-    """The same charges in order; ValueError for a position of another number of axes than that of the image."""
+    """Return the charges in order; raise ValueError for a position with another number of axes than the image."""
     for charge in charges:
         if len(charge.position) != axes:
             wanted, of = ("(plane, row, col)", "a volume") if axes == 3 else ("(row, col)", "an image")
@@ -125,13 +126,13 @@ def placed_in(charges: Sequence[PlacedCharge], axes: int) -> Charges:
 
 
 def changed(before: Charges, after: Charges) -> Charges:
-    """Charges that are in one of two sets only."""
+    """Return the charges that are in one of two sets only."""
     one, other = Counter(before), Counter(after)
     return in_order([*(one - other).elements(), *(other - one).elements()])
 
 
 def at_scale(charges: Sequence[PlacedCharge], scale: int, shape: Extent) -> Array:
-    """Position [px of a scale of an image of shape `shape`] and strength of each charge; shape (K, D + 1)."""
+    """Return position [px of a scale of an image of this shape] and strength of each charge; shape (K, D + 1)."""
     if not charges:
         return np.zeros((0, len(shape) + 1))
     places = to_scale(np.array([charge.position for charge in charges]), scale, shape)
@@ -139,12 +140,12 @@ def at_scale(charges: Sequence[PlacedCharge], scale: int, shape: Extent) -> Arra
 
 
 def radius_at(scale: int) -> float:
-    """`RADIUS` at a scale [px of the scale]."""
+    """Return `RADIUS` at a scale [px of the scale]."""
     return RADIUS * 0.5**scale
 
 
 def near_charges(charges: Array, radius: float, places: Array) -> Mask:
-    """Which places, shape (N, D), lie within the reach of at least one charge; see `placed_force_at`."""
+    """Return a mask, shape (N,), of the places, shape (N, D), within reach of a charge, shape (K, D + 1)."""
     near = np.zeros(len(places), bool)
     for *place, _ in charges:
         near |= ((places - place) ** 2).sum(axis=1) < (RADII * radius) ** 2
@@ -154,7 +155,7 @@ def near_charges(charges: Array, radius: float, places: Array) -> Mask:
 def places_near(
     charges: Array, radius: float, shape: Extent, pitch: Sequence[float] = (1.0, 1.0)
 ) -> Iterator[tuple[tuple[slice, ...], Array]]:
-    """Windows of an image within the reach of charges, and the positions of their pixels, shape (..., D).
+    """Yield windows of an image within reach of charges, and the positions of their pixels, shape (..., D).
 
     `pitch` are the sides of a pixel. Large windows are divided, so that they take little memory.
     """
@@ -163,14 +164,14 @@ def places_near(
     low = np.floor((charges[:, :-1].min(axis=0) - RADII * radius) / pitch)
     high = np.ceil((charges[:, :-1].max(axis=0) + RADII * radius) / pitch) + 1
     (first, *low), (last, *high) = (np.clip(end, 0, shape).astype(int).tolist() for end in (low, high))
-    lines = max(1, _AT_ONCE // max(1, int(np.prod(np.subtract(high, low)))))
+    lines = max(1, _PIXELS_PER_WINDOW // max(1, int(np.prod(np.subtract(high, low)))))
     for line in range(first, last, lines):
         window = slice(line, min(line + lines, last)), *map(slice, low, high)
         yield window, np.moveaxis(np.mgrid[window], 0, -1) * np.array(pitch)
 
 
 def placed_force_at(charges: Array, radius: float, places: Array) -> Array:
-    """Force of charges at places, shape (..., D), in units of the Lorentz force away from edges.
+    """Return the force, shape (..., D), of charges at places, in units of the Lorentz force away from edges.
 
     `charges` holds position and strength of each, shape (K, D + 1), `radius` is `RADIUS`, both in px of the scale.
     """
@@ -183,33 +184,33 @@ def placed_force_at(charges: Array, radius: float, places: Array) -> Array:
 
 
 def placed_potential(charges: Array, radius: float, places: Array) -> Array:
-    """Potential of charges at places, shape (..., D), whose slope is the force; shape (...).
+    """Return the potential of charges at places, shape (..., D), whose slope is the force; shape (...).
 
-    The unit is px of the scale, times that of the Lorentz force; below 0 where particles are attracted. The cut of a
+    The unit is px of the scale times the unit of the Lorentz force; below 0 where particles are attracted. The cut of a
     sum of forces does not appear in it.
     """
     potential = np.zeros(places.shape[:-1])
     for *place, strength in charges:
         squared = np.minimum((((place - places) / radius) ** 2).sum(axis=-1), RADII**2)
         left = 1.0 - squared * np.sqrt(squared) / RADII**3
-        potential -= strength * radius * _NORM * left**3 / np.sqrt(np.sqrt(1.0 + squared**2))
+        potential -= strength * radius * _FORCE_NORM * left**3 / np.sqrt(np.sqrt(1.0 + squared**2))
     return potential
 
 
 def _pull(squared: Any) -> Any:
-    """Force of a charge of one at a squared distance, in units of the radius."""
+    """Return the force of a charge of one at a squared distance, in units of the radius."""
     away = np.sqrt(squared)
     left = np.maximum(1.0 - squared * away / RADII**3, 0.0)
     soft = 1.0 + squared**2
-    return _NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / RADII**3 * away + left * squared / soft)
+    return _FORCE_NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / RADII**3 * away + left * squared / soft)
 
 
 pull = inlined(_pull)
-"""The same for compiled loops."""
+"""`_pull` for compiled loops."""
 
 
 def charged(shape: Extent, scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
-    """Scale field of an image of this shape with charges, in px of the image."""
+    """Add charges, in px of the image, to the scale field of an image of this shape."""
     packed, radius = scale_field.packed.copy(), radius_at(scale)
     placed = at_scale(charges, scale, shape) - (*scale_field.corner, 0.0)
     for window, places in places_near(placed, radius, scale_field.shape):
@@ -222,7 +223,7 @@ HELD = 0.8
 
 
 class Placed(NamedTuple):
-    """Charges as particles at a scale feel them: position and strength of each, shape (K, 4), and `RADIUS` there."""
+    """Charges as felt by particles at a scale: position and strength of each, shape (K, 4), and `RADIUS` there."""
 
     charges: Array
     radius: float
@@ -233,7 +234,7 @@ NOTHING_PLACED = Placed(np.zeros((0, 4)), 1.0)
 
 
 def torn_off(placed: Placed, places: Array, normals: Array) -> Mask:
-    """At which places on edges with these normals, shapes (N, 3), charges draw particles off the edge."""
+    """Return a mask of the places on edges, shape (N, 3), where charges pull particles off; normals of shape (N, 3)."""
     if not len(placed.charges):
         return np.zeros(len(places), bool)
     across = np.einsum("ni,ni->n", placed_force_at(*placed, places), normals)
@@ -242,7 +243,7 @@ def torn_off(placed: Placed, places: Array, normals: Array) -> Mask:
 
 @compiled
 def placed_at(charges: Array, radius: float, place: Vector) -> Vector:
-    """Force of charges at a place, in units of the Lorentz force away from edges."""
+    """Return the force of charges, shape (K, 4), at a place, in units of the Lorentz force away from edges."""
     total = (0.0, 0.0, 0.0)
     for k in range(len(charges)):
         away = scaled(difference(row_of(charges, k), place), 1.0 / radius)

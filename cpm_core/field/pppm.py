@@ -63,22 +63,22 @@ import scipy
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array
 
-_CUTOFFS = {2: 20.0, 3: 10.0}
+_CUTOFF_BY_AXES = {2: 20.0, 3: 10.0}
 """Cut-offs [px]; in a volume the time of the direct sums grows with the cube of the cut-off."""
 
 
 def pppm_field(f: Array) -> Array:
-    r"""Electric field of the fixed charges by the published PPPM method, shape (D, \*shape); an inverse square.
+    r"""Compute the electric field of the fixed charges, shape (D, \*shape), by the published PPPM method.
 
-    `f` is the edge strength of every pixel, shape (H, W) or (P, H, W). There are 50 sweeps of successive
-    over-relaxation, and more in a volume of more than some 70 px along each axis.
+    It is an inverse square. `f` is the edge strength of every pixel, shape (H, W) or (P, H, W). There are 50 sweeps of
+    successive over-relaxation, and more in a volume of more than some 70 px along each axis.
     """
-    cutoff = _CUTOFFS[f.ndim]
+    cutoff = _CUTOFF_BY_AXES[f.ndim]
     return short_range(f, cutoff) + mesh_field(f, cutoff / CELLS_A_CUTOFF)
 
 
 def short_range(f: Array, cutoff: float) -> Array:
-    r"""Field of the direct interaction, eq. (17), shape (D, \*shape).
+    r"""Compute the field of the direct interaction, eq. (17), shape (D, \*shape); `f` has the shape (\*shape).
 
     Minus the gradient of ``-f (1 - erf(R / sigma)) / R``, summed over all other charges up to the cut-off [px].
     """
@@ -98,32 +98,37 @@ def short_range(f: Array, cutoff: float) -> Array:
 CELLS_A_CUTOFF = 5
 """Mesh cells to the cut-off: at the cut-off 1 - erf(R / sigma) is 0.0004."""
 
-_DIFFUSION, _DIFFUSION_STEPS = 5.0 / 48.0, 8
-"""Coefficient D [cells^2 / step] and number N_t of the steps of diffusion."""
+_DIFFUSION_COEFFICIENT = 5.0 / 48.0
+"""Coefficient D of the diffusion [cells^2 / step]."""
 
-_SHARED_OUT = 1.0 / 6.0
+_DIFFUSION_STEPS = 8
+"""Number N_t of the steps of diffusion."""
+
+_SHARING_SPREAD = 1.0 / 6.0
 """Mean spread of a charge by the sharing among nodes, to the mesh and back; in the units of D N_t."""
 
-SIGMA = 2.0 * math.sqrt(_DIFFUSION * _DIFFUSION_STEPS + _SHARED_OUT)
+SIGMA = 2.0 * math.sqrt(_DIFFUSION_COEFFICIENT * _DIFFUSION_STEPS + _SHARING_SPREAD)
 """Width sigma = 2 sqrt(D N_t) of the Gaussians: two cells."""
 
-_LUMP = 4
+_LUMP_CELLS = 4
 """Mesh cells from one lump of charge to the next."""
 
-_MARGIN = 8
+_FACE_DISTANCE_CELLS = 8
 """Mesh cells from the image to the faces of the mesh: two lumps, so that the lumps act like the charges that they
 represent."""
 
-_SWEEPS, _SWEEPS_A_NODE = 50, 1.25
-"""Sweeps of over-relaxation: the paper's, or those for each node along one side of a cubic mesh. A sweep
-carries the potential of the faces inward by a cell or so. Those of a slab are near, those of a volume may be far."""
+_PUBLISHED_SWEEPS = 50
+"""Least number of sweeps of over-relaxation: the paper's, enough for a slab, whose faces are near."""
 
-_AT_ONCE = 256
-"""Nodes on the faces of the mesh whose distances from all lumps are taken at once."""
+_SWEEPS_PER_NODE = 1.25
+"""Sweeps for each node along one side of a cubic mesh: a sweep carries the potential inward by a cell or so."""
+
+_FACE_NODES_PER_PASS = 256
+"""Nodes on the faces of the mesh whose distances from all lumps are computed together."""
 
 
 def mesh_field(f: Array, cell: float) -> Array:
-    r"""Field of the charges spread to Gaussians, shape (D, \*shape), from Poisson's equation on a mesh.
+    r"""Compute the field of the charges spread to Gaussians, shape (D, \*shape), from Poisson's equation on a mesh.
 
     `f` is the edge strength, shape (\*shape), of two or three axes. The sweeps of successive over-relaxation begin with
     a potential of zero inside the mesh; there are as many as leave only the error of the mesh.
@@ -134,7 +139,7 @@ def mesh_field(f: Array, cell: float) -> Array:
         # centered on the image and of an odd number of nodes, so that a mirrored image has a mirrored mesh, including
         # the order of relaxation, and the lumps fit
         half = 0.5 * (count - 1)
-        nodes = _LUMP * math.ceil((half / cell + _MARGIN) / _LUMP)
+        nodes = _LUMP_CELLS * math.ceil((half / cell + _FACE_DISTANCE_CELLS) / _LUMP_CELLS)
         shares.append(_hats((np.arange(count, dtype=np.float64) - half) / cell + nodes, 2 * nodes + 1))
     if flat:
         f, shares = f[None], [np.ones((1, 1)), *shares]
@@ -146,7 +151,7 @@ def mesh_field(f: Array, cell: float) -> Array:
     angles[0] *= 0.5 if flat else 1.0
     # the factor by which a Jacobi sweep reduces the slowest error; it sets the over-relaxation
     radius = sum(map(math.cos, angles)) / 3.0
-    sweeps = max(_SWEEPS, math.ceil(_SWEEPS_A_NODE * math.pi / math.sqrt(2.0 * (1.0 - radius))))
+    sweeps = max(_PUBLISHED_SWEEPS, math.ceil(_SWEEPS_PER_NODE * math.pi / math.sqrt(2.0 * (1.0 - radius))))
     _relax(potential, 4.0 * math.pi * density, sweeps, radius, 0 if flat else 1)
     back = [part.T for part in shares]  # the same shares, so that no charge acts on itself, eq. (20)
     there = potential[: len(charge)]
@@ -155,12 +160,12 @@ def mesh_field(f: Array, cell: float) -> Array:
 
 
 def _hats(places: Array, count: int) -> Array:
-    """Weight ``max(0, 1 - |x - i|)`` of each position x at each of `count` nodes i; shape (count, positions)."""
+    """Return the weight ``max(0, 1 - |x - i|)`` of each position x at each node i; shape (count, positions)."""
     return np.maximum(0.0, 1.0 - np.abs(places[None, :] - np.arange(count)[:, None]))
 
 
 def _carried(weights: Sequence[Array], values: Array) -> Array:
-    """Values multiplied along each axis by a matrix of few weights, in an order that is the same everywhere."""
+    """Multiply values along each axis by a sparse matrix, in an order that does not depend on the processor."""
     for axis, weight in enumerate(weights):
         lines = np.moveaxis(values, axis, 0)
         product = np.asarray(scipy.sparse.csr_array(weight) @ lines.reshape(len(lines), -1))
@@ -169,8 +174,8 @@ def _carried(weights: Sequence[Array], values: Array) -> Array:
 
 
 def _spread(charge: Array, flat: bool) -> Array:
-    """Charge on the nodes of a mesh, diffused; that of an image, shape (1, R, C), into the upper half of its slab."""
-    density = np.zeros((_MARGIN + 1 if flat else len(charge), *charge.shape[1:]))
+    """Diffuse the charge on the nodes of a mesh; that of an image, shape (1, R, C), into the upper half of its slab."""
+    density = np.zeros((_FACE_DISTANCE_CELLS + 1 if flat else len(charge), *charge.shape[1:]))
     density[: len(charge)] = charge
     for _ in range(_DIFFUSION_STEPS):
         wide = np.pad(density, 1)
@@ -179,24 +184,24 @@ def _spread(charge: Array, flat: bool) -> Array:
         inner = wide[1:-1, 1:-1, 1:-1]
         around = wide[:-2, 1:-1, 1:-1] + wide[2:, 1:-1, 1:-1] + wide[1:-1, :-2, 1:-1] + wide[1:-1, 2:, 1:-1]
         around = around + wide[1:-1, 1:-1, :-2] + wide[1:-1, 1:-1, 2:]
-        density = (1.0 - 6.0 * _DIFFUSION) * inner + _DIFFUSION * around
+        density = (1.0 - 6.0 * _DIFFUSION_COEFFICIENT) * inner + _DIFFUSION_COEFFICIENT * around
     return density
 
 
 def _charge_faces(potential: Array, charge: Array, flat: bool) -> None:
     """Set the potential on the faces of the mesh to that of the charges, gathered into lumps."""
-    lumps = _carried([_hats(np.arange(n) / _LUMP, (n - 1) // _LUMP + 1) for n in charge.shape], charge)
+    lumps = _carried([_hats(np.arange(n) / _LUMP_CELLS, (n - 1) // _LUMP_CELLS + 1) for n in charge.shape], charge)
     faces = np.ones(potential.shape, bool)
     faces[0 if flat else 1 : -1, 1:-1, 1:-1] = False
-    nodes, places, charges = np.argwhere(faces), _LUMP * np.argwhere(lumps), lumps[lumps != 0.0]
-    for first in range(0, len(nodes), _AT_ONCE):
-        some = nodes[first : first + _AT_ONCE]
+    nodes, places, charges = np.argwhere(faces), _LUMP_CELLS * np.argwhere(lumps), lumps[lumps != 0.0]
+    for first in range(0, len(nodes), _FACE_NODES_PER_PASS):
+        some = nodes[first : first + _FACE_NODES_PER_PASS]
         potential[tuple(some.T)] = (1.0 / scipy.spatial.distance.cdist(some, places)) @ charges
 
 
 @compiled
 def _relax(potential: Array, source: Array, iterations: int, radius: float, begin: int) -> None:
-    """Sweeps of successive over-relaxation of ``laplacian(potential) = -source`` inside the faces of the mesh.
+    """Solve ``laplacian(potential) = -source`` inside the faces of the mesh by successive over-relaxation.
 
     Nodes of even and of odd parity take turns; the relaxation factor rises to its best value by Chebyshev's recursion.
     `begin` is the first plane that is no face: 0 where the plane below it mirrors the one above it.

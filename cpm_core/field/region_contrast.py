@@ -11,20 +11,26 @@ import numpy as np
 from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics.types import Array
 
-_RADIUS, _RADIUS_SMOOTHING = 4.0, 1.5
-"""Radius of the half disks that are compared: a constant, and a multiple of sigma [px]."""
+_HALF_DISK_RADIUS = 4.0
+"""Constant part of the radius of the half disks that are compared [px]."""
 
-_RINGS, _SPOKES = 4, 7
-"""Sampling points in a half disk: distances, and directions at each."""
+_RADIUS_PER_SIGMA = 1.5
+"""Part of that radius that grows with the smoothing [sigma]."""
+
+_SAMPLE_RINGS = 4
+"""Number of distances of sampling points in a half disk."""
+
+_SAMPLE_SPOKES = 7
+"""Number of directions of sampling points in a half disk."""
 
 
 def mean_contrast(values: Array, points: Array, normals: Array, smoothing: float) -> float:
-    """Mean of `region_contrast` along a contour."""
+    """Return the mean of `region_contrast` along a contour with points and normals of shape (N, 2)."""
     return float(region_contrast(values, points, normals, smoothing).mean())
 
 
 def region_contrast(values: Array, points: Array, normals: Array, smoothing: float) -> Array:
-    """Contrast of the regions on both sides of an edge at N points, shape (N,).
+    """Return the contrast, shape (N,), of the regions on both sides of an edge at N points.
 
     In half disks on both sides, ``|m1 - m2| / (|m1 - m2| + s)`` with the means m1 and m2 and the root mean square s of
     the two standard deviations: from 0, where both sides have the same mean, to 1, where each is uniform and they
@@ -33,10 +39,10 @@ def region_contrast(values: Array, points: Array, normals: Array, smoothing: flo
     """
     across = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     along = np.stack([-across[:, 1], across[:, 0]], axis=1)
-    radius = _RADIUS + _RADIUS_SMOOTHING * smoothing
+    radius = _HALF_DISK_RADIUS + _RADIUS_PER_SIGMA * smoothing
     # equal areas, and no point on the edge itself
-    distance = radius * np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
-    angle = np.pi * ((np.arange(_SPOKES) + 0.5) / _SPOKES - 0.5)
+    distance = radius * np.sqrt((np.arange(_SAMPLE_RINGS) + 0.5) / _SAMPLE_RINGS)
+    angle = np.pi * ((np.arange(_SAMPLE_SPOKES) + 0.5) / _SAMPLE_SPOKES - 0.5)
     ahead = np.outer(distance, np.cos(angle)).ravel()
     aside = np.outer(distance, np.sin(angle)).ravel()
     means, variances = [], []

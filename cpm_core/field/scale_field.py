@@ -33,27 +33,33 @@ FAINTEST = 0.35
 """Fraction to which the strength of an edge may fall from one position on it to the next; below it the edge has
 ended."""
 
-_MOST_BACKGROUND = 0.35
-"""Largest background, as a fraction of the largest edge strength; an image above it is full of edges."""
+MAX_BACKGROUND = 0.35
+"""Largest background, as a fraction of the largest edge strength; an image or volume above it is full of edges."""
 
-_RIDGE, _SLOPE = 0.6, 0.4
-"""Fractions of the strongest neighbor: above the first a pixel is on an edge, below the second it is next to one."""
+_ON_RIDGE_FRACTION = 0.6
+"""Fraction of the strongest neighbor above which a pixel is on an edge."""
 
-_MARGIN = 4
+_OFF_RIDGE_FRACTION = 0.4
+"""Fraction of the strongest neighbor below which a pixel is next to an edge."""
+
+_KEPT_BEYOND_INTEREST = 4
 """Distance beyond the regions of interest up to which the edge map is kept, so that edges inside are complete [px]."""
 
-_SUMMIT_REACH, _FIELD_REACH = 2, 1
-"""Distance in which the ridge of an edge, and the largest field next to it, are searched [px]."""
+_SUMMIT_REACH = 2
+"""Distance in which the ridge of an edge is searched [px]."""
 
-_OVERLAP = _SUMMIT_REACH + 1
+_FIELD_REACH = 1
+"""Distance in which the largest field next to a ridge is searched [px]."""
+
+_FORCE_OVERLAP = _SUMMIT_REACH + 1
 """Lines beyond a part of the image on which its forces depend: a central difference within reach of a ridge."""
 
-_LINES = 128
-"""Lines of a large image whose edge strength is computed at once: smoothing looks at some more."""
+_STRENGTH_ROWS = 128
+"""Rows of a large image whose edge strength is computed together: smoothing reads some more."""
 
 _TILE = 948
-"""Side of the windows in which the field of a large image is made [px]; with what the field needs
-around them it is one whose transforms are fast."""
+"""Side of the windows in which the field of a large image is computed [px]; with the pixels needed around them the
+transforms are fast."""
 
 FIELD_PRECISION: DTypeLike = np.float32
 """The transforms of the field are done in single precision: only its direction and its values near edges are used. The
@@ -68,19 +74,19 @@ them."""
 
 
 Slopes = Callable[[Window], Array]
-"""Gives the gradient of an image in a window."""
+"""Returns the gradient of an image in a window."""
 
 
 @record
 class ScaleField:
-    r"""The fields of one scale of an image.
+    r"""Fields of one scale of an image.
 
     Attributes
     ----------
     force : callable
-        Makes `packed`, on first use.
+        Computes `packed`, on first use.
     slopes : callable
-        Gives `gradient` in a window of the image.
+        Returns `gradient` in a window of the image.
     edge_map : ndarray, shape (\*shape)
         Edge strength f [gray levels / px], kept to a little beyond the regions of interest.
     values : ndarray, shape (\*shape)
@@ -103,7 +109,7 @@ class ScaleField:
     cut : bool
         Whether the edge map has been cut: the force is that of the uncut one, the magnitude of the gradient.
     corner : tuple of int
-        First pixel of the window of the image that the field is of.
+        First pixel of the window of the image that the field covers.
     whole : ScaleField or None
         The field of the whole image, where this one is a part of it.
     """
@@ -124,7 +130,7 @@ class ScaleField:
     whole: ScaleField | None = None
 
     def part(self, window: Window) -> ScaleField:
-        """The same field in a window of the image; its force, made for the window alone, is that of all charges."""
+        """Crop the field to a window of the image; its force, computed for the window alone, is that of all charges."""
         made_of = self._windowed, self.slopes, self.edge_map, self.strongest, self.cut
         corner = tuple(side.start for side in window)
         return replace(
@@ -165,15 +171,15 @@ class ScaleField:
         return np.moveaxis(self.packed, -1, 0)[: self.packed.ndim - 1]
 
     def strength(self, points: Array) -> Array:
-        """Edge strength at points, shape (N, D), between the pixels."""
+        """Interpolate the edge strength at points, shape (N, D), as shape (N,)."""
         return interpolate(self.edge_map[None], points)[:, 0]
 
     def normals(self, points: Array) -> Array:
-        """Image gradient at points, shape (N, D); on an edge it is normal to it."""
+        """Interpolate the image gradient at points, shape (N, D); on an edge it is normal to it."""
         return interpolate(self.gradient, points)
 
     def contrast(self, points: Array) -> Array:
-        """Contrast of the regions on both sides of an edge, at points on it, shape (N, D)."""
+        """Return the contrast, shape (N,), of the regions on both sides of an edge, at points on it, shape (N, D)."""
         return region_contrast(self.values, points, self.normals(points), self.smoothing)
 
     @cached_property
@@ -203,14 +209,14 @@ class ScaleField:
         return slope if slope > 0.0 else 1.0
 
     def with_barriers(self, barrier_map: BarrierMap) -> ScaleField:
-        """The same field with other barriers; what has been derived from it is taken over."""
+        """Return this field with other barriers; everything already derived from it is kept."""
         other = copy(self)
         object.__setattr__(other, "barrier_map", barrier_map)
         return other
 
     @property
     def window(self) -> Window:
-        """Pixels of the image that the field is of."""
+        """Window of the image that the field covers."""
         return tuple(slice(at, at + n) for at, n in zip(self.corner, self.shape, strict=True))
 
     @property
@@ -229,7 +235,7 @@ def build_scale_field(
     slopes: Slopes | None = None,
     barrier_map: BarrierMap | None = None,
 ) -> ScaleField:
-    r"""Fields of one scale.
+    r"""Build the fields of one scale.
 
     Parameters
     ----------
@@ -248,7 +254,7 @@ def build_scale_field(
     exponent : float, optional
         Power of the distance with which the force of a fixed charge decays; by default the number of dimensions.
     slopes, barrier_map : optional
-        What gives the gradient of the smoothed image in a window, and barriers, where they are known.
+        Gradient of the smoothed image in a window, and barriers, where they are known.
     """
     slopes = slopes or slopes_of(values, smoothing)
     strength = _strength_of(slopes, values.shape)
@@ -262,7 +268,7 @@ def build_scale_field(
     if edge_floor > 0.0 or not everywhere:
         charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
     if not everywhere:
-        strength[~within(inside, _MARGIN)] = 0.0
+        strength[~within(inside, _KEPT_BEYOND_INTEREST)] = 0.0
     return ScaleField(
         cache(partial(packed_force, exponent, charged, slopes, strength, strongest, not everywhere)),
         slopes,
@@ -279,7 +285,10 @@ def build_scale_field(
 
 
 def slopes_of(values: Array, smoothing: float) -> Slopes:
-    """What gives the gradient of a smoothed image in a window; of a large image it is computed there when needed."""
+    r"""Return a function that gives the gradient of a smoothed image, shape (\*shape), in a window.
+
+    Of a large image the gradient is computed there when needed.
+    """
     if values.size > LARGE:
         return partial(gradient_within, values, smoothing)
     known = gradient(values, smoothing)
@@ -287,22 +296,22 @@ def slopes_of(values: Array, smoothing: float) -> Slopes:
 
 
 def _strength_of(slopes: Slopes, shape: Extent) -> Array:
-    """Edge strength of an image, shape (H, W): the size of its gradient."""
+    """Return the edge strength of an image, shape (H, W): the size of its gradient."""
     if math.prod(shape) <= LARGE:
         return magnitude(slopes(whole_window(shape)))
     strength: Array = np.empty(shape, FIELD_PRECISION)
 
-    def write(first: int, end: int) -> None:
+    def write_strength(first: int, end: int) -> None:
         strength[first:end] = magnitude(slopes((slice(first, end), slice(0, shape[1]))))
 
-    in_bands(write, shape[0], _LINES)
+    in_bands(write_strength, shape[0], _STRENGTH_ROWS)
     return strength
 
 
 def packed_force(
     exponent: float | None, charged: Array, slopes: Slopes, strength: Array, strongest: float, cut: bool
 ) -> Single:
-    """`ScaleField.packed` of an exponent, fixed charges, image gradient, edge map, its largest value, and `cut`."""
+    """Compute `ScaleField.packed`, shape (H, W, 5), from fixed charges, image gradient and edge map, shape (H, W)."""
     known, packed = (slopes, strength, strongest, cut), np.empty((*strength.shape, 5), np.float32)
     if strength.size <= LARGE:
         every = whole_window(strength.shape)
@@ -317,9 +326,9 @@ def packed_force(
 def _packed_within(
     field: WindowedField, slopes: Slopes, strength: Array, strongest: float, cut: bool, window: Window
 ) -> Single:
-    """`packed_force` in a window of a large image."""
+    """Compute `packed_force` in a window of a large image."""
     packed = np.empty((*sides_of(window), 5), np.float32)
-    outer = around(window, _OVERLAP, strength.shape)
+    outer = around(window, _FORCE_OVERLAP, strength.shape)
     _pack(field.within(outer), slopes, strength, strongest, cut, outer, relative(window, outer), packed)
     return packed
 
@@ -334,7 +343,7 @@ def _pack(
     inner: Window,
     packed: Single,
 ) -> None:
-    """Write `packed_force` in a part of a window of which the field is known."""
+    """Write `packed_force` in the part `inner` of a window in which the field is known."""
     # kernels are compiled for one layout of all images and windows
     field, grad, length = map(np.ascontiguousarray, (field, slopes(window), strength[window]))
     lorentz_force(field, grad, magnitude(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start))
@@ -343,12 +352,12 @@ def _pack(
 
 
 def weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
-    """Least edge strength for edge contact, from the strength inside; see `build_scale_field`."""
+    """Return the least edge strength for edge contact from strengths of any shape; see `build_scale_field`."""
     if strongest == 0.0:  # a coarse scale may have no pixel inside
         return np.inf
     if edge_floor > 0.0:
         return max(WEAKEST_EDGE, edge_floor) * strongest
-    return max(WEAKEST_EDGE * strongest, min(background_strength(strength), _MOST_BACKGROUND * strongest))
+    return max(WEAKEST_EDGE * strongest, min(background_strength(strength), MAX_BACKGROUND * strongest))
 
 
 def lorentz_force(
@@ -375,14 +384,21 @@ def lorentz_force(
     strongest : float
         Largest edge strength that counts.
     packed : ndarray, shape (h, w, 5)
-        What is written: see `ScaleField.packed`.
+        Output, as `ScaleField.packed`.
     first : tuple of int
         The pixel that it begins with.
     """
     kind = grad.dtype.type
     least = float(np.finfo(kind).tiny)
     tiny = max(1e-12 * float(magnitude(field).max()), least)
-    levels = (_SLOPE, _RIDGE - _SLOPE, WEAKEST_EDGE * strongest, least, max(1e-12 * strongest, least), tiny)
+    levels = (
+        _OFF_RIDGE_FRACTION,
+        _ON_RIDGE_FRACTION - _OFF_RIDGE_FRACTION,
+        WEAKEST_EDGE * strongest,
+        least,
+        max(1e-12 * strongest, least),
+        tiny,
+    )
     limits = tuple(map(kind, levels))
     in_bands(partial(_write_force, field, grad, strength, limits, packed, first), len(packed))
 
@@ -398,12 +414,12 @@ def _write_force(
     first: int,
     end: int,
 ) -> None:
-    """`lorentz_force` on some lines."""
+    """Write `lorentz_force` on some lines."""
     slope_at, span, weakest, least, faintest, tiny = limits
     kind = strength.dtype.type
     one, zero, half = kind(1.0), kind(0.0), kind(0.5)
     rows, cols = strength.shape
-    low, high = max(corner[0] + first - _OVERLAP, 0), min(corner[0] + end + _OVERLAP, rows)
+    low, high = max(corner[0] + first - _FORCE_OVERLAP, 0), min(corner[0] + end + _FORCE_OVERLAP, rows)
     lines = np.empty((7, high - low, cols), strength.dtype)
     size, normal_y, normal_x, slope, summits, sizes, slopes = lines
     steep, summit, beside, steepest = np.empty((4, cols), strength.dtype)
@@ -472,29 +488,33 @@ def _highest(lines: Array, at: int, reach: int, out: Array) -> None:
 
 
 def unit_vectors(vectors: Array) -> Array:
-    r"""Direction of a field, shape (D, \*shape): every vector scaled to length one, vanishing vectors left at zero."""
+    r"""Scale every vector of a field, shape (D, \*shape), to length one; vanishing vectors stay at zero."""
     length = magnitude(vectors)
     tiny = 1e-12 * float(length.max(initial=0.0))
     scale = np.where(length > tiny, 1.0 / np.maximum(length, max(tiny, 1e-300)), 0.0)
     return vectors * scale
 
 
-_FULL, _GONE = 1.5, 3.0
-"""Distances from the ridge of an edge up to which its strength is kept, and from which nothing is left [px]; between
-them it is tapered, so that no new ridge arises."""
+_TAPER_START = 1.5
+"""Distance from the ridge of an edge up to which its strength is kept [px]."""
 
-_ALONG = 2.0
+_TAPER_END = 3.0
+"""Distance from the ridge beyond which nothing is left [px]; the taper keeps new ridges from arising."""
+
+_MAX_CONTOUR_OFFSET = 2.0
 """Distance from the ridge up to which a contour may run [px]."""
 
 
 def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
-    """The same field with the fixed charges and the edges around some pixels only.
+    """Return this field with fixed charges and edges around some pixels only.
 
     `ridge`, shape (H, W), are the pixels of the ridges that stay. The largest edge strength, and the least one for edge
     contact, are those of the edges that stay.
     """
     away = scipy.ndimage.distance_transform_edt(~ridge) if ridge.any() else np.full(ridge.shape, np.inf)
-    kept = np.clip((_GONE - away) / (_GONE - _FULL), 0.0, 1.0).astype(scale_field.edge_map.dtype, copy=False)
+    kept = np.clip((_TAPER_END - away) / (_TAPER_END - _TAPER_START), 0.0, 1.0).astype(
+        scale_field.edge_map.dtype, copy=False
+    )
     strength = scale_field.edge_map * kept
     same = scale_field.fixed_charges is scale_field.edge_map
     charged = strength if same else scale_field.fixed_charges * kept
@@ -507,8 +527,8 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
         edge_map=strength,
         strongest=strongest,
         fixed_charges=charged,
-        floor=min(scale_field.floor, _MOST_BACKGROUND * strongest if strongest > 0.0 else np.inf),
-        reached=away <= _ALONG,
+        floor=min(scale_field.floor, MAX_BACKGROUND * strongest if strongest > 0.0 else np.inf),
+        reached=away <= _MAX_CONTOUR_OFFSET,
         cut=False,
         whole=None,
     )

@@ -1,7 +1,7 @@
 """The scale space of an image: the fields of each of its scales, built on first use.
 
-A scale field depends on what its edges are taken from (gray levels in their tone or a vessel measure, cleaned if
-asked), the edge floor and the largest width of the image border. With another edge floor or border only the field is
+A scale field depends on the source of its edges (toned gray levels or a vessel measure, cleaned if requested), the
+edge floor and the largest width of the image border. With another edge floor or border only the field is
 built again, with another smoothing also the gradient. The barriers do not depend on parameters.
 """
 
@@ -28,10 +28,10 @@ from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
 _KEPT_SETTINGS = 2
-"""Settings whose images and fields are kept, so that a return to the last one costs nothing."""
+"""Number of settings whose images and fields are kept, so that a return to the last one costs nothing."""
 
 _KEPT_LARGE = 2
-"""Fields of a large image that are kept: that of the scale of a run, and that of the image itself."""
+"""Number of fields of a large image that are kept: at the scale of a run, and at full size."""
 
 _Gamma = float | Literal["auto"]
 Free = Callable[..., ScaleField]
@@ -39,7 +39,7 @@ Free = Callable[..., ScaleField]
 
 
 class Source(NamedTuple):
-    r"""What the edges of a scale are taken from.
+    r"""Image at a scale from which edges are taken.
 
     Attributes
     ----------
@@ -57,16 +57,16 @@ class Source(NamedTuple):
 
 
 class SourceImages:
-    """What the edges of an image are taken from at its scales, for any parameters; threads may share it.
+    """Images from which edges are taken at each scale, for any parameters; threads may share it.
 
     Attributes
     ----------
     scales, shape : int, tuple of int
         How many scales there are, and the shape of the image.
     at : callable
-        Gives the `Source` of a scale, from what to take edges and how, and the smoothing.
+        Returns the `Source` of a scale for the channel, the kind of edges, the tone and the smoothing.
     slopes : callable
-        Gives the `Slopes` of a source after its smoothing.
+        Returns the `Slopes` of a source after its smoothing.
     """
 
     def __init__(self, image: Image, scales: int) -> None:
@@ -76,7 +76,8 @@ class SourceImages:
         large = math.prod(image.shape) > LARGE  # it stays in the few bytes of its file
 
         @lru_cache(_KEPT_SETTINGS)
-        def images_of(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:  # not before the image is seen
+        def build_images(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:  # not before the image is shown
+            """Return the image at each scale, shape (H, W), in its tone or as a vessel measure."""
             own = image.colors is None or channel == LUMINANCE
             given = image.gray(channel) if not own else image.stored if large else image.values
             if not own and given.min() == given.max():
@@ -89,44 +90,45 @@ class SourceImages:
             return pyramid(values, scales)
 
         @lru_cache(_KEPT_SETTINGS)
-        def cleaned_of(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], Cleaned]:
-            images = images_of(channel, edges, gamma)
+        def clean_images(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], Cleaned]:
+            """Return the cleaned image at each scale, shape (H, W), and how it was cleaned."""
+            images = build_images(channel, edges, gamma)
             given = images[0].astype(np.float64, copy=False)
             ready = prepared(given)
             return images if ready.image is given else pyramid(ready.image, scales), ready
 
         @lru_cache(_KEPT_SETTINGS * scales)
-        def at(scale: int, channel: str, edges: str, gamma: _Gamma, smoothing: _Gamma) -> Source:
+        def source_at(scale: int, channel: str, edges: str, gamma: _Gamma, smoothing: _Gamma) -> Source:
             of = image.channel(channel), edges, gamma
             with lock:
-                images = images_of(*of)
+                images = build_images(*of)
                 if smoothing != "auto":
                     return Source(images[scale], smoothing, 0.0)
-                clean, ready = cleaned_of(*of)
+                clean, ready = clean_images(*of)
                 # a cleaned image needs the same smoothing at all scales
                 same = scale == 0 or clean is not images
                 return Source(clean[scale], ready.sigma if same else automatic_smoothing(clean[scale]), ready.floor)
 
         @lru_cache(_KEPT_SETTINGS * scales)
-        def slope_of(*key: Any) -> Slopes:
-            found = at(*key)
+        def slopes_at(*key: Any) -> Slopes:
+            found = source_at(*key)
             return slopes_of(found.values, found.smoothing)
 
-        self.at, self.slopes = at, slope_of
+        self.at, self.slopes = source_at, slopes_at
 
 
 def plane_fields(
     sources: SourceImages, regions: Regions | None, free: Free | None = None
 ) -> tuple[Free, Callable[[int, Parameters], ScaleField]]:
-    """Functions that build the fields of an image without barriers, and with them for parameters at a scale.
+    """Make the functions that build the fields of an image without barriers, and with them for parameters at a scale.
 
-    `free` is the first of them where there is one for the same regions of interest.
+    `free` is the first function, if there is one for the same regions of interest.
     """
     scales, shape = sources.scales, sources.shape
     kept = lru_cache(_KEPT_SETTINGS * scales if math.prod(shape) <= LARGE else _KEPT_LARGE)
 
     @kept
-    def build(scale: int, edge_floor: float, max_border: float, exponent: float, *key: Any) -> ScaleField:
+    def build_field(scale: int, edge_floor: float, max_border: float, exponent: float, *key: Any) -> ScaleField:
         source = sources.at(scale, *key)
         interest = regions and Regions(regions.interest).at_scale(scale, shape)
         floor, slope = max(edge_floor, source.floor), sources.slopes(scale, *key)
@@ -135,15 +137,15 @@ def plane_fields(
         )
 
     @lru_cache(scales)
-    def barriers(scale: int) -> BarrierMap:
+    def barriers_at(scale: int) -> BarrierMap:
         barred = regions and regions.at_scale(scale, shape)
         return build_barrier_map(barred, shape_of_scale(shape, scale)) if barred else NO_BARRIERS
 
-    known = free or build
-    fields = kept(lambda scale, *key: known(scale, *key).with_barriers(barriers(scale)))
+    known = free or build_field
+    fields = kept(lambda scale, *key: known(scale, *key).with_barriers(barriers_at(scale)))
 
-    def at(scale: int, parameters: Parameters) -> ScaleField:
+    def field_at(scale: int, parameters: Parameters) -> ScaleField:
         own = parameters.channel, parameters.edges, parameters.gamma, parameters.smoothing
         return fields(scale, parameters.edge_floor, parameters.max_border, parameters.exponent_in(2), *own)
 
-    return known, at
+    return known, field_at

@@ -1,4 +1,4 @@
-"""The edge map of a volume, kept only where particles feel it: in bricks of voxels in which there are edges."""
+"""The edge map of a volume, kept only where particles feel it: in bricks of voxels that contain edges."""
 
 from __future__ import annotations
 
@@ -17,18 +17,21 @@ from cpm_core.numerics.vectors import Vector
 HALF_NEAR = 0.5
 """Edge strength, as a fraction of the floor, at which the slope of the edge map begins to count."""
 
-_SIDE, _REACH = 8, 3
-"""Voxels along the side of a brick, and how far from one that counts the edge map is kept: two units and a voxel."""
+_BRICK_SIDE = 8
+"""Number of voxels along the side of a brick."""
 
-_LEAST_LINES = 8
-"""Planes that are worth a thread."""
+_BRICK_MARGIN = 3
+"""Number of voxels around one that counts in which the edge map is kept: two units and a voxel."""
 
-_EVERYWHERE = np.ones((0, 0, 0), bool)
-"""The mask of what is of interest where everything is."""
+PLANES_PER_THREAD = 8
+"""Number of planes or rows that are worth a thread."""
+
+_WHOLE_VOLUME = np.ones((0, 0, 0), bool)
+"""Empty mask of interest, which stands for all voxels."""
 
 
 class Slopes(NamedTuple):
-    """What edge strengths are computed from: a smoothed volume, shape (P, R, C).
+    """Smoothed volume, shape (P, R, C), from which edge strengths are computed.
 
     Differences of voxels two apart are multiplied with the factors of their axes; `inside` are the voxels that have an
     edge strength, all if it is empty.
@@ -40,20 +43,20 @@ class Slopes(NamedTuple):
 
     @classmethod
     def of(cls, smoothed: Single, pitch: Vector, inside: Mask | None = None) -> Slopes:
-        """Those of a smoothed volume with voxels of these sides [units]."""
+        """Make slopes from a smoothed volume, shape (P, R, C), with voxels of these sides [units]."""
         plane, row, col = (np.float32(0.5 / side) for side in pitch)
-        return cls(smoothed, (plane, row, col), _EVERYWHERE if inside is None else inside)
+        return cls(smoothed, (plane, row, col), _WHOLE_VOLUME if inside is None else inside)
 
     def strengths(self, first: int = 0, end: int | None = None) -> Single:
-        """Size of the slope at the voxels of some planes, from central differences [gray levels / unit]."""
+        """Return the edge strength in some planes, shape (P, R, C), by central differences [gray levels / unit]."""
         planes = range(self.smoothed.shape[0])[first:end]
         out = np.empty((len(planes), *self.smoothed.shape[1:]), np.float32)
-        share(partial(_strengths, self, planes.start, out), len(out), _LEAST_LINES)
+        share(partial(_strengths, self, planes.start, out), len(out), PLANES_PER_THREAD)
         return out
 
 
 class Edges(NamedTuple):
-    """The edge map of a volume in bricks; a plain tuple for the compiled loops.
+    """Edge map of a volume in bricks; a plain tuple for the compiled loops.
 
     A brick begins at every eighth voxel along each axis, with a number that is -1 where no edge is near. Its values,
     shape (M, 9, 9, 9), include those of the next voxel along each axis, to interpolate between them.
@@ -67,23 +70,23 @@ class Edges(NamedTuple):
 
     @classmethod
     def of(cls, slopes: Slopes, floor: float) -> Edges:
-        """The edge map around the voxels where the force of edges of at least this strength begins to count."""
+        """Build the edge map around the voxels where the force of edges of strength `floor` begins to count."""
         planes, rows, cols = slopes.smoothed.shape
-        seen = np.zeros([-(-n // _SIDE) for n in (planes, rows, cols)], bool)
-        share(partial(_mark, slopes, np.float32(HALF_NEAR * floor), seen), planes, _LEAST_LINES)
+        seen = np.zeros([-(-n // _BRICK_SIDE) for n in (planes, rows, cols)], bool)
+        share(partial(_mark, slopes, np.float32(HALF_NEAR * floor), seen), planes, PLANES_PER_THREAD)
         number = np.where(seen, np.cumsum(seen).reshape(seen.shape) - 1, -1).astype(np.int32)
-        values = np.empty((np.count_nonzero(seen), *(_SIDE + 1,) * 3), np.float32)
+        values = np.empty((np.count_nonzero(seen), *(_BRICK_SIDE + 1,) * 3), np.float32)
         share(partial(_fill, slopes, number, values), len(seen), 1)
         return cls(planes, rows, cols, number, values)
 
     def above(self, floor: float) -> Index:
-        """The voxels, shape (M, 3), in their order, with edges of at least this strength."""
+        """Return the voxels, shape (M, 3), in order, whose edge strength is at least `floor`."""
         voxels = np.empty((_above(self, np.float32(floor), np.empty((0, 3), np.int64)), 3), np.int64)
         _above(self, np.float32(floor), voxels)
         return voxels
 
     def at(self, pitch: Vector, places: Array) -> Array:
-        """Edge strength at places, shape (N, 3) [units]."""
+        """Return the edge strength, shape (N,), at places, shape (N, 3) [units]."""
         out = np.empty(len(places))
         _at(self, pitch, places, out)
         return out
@@ -123,9 +126,16 @@ def _mark(slopes: Slopes, least: np.float32, seen: Mask, first: int, end: int) -
             _strengths_of_row(slopes, i, j, line)
             for k in range(len(line)):
                 if line[k] >= least:
-                    for p in range(max(i - _REACH, 0) // _SIDE, min((i + _REACH) // _SIDE + 1, planes)):
-                        for r in range(max(j - _REACH, 0) // _SIDE, min((j + _REACH) // _SIDE + 1, rows)):
-                            for c in range(max(k - _REACH, 0) // _SIDE, min((k + _REACH) // _SIDE + 1, cols)):
+                    for p in range(
+                        max(i - _BRICK_MARGIN, 0) // _BRICK_SIDE, min((i + _BRICK_MARGIN) // _BRICK_SIDE + 1, planes)
+                    ):
+                        for r in range(
+                            max(j - _BRICK_MARGIN, 0) // _BRICK_SIDE, min((j + _BRICK_MARGIN) // _BRICK_SIDE + 1, rows)
+                        ):
+                            for c in range(
+                                max(k - _BRICK_MARGIN, 0) // _BRICK_SIDE,
+                                min((k + _BRICK_MARGIN) // _BRICK_SIDE + 1, cols),
+                            ):
                                 seen[p, r, c] = True
 
 
@@ -138,13 +148,15 @@ def _fill(slopes: Slopes, number: Labels, values: Single, first: int, end: int) 
         for r in range(number.shape[1]):
             if number[p, r].max() < 0:
                 continue
-            for a in range(_SIDE + 1):
-                for b in range(_SIDE + 1):
-                    _strengths_of_row(slopes, min(_SIDE * p + a, planes - 1), min(_SIDE * r + b, rows - 1), line)
+            for a in range(_BRICK_SIDE + 1):
+                for b in range(_BRICK_SIDE + 1):
+                    _strengths_of_row(
+                        slopes, min(_BRICK_SIDE * p + a, planes - 1), min(_BRICK_SIDE * r + b, rows - 1), line
+                    )
                     for c in range(number.shape[2]):
                         if number[p, r, c] >= 0:
-                            for d in range(_SIDE + 1):
-                                values[number[p, r, c], a, b, d] = line[min(_SIDE * c + d, cols - 1)]
+                            for d in range(_BRICK_SIDE + 1):
+                                values[number[p, r, c], a, b, d] = line[min(_BRICK_SIDE * c + d, cols - 1)]
 
 
 @compiled
@@ -153,26 +165,30 @@ def _above(edges: Edges, floor: np.float32, voxels: Index) -> int:
     count = 0
     for i in range(edges.planes):
         for j in range(edges.rows):
-            line = edges.number[i // _SIDE, j // _SIDE]
+            line = edges.number[i // _BRICK_SIDE, j // _BRICK_SIDE]
             for c in range(len(line)):
                 if line[c] >= 0:
-                    here = edges.values[line[c], i % _SIDE, j % _SIDE]
-                    for d in range(min(_SIDE, edges.cols - _SIDE * c)):
+                    here = edges.values[line[c], i % _BRICK_SIDE, j % _BRICK_SIDE]
+                    for d in range(min(_BRICK_SIDE, edges.cols - _BRICK_SIDE * c)):
                         if here[d] >= floor:
                             if count < len(voxels):
-                                voxels[count, 0], voxels[count, 1], voxels[count, 2] = i, j, _SIDE * c + d
+                                voxels[count, 0], voxels[count, 1], voxels[count, 2] = i, j, _BRICK_SIDE * c + d
                             count += 1
     return count
 
 
 @inlined
 def edge_at(edges: Edges, pitch: Vector, place: Vector) -> float:
-    """Edge strength at a place [units]; 0 where no edge is near."""
+    """Return the edge strength at a place [units]; 0 where no edge is near."""
     i, z = between_voxels(edges.planes, place[0] / pitch[0])
     j, y = between_voxels(edges.rows, place[1] / pitch[1])
     k, x = between_voxels(edges.cols, place[2] / pitch[2])
-    n = edges.number[i // _SIDE, j // _SIDE, k // _SIDE]
-    return mean_of_eight(edges.values[n], (i % _SIDE, z), (j % _SIDE, y), (k % _SIDE, x)) if n >= 0 else 0.0
+    n = edges.number[i // _BRICK_SIDE, j // _BRICK_SIDE, k // _BRICK_SIDE]
+    return (
+        mean_of_eight(edges.values[n], (i % _BRICK_SIDE, z), (j % _BRICK_SIDE, y), (k % _BRICK_SIDE, x))
+        if n >= 0
+        else 0.0
+    )
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""The fields of a volume at its scales: smoothed volume, edge map, and the far field of the fixed charges."""
+"""The fields of a volume at its scales: smoothed volume, edge map, and far field of the fixed charges."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ import numpy as np
 
 from cpm_core.field.convolution import block_means, convolved_field, convolved_potential
 from cpm_core.field.edge_map import NO_SMOOTHING
-from cpm_core.field.scale_field import WEAKEST_EDGE
+from cpm_core.field.scale_field import MAX_BACKGROUND, WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
-from cpm_core.field.volume_edges import Edges, Slopes
+from cpm_core.field.volume_edges import PLANES_PER_THREAD, Edges, Slopes
 from cpm_core.field.volume_surface import Ridges, force_on_voxels, ridges_of
 from cpm_core.image.pyramid import shape_of_scale, to_image
 from cpm_core.image.volume_regions import VolumeRegions, Walls
@@ -30,31 +30,30 @@ from cpm_core.parameters.choices import Accuracy
 BLOCK = 2.0
 """Side of the blocks of the far field [units]."""
 
-_CHARGED = 0.25
+_MIN_CHARGED_STRENGTH = 0.25
 """Edge strength under which a voxel carries no charge of the far field, as a fraction of the floor."""
 
-_MOST_BACKGROUND = 0.35
-"""Largest background, as a fraction of the largest edge strength; a volume above it is full of edges."""
+_MAXWELL_QUARTILE = 1.1010
+"""Lower quartile of the Maxwell distribution of unit width."""
 
-_MAXWELL_QUARTILE, _DEVIATIONS = 1.1010, 4.2
-"""Lower quartile of the Maxwell distribution of unit width, and the deviations of a component of the gradient that
-noise rarely exceeds: one in two thousand voxels, which are no ridge that a front could follow."""
+_NOISE_DEVIATIONS = 4.2
+"""Deviations of a component of the gradient that noise rarely exceeds: one in two thousand voxels, which are no ridge
+that a front could follow."""
 
-_SERIES, _CLEAR = (0.7, 1.0, 1.2, 1.4, 2.0, 3.0), (0.1, 0.22, 0.22, 0.25, 0.25, 1.0)
-"""Sigmas that the automatic smoothing tries [units], and the background, as a fraction of the largest edge strength, up
-to which each is enough. The first one keeps thin vessels that nearly touch apart."""
+_VOLUME_SIGMAS = (0.7, 1.0, 1.2, 1.4, 2.0, 3.0)
+"""Sigmas that the automatic smoothing tries [units]; the first one keeps thin vessels that nearly touch apart."""
 
-_USABLE = 0.25
-"""The same up to which a sigma is taken if the next one is not enough: a volume full of edges has them everywhere."""
+_CLEAR_BACKGROUNDS = (0.1, 0.22, 0.22, 0.25, 0.25, 1.0)
+"""Background, as a fraction of the largest edge strength, up to which each sigma is enough."""
 
-_TURN = 0.7
-"""Scalar product of the normals of two voxels of the edge map, from which on they belong to one surface."""
+_USABLE_BACKGROUND = 0.25
+"""Background up to which a sigma is taken if the next one is not enough: a volume full of edges has them everywhere."""
+
+_MIN_NORMAL_COSINE = 0.7
+"""Least scalar product of the normals of two voxels of the edge map that belong to one surface."""
 
 EVERY = 3
 """The background is measured at every third voxel along each axis."""
-
-_LEAST_LINES = 8
-"""Planes or rows that are worth a thread."""
 
 
 class FarField(NamedTuple):
@@ -65,7 +64,7 @@ class FarField(NamedTuple):
 
 
 class Smoothed(NamedTuple):
-    """Sigma of the smoothing, the smoothed volume, its largest edge strength, and that of its background."""
+    """Sigma of the smoothing, the smoothed volume, its largest edge strength, and the background's."""
 
     sigma: float
     smoothed: Single
@@ -75,12 +74,12 @@ class Smoothed(NamedTuple):
 
 @record
 class VolumeField:
-    """The fields of one scale of a volume.
+    """Fields of one scale of a volume.
 
     Attributes
     ----------
     slopes : Slopes
-        The smoothed volume, and what its edge strengths are computed from.
+        The smoothed volume, from which edge strengths are computed.
     pitch : tuple of float
         Sides of a voxel [units].
     strongest : float
@@ -94,9 +93,9 @@ class VolumeField:
     accuracy : {"standard", "exact"}
         How the far field is computed: from blocks of two units, or from every voxel.
     noisy : bool
-        Whether noise decides on the floor; the normals of single voxels then tell little.
+        Whether noise decides on the floor; the normals of single voxels are then unreliable.
     walls : Walls or None
-        What no particle crosses.
+        Walls that no particle crosses.
     """
 
     slopes: Slopes
@@ -145,9 +144,9 @@ class VolumeField:
         """Field of the fixed charges; computed on first use."""
         wanted = BLOCK if self.accuracy == "standard" else 1.0
         block = [max(1, round(wanted / side)) for side in self.pitch]
-        deep = _LEAST_LINES * block[0]
+        deep = PLANES_PER_THREAD * block[0]
         slabs = (self.slopes.strengths(k, k + deep) for k in range(0, self.shape[0], deep))
-        weak = _CHARGED * self.floor
+        weak = _MIN_CHARGED_STRENGTH * self.floor
         charges = np.concatenate([block_means(np.where(slab < weak, np.float32(0), slab), block) for slab in slabs])
         sides = tuple(n * side for n, side in zip(block, self.pitch, strict=True))
         force = convolved_field(charges, self.exponent, np.float32, sides).astype(np.float32, copy=False)
@@ -158,7 +157,7 @@ class VolumeField:
         """Lorentz force on the voxels, shape (3, P, R, C), as particles there feel it."""
         out = np.empty((3, *self.shape), np.float32)
         fields = (self.smoothed, self.edges, self.far.force, self.pitch, self.far.block, self.floor)
-        share(lambda first, last: force_on_voxels(*fields, first, last, out), len(self.smoothed), _LEAST_LINES)
+        share(lambda first, last: force_on_voxels(*fields, first, last, out), len(self.smoothed), PLANES_PER_THREAD)
         return out
 
     @cached_property
@@ -173,25 +172,25 @@ class VolumeField:
         return slope if slope > 0.0 else 1.0
 
     def with_far_field(self, exponent: float, accuracy: Accuracy) -> VolumeField:
-        """The same edges with another field of their charges, with all that is known of the edges."""
+        """Return the same edges with another field of their charges; everything known of the edges is kept."""
         other = replace(self, exponent=exponent, accuracy=accuracy)
         other.__dict__.update({name: known for name, known in self.__dict__.items() if name in ("edges", "ridges")})
         return other
 
     def with_walls(self, walls: Walls | None) -> VolumeField:
-        """The same fields with other walls, with all that is known of them."""
+        """Return these fields with other walls; everything known of the fields is kept."""
         other = copy(self)
         object.__setattr__(other, "walls", walls)
         return other
 
     def crossed(self, start: Array, end: Array) -> Mask:
-        """Which of the straight moves between positions, shapes (N, 3) [units], cross a wall."""
+        """Return a mask, shape (N,), of the straight moves, from and to shape (N, 3) [units], that cross a wall."""
         return np.zeros(len(start), bool) if self.walls is None else self.walls.crossed(start, end)
 
     @cached_property
     def ridges(self) -> Ridges:
         """Ridges of the edge map; found on first use."""
-        return ridges_of(self.smoothed, self.edges, self.pitch, self.floor, -1.0 if self.noisy else _TURN)
+        return ridges_of(self.smoothed, self.edges, self.pitch, self.floor, -1.0 if self.noisy else _MIN_NORMAL_COSINE)
 
 
 def build_volume_field(
@@ -202,11 +201,11 @@ def build_volume_field(
     interest: Mask | None = None,
     walls: Walls | None = None,
 ) -> VolumeField:
-    """Fields of a volume, shape (P, R, C), with voxels of these sides [units].
+    """Build the fields of a volume, shape (P, R, C), with voxels of these sides [units].
 
     `smoothing` is the sigma of the Gaussian [units], or the least of a series that raises the edges above the noise;
-    `edge_floor` is the fraction of the largest edge strength below which there is no edge, 0 for what the background
-    decides alone; outside `interest` there are no edges, and `walls` are what no particle crosses.
+    `edge_floor` is the fraction of the largest edge strength below which there is no edge; at 0 the background
+    decides alone; outside `interest` there are no edges, and no particle crosses `walls`.
     """
     after = partial(_smooth_edges, values, pitch, interest)
     sigma, smoothed, strongest, background = automatic_edges(after) if smoothing == "auto" else after(float(smoothing))
@@ -215,31 +214,31 @@ def build_volume_field(
 
 
 def weakest_edge_of(strongest: float, background: float, edge_floor: float) -> tuple[float, bool]:
-    """Least edge strength for edge contact, and whether noise decides on it."""
+    """Return the least edge strength for edge contact, and whether noise decides on it."""
     least = max(WEAKEST_EDGE, edge_floor) * strongest
-    noise = min(background, _MOST_BACKGROUND * strongest)
+    noise = min(background, MAX_BACKGROUND * strongest)
     return max(least, noise) if strongest > 0.0 else math.inf, noise > least
 
 
 def automatic_edges(after: Callable[[float], Smoothed]) -> Smoothed:
-    """Edges after the least smoothing that raises them above the noise; `after` gives those after one."""
+    """Find the edges after the least smoothing that raises them above the noise; `after` smooths by one sigma."""
     usable: float | None = None
-    for sigma, clear in zip(_SERIES, _CLEAR, strict=True):
+    for sigma, clear in zip(_VOLUME_SIGMAS, _CLEAR_BACKGROUNDS, strict=True):
         found = after(sigma)
         if found.background <= clear * found.strongest:
             return found
         if usable is not None:
             return after(usable)
-        usable = sigma if found.background <= _USABLE * found.strongest else None
+        usable = sigma if found.background <= _USABLE_BACKGROUND * found.strongest else None
     return found
 
 
 def _smooth_edges(values: Array, pitch: Vector, interest: Mask | None, sigma: float) -> Smoothed:
-    """A volume after a Gaussian of this sigma [units], and its edges; there are none outside `interest`."""
+    """Smooth a volume by a Gaussian of this sigma [units], and measure its edges; there are none outside `interest`."""
     smoothed = smoothed_volume(values, [sigma / side for side in pitch])
     slopes, strongest, some = Slopes.of(smoothed, pitch, interest), 0.0, []
-    for first in range(0, len(smoothed), _LEAST_LINES * EVERY):
-        window = slice(first, first + _LEAST_LINES * EVERY)
+    for first in range(0, len(smoothed), PLANES_PER_THREAD * EVERY):
+        window = slice(first, first + PLANES_PER_THREAD * EVERY)
         found = slopes.strengths(window.start, window.stop)
         strongest = max(strongest, float(found.max()))
         some.append(found[::EVERY, ::EVERY, ::EVERY].ravel() if interest is None else found[interest[window]])
@@ -247,15 +246,15 @@ def _smooth_edges(values: Array, pitch: Vector, interest: Mask | None, sigma: fl
 
 
 def background_of(strengths: Array | Single) -> float:
-    """Edge strength that noise rarely exceeds, from strengths all over a volume."""
-    return _DEVIATIONS * float(np.percentile(strengths, 25.0)) / _MAXWELL_QUARTILE
+    """Return the edge strength that noise rarely exceeds, from strengths, shape (N,), all over a volume."""
+    return _NOISE_DEVIATIONS * float(np.percentile(strengths, 25.0)) / _MAXWELL_QUARTILE
 
 
 def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
-    """A volume after a Gaussian with a sigma for each axis [voxels], in single precision."""
+    """Smooth a volume, shape (P, R, C), by a Gaussian with a sigma for each axis [voxels], in single precision."""
     weights = tuple(half_gaussian(sigma) if sigma > NO_SMOOTHING else np.ones(1) for sigma in sigmas)
     out = np.empty(values.shape, np.float32)
-    share(partial(_smooth, values, weights, out), len(out), _LEAST_LINES)
+    share(partial(_smooth, values, weights, out), len(out), PLANES_PER_THREAD)
     return out
 
 
@@ -282,8 +281,8 @@ def _smooth(values: Array, weights: Arrays, out: Single, first: int, end: int) -
 LONGEST = 10.0
 """Side that a voxel has at most for particles, in units of the smallest one.
 
-Particles are about two units apart. Along a longer side they would stand closer than the voxels can tell them apart,
-and be so many that a run takes minutes. Measures of the surface count the side as long as it is.
+Particles are about two units apart. Along a longer side they would be closer than the voxels can resolve, and there
+would be so many that a run takes minutes. Measures of the surface use the true side.
 """
 
 
@@ -294,15 +293,15 @@ Free = Callable[..., VolumeField]
 def volume_fields(
     sources: SourceImages, pitch: Vector, regions: VolumeRegions | None, free: Free | None = None
 ) -> tuple[Free, Callable[[int, Parameters], VolumeField]]:
-    """The functions of `plane_fields` for a volume with voxels of these sides; they refuse parameters of images."""
+    """Make the functions of `plane_fields` for a volume; they refuse parameters of images."""
     kept, shape = lru_cache(sources.scales), sources.shape
 
     @kept
-    def build(scale: int, gamma: Any, smoothing: Any, edge_floor: float) -> VolumeField:
+    def build_field(scale: int, gamma: Any, smoothing: Any, edge_floor: float) -> VolumeField:
         values = sources.at(scale, "luminance", "gradient", gamma, 0.0).values  # not cleaned
         return build_volume_field(values, pitch, smoothing, edge_floor, _voxels(regions, shape, scale))
 
-    known = free or build
+    known = free or build_field
 
     @kept
     def field_of(exponent: float, accuracy: Accuracy, scale: int, *key: object) -> VolumeField:
@@ -311,16 +310,16 @@ def volume_fields(
             found = found.with_far_field(exponent, accuracy)
         return found if regions is None else found.with_walls(regions.walls(shape).at_scale(scale, pitch))
 
-    def at(scale: int, parameters: Parameters) -> VolumeField:
+    def field_at(scale: int, parameters: Parameters) -> VolumeField:
         check_parameters(parameters)
         edges = parameters.gamma, parameters.smoothing, parameters.edge_floor
         return field_of(parameters.exponent_in(3), parameters.accuracy, scale, *edges)
 
-    return known, at
+    return known, field_at
 
 
 def _voxels(regions: VolumeRegions | None, shape: Extent, scale: int) -> Mask | None:
-    """Which voxels of a scale are of interest: those whose centers are."""
+    """Return a mask of the voxels of a scale whose centers are of interest; None for all."""
     voxels = None if regions is None else regions.voxels(shape)
     if voxels is None or scale == 0:
         return voxels
@@ -331,7 +330,7 @@ def _voxels(regions: VolumeRegions | None, shape: Extent, scale: int) -> Mask | 
 
 
 def pitch_of(spacing: Sides) -> Vector:
-    """Sides of the voxels of a volume for particles, in units of the smallest one: no more than `LONGEST`."""
+    """Return the sides of a voxel in units of the smallest one, as particles feel them: at most `LONGEST`."""
     least = min(spacing)
     plane, row, col = (min(side / least, LONGEST) for side in spacing)
     return plane, row, col

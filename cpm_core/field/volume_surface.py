@@ -4,7 +4,7 @@ Far from edges it is the unit vector of the field. On an edge the field along th
 fraction of a voxel, and its part along the edge leads to stronger parts. There the relative slope of the edge map takes
 its place, ``n (f+ - f-) / (f+ + f-)``, with the edge strength one unit ahead and behind along the normal ``n`` of the
 smoothed volume: it has nearly unit size on the flank and falls linearly through zero on the ridge. No normalization is
-needed, and what the far field lacks in resolution does not matter.
+needed, and the low resolution of the far field does not matter.
 """
 
 from __future__ import annotations
@@ -25,15 +25,21 @@ from cpm_core.numerics.vectors import Vector, dot, length, lengths, moved, row_o
 GATE = 0.45
 """Relative slope of the edge map under which a particle on an edge is on its ridge."""
 
-_RIDGE_STEP, _LONGEST_STEP, _SHORTEST_STEP = 0.7, 0.6, 0.01
-"""Distance of the two samples next to a ridge, longest step towards it, and the one after which it is reached."""
+_RIDGE_SAMPLE_OFFSET = 0.7
+"""Distance of the two samples next to a ridge [units]."""
+
+_MAX_RIDGE_STEP = 0.6
+"""Longest step towards the ridge [units]."""
+
+_MIN_RIDGE_STEP = 0.01
+"""Step after which the ridge is reached [units]."""
 
 
 @compiled
 def force_at(
     smoothed: Single, edges: Edges, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
 ) -> tuple[Vector, Vector, float, float, float]:
-    """Force at a place, normal, edge strength, relative slope of the edge map, and how much of the force it is."""
+    """Return force, normal, edge strength and relative slope of the edge map at a place, and the slope's weight."""
     normal = normal_at(smoothed, pitch, place)
     here = edge_at(edges, pitch, place)
     ahead = edge_at(edges, pitch, moved(place, 1.0, normal))
@@ -59,7 +65,7 @@ def force_on_voxels(
     last: int,
     out: Single,
 ) -> None:
-    """`force_at` of the voxels of some planes, shape (3, P, R, C)."""
+    """Write `force_at` of the voxels of some planes into `out`, shape (3, P, R, C)."""
     for i in range(first, last):
         for j in range(edges.rows):
             for k in range(edges.cols):
@@ -70,7 +76,7 @@ def force_on_voxels(
 
 @compiled
 def far_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
-    """Field of the fixed charges at a place, from blocks of voxels."""
+    """Interpolate the field of the fixed charges, shape (3, P, R, C) of blocks, at a place [units]."""
     z = (place[0] / pitch[0] + 0.5) / block[0] - 0.5
     y = (place[1] / pitch[1] + 0.5) / block[1] - 0.5
     x = (place[2] / pitch[2] + 0.5) / block[2] - 0.5
@@ -79,24 +85,24 @@ def far_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
 
 @compiled
 def on_ridge(smoothed: Single, edges: Edges, pitch: Vector, place: Vector, rounds: int) -> Vector:
-    """The place on the ridge of the edge map next to another one, along the normal: the top of a parabola, repeated."""
+    """Project a place onto the ridge of the edge map along the normal: the top of a parabola, repeated."""
     for _ in range(rounds):
         normal = normal_at(smoothed, pitch, place)
         here = edge_at(edges, pitch, place)
-        ahead = edge_at(edges, pitch, moved(place, _RIDGE_STEP, normal))
-        behind = edge_at(edges, pitch, moved(place, -_RIDGE_STEP, normal))
+        ahead = edge_at(edges, pitch, moved(place, _RIDGE_SAMPLE_OFFSET, normal))
+        behind = edge_at(edges, pitch, moved(place, -_RIDGE_SAMPLE_OFFSET, normal))
         bend = ahead - 2.0 * here + behind
-        step = _RIDGE_STEP * (-0.5 * (ahead - behind) / bend if bend < 0.0 else np.sign(ahead - behind))
-        step = min(max(step, -_LONGEST_STEP), _LONGEST_STEP)
+        step = _RIDGE_SAMPLE_OFFSET * (-0.5 * (ahead - behind) / bend if bend < 0.0 else np.sign(ahead - behind))
+        step = min(max(step, -_MAX_RIDGE_STEP), _MAX_RIDGE_STEP)
         place = moved(place, step, normal)
-        if abs(step) < _SHORTEST_STEP:
+        if abs(step) < _MIN_RIDGE_STEP:
             break
     return place
 
 
 @compiled
 def is_ridge(smoothed: Single, edges: Edges, pitch: Vector, place: Vector, reach: float) -> bool:
-    """Whether the edge is nowhere stronger at a distance along the normal, to either side."""
+    """Return whether the edge is nowhere stronger at a distance along the normal, to either side."""
     normal = normal_at(smoothed, pitch, place)
     here = edge_at(edges, pitch, place)
     return bool(
@@ -106,9 +112,9 @@ def is_ridge(smoothed: Single, edges: Edges, pitch: Vector, place: Vector, reach
 
 
 def on_ridges(smoothed: Single, edges: Edges, pitch: Vector, places: Array, rounds: int) -> Array:
-    """`on_ridge` of places of shape (N, 3)."""
+    """Project places, shape (N, 3), onto the ridge; see `on_ridge`."""
     out = np.empty_like(places)
-    share(partial(_on_ridges, smoothed, edges, pitch, places, rounds, out), len(places), _WORTH_A_THREAD)
+    share(partial(_on_ridges, smoothed, edges, pitch, places, rounds, out), len(places), _RIDGE_VOXELS_PER_THREAD)
     return out
 
 
@@ -122,14 +128,14 @@ def _on_ridges(
 
 @compiled
 def faces_alike(one: Vector, other: Vector) -> bool:
-    """Whether two normals belong to the same sheet of a surface: the two walls of a thin object point apart."""
+    """Return whether two normals face the same way; those of the two walls of a thin object point apart."""
     return dot(one, other) > 0.0
 
 
-_BESIDE = 1.0
+_RIDGE_TEST_DISTANCE = 1.0
 """Distance along the normal at which the edge must not be stronger, to either side [units]."""
 
-_WORTH_A_THREAD = 5_000
+_RIDGE_VOXELS_PER_THREAD = 5_000
 """Voxels from which a second thread makes the search faster."""
 
 
@@ -146,12 +152,12 @@ class Ridges(NamedTuple):
     component: Index
 
     def where(self, index: Index) -> Ridges:
-        """Those with the given indices, in this order."""
+        """Select the voxels with the given indices, shape (K,), in this order."""
         return Ridges(self.place[index], self.normal[index], self.strength[index], self.component[index])
 
 
 def ridges_of(smoothed: Single, edges: Edges, pitch: Vector, floor: float, turn: float) -> Ridges:
-    """All ridges of the edge map of a smoothed volume.
+    """Find all ridges of the edge map of a smoothed volume, shape (P, R, C).
 
     A voxel is connected with those of the 26 around it that have a normal like its own: the scalar product is at least
     `turn`, so that walls of two objects that nearly touch each other stay apart.
@@ -164,14 +170,14 @@ def ridges_of(smoothed: Single, edges: Edges, pitch: Vector, floor: float, turn:
     component = _parts_alike(voxels, slope, lengths(slope), turn, smoothed.shape[1:])
     place = voxels * np.array(pitch)
     normal, ridge = np.empty((count, 3)), np.empty(count, bool)
-    share(partial(_test, smoothed, edges, pitch, place, normal, ridge), count, _WORTH_A_THREAD)
+    share(partial(_test, smoothed, edges, pitch, place, normal, ridge), count, _RIDGE_VOXELS_PER_THREAD)
     place = place[ridge]
     return Ridges(place, normal[ridge], edges.at(pitch, place), component[ridge])
 
 
 @compiled
 def _parts_alike(voxels: Index, slope: Array, size: Array, turn: float, shape: tuple[int, int]) -> Index:
-    """Number of the part of each of some voxels in their order; two planes of numbers suffice to find those before."""
+    """Label the part of each voxel in order; two planes of numbers suffice to find the neighbors before it."""
     group = np.arange(len(voxels))
     window = np.full((2, shape[0] + 2, shape[1] + 2), -1, np.int32)
     plane = -1
@@ -205,8 +211,8 @@ def _test(
     first: int,
     last: int,
 ) -> None:
-    """Normal at each voxel, and whether it is on a ridge."""
+    """Write the normal at each voxel, and whether it is on a ridge."""
     for q in range(first, last):
         here = (place[q, 0], place[q, 1], place[q, 2])
         set_row(normal, q, normal_at(smoothed, pitch, here))
-        ridge[q] = is_ridge(smoothed, edges, pitch, here, _BESIDE)
+        ridge[q] = is_ridge(smoothed, edges, pitch, here, _RIDGE_TEST_DISTANCE)
