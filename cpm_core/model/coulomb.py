@@ -3,7 +3,7 @@
 The tree halves boxes at the middle of their longest side, each drawn tightly around its particles, so that it resolves
 clusters of any density. Boxes that are far from each other, for their size, act by Taylor series: the moments of the
 one, times the derivatives of the inverse distance between the centers, are the potential in the other as a power
-series, which its halves take over. What is left are pairs of near leaves, summed particle by particle in single
+series, which its halves take over. The remaining pairs of near leaves are summed particle by particle in single
 precision from exact differences. Each box is computed by one thread, in the same order on any number of them.
 """
 
@@ -23,40 +23,46 @@ from cpm_core.numerics.types import Array, Index, Single
 from cpm_core.parameters.quotation import shown
 
 METHODS = ("auto", "exact", "tree")
+"""Methods for the computation of the force."""
 
-_WORTH_A_TREE = 1500
+_MIN_TREE_PARTICLES = 1500
 """Particles from which on the tree is faster than the sum over all pairs."""
 
-_SAME_SPOT = 1e-36
+_COINCIDENT_SQUARED = 1e-36
 """Squared distance up to which two particles are at the same position. Such a pair, and a particle with itself, counts
 as one unit apart except for its vanishing distance, so that its force vanishes; without a branch the loop runs on
 vector registers. Positions are within some units here, where no two different ones are that near."""
 
-_WORTH_A_THREAD = 100_000
+_COULOMB_PAIRS_PER_THREAD = 100_000
 """Pairs from which a thread pays."""
 
-_FULLEST = 48
+_MAX_LEAF_PARTICLES = 48
 """Particles in a leaf, unless they are all at the same position."""
 
-_OPENING = 0.55
-"""Sum of the radii of two far boxes over the distance of their centers, at most."""
+_MAX_OPENING_RATIO = 0.55
+"""Largest ratio of the sum of the radii of two far boxes to the distance of their centers."""
 
-_DEGREE = 6
+_SERIES_DEGREE = 6
 """Degree of the Taylor series of the potential between two boxes, counted in the coordinates of both."""
 
-_SUBTREES = 40
-"""Parts of the tree that threads take over, at least."""
+_MIN_SUBTREES = 40
+"""Least number of parts of the tree that threads take over."""
 
-_LANES, _ROUND, _FILL = 64, 16, 32
-"""Columns of a table of vectors, and multiples to which tables and lists of near particles are filled up, so that loops
-use vector registers to the end."""
+_TABLE_COLUMNS = 64
+"""Columns of a table of vectors."""
 
-_NOWHERE = 1e16
+_COLUMN_MULTIPLE = 16
+"""Multiple to which the columns of a table are filled up, so that loops use vector registers to the end."""
+
+_NEAR_LIST_MULTIPLE = 32
+"""Multiple to which lists of near particles are filled up, for the same reason."""
+
+_FILLER_COORDINATE = 1e16
 """Coordinate that fills up a list; its force is next to nothing."""
 
 
 def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
-    """Coulomb force on every particle from all the others, eq. (9) with unit charges.
+    """Compute the Coulomb force on every particle from all the others, eq. (9) with unit charges.
 
     Parameters
     ----------
@@ -100,10 +106,10 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
     scale = float(2.0 ** np.floor(np.log2(sides.max()))) if sides.max() > 0.0 else 1.0
     sites /= scale
     force = np.empty((count, axes))
-    if method == "tree" or (method == "auto" and count > _WORTH_A_TREE):
+    if method == "tree" or (method == "auto" and count > _MIN_TREE_PARTICLES):
         _sum_by_tree(sites, force)
     else:
-        share(partial(_sum_pairs, sites, force), count, _WORTH_A_THREAD // count + 1)
+        share(partial(_sum_pairs, sites, force), count, _COULOMB_PAIRS_PER_THREAD // count + 1)
     with np.errstate(over="ignore"):
         force = force / scale / scale
     if not np.isfinite(force).all():
@@ -116,7 +122,7 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
 
 @reordered
 def _sum_pairs(sites: Array, force: Array, first: int, last: int) -> None:
-    """Eq. (9) for some of the particles at `sites`, shape (D, N), and all the others, which may include themselves."""
+    """Sum eq. (9) for some of the particles at `sites`, shape (D, N), over all others, which may include themselves."""
     axes = len(sites)
     for i in range(first, last):
         f_z, f_y, f_x = 0.0, 0.0, 0.0
@@ -124,7 +130,7 @@ def _sum_pairs(sites: Array, force: Array, first: int, last: int) -> None:
             d_y, d_x = sites[axes - 2, i] - sites[axes - 2, j], sites[axes - 1, i] - sites[axes - 1, j]
             d_z = sites[0, i] - sites[0, j] if axes == 3 else 0.0
             squared = d_z * d_z + d_y * d_y + d_x * d_x
-            squared = squared if squared > _SAME_SPOT else 1.0
+            squared = squared if squared > _COINCIDENT_SQUARED else 1.0
             # A root in single precision and a correction are as exact as one in double precision, and take less time.
             root = np.float64(np.float32(1.0) / np.sqrt(np.float32(squared)))
             rest = 1.0 - squared * root * root
@@ -139,7 +145,7 @@ def _sum_pairs(sites: Array, force: Array, first: int, last: int) -> None:
 
 @reordered
 def _near_force(near: Array, copies: Single, count: int, z: float, y: float, x: float) -> tuple[float, float, float]:
-    """Eq. (9) for a particle at (z, y, x) and the copies of those of a list, in single precision."""
+    """Sum eq. (9) for a particle at (z, y, x) over the copies of those of a list, in single precision."""
     one, nothing, axes = np.float32(1.0), np.float32(0.0), len(near)
     f_z, f_y, f_x, space = nothing, nothing, nothing, axes == 3
     for j in range(count):
@@ -148,11 +154,11 @@ def _near_force(near: Array, copies: Single, count: int, z: float, y: float, x: 
         if space:
             d_z = np.float32(z - near[0, j])
             squared += d_z * d_z
-            squared = squared if squared > np.float32(_SAME_SPOT) else one
+            squared = squared if squared > np.float32(_COINCIDENT_SQUARED) else one
             root = one / np.sqrt(squared)
             f_z += _push(d_z, root, copies[j] * (root * root))
         else:
-            squared = squared if squared > np.float32(_SAME_SPOT) else one
+            squared = squared if squared > np.float32(_COINCIDENT_SQUARED) else one
             root = one / np.sqrt(squared)
         f_y += _push(d_y, root, copies[j] * (root * root))
         f_x += _push(d_x, root, copies[j] * (root * root))
@@ -161,7 +167,7 @@ def _near_force(near: Array, copies: Single, count: int, z: float, y: float, x: 
 
 @compiled
 def _push(way: np.float32, root: np.float32, strength: np.float32) -> np.float32:
-    """Component of the inverse square, of factors that stay finite: the cube of the root may not."""
+    """Return a component of the inverse square, by factors that stay finite: the cube of the root may not."""
     pushed: np.float32 = way * root * strength
     return pushed
 
@@ -189,8 +195,8 @@ class _Terms(NamedTuple):
 
 @lru_cache(maxsize=2)
 def _terms(axes: int) -> _Terms:
-    """The terms up to the degree of all series, of two or three coordinates."""
-    powers = sorted((p for p in product(range(_DEGREE + 1), repeat=axes) if sum(p) <= _DEGREE), key=sum)
+    """Return the terms up to the degree of all series, of two or three coordinates."""
+    powers = sorted((p for p in product(range(_SERIES_DEGREE + 1), repeat=axes) if sum(p) <= _SERIES_DEGREE), key=sum)
     at = {p: t for t, p in enumerate(powers)}
     lower = [[at.get((*p[:axis], p[axis] - 1, *p[axis + 1 :]), 0) for axis in range(axes)] for p in powers]
     every = ((at[p], at[q], at.get(tuple(np.add(p, q)))) for q in powers[1:] for p in powers)
@@ -226,14 +232,14 @@ class _Tree(NamedTuple):
 
 
 def _sum_by_tree(sites: Array, force: Array) -> None:
-    """The sums of `_sum_pairs` for all, nearly; sorts `sites`."""
+    """Approximate the sums of `_sum_pairs` for all particles; sorts `sites`."""
     count, terms = len(force), _terms(len(sites))
     order, copies = np.arange(count), np.zeros(count, np.float32)
     levels, begin, span = [], [0], np.array([(0, count)])
     while len(span):
         place, (middle, spots) = np.zeros((len(span), 4)), np.zeros((2, len(span)), np.int64)
         halve = partial(_halve, sites, order, copies, span, place, middle, spots)
-        share(halve, len(span), _WORTH_A_THREAD * len(span) // count + 1)
+        share(halve, len(span), _COULOMB_PAIRS_PER_THREAD * len(span) // count + 1)
         begin.append(begin[-1] + len(span))
         halved = middle > 0
         levels.append((span, np.where(halved, begin[-1] + 2 * np.cumsum(halved) - 2, 0), place, spots))
@@ -242,7 +248,7 @@ def _sum_by_tree(sites: Array, force: Array) -> None:
     tree = _Tree(*map(np.concatenate, zip(*levels, strict=True)), *np.zeros((2, begin[-1], len(terms.degree))))
     for first, last in reversed([*pairwise(begin)]):
         share(partial(_add_moments, sites, tree, terms, first), last - first, 200)
-    large = (tree.half > 0) & (_SUBTREES * (tree.span[:, 1] - tree.span[:, 0]) > count)
+    large = (tree.half > 0) & (_MIN_SUBTREES * (tree.span[:, 1] - tree.span[:, 0]) > count)
     below = np.add.outer(tree.half[large], (0, 1)).ravel()
     roots = below[~large[below]] if len(below) else np.zeros(1, np.int64)
     share(partial(_sum_below, sites, order, copies, tree, terms, roots, force), len(roots), 1)
@@ -279,8 +285,8 @@ def _halve(
             if high - low > widest:
                 widest, longest, cut = high - low, axis, place[k, axis] if place[k, axis] < high else low
         place[k, 3] = np.sqrt(squared)
-        if end - start > _FULLEST and squared > _SAME_SPOT:
-            behind = start  # what is sorted out is written in any case: a branch would be a guess each time
+        if end - start > _MAX_LEAF_PARTICLES and squared > _COINCIDENT_SQUARED:
+            behind = start  # swap in any case: a branch would be mispredicted half of the time
             for n in range(start, end):
                 before = sites[longest, n] <= cut
                 for axis in range(axes):
@@ -289,8 +295,8 @@ def _halve(
                 behind += before
             middle[k] = behind
         else:
-            spots[k] = _distinct(sites, order, copies, start, end) if squared > _SAME_SPOT else 1
-            copies[start] += (end - start) * (squared <= _SAME_SPOT)
+            spots[k] = _distinct(sites, order, copies, start, end) if squared > _COINCIDENT_SQUARED else 1
+            copies[start] += (end - start) * (squared <= _COINCIDENT_SQUARED)
 
 
 @compiled
@@ -314,13 +320,13 @@ def _distinct(sites: Array, order: Index, copies: Single, start: int, end: int) 
 
 @compiled
 def _filled_up(count: int) -> int:
-    """Columns of a table for so many vectors."""
-    return int(min(_LANES, (count + _ROUND - 1) // _ROUND * _ROUND))
+    """Return the number of columns of a table for `count` vectors."""
+    return int(min(_TABLE_COLUMNS, (count + _COLUMN_MULTIPLE - 1) // _COLUMN_MULTIPLE * _COLUMN_MULTIPLE))
 
 
 @reordered
 def _fill_terms(vectors: Array, count: int, lanes: int, terms: _Terms, table: Array) -> None:
-    """Terms of `count` vectors, each divided by the factorials of its powers; zeros for the others up to `lanes`."""
+    """Write the terms of `count` vectors, divided by the factorials of their powers; zeros for others up to `lanes`."""
     for n in range(lanes):
         table[0, n] = 1.0 if n < count else 0.0
     for t in range(1, len(terms.degree)):
@@ -334,7 +340,7 @@ def _fill_terms(vectors: Array, count: int, lanes: int, terms: _Terms, table: Ar
 
 @reordered
 def _fill_derivatives(vectors: Array, lanes: int, terms: _Terms, table: Array) -> None:
-    """Derivatives of the inverse distance, each from those of one and two degrees less; `vectors` are overwritten."""
+    """Write the derivatives of the inverse distance by recursion over the degree; `vectors` are overwritten."""
     axes = len(vectors) - 1
     for n in range(lanes):
         squared = 0.0
@@ -365,7 +371,7 @@ def _fill_derivatives(vectors: Array, lanes: int, terms: _Terms, table: Array) -
 def _add_moments(sites: Array, tree: _Tree, terms: _Terms, level: int, first: int, last: int) -> None:
     """Moments of some boxes of the level that begins there: of the particles in a leaf, or from those of its halves."""
     axes, size = len(sites), len(terms.degree)
-    vectors, table = np.zeros((axes, _LANES)), np.empty((size, _LANES))
+    vectors, table = np.zeros((axes, _TABLE_COLUMNS)), np.empty((size, _TABLE_COLUMNS))
     for k in range(level + first, level + last):
         half, (start, end) = tree.half[k], tree.span[k]
         if half:
@@ -380,10 +386,10 @@ def _add_moments(sites: Array, tree: _Tree, terms: _Terms, level: int, first: in
                 for p in range(len(terms.whole)):
                     tree.moments[k, terms.whole[p]] += tree.moments[half + n, terms.one[p]] * table[terms.other[p], n]
             tree.spots[k] = tree.spots[half] + tree.spots[half + 1]
-            if tree.spots[k] <= _FULLEST:
+            if tree.spots[k] <= _MAX_LEAF_PARTICLES:
                 tree.spots[half], tree.spots[half + 1] = -tree.spots[half], -tree.spots[half + 1]
             continue
-        for begin in range(start, end, _LANES):
+        for begin in range(start, end, _TABLE_COLUMNS):
             lanes = _filled_up(end - begin)
             for axis in range(axes):
                 for n in range(lanes):
@@ -397,7 +403,7 @@ def _add_moments(sites: Array, tree: _Tree, terms: _Terms, level: int, first: in
 
 
 class _Desk(NamedTuple):
-    """Room for the work on one box.
+    """Buffers for the work on one box.
 
     Attributes
     ----------
@@ -431,21 +437,21 @@ def _sum_below(
     first: int,
     last: int,
 ) -> None:
-    """Force on the particles in some boxes, in the order of all.
+    """Write the force on the particles in some boxes, in the order of all.
 
-    Each box gets a list of the boxes that are not far from the box above, and leaves to its halves those that are not
-    far from it either.
+    Each box gets a list of the boxes that are not far from its parent, and passes to its halves those that are not far
+    from it either.
     """
     axes, boxes, size = len(sites), len(tree.half), len(terms.degree)
     stack, lists = np.empty((boxes, 3), np.int64), np.zeros(1024, np.int64)
     desk = _Desk(
         np.empty(boxes, np.int64),
         np.empty(boxes, np.int64),
-        np.empty((axes, len(order) + _FILL)),
-        np.empty(len(order) + _FILL, np.float32),
-        np.empty((axes + 1, _LANES)),
-        np.empty((size, _LANES)),
-        np.empty((size, _LANES)),
+        np.empty((axes, len(order) + _NEAR_LIST_MULTIPLE)),
+        np.empty(len(order) + _NEAR_LIST_MULTIPLE, np.float32),
+        np.empty((axes + 1, _TABLE_COLUMNS)),
+        np.empty((size, _TABLE_COLUMNS)),
+        np.empty((size, _TABLE_COLUMNS)),
     )
     for root in roots[first:last]:
         stack[0, 0], stack[0, 1], stack[0, 2], top = root, 0, 1, 1
@@ -453,8 +459,8 @@ def _sum_below(
             top -= 1
             k, begin, end = stack[top]
             lists, kept, distant, listed = _sort_out(sites, copies, tree, desk, k, lists, begin, end)
-            for block in range(0, distant, _LANES):
-                _take_in(tree, terms, desk, k, desk.far[block : min(block + _LANES, distant)])
+            for block in range(0, distant, _TABLE_COLUMNS):
+                _take_in(tree, terms, desk, k, desk.far[block : min(block + _TABLE_COLUMNS, distant)])
             if tree.half[k]:
                 _hand_on(tree, terms, desk, k)
                 for n in range(2):
@@ -468,10 +474,10 @@ def _sum_below(
 def _sort_out(
     sites: Array, copies: Single, tree: _Tree, desk: _Desk, k: int, lists: Index, begin: int, end: int
 ) -> tuple[Index, int, int, int]:
-    """Sort the boxes of a list: far from a box, to be left to its halves, and near a leaf.
+    """Sort the boxes of a list into those far from a box, those left to its halves, and those near a leaf.
 
-    Return the lists, to whose end is written what is left to the halves, where that ends, and the numbers of far boxes
-    and of near particles.
+    Return the lists, extended by the boxes left to the halves, where those end, and the numbers of far boxes and of
+    near particles.
     """
     half, spots, axes = tree.half[k], tree.spots[k], len(sites)
     z, y, x, radius = tree.place[k, 0], tree.place[k, 1], tree.place[k, 2], tree.place[k, 3]
@@ -484,10 +490,12 @@ def _sort_out(
         there, larger = tree.half[other], tree.place[other, 3] > radius
         squared = (tree.place[other, 0] - z) ** 2 + (tree.place[other, 1] - y) ** 2 + (tree.place[other, 2] - x) ** 2
         radii = (tree.place[other, 3] + radius) ** 2
-        if radii < _OPENING**2 * squared and spots > 0 and tree.spots[other] > 0:
+        if radii < _MAX_OPENING_RATIO**2 * squared and spots > 0 and tree.spots[other] > 0:
             desk.far[distant] = other
             distant += 1
-        elif there and (not half or (tree.spots[other] > _FULLEST and (larger or spots <= _FULLEST))):
+        elif there and (
+            not half or (tree.spots[other] > _MAX_LEAF_PARTICLES and (larger or spots <= _MAX_LEAF_PARTICLES))
+        ):
             desk.rest[left], desk.rest[left + 1] = there, there + 1
             left += 2
         elif half:
@@ -505,8 +513,8 @@ def _sort_out(
             listed += many
     if not half:
         for axis in range(axes):
-            for n in range(listed, listed + _FILL):
-                desk.near[axis, n] = _NOWHERE
+            for n in range(listed, listed + _NEAR_LIST_MULTIPLE):
+                desk.near[axis, n] = _FILLER_COORDINATE
                 desk.copies[n] = 0.0
     return lists, kept, distant, listed
 
@@ -534,7 +542,7 @@ def _take_in(tree: _Tree, terms: _Terms, desk: _Desk, k: int, far: Index) -> Non
         for axis in range(len(desk.vectors) - 1):
             desk.vectors[axis, n] = tree.place[k, axis] - tree.place[other, axis]
         for t in range(len(terms.degree)):
-            if terms.degree[t] == _DEGREE:
+            if terms.degree[t] == _SERIES_DEGREE:
                 break  # it would add to the potential itself only, of which there is no use
             desk.moments[t, n] = tree.moments[other, t] if n < count else 0.0
     _fill_derivatives(desk.vectors, lanes, terms, desk.table)
@@ -549,9 +557,9 @@ def _take_in(tree: _Tree, terms: _Terms, desk: _Desk, k: int, far: Index) -> Non
 def _sum_leaf(
     sites: Array, order: Index, tree: _Tree, terms: _Terms, desk: _Desk, k: int, listed: int, force: Array
 ) -> None:
-    """Force on the particles in a leaf: of those listed as near, and the slope of the series."""
+    """Write the force on the particles in a leaf: of those listed as near, and the slope of the series."""
     axes, (start, end) = len(sites), tree.span[k]
-    for begin in range(start, end, _LANES):
+    for begin in range(start, end, _TABLE_COLUMNS):
         lanes = _filled_up(end - begin)
         for axis in range(axes):
             for n in range(lanes):
@@ -566,12 +574,12 @@ def _sum_leaf(
             axis, one, slope = axes - terms.other[p], terms.one[p], tree.series[k, terms.whole[p]]
             for n in range(lanes):
                 desk.vectors[axis, n] -= slope * desk.table[one, n]
-        for n in range(min(_LANES, end - begin)):
+        for n in range(min(_TABLE_COLUMNS, end - begin)):
             i = begin + n
             pushes = _near_force(
                 desk.near,
                 desk.copies,
-                (listed + _FILL - 1) // _FILL * _FILL,
+                (listed + _NEAR_LIST_MULTIPLE - 1) // _NEAR_LIST_MULTIPLE * _NEAR_LIST_MULTIPLE,
                 sites[0, i],
                 sites[axes - 2, i],
                 sites[axes - 1, i],

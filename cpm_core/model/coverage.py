@@ -6,7 +6,7 @@ brought to rest, each neighborhood separately, so that every run ends and a dist
 moving.
 
 In a volume a cell counts once for each side that a surface in it faces, so that the second wall of a thin object is new
-ground. The cells found are kept as a sorted list: surfaces fill few of them.
+coverage. The cells found are kept as a sorted list: surfaces fill few of them.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from cpm_core.numerics.types import Array, Extent, Index, Mask
 
 @compiled
 def cell_of(place: float, size: float, along: int) -> int:
-    """Cell of side `size` [px] of a coordinate, of `along` cells; positions beyond belong to the outermost ones."""
+    """Return the cell of side `size` [px] of a coordinate, among `along` cells; those beyond belong to the ends."""
     return int(min(max(int((place + 0.5) / size), 0), along - 1))
 
 
 @compiled
 def sorted_by(cells: Index, count: int) -> tuple[Index, Index]:
-    """Order of things by the numbers of their cells, of so many, in which they keep theirs, and where each begins."""
+    """Sort items stably by their cells, shape (N,); return the order and where each of `count` cells begins."""
     order, start = np.empty(len(cells), np.int64), np.zeros(count + 1, np.int64)
     for i in range(len(cells)):
         start[cells[i] + 1] += 1
@@ -43,8 +43,10 @@ def sorted_by(cells: Index, count: int) -> tuple[Index, Index]:
 
 
 Steps = NDArray[np.int32]
+"""Steps of a scale, by cell."""
 
 NEVER = -1
+"""Step of a cell that has never been covered."""
 
 CELL = 4.0
 """Side of the cells of the coverage [px]."""
@@ -72,7 +74,7 @@ class Coverage(NamedTuple):
 
 
 def no_coverage(shape: Extent) -> Coverage:
-    """Coverage of an image of this shape before any particle has been on an edge."""
+    """Return the coverage of an image of this shape before any particle has been on an edge."""
     never = np.full(tuple(int(n / CELL) + 1 for n in shape), NEVER, np.int32)
     return Coverage(never, never, 0)
 
@@ -81,7 +83,7 @@ def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tup
     """Mark the cells of particles on edges as covered at a step.
 
     `positions`, shape (N, 2) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
-    coverage after it, the same one if no cell is new, and the number of newly covered cells.
+    coverage afterwards, the same one if no cell is new, and the number of newly covered cells.
     """
     found, latest, new = _marked(coverage.found, coverage.latest, positions, on_edge, step)
     return Coverage(found, latest, coverage.size + new) if new else coverage, new
@@ -94,7 +96,7 @@ def _cell_at(steps: Steps, position: Array, i: int) -> tuple[int, int]:
 
 @compiled
 def _marked(found: Steps, latest: Steps, position: Array, on_edge: Mask, step: int) -> tuple[Steps, Steps, int]:
-    """Cells, with those of particles on edges, and those near, marked as covered if they are new; and their number."""
+    """Mark the cells of particles on edges, and those near, as covered if they are new; return also their number."""
     new = 0
     for i in range(len(position)):
         if not on_edge[i]:
@@ -111,7 +113,7 @@ def _marked(found: Steps, latest: Steps, position: Array, on_edge: Mask, step: i
 
 @compiled
 def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
-    """Steps since cells around each particle were newly covered, shape (N,); `elsewhere` far from all covered cells."""
+    """Count the steps since cells around each particle were newly covered, shape (N,); `elsewhere` if none ever was."""
     idle = np.empty(len(positions), np.int64)
     for i in range(len(positions)):
         newest = coverage.latest[_cell_at(coverage.latest, positions, i)]
@@ -120,13 +122,13 @@ def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> 
 
 
 def with_times_reset(coverage: Coverage, step: int) -> Coverage:
-    """Coverage as if all covered cells had been newly covered at this step."""
+    """Return the coverage as if all covered cells had been newly covered at this step."""
     found, latest = (np.where(steps == NEVER, steps, np.int32(step)) for steps in coverage[:2])
     return Coverage(found, latest, coverage.size)
 
 
 def with_times_reset_near(coverage: Coverage, places: Array, reach: float, step: int) -> Coverage:
-    """Coverage as if all cells within reach of positions, shape (K, D) [px], were near a newly covered cell."""
+    """Return the coverage as if all cells within reach of positions, shape (K, D) [px], were near a new one."""
     latest = coverage.latest.copy()
     for place in places:
         parts, away = [], []
@@ -139,11 +141,11 @@ def with_times_reset_near(coverage: Coverage, places: Array, reach: float, step:
     return coverage._replace(latest=latest)
 
 
-_SIDE = np.array([1.0, 0.37, 0.21])
+_SIDE_DIRECTION = np.array([1.0, 0.37, 0.21])
 """Direction that distinguishes the sides of a surface: in no plane of a usual grid."""
 
-_SPAN = 1 << 20
-"""Cells along an axis that a number has room for."""
+_CELLS_PER_AXIS = 1 << 20
+"""Cells along an axis that fit into the number of a cell."""
 
 
 class SurfaceCoverage(NamedTuple):
@@ -167,19 +169,19 @@ class SurfaceCoverage(NamedTuple):
 
 
 def no_surface(side: float = 1.0) -> SurfaceCoverage:
-    """The coverage before any surface has been found, with cells of this side [units]."""
+    """Return the coverage before any surface has been found, with cells of this side [units]."""
     return SurfaceCoverage(np.zeros(0, np.int64), side)
 
 
 def surface_cells(places: Array, normals: Array, side: float) -> Index:
-    """Number of the cell and side of each of some particles, shape (N,)."""
+    """Return the number of the cell and side of each particle, shape (N,), at places, with normals, shape (N, 3)."""
     cell = np.floor(places / side).astype(np.int64) + 1
-    number = (cell[:, 0] * _SPAN + cell[:, 1]) * _SPAN + cell[:, 2]
-    return 2 * number + (normals @ _SIDE > 0.0)
+    number = (cell[:, 0] * _CELLS_PER_AXIS + cell[:, 1]) * _CELLS_PER_AXIS + cell[:, 2]
+    return 2 * number + (normals @ _SIDE_DIRECTION > 0.0)
 
 
 def cover_surfaces(coverage: SurfaceCoverage, places: Array, normals: Array) -> tuple[SurfaceCoverage, Mask]:
-    """The coverage with the cells of seated particles, and which of these, shape (N,), are the first in theirs."""
+    """Cover the cells of particles on surfaces, shape (N, 3); return a mask, shape (N,), of the first in new cells."""
     number = surface_cells(places, normals, coverage.side)
     new, first = np.unique(number, return_index=True)
     place = np.searchsorted(coverage.cells, new)

@@ -33,16 +33,15 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
-_LEAST_MEMORY = {2: 80.0, 3: 12.0}
-"""Memory that no run needs less of, for one pixel [bytes], in the plane and in space; in the plane 106 to 200 are
-measured."""
+_MIN_BYTES_PER_PIXEL = {2: 80.0, 3: 12.0}
+"""Least memory that a run needs for one pixel [bytes], by axes; in the plane 106 to 200 are measured."""
 
 
-_KEPT = 2
-"""Fields with placed charges that are kept: those that the threads of a run and a window use."""
+_KEPT_CHARGED_FIELDS = 2
+"""Number of fields with placed charges that are kept: those that the threads of a run and a window use."""
 
 Measured = Callable[[ScaleField, int, Parameters], ScaleField]
-"""Gives the field of a part of an image what depends on the whole image."""
+"""Completes the field of a part of an image by the quantities that depend on the whole image."""
 
 
 class ImageFields:
@@ -58,7 +57,7 @@ class ImageFields:
         Regions of interest, which particles do not leave, and barriers, which they do not cross; the whole image by
         default.
     measured : callable, optional
-        Makes the field of a scale, by its number and parameters, one that is measured as those of a larger image.
+        Maps the field of a scale, with its number and parameters, to one measured as part of a larger image.
 
     Raises
     ------
@@ -86,7 +85,7 @@ class ImageFields:
                 f"{self.image.source} is constant ({darkest:g} everywhere) and has no edges: "
                 "open an image with objects."
             )
-        check_room(shape, _LEAST_MEMORY[len(shape)], self.image.source)
+        check_room(shape, _MIN_BYTES_PER_PIXEL[len(shape)], self.image.source)
         self.scales = parameters.scales
         self._pitch: Any = pitch_of(self.image.spacing) if len(shape) == 3 else (1.0, 1.0)
         self._sources = SourceImages(self.image, parameters.scales)
@@ -100,17 +99,17 @@ class ImageFields:
             self._check_edges()
 
     def _limit(self, regions: AnyRegions | None, free: Any = None) -> None:
-        """Take other regions; `free` builds the fields of the same regions of interest."""
+        """Set the regions; `free` builds the fields of the same regions of interest."""
         self.regions, self._lock = regions, RLock()
         fields: Any = partial(volume_fields, pitch=self._pitch) if self.image.ndim == 3 else plane_fields
         self._free, self._at = fields(self._sources, regions=regions, free=free)
         if self._measured is not None:
             plain, measured = self._at, self._measured
             self._at = lru_cache(self.scales)(lambda scale, given: measured(plain(scale, given), scale, given))
-        self._charged = lru_cache(_KEPT)(partial(charged, self.image.shape))
+        self._charged = lru_cache(_KEPT_CHARGED_FIELDS)(partial(charged, self.image.shape))
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
-        """The same with other regions of interest and barriers, and as many scales.
+        """Return these fields with other regions of interest and barriers, and as many scales.
 
         With other barriers only, no field is built again; with other regions of interest the image gradient is taken
         over. A state of a run in the former regions can be stepped in the new ones.
@@ -131,26 +130,26 @@ class ImageFields:
         return other
 
     def suits(self, parameters: Parameters) -> bool:
-        """Whether a run with these parameters can start in these fields, which have a fixed number of scales."""
+        """Return whether a run with these parameters can start in these fields, which have a fixed number of scales."""
         return parameters.scales == self.scales
 
     def scale_field(self, parameters: Parameters, scale: int = 0) -> ScaleField:
-        """Fields of a scale, built on first use; a `VolumeField` in a volume."""
+        """Return the fields of a scale, built on first use; a `VolumeField` in a volume."""
         self._latest = parameters
         with self._lock:
             found: ScaleField = self._at(scale, parameters)
         return found
 
     def _field_with(self, field: ScaleField, scale: int, charges: Charges) -> ScaleField:
-        """A scale field with placed charges; in a volume, where particles feel these directly, the field itself."""
+        """Return a scale field with placed charges; in a volume, where particles feel these directly, the field."""
         return field if not charges or self.image.ndim == 3 else self._charged(field, scale, charges)
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
-        """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
+        """Return the edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
         return self.scale_field(parameters, scale).fixed_charges
 
     def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
-        """Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.
+        """Return the Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.
 
         Without charges the vectors have at most unit length. The charges are in px of the image, at every scale.
         """
@@ -163,7 +162,7 @@ class ImageFields:
         return found
 
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
-        """Potential on the pixels of the image, shape (H, W) [gray levels], lowest where it attracts particles most.
+        """Return the potential on the pixels of the image, shape (H, W) [gray levels], lowest where it attracts most.
 
         The sum of the potential of the fixed charges, eq. (7), which is computed on first use and kept with the field,
         and of the potential of placed charges, whose unit of force counts as the mean slope of the former.
@@ -175,7 +174,7 @@ class ImageFields:
         return potential
 
     def _placed(self, charges: Sequence[PlacedCharge], scale: int) -> Array:
-        """Position of each charge, as those of particles at a scale, and its strength; shape (K, D + 1)."""
+        """Return the position of each charge at a scale, and its strength; shape (K, D + 1)."""
         return at_scale(placed_in(charges, self.image.ndim), scale, self.image.shape) * (*self._pitch, 1.0)
 
     def _check_edges(self) -> None:

@@ -1,4 +1,4 @@
-"""Changes of a run under way: by the user, with the particles that they reactivate, and by the schedule of scales."""
+"""Changes of a run under way: by the user, and by the schedule of scales."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Chosen = Mask | Callable[[Array], ArrayLike]
 
 
 def applied(state: State, regions: AnyRegions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
-    """The state with which a step begins, reactivated where parameters, regions or charges have changed."""
+    """Return the state with which a step begins, reactivated where parameters, regions or charges have changed."""
     if state.steering != parameters.steering or state.regions != regions:
         state = replace(reactivated(within(state, regions)), steering=parameters.steering)
     placed = placed_in(charges, len(state.shape))
@@ -78,7 +78,7 @@ def reactivated_near(state: State, charges: Charges) -> State:
 
 
 def joined(state: State, seeds: ArrayLike, regions: AnyRegions | None) -> State:
-    """Put more particles into a run; see `Engine.joined`."""
+    """Add particles, shape (M, D), to a run; see `Engine.joined`."""
     points = starting_points(seeds, state.shape, regions)
     places = state.at_scale(points, state.scale) - state.corner
     particles = state.particles.with_more(places, state.next_identity)
@@ -92,7 +92,7 @@ def joined(state: State, seeds: ArrayLike, regions: AnyRegions | None) -> State:
 
 
 def erased(state: State, inside: Chosen) -> State:
-    """Take particles out of a run; see `Engine.erased`."""
+    """Remove particles from a run; see `Engine.erased`."""
     if callable(inside):
         gone = _mask(inside(state.position), state.count, "particles")
         start = state.start[~_mask(inside(state.start), len(state.start), "starting particles")]
@@ -105,7 +105,7 @@ def erased(state: State, inside: Chosen) -> State:
 
 
 def _mask(inside: ArrayLike, count: int, noun: str) -> Mask:
-    """Check a mask of the chosen particles, shape (N,)."""
+    """Check a mask of the selected particles, shape (N,)."""
     mask = np.asarray(inside)
     if mask.dtype != np.bool_ or mask.shape != (count,):
         raise ValueError(f"which {noun} to erase must be given by {count} truth values, one for each.")
@@ -142,27 +142,29 @@ def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
 
 
 def allowed_places(position: Array, scale: int, shape: Extent, regions: AnyRegions | None) -> Array:
-    """Positions [px of the image of this shape] at a scale, without those where no particle may be."""
+    """Return positions, shape (N, D) [px of the image], at a scale, without those where no particle may be."""
     places = to_scale(position, scale, shape)
     places = places[inside_image(places, shape_of_scale(shape, scale))]
     return places[allowed_by(to_image(places, scale, shape), regions)]
 
 
-_NEAR_END, _ROOM = 16.0, 96
-"""Distance of a particle from the end of a window that widens it: farther than any goes or looks in a step; and the
-least room around particles in a new one [px]."""
+_WINDOW_END_DISTANCE = 16.0
+"""Distance of a particle from the end of a window that widens it [px]: farther than any moves or searches in a step."""
+
+_ROOM = 96
+"""Least room around particles in a new window [px]."""
 
 _WINDOWED = 2**20
 """Pixels of an image above which a run takes place in windows."""
 
-_MOST = 0.5
-"""Share of an image that a window may be of; beyond it the run is one in the whole image."""
+_MAX_WINDOW_SHARE = 0.5
+"""Largest share of an image that a window may cover; beyond it the run takes place in the whole image."""
 
 
 def window_around(position: Array, shape: Extent, room: float = 0.0) -> Window | None:
-    """Pixels of a scale of this shape around particles, with some room [px] or more for them to move; None for all.
+    """Return the pixels of a scale of this shape around particles, with some room [px] to move; None for all.
 
-    Windows begin between cells of the coverage, so that a wider one has the same cells.
+    Windows begin between cells of the coverage, so that a wider window has the same cells.
     """
     if not len(position):
         return None
@@ -170,19 +172,19 @@ def window_around(position: Array, shape: Extent, room: float = 0.0) -> Window |
     room = max(room, _ROOM, float(np.max(high - low)) / 2.0)
     first = (np.clip(low - room, 0, shape) // CELL * CELL).astype(int)
     end = np.clip(np.ceil((high + room) / CELL) * CELL, 0, shape).astype(int)
-    if np.prod(end - first) > _MOST * np.prod(shape):
+    if np.prod(end - first) > _MAX_WINDOW_SHARE * np.prod(shape):
         return None
     return tuple(map(slice, first.tolist(), end.tolist()))
 
 
 def widened(state: State) -> State:
-    """The state in a window around particles that have come near the end of the present one; else the state."""
+    """Widen the window of a state if particles have come near its end; else return the state."""
     if state.window is None or not state.count:
         return state
     shape, position = shape_of_scale(state.shape, state.scale), state.particles.position + state.corner
     first, last = np.transpose([(side.start, side.stop - 1) for side in state.window])
-    near = (first > 0) & (position.min(axis=0) - first < _NEAR_END)
-    if not (near | ((last + 1 < shape) & (last - position.max(axis=0) < _NEAR_END))).any():
+    near = (first > 0) & (position.min(axis=0) - first < _WINDOW_END_DISTANCE)
+    if not (near | ((last + 1 < shape) & (last - position.max(axis=0) < _WINDOW_END_DISTANCE))).any():
         return state
     window = window_around(np.concatenate([position, [first, last]]), shape)
     moved, former = replace(state, window=window, mesh=None), state.coverage.found.shape

@@ -1,4 +1,4 @@
-"""What is measured of a state: the forces of eq. (12) on its particles, and their kinetic and potential energy.
+"""Measures of a state: the forces of eq. (12) on its particles, and their kinetic and potential energy.
 
 The forces of the model are normalized and have no potential. The energy is computed from the potentials of the forces
 before they are normalized, scaled to match:
@@ -54,7 +54,7 @@ class Energies:
 
 
 def kinetic_energy(state: State) -> float:
-    """Kinetic energy of the particles of a state [px^2 of the image / unit of time^2]; fast."""
+    """Return the kinetic energy of the particles of a state [px^2 of the image / unit of time^2]; fast."""
     velocity = state.particles.velocity
     return 0.5 * 4.0**state.scale * float(np.einsum("ni,ni->", velocity, velocity))
 
@@ -72,7 +72,7 @@ class Forces:
     placed : ndarray
         ``w2`` times the force of the placed charges.
     friction : ndarray
-        What holds a slow particle, or one at rest, on its edge: it cancels the part of the other forces along the edge.
+        Static friction on a slow particle, or one at rest, on its edge: it cancels the other forces along the edge.
     damping : ndarray
         ``-beta v``, with a larger beta for particles that are brought to rest; zero for those that a step skips.
 

@@ -16,29 +16,30 @@ from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Extent, Mask, Position
 from cpm_core.parameters.quotation import shown
 
-_LEAST_ON_CIRCLE = 5
+_MIN_CIRCLE_PARTICLES = 5
+"""Least number of particles on a circle."""
 
 STRONG = 0.10
 """Fraction of the largest edge strength above which an edge counts as strong."""
 
-_MOST_ON_PIXEL = 16
-"""Particles that may start on one pixel."""
+_MAX_SEEDS_PER_PIXEL = 16
+"""Largest number of particles that may start on one pixel."""
 
-_MOST = 2**24
-"""Most particles that a start gives."""
+_MAX_SEEDS = 2**24
+"""Largest number of particles of a start."""
 
-_LEAST_DIVERGENCE = 0.15
+_MIN_CENTER_DIVERGENCE = 0.15
 """Least divergence of the direction of the field at a center [1/px]."""
 
 _BORDER_SPACING = 32.0
 """Distance of particles along the border of an image where the field enters [px]."""
 
-_RIPPLE = 1.0
+_RIPPLE_SIGMA = 1.0
 """Gaussian that removes the ripple of the pixels from the divergence [px]."""
 
 
 def circle(center: Position, radius: float, spacing: float = 2.0) -> Array:
-    """Particles on a circle.
+    """Place particles on a circle.
 
     Parameters
     ----------
@@ -70,13 +71,13 @@ def circle(center: Position, radius: float, spacing: float = 2.0) -> Array:
     _positive("radius", radius)
     _positive("spacing", spacing)
     _check_count(2.0 * np.pi * radius / spacing, spacing)
-    count = max(_LEAST_ON_CIRCLE, round(2.0 * np.pi * radius / spacing))
+    count = max(_MIN_CIRCLE_PARTICLES, round(2.0 * np.pi * radius / spacing))
     angle = 2.0 * np.pi * np.arange(count) / count
     return np.stack([center[0] + radius * np.sin(angle), center[1] + radius * np.cos(angle)], axis=1)
 
 
 def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
-    """Particles at equal distances along a stroke.
+    """Place particles at equal distances along a stroke.
 
     Parameters
     ----------
@@ -118,7 +119,7 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
 
 
 def loop(points: ArrayLike, spacing: float = 2.0) -> Array:
-    """Particles at equal distances along a closed path with corners of shape (K, 2), shape (N, 2) [px].
+    """Place particles at equal distances along a closed path with corners of shape (K, 2), shape (N, 2) [px].
 
     The last corner is joined to the first. Otherwise as `stroke`.
     """
@@ -130,7 +131,7 @@ def loop(points: ArrayLike, spacing: float = 2.0) -> Array:
 
 
 def uniform_grid(shape: Extent, spacing: float = 8.0) -> Array:
-    """Particles on a uniform grid over an image (section 5.2).
+    """Place particles on a uniform grid over an image (section 5.2).
 
     Parameters
     ----------
@@ -162,7 +163,7 @@ def uniform_grid(shape: Extent, spacing: float = 8.0) -> Array:
 
 
 def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
-    r"""Particles on every pixel whose edge strength is above a fraction of the largest (section 5.2).
+    r"""Place particles on every pixel whose edge strength is above a fraction of the largest (section 5.2).
 
     Parameters
     ----------
@@ -182,7 +183,7 @@ def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: f
     --------
     >>> image = cpm.example("disk")
     >>> seeds = cpm.gradient_threshold(image.values, fraction=0.05)
-    >>> bool((np.abs(np.hypot(*(seeds - 32).T) - 20) < 3).all())  # all of them lie beside the edge
+    >>> bool((np.abs(np.hypot(*(seeds - 32).T) - 20) < 3).all())  # all of them lie next to the edge
     True
     """
     checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
@@ -190,12 +191,12 @@ def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: f
 
 
 def above(strength: Array, fraction: float, strongest: float | None = None) -> Array:
-    """Pixels, shape (N, D), whose edge strength is above a fraction of the largest, or of that of a larger image."""
+    """Return the pixels, shape (N, D), with an edge strength above a fraction of the largest, or of `strongest`."""
     return np.argwhere(strength > fraction * (strength.max() if strongest is None else strongest)).astype(float)
 
 
 def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
-    """Particles in the middle between edges: where the field diverges.
+    """Place particles in the middle between edges: where the field diverges.
 
     Every particle follows the field to an edge. In the opposite direction the field leads to the medial axes of objects
     and of the background between them, where its direction diverges. A particle on each local maximum of that
@@ -242,12 +243,12 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
 
 
 def centers_between(strength: Array, spacing: float) -> Array:
-    """Centers of divergence of the field of an edge map, as of `divergence_centers`, in any dimension."""
+    r"""Find the centers of divergence, shape (N, D), of the field of an edge map, shape (\*shape)."""
     direction = unit_vectors(electric_field(strength))
     parts = [np.gradient(component, axis=axis) for axis, component in enumerate(direction)]
-    divergence = scipy.ndimage.gaussian_filter(np.asarray(sum(parts)), _RIPPLE, mode="nearest")
+    divergence = scipy.ndimage.gaussian_filter(np.asarray(sum(parts)), _RIPPLE_SIGMA, mode="nearest")
     largest = scipy.ndimage.maximum_filter(divergence, size=2 * int(spacing) + 1, mode="nearest")
-    centers = np.argwhere((divergence == largest) & (divergence > _LEAST_DIVERGENCE)).astype(float)
+    centers = np.argwhere((divergence == largest) & (divergence > _MIN_CENTER_DIVERGENCE)).astype(float)
     rim = max(float(np.take(strength, end, axis).max()) for axis in range(strength.ndim) for end in (0, -1))
     cut = rim > WEAKEST_EDGE * strength.max()
     return np.concatenate([centers, _inflow(direction)]) if cut else centers
@@ -280,7 +281,7 @@ def starting_points(seeds: ArrayLike, shape: Extent, regions: AnyRegions | None)
 
 
 def _thinned(points: Array, shape: Extent) -> Array:
-    """Points on an image without those beyond the first `_MOST_ON_PIXEL` of each pixel.
+    """Drop the points beyond the first `_MAX_SEEDS_PER_PIXEL` of each pixel.
 
     The first step deletes nearly all of them, but only after each has felt every other one.
     """
@@ -288,15 +289,15 @@ def _thinned(points: Array, shape: Extent) -> Array:
     place = np.ravel_multi_index(tuple(pixels.T), shape)
     order = np.argsort(place, kind="stable")
     _, first, count = np.unique(place[order], return_index=True, return_counts=True)
-    if count.max() <= _MOST_ON_PIXEL:
+    if count.max() <= _MAX_SEEDS_PER_PIXEL:
         return points
     rank = np.empty(len(points), int)
     rank[order] = np.arange(len(points)) - np.repeat(first, count)
-    return points[rank < _MOST_ON_PIXEL]
+    return points[rank < _MAX_SEEDS_PER_PIXEL]
 
 
 def inside_image(positions: Array, shape: Extent) -> Mask:
-    """Which positions lie on the image, including the whole of its outermost pixels."""
+    """Return a mask, shape (N,), of positions, shape (N, D), on the image, including all of its outermost pixels."""
     inside = np.ones(len(positions), bool)
     for along, x in zip(shape, positions.T, strict=True):
         inside &= (x >= -0.5) & (x <= along - 0.5)
@@ -304,12 +305,12 @@ def inside_image(positions: Array, shape: Extent) -> Mask:
 
 
 def allowed_by(positions: Array, regions: AnyRegions | None) -> Mask:
-    """Which positions [px of the image] lie in the regions of interest and on no barrier."""
+    """Return a mask, shape (N,), of positions, shape (N, D) [px], in the regions of interest and on no barrier."""
     return np.ones(len(positions), bool) if regions is None else regions.allows(positions)
 
 
 def _inflow(direction: Array) -> Array:
-    """Positions along the border of an image, shape (N, D), where a field of the given direction enters."""
+    """Return positions along the border of an image, shape (N, D), where a field of the given direction enters."""
     shape = direction.shape[1:]
     found = [np.empty((0, len(shape)))]
     for axis in range(len(shape)):
@@ -321,12 +322,13 @@ def _inflow(direction: Array) -> Array:
 
 
 def _positive(name: str, value: float) -> None:
+    """Raise ValueError unless a number is positive."""
     checked_number(name, value, lambda number: number > 0.0, "above 0")
 
 
 def _check_count(count: float, spacing: float) -> None:
     """Raise ValueError before memory is taken for more particles than any computer moves."""
-    if not count <= _MOST:
+    if not count <= _MAX_SEEDS:
         raise ValueError(
-            f"a spacing of {spacing:g} px gives {count:.3g} particles, more than {_MOST}: choose a larger spacing."
+            f"a spacing of {spacing:g} px gives {count:.3g} particles, more than {_MAX_SEEDS}: choose a larger spacing."
         )

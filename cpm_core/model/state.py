@@ -55,11 +55,11 @@ class SurfaceContact:
     normal : ndarray, shape (N, 3)
         Direction in which the smoothed volume rises at each.
     seated : ndarray of bool, shape (N,)
-        Which lie on the ridge of an edge that is strong enough.
+        Whether each lies on the ridge of an edge that is strong enough.
     strength : ndarray, shape (N,)
         Edge strength at each.
     woken : ndarray of int64, shape (N,)
-        Step of the scale at which new ground was last found near each.
+        Step of the scale at which something new was last covered near each.
     """
 
     normal: Array
@@ -69,26 +69,26 @@ class SurfaceContact:
 
     @classmethod
     def none(cls, count: int) -> SurfaceContact:
-        """Contact of particles that are not on any surface, awake since the first step."""
+        """Return the contact of `count` particles that are on no surface, awake since the first step."""
         return cls(np.zeros((count, 3)), np.zeros(count, bool), np.zeros(count), np.zeros(count, np.int64))
 
     @classmethod
     def of_seated(cls, normal: Array, strength: Array, step: int) -> SurfaceContact:
-        """Contact of particles that lie on surfaces with these normals, awake since a step."""
+        """Return the contact of particles on surfaces, awake since a step; normals (N, 3), edge strengths (N,)."""
         count = len(normal)
         return cls(normal, np.ones(count, bool), strength, np.full(count, step))
 
     def taken(self, index: Index) -> SurfaceContact:
-        """That of the particles with the given indices, in this order."""
+        """Select the contact of the particles with the given indices, shape (M,), in this order."""
         return SurfaceContact(*(getattr(self, f.name)[index] for f in fields(self)))
 
     def joined(self, other: SurfaceContact) -> SurfaceContact:
-        """That of these particles and others behind them."""
+        """Append the contact of other particles."""
         pairs = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
         return SurfaceContact(*map(np.concatenate, pairs))
 
     def woken_at(self, step: int, which: Mask | None = None) -> SurfaceContact:
-        """The same with some particles awake at a step, all of them by default."""
+        """Return the contact with particles reactivated at a step: all, or those of a mask, shape (N,)."""
         if which is None:
             return replace(self, woken=np.full_like(self.woken, step))
         return replace(self, woken=np.where(which, step, self.woken))
@@ -98,16 +98,19 @@ MEMORY = 4
 """Number T of steps in eq. (23)."""
 
 
-_ARRAYS = ("position", "velocity", "force", "distance", "identity")
-"""Arrays of particles."""
+_PARTICLE_ARRAYS = ("position", "velocity", "force", "distance", "identity")
+"""Names of the arrays of particles."""
 
-_NOWHERE, _NOBODY = np.empty((0, 2)), np.empty((0, 2), np.int64)
-"""Positions and parents of no new particles."""
+_NO_NEW_POSITIONS = np.empty((0, 2))
+"""Positions of no new particles."""
+
+_NO_NEW_PARENTS = np.empty((0, 2), np.int64)
+"""Parents of no new particles."""
 
 
 @record
 class Particles:
-    """The free particles as a struct of arrays.
+    """Free particles as a struct of arrays.
 
     Attributes
     ----------
@@ -138,7 +141,7 @@ class Particles:
     >>> ball, start = cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60)
     >>> cpm.Engine(ball).start(start).particles.on_surface.normal.shape
     (60, 3)
-    >>> particles.woken_at(5) is particles  # in the plane the coverage knows who is awake
+    >>> particles.woken_at(5) is particles  # in the plane the coverage knows which are awake
     True
     """
 
@@ -151,7 +154,7 @@ class Particles:
 
     @classmethod
     def at_rest(cls, position: Array, first_identity: int = 0) -> Particles:
-        """Particles without motion or history at positions of shape (N, D)."""
+        """Make particles without motion or history at positions of shape (N, D)."""
         count, dimension = position.shape
         return cls(
             np.array(position, float),
@@ -177,33 +180,40 @@ class Particles:
         return self.contact
 
     def where(self, kept: Mask) -> Particles:
-        """The particles for which `kept`, shape (N,), is true."""
+        """Keep the particles for which `kept`, shape (N,), is true."""
         return self.taken(np.flatnonzero(kept))
 
     def taken(self, index: Index) -> Particles:
-        """The particles with the given indices, shape (M,), in this order."""
-        arrays: Entries = {name: getattr(self, name).take(index, axis=0) for name in _ARRAYS}
+        """Select the particles with the given indices, shape (M,), in this order."""
+        arrays: Entries = {name: getattr(self, name).take(index, axis=0) for name in _PARTICLE_ARRAYS}
         return Particles(**arrays, contact=self.contact and self.contact.taken(index))
 
     def woken_at(self, step: int, which: Mask | None = None) -> Particles:
-        """The same, some of them awake at a step, by default all; in the plane the coverage knows this."""
+        """Return the particles reactivated at a step, all or those of a mask, shape (N,).
+
+        In the plane they are returned unchanged: there the coverage records this.
+        """
         return self if self.contact is None else replace(self, contact=self.contact.woken_at(step, which))
 
     def with_more(self, position: Array, first: int, contact: SurfaceContact | None = None) -> Particles:
-        """Add particles without motion or history at positions of shape (M, D), numbered from `first` on.
+        """Append particles without motion or history at positions, shape (M, D), numbered from `first`.
 
         In a volume they may have contact with surfaces.
         """
         more = Particles.at_rest(position, first)
-        arrays: Entries = {name: np.concatenate([getattr(self, name), getattr(more, name)]) for name in _ARRAYS}
+        arrays: Entries = {
+            name: np.concatenate([getattr(self, name), getattr(more, name)]) for name in _PARTICLE_ARRAYS
+        }
         met = contact or more.contact
         return Particles(**arrays, contact=self.contact and met and self.contact.joined(met))
 
-    def renewed(self, stay: Index, position: Array = _NOWHERE, parents: Index = _NOBODY, first: int = 0) -> Particles:
-        """The particles with the indices `stay` in this order, and behind them new ones at positions of shape (M, 2).
+    def renewed(
+        self, stay: Index, position: Array = _NO_NEW_POSITIONS, parents: Index = _NO_NEW_PARENTS, first: int = 0
+    ) -> Particles:
+        """Replace the particles by those with the indices `stay` and new ones at positions, shape (M, 2).
 
-        These have the mean velocity and force history of their two parents; `parents`, shape (M, 2), are the indices of
-        the parents, the same twice for a single one; `first` is the identity of the first new particle.
+        New ones have the mean velocity and force history of their two parents; `parents`, shape (M, 2), are the indices
+        of the parents, the same twice for a single one; `first` is the identity of the first new particle.
         """
         before = self.position, self.velocity, self.force, self.distance, self.identity
         count = len(stay) + len(position)
@@ -242,7 +252,7 @@ def _renew(
 
 @record
 class SpaceState:
-    """What a state holds in a volume only.
+    """Part of a state that exists in a volume only.
 
     Attributes
     ----------
@@ -258,7 +268,7 @@ class SpaceState:
 
 @record
 class State:
-    """A moment of a run: all that the next step depends on besides image and parameters.
+    """State of a run: complete input of the next step besides image and parameters.
 
     Attributes
     ----------
@@ -311,10 +321,10 @@ class State:
     converged : bool
         Whether it ended at rest.
     space : SpaceState or None
-        What belongs to a volume; None in the plane.
+        Part of the state that belongs to a volume; None in the plane.
     window : tuple of slice, or None
         The pixels of the scale, around the particles, that a run in a large image is limited to, so that it takes the
-        time and memory of a small one. Particles are in px of it, coverage and mesh are those of it. None for all.
+        time and memory of a small one. Particles are in px of the window, as coverage and mesh. None for all.
 
     Examples
     --------
@@ -371,7 +381,7 @@ class State:
         return to_image(places if self.space is None else places / self.space.pitch, self.scale, self.shape)
 
     def at_scale(self, places: Array, scale: int) -> Array:
-        """Positions of the image [px], shape (M, D), as those of particles at a scale."""
+        """Return positions of the image [px], shape (M, D), as those of particles at a scale."""
         found = to_scale(places, scale, self.shape)
         return found if self.space is None else found * self.space.pitch
 
@@ -387,10 +397,10 @@ class State:
         return len(self.particles)
 
     def arrays(self) -> list[Numbers]:
-        """The arrays that keeping this state costs, without the start, which all states of a run share."""
+        """Return the arrays that keeping this state costs, without the start, which all states of a run share."""
         particles, mesh, contact = self.particles, self.mesh, self.particles.contact
         return [
-            *(getattr(particles, name) for name in _ARRAYS),
+            *(getattr(particles, name) for name in _PARTICLE_ARRAYS),
             *self.coverage[:2],
             *(() if mesh is None else (mesh.force,)),
             *(() if self.space is None else (self.space.covered.cells,)),
@@ -398,11 +408,11 @@ class State:
         ]
 
     def resumed(self) -> State:
-        """State as this one that continues, for other parameters to act on."""
+        """Return this state as one that continues, so that other parameters can act on it."""
         return replace(self, stop_reason="", converged=False, quiet=0)
 
     def stopped(self, reason: str, converged: bool = False) -> State:
-        """State as this one, the last one of its run."""
+        """Return this state as the last one of its run."""
         return replace(self, stop_reason=reason, converged=converged)
 
     def __repr__(self) -> str:

@@ -6,10 +6,10 @@ from any state, without memory of its own, so that a run can be paused, changed,
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from types import MappingProxyType
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,8 +37,22 @@ from cpm_core.segmentation.outcome import contours_of, surface_of
 from cpm_core.segmentation.reach.local_fields import LocalFields
 from cpm_core.segmentation.reach.reach_map import ReachMap
 
-_LAWS: Mapping[int, Any] = MappingProxyType({2: plane, 3: volume})
-"""The laws of a run by the number of axes of its image."""
+
+class _Law(NamedTuple):
+    """Step, forces and energies of a run; fields are a `ScaleField` in the plane and a `VolumeField` in a volume."""
+
+    step: Callable[..., State]
+    forces: Callable[..., Forces]
+    energies: Callable[..., Energies]
+
+
+_LAW_BY_AXES: Mapping[int, _Law] = MappingProxyType(
+    {
+        2: _Law(plane.stepped, plane.forces, plane.energies),
+        3: _Law(volume.stepped, volume.forces, volume.energies),
+    }
+)
+"""Law of a run by the number of axes of its image."""
 
 
 class Engine(ImageFields):
@@ -90,26 +104,26 @@ class Engine(ImageFields):
         measured: Measured | None = None,
     ) -> None:
         super().__init__(values, parameters, regions, measured)
-        self._laws = _LAWS[self.image.ndim]
+        self._law = _LAW_BY_AXES[self.image.ndim]
         self._local_fields = LocalFields(self.scale_field, of_plane(regions))
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
-        """The same with other regions; see `ImageFields.with_regions`."""
+        """Return this engine with other regions; see `ImageFields.with_regions`."""
         other = super().with_regions(regions)
         other._local_fields = LocalFields(other.scale_field, of_plane(regions))
         return other
 
     def reach_map(self, start: Array, parameters: Parameters) -> ReachMap | None:
-        """How a start, shape (N, 2) [px], reaches the edges of the image; None where it does not limit a run."""
+        """Return how a start, shape (N, 2) [px], reaches the edges of the image; None where it does not limit a run."""
         return self._local_fields.map_of(start, parameters)
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
-        """Values that a step depends on; see `Method.steering`."""
+        """Return the values that a step depends on; see `Method.steering`."""
         return parameters.steering
 
     def start(self, seeds: ArrayLike) -> State:
-        """First state of a run.
+        """Return the first state of a run.
 
         Parameters
         ----------
@@ -134,7 +148,7 @@ class Engine(ImageFields):
         return thinned(interventions.start_scale(first, self.scales - 1, self.regions))
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
-        """One time step.
+        """Advance a run by one time step.
 
         Parameters
         ----------
@@ -157,7 +171,7 @@ class Engine(ImageFields):
             return state
         state = interventions.widened(interventions.applied(state, self.regions, parameters, charges))
         field = self._field_with(self._field_of(state, parameters), state.scale, state.charges)
-        after: State = self._laws.stepped(state, field, self.regions, parameters)
+        after = self._law.step(state, field, self.regions, parameters)
         if after.scale == state.scale:
             return after
         return begun(after, self._field_of(after, parameters))
@@ -169,7 +183,7 @@ class Engine(ImageFields):
         charges: Sequence[PlacedCharge] = (),
         index: ArrayLike | None = None,
     ) -> Forces:
-        """Forces on the particles of a state, with which a step from it begins.
+        """Compute the forces on the particles of a state, with which a step from it begins; each of shape (M, D).
 
         Parameters
         ----------
@@ -194,17 +208,15 @@ class Engine(ImageFields):
         changed = interventions.applied(state, state.regions, parameters, charges)
         field = self._field_of(state, parameters)
         charged = self._field_with(field, state.scale, changed.charges)
-        found: Forces = self._laws.forces(changed, field, charged, parameters, asked)
-        return found
+        return self._law.forces(changed, field, charged, parameters, asked)
 
     def energies(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Energies:
-        """Kinetic and potential energy of the particles of a state, as `cpm_core.model.measures` defines them.
+        """Compute kinetic and potential energy of the particles of a state, as defined in `cpm_core.model.measures`.
 
         The potential of the fixed charges is computed at the first call for a scale and cached with the field.
         """
         placed = replace(state, charges=placed_in(charges, self.image.ndim))
-        found: Energies = self._laws.energies(placed, self._field_of(state, parameters), parameters)
-        return found
+        return self._law.energies(placed, self._field_of(state, parameters), parameters)
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
         """Add particles to a run.
@@ -237,8 +249,8 @@ class Engine(ImageFields):
         state : State
             A state of a run on this image.
         inside : ndarray of bool, shape (N,), or callable
-            Which particles, or a function of positions, shape (M, 2) [px of the image]. The function is applied to the
-            seeds as well, so that a finer scale does not begin there again.
+            Mask of the particles, or a function of positions, shape (M, 2) [px of the image]. The function is applied
+            to the seeds as well, so that a finer scale does not begin there again.
 
         Returns
         -------
@@ -254,7 +266,7 @@ class Engine(ImageFields):
         return interventions.erased(state, inside)
 
     def result(self, state: State, parameters: Parameters) -> Result:
-        """Contours and metrics of any state of a run.
+        """Compute contours and metrics of any state of a run.
 
         Parameters
         ----------
@@ -276,28 +288,30 @@ class Engine(ImageFields):
         return replace(found, provenance=_provenance(self.image, state, parameters))
 
     def measures(self, state: State, parameters: Parameters) -> Mapping[str, float]:
-        """Metrics of a state by name; see `Method.measures`."""
-        metrics = {name: float(getattr(state, attribute)) for name, attribute in _METRICS.items()}
+        """Return the metrics of a state by name; see `Method.measures`."""
+        metrics = {name: float(getattr(state, attribute)) for name, attribute in _ATTRIBUTE_OF_METRIC.items()}
         return metrics | {"kinetic": kinetic_energy(state)}
 
     def positions(self, state: State) -> Array:
-        """Positions of the particles, shape (N, 2) [px of the image]."""
+        """Return the positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
 
     def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
-        """Fields of the scale of a state, limited to the edges that its start reaches."""
+        """Return the fields of the scale of a state, limited to the edges that its start reaches."""
         return self._local_fields.at(state.scale, state.start, parameters, state.window)
 
     def __repr__(self) -> str:
         return described("Engine", self.image.source, sized(self.image.shape, ""), counted(self.scales, "scale"))
 
 
-_METRICS = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {"numbered": "next_identity"}
-"""Metrics by name -> attributes of a state."""
+_ATTRIBUTE_OF_METRIC = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {
+    "numbered": "next_identity"
+}
+"""Attributes of a state by the name of the metric."""
 
 
 def _provenance(image: Image, state: State, parameters: Parameters) -> Provenance:
-    """How the contours of a state were found."""
+    """Record how the contours of a state were found."""
     return Provenance(
         "cpm",
         taken(parameters, Engine.parameters),

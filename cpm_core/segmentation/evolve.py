@@ -28,12 +28,12 @@ from cpm_core.segmentation.engine import Engine
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Evolved(drawing.Pictured):
-    """A moment of a run: its particles, and on demand its contours.
+    """State of a run: its particles, and on demand its contours.
 
     Attributes
     ----------
     engine : Engine
-        What computes the steps of the run.
+        Engine of the run.
     state : State
         All that the next step depends on.
     parameters : Parameters
@@ -92,7 +92,7 @@ class Evolved(drawing.Pictured):
 
     @cached_property
     def result(self) -> Result:
-        """What has been found so far, reconstructed at the first access."""
+        """Result so far, reconstructed at the first access."""
         return self.engine.result(self.state, self.parameters)
 
     @property
@@ -121,14 +121,14 @@ class Evolved(drawing.Pictured):
 
 
 class Evolution(Iterator[Evolved]):
-    """The states of a run, one after the other; `evolve` makes it.
+    """Iterator over the states of a run; made by `evolve`.
 
     The first is the start. Parameters, placed charges and the end can be set between two steps.
 
     Parameters
     ----------
     engine : Engine
-        What computes the steps.
+        Engine of the run.
     state : State
         The first state.
     parameters : Parameters
@@ -142,7 +142,7 @@ class Evolution(Iterator[Evolved]):
     --------
     >>> run = cpm.evolve(cpm.example(), cpm.circle((32, 32), 8))
     >>> for moment in run:
-    ...     if moment.step == 5:  # damp what follows, and attract the particles to a place
+    ...     if moment.step == 5:  # damp the rest of the run, and attract the particles to a place
     ...         run.parameters = cpm.Parameters(beta=1.5)
     ...         run.charges = [cpm.PlacedCharge((32, 50), 1.0)]
     ...     if moment.step == 12:
@@ -191,11 +191,11 @@ class Evolution(Iterator[Evolved]):
 
     @property
     def result(self) -> Result:
-        """What has been found so far, with the present parameters for the contours."""
+        """Result so far, with the present parameters for the contours."""
         return self._engine.result(self._moment.state, self._parameters)
 
     def stop(self, reason: str = "stopped, as asked") -> None:
-        """End the run: nothing follows the newest moment. `reason` is what `Result.stop_reason` says."""
+        """End the run: nothing follows the newest moment; `reason` becomes `Result.stop_reason`."""
         if not self._moment.stop_reason:
             self._moment = Evolved(self._engine, self._moment.state.stopped(reason), self._parameters)
 
@@ -226,18 +226,18 @@ def evolve(
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
 ) -> Evolution:
-    """Run step by step: an iterator over the states of a run, from the start until the particles are at rest.
+    """Run step by step: iterate over the states of a run, from the start until the particles are at rest.
 
     Parameters
     ----------
     values, seeds, parameters, max_steps, regions, charges
-        As for `segment`.
+        As for `segment`: an image of shape (H, W) and seeds of shape (N, 2), or a volume and seeds of shape (N, 3).
 
     Returns
     -------
     Evolution
-        Gives a moment of the run at each step, the first being the start, with the particles and, computed when they
-        are asked for, the contours. Its `parameters` and `charges` can be set at any time, and `stop` ends the run.
+        Yields a moment of the run at each step, the first being the start, with the particles and, computed on
+        demand, the contours. Its `parameters` and `charges` can be set at any time, and `stop` ends the run.
 
     Raises
     ------
@@ -320,10 +320,10 @@ def segment(
 def with_hand_edits(
     result: Result, values: ArrayLike | Image, parameters: Parameters, edits: Sequence[HandEdit]
 ) -> Result:
-    """The result of a run with edits of its contours by hand, such as those of a session.
+    """Return the result of a run with hand edits of its contours, such as those of a session.
 
     `values` is the image, shape (H, W), `parameters` those of the run. The pieces of edits whose contours are not there
-    are contours of their own.
+    become contours of their own.
     """
     if not edits:
         return result

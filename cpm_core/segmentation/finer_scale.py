@@ -1,6 +1,6 @@
-"""How a finer scale begins after a start everywhere: with what the coarser one has found, and the seeds that it needs.
+"""Beginning of a finer scale after a start everywhere: the particles of the coarser one, and the seeds still needed.
 
-Every scale begins with all seeds, so that what is too small for the coarser one is found as well. Most of them follow
+Every scale begins with all seeds, so that objects too small for the coarser one are found as well. Most of them follow
 the field to an edge with particles on it and are deleted there. After a start everywhere these are most of the
 particles that move.
 """
@@ -28,17 +28,19 @@ from cpm_core.numerics.types import Array, Index, Mask, Single
 _LARGE = 2**20
 """Pixels of an image above which the coarsest scale begins with fewer seeds, and a finer one after any start."""
 
-_EXPLAINED, _NEAR = 1, 4
-"""Cells of the coverage to each side of a particle, whose place on the finer scale is not yet exact, in which it
-explains edges; and cells to each side of an edge in which seeds are kept: more than two seeds of a grid of 8 px. Seeds
-are everywhere if none of the image is farther from one."""
+_EXPLAINED_CELLS = 1
+"""Cells to each side of a particle, whose place on the finer scale is not yet exact, in which it explains edges."""
+
+_SEED_CELLS = 4
+"""Cells to each side of an edge in which seeds are kept: more than two seeds of a grid of 8 px. Seeds are everywhere if
+no place of the image is farther from one."""
 
 Directions = NDArray[np.uint8]
 """Directions in which an image rises across the edges in each cell, a bit for each eighth of a turn."""
 
 
 def thinned(state: State) -> State:
-    """The first state of a run, of a large image with one seed a cell where seeds are more than cells.
+    """Thin the first state of a run in a large image to one seed a cell where seeds are more than cells.
 
     A finer scale begins with the others.
     """
@@ -50,7 +52,7 @@ def thinned(state: State) -> State:
 
 
 def begun(state: State, field: ScaleField) -> State:
-    """The first state of a scale, without the seeds that are not near an edge yet to be explained.
+    """Return the first state of a scale, without the seeds that are not near an edge yet to be explained.
 
     An edge is explained by a particle of the coarser scale near it where the image rises in about the same direction,
     so that one side of a thin object does not explain the other. It counts as covered for as long as the coarser scale
@@ -66,12 +68,12 @@ def begun(state: State, field: ScaleField) -> State:
     seeds = np.zeros(state.coverage.found.shape, bool)
     row, col = _cells(place[first:], seeds.shape)
     seeds[row, col] = True
-    if math.prod(state.shape) <= _LARGE and not _around(seeds, max(_NEAR >> state.scale, 1)).all():
+    if math.prod(state.shape) <= _LARGE and not _around(seeds, max(_SEED_CELLS >> state.scale, 1)).all():
         return state
     edges, missing = marked_edges(field, place[:first], seeds.shape)
-    if not _around(seeds, _NEAR)[missing].all():
+    if not _around(seeds, _SEED_CELLS)[missing].all():
         return state
-    stay = np.concatenate([np.ones(first, bool), _around(missing, _NEAR)[row, col]])
+    stay = np.concatenate([np.ones(first, bool), _around(missing, _SEED_CELLS)[row, col]])
     known = edges & ~missing
     found, latest = (np.where(cells, -IDLE_STEPS, NEVER).astype(np.int32) for cells in (known, _around(known, REACH)))
     coverage = Coverage(found, latest, int(np.count_nonzero(known)))
@@ -79,7 +81,7 @@ def begun(state: State, field: ScaleField) -> State:
 
 
 def marked_edges(field: ScaleField, place: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
-    """Cells of a grid of this shape with edges, and those with edges that particles, shape (N, 2), do not explain."""
+    """Return masks of cells, of this shape, with edges, and with edges that particles, shape (N, 2), do not explain."""
     edges, explained = np.zeros((2, *shape), np.uint8)
     packed = field.packed  # made here: threads that find it missing would each make it
     in_bands(partial(_mark_edges, packed, field.floor, edges), len(edges))
@@ -88,18 +90,18 @@ def marked_edges(field: ScaleField, place: Array, shape: tuple[int, ...]) -> tup
 
 
 def _cells(place: Array, shape: tuple[int, ...]) -> Index:
-    """Row and column of the cells of positions, shape (2, N)."""
+    """Return row and column of the cells of positions, shape (2, N)."""
     return np.clip((place + 0.5) / CELL, 0, np.array(shape) - 1).astype(np.int64).T
 
 
 def _around(cells: Mask, reach: int) -> Mask:
-    """Some cells and those near them, to each side."""
+    """Mark some cells and those near them, to each side."""
     return np.asarray(scipy.ndimage.maximum_filter(cells, 2 * reach + 1), bool)
 
 
 @compiled
 def _direction_at(packed: Single, y: float, x: float) -> int:
-    """The eighth of a turn in which an image rises at a position."""
+    """Return the eighth of a turn in which an image rises at a position."""
     place = between(packed, y, x)
     down, right = component(packed, 2, place), component(packed, 3, place)
     return int(4.0 * (np.arctan2(down, right) / np.pi + 1.0)) % 8
@@ -125,6 +127,6 @@ def _mark_explained(packed: Single, place: Array, explained: Directions) -> None
         for turn in range(-2, 3):
             bits |= 1 << (direction + turn) % 8
         row, col = cell_of(place[i, 0], CELL, rows), cell_of(place[i, 1], CELL, cols)
-        for r in range(max(row - _EXPLAINED, 0), min(row + _EXPLAINED + 1, rows)):
-            for c in range(max(col - _EXPLAINED, 0), min(col + _EXPLAINED + 1, cols)):
+        for r in range(max(row - _EXPLAINED_CELLS, 0), min(row + _EXPLAINED_CELLS + 1, rows)):
+            for c in range(max(col - _EXPLAINED_CELLS, 0), min(col + _EXPLAINED_CELLS + 1, cols)):
                 explained[r, c] |= np.uint8(bits)

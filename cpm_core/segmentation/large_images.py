@@ -13,7 +13,7 @@ from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Extent, frozen
 
 _COARSEST = 512
-"""Longest side of the coarsest scale [px]: a front crosses it in some hundred steps."""
+"""Longest side of the coarsest scale at most [px]: a front crosses it in some hundred steps."""
 
 _SAMPLE = 256
 """Side of the part of an image whose noise and edges are measured: an edge across it is more than one pixel in a
@@ -29,7 +29,7 @@ class LargeImageSettings:
 
 
 def large_image_settings(values: Array) -> LargeImageSettings | None:
-    """Settings that suit an image, shape (H, W); None for one that is not large.
+    """Return settings that suit an image, shape (H, W); None for one that is not large.
 
     There are as many scales as bring the longest side of the coarsest one down to 512 px or less. The smoothing is the
     least that raises edges above the background (`automatic_smoothing`), around the strongest edge of the image.
@@ -44,13 +44,13 @@ def large_image_settings(values: Array) -> LargeImageSettings | None:
 
 
 def scales_for(shape: Extent) -> int:
-    """Number of scales of a large image of this shape, no more than it has room for."""
+    """Return the number of scales of a large image of this shape, no more than it has room for."""
     wanted = 1 + max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
     return min(wanted, most_scales(shape))
 
 
 def strongest_part(blocks: Array, side: int, shape: Extent) -> Window:
-    """The window around the strongest edge of an image of this shape, from the means of blocks of `side` px."""
+    """Return the window around the strongest edge of an image of this shape, from means of blocks of `side` px."""
     strength = magnitude(gradient(blocks, 1.0))
     middle = side * np.array(np.unravel_index(int(np.argmax(strength)), strength.shape))
     starts = (int(min(max(at - _SAMPLE // 2, 0), max(n - _SAMPLE, 0))) for at, n in zip(middle, shape, strict=True))

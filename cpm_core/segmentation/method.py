@@ -27,7 +27,7 @@ from cpm_core.segmentation.engine import Engine
 
 
 class MethodState(Protocol):
-    """A moment of a run: frozen, and all that the next step depends on besides image and parameters."""
+    """State of a run: frozen, and complete input of the next step besides image and parameters."""
 
     @property
     def step(self) -> int:
@@ -62,17 +62,18 @@ class MethodState(Protocol):
         """Whether the run ended with a result."""
 
     def arrays(self) -> Sequence[Numbers]:
-        """The arrays that take up memory, without those that all states of a run share."""
+        """Return the arrays that take up memory, without those that all states of a run share."""
 
     def resumed(self) -> Self:
-        """The same state as one of a running run, to continue with other parameters."""
+        """Return this state as one of a running run, to continue with other parameters."""
 
 
 S = TypeVar("S", bound=MethodState)
+"""State of a method."""
 
 
 class Method(Protocol[S]):
-    """A way to find contours in one image, step by step.
+    """Way to find contours in one image, step by step.
 
     Attributes
     ----------
@@ -124,42 +125,42 @@ class Method(Protocol[S]):
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
-        """Values of the parameters that a step depends on: a run that has ended continues when they change."""
+        """Return the values of the parameters that a step depends on; a run continues when they change."""
 
     def suits(self, parameters: Parameters) -> bool:
-        """Whether a run with these parameters can start; if not, a new method object is needed."""
+        """Return whether a run with these parameters can start; if not, a new method object is needed."""
 
     def with_regions(self, regions: Any) -> Self:
-        """The same method with other regions, which can continue a run."""
+        """Return this method with other regions, which can continue a run."""
 
     def start(self, seeds: ArrayLike) -> S:
-        """First state of a run from points, shape (N, 2) [px]."""
+        """Return the first state of a run from points, shape (N, 2) [px]."""
 
     def step(self, state: S, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> S:
-        """Next state, computed from this one alone; the same one if the run has stopped."""
+        """Return the next state, computed from this one alone; the same one if the run has stopped."""
 
     def result(self, state: S, parameters: Parameters) -> Result | Skeleton:
-        """Contours of a state."""
+        """Return the contours of a state."""
 
     def measures(self, state: S, parameters: Parameters) -> Mapping[str, float]:
-        """Metrics of a state by name, for plots and the status."""
+        """Return the metrics of a state by name, for plots and the status."""
 
     def positions(self, state: S) -> Array:
-        """Points of a state to display, shape (N, 2) [px of the image]."""
+        """Return the points of a state to display, shape (N, 2) [px of the image]."""
 
     def edge_map(self, parameters: Parameters) -> Array:
-        """Edge strength on the pixels of the image, shape (H, W)."""
+        """Return the edge strength on the pixels of the image, shape (H, W)."""
 
     def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
-        """Field that attracts points to edges, on the pixels of a scale, shape (2, H, W)."""
+        """Return the field that attracts points to edges, on the pixels of a scale, shape (2, H, W)."""
 
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
-        """Potential of the field on the pixels of the image, shape (H, W)."""
+        """Return the potential of the field on the pixels of the image, shape (H, W)."""
 
 
 @runtime_checkable
 class Steerable(Method[S], Protocol[S]):
-    """A method whose points can be added, erased and examined during a run."""
+    """Method whose points can be added, erased and examined during a run."""
 
     def joined(self, state: S, seeds: ArrayLike) -> S:
         """Add points to a run."""
@@ -174,7 +175,7 @@ class Steerable(Method[S], Protocol[S]):
         charges: Sequence[PlacedCharge] = (),
         index: ArrayLike | None = None,
     ) -> Forces:
-        """Forces on points of a state."""
+        """Return the forces on points of a state, shape (N, D); `index`, shape (M,), selects some of them."""
 
 
 METHODS: Mapping[str, type[Method[Any]]] = MappingProxyType(

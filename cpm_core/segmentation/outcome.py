@@ -1,4 +1,4 @@
-"""What is found at a state of a run: contours through its particles, or a surface."""
+"""Result of a state of a run: contours through its particles, or a surface."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from cpm_core.segmentation.reach.reach_map import ReachMap
 
 
 def result_of(state: State, image: Image, parameters: Parameters, **found: Any) -> Result:
-    """The result of a run at a state, with what has been found: contours and bridges, or a surface."""
+    """Build the result of a run at a state, with the contours and bridges, or the surface, that were found."""
     return Result(
         particles=state.position,
         steps=state.step,
@@ -45,31 +45,31 @@ def contours_of(
     parameters: Parameters,
     map_of: Callable[[Array, Parameters], ReachMap | None],
 ) -> Result:
-    """Contours through the particles of a state, from the fields of its scale, in px of the image."""
+    """Find the contours, each of shape (K, 2) [px of the image], through the particles of a state."""
     size = 2.0**state.scale
 
-    def seen(points: Array) -> Array:
+    def to_image_places(points: Array) -> Array:
         return to_image(points + state.corner, state.scale, image.shape)
 
     # an edge without particles may have been cleared by the user; it is then not traced
     filled = state.converged and not state.charges and not state.erased
     found, bridged = find_contours(state.particles.position, field, parameters, at_rest=filled)
 
-    def reached(points: Array) -> str:
+    def way_of(points: Array) -> str:
         known = map_of(state.start, parameters)
         return "" if known is None else known.way_of(points)
 
-    places = [seen(c.points) for c in found]
+    places = [to_image_places(c.points) for c in found]
     contours = tuple(
-        replace(c, points=points, strength=c.strength / size, way=partial(reached, points))
+        replace(c, points=points, strength=c.strength / size, way=partial(way_of, points))
         for c, points in zip(found, places, strict=True)
     )
-    bridges = tuple(Bridge(seen(b.points), b.length * size, b.strength / size) for b in bridged)
+    bridges = tuple(Bridge(to_image_places(b.points), b.length * size, b.strength / size) for b in bridged)
     return result_of(state, image, parameters, contours=contours, surface=None, bridges=bridges)
 
 
 def surface_of(state: State, image: Image, field: VolumeField, parameters: Parameters) -> Result:
-    """Particles of a state and the surface through those that are seated, in voxels; it ends at walls."""
+    """Find the surface through the particles on surfaces of a state, in voxels; it ends at walls."""
     from cpm_core.reconstruction.surface.pipeline import find_surface  # noqa: PLC0415 - loads scipy.spatial
 
     particles, scale = state.particles, state.scale

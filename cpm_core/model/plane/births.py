@@ -53,19 +53,19 @@ class EdgeContact:
     cells: Cells
 
 
-_WORTH_A_THREAD = 1500
+_EXAMINED_PER_THREAD = 1500
 """Particles from which a second thread examines them faster."""
 
 
 def examined(cells: Cells, has_moved: Mask, scale_field: ScaleField, d_min: float) -> tuple[EdgeContact, Mask]:
-    """Edge contact of the particles in `cells`, and which have another one nearer than half of `d_min` [px].
+    """Examine the edge contact of the particles in `cells`, and which have a neighbor nearer than half of `d_min` [px].
 
     Of two such particles at least one is among those that have moved since the last time, `has_moved`, shape (N,).
     """
     count = len(cells.order)
     edge, close = (np.empty(count), np.empty(count, np.bool_), np.empty((count, 2))), np.zeros(count, np.bool_)
     work = partial(_examine, cells, has_moved, NEAR * d_min, scale_field.packed, scale_field.floor, edge, close)
-    share(work, count, _WORTH_A_THREAD)
+    share(work, count, _EXAMINED_PER_THREAD)
     return EdgeContact(*edge, cells), close
 
 
@@ -100,7 +100,7 @@ def _examine(
 
 
 def deletion(position: Array, strength: Array, d_min: float, close: Mask | None = None) -> Mask:
-    """Which of the particles at `position`, shape (N, 2), stay, shape (N,).
+    """Return a mask, shape (N,), of the particles at `position`, shape (N, 2), that stay.
 
     Of two nearer than ``d_min / 2`` [px] the one on the weaker edge is deleted; with equal `strength`, shape (N,), the
     later one. Where it is known which have such a neighbor, they are marked in `close`, shape (N,).
@@ -110,17 +110,17 @@ def deletion(position: Array, strength: Array, d_min: float, close: Mask | None 
     if len(near):
         order = near[np.argsort(-strength[near], kind="stable")]
         places = position[order]
-        kept[order] = _first_of(places, np.argsort(places @ _SLANT), NEAR * d_min)
+        kept[order] = _first_of(places, np.argsort(places @ _SORT_DIRECTION), NEAR * d_min)
     return kept
 
 
-_SLANT = np.array([0.6, 0.8])
+_SORT_DIRECTION = np.array([0.6, 0.8])
 """Direction along which places are sorted: few of them lie in a line across it."""
 
 
 @compiled
 def _first_of(place: Array, along: Index, distance: float) -> Mask:
-    """Which of some places stay, so that none has an earlier one that stays nearer than a distance.
+    """Keep places such that none has an earlier one that stays nearer than a distance.
 
     `along` is their order in some direction.
     """
@@ -135,16 +135,18 @@ def _first_of(place: Array, along: Index, distance: float) -> Mask:
             while kept[i] and 0 <= k < count:
                 j = along[k]
                 d_y, d_x = place[j, 0] - y, place[j, 1] - x
-                if abs(_SLANT[0] * d_y + _SLANT[1] * d_x) > distance:
+                if abs(_SORT_DIRECTION[0] * d_y + _SORT_DIRECTION[1] * d_x) > distance:
                     break
                 kept[i] = j > i or not kept[j] or np.sqrt(d_y**2 + d_x**2) >= distance
                 k += way
     return kept
 
 
-CROWD_RANGE, CROWD = 1.5, 3
-"""Distance, in d_min, and the largest number of particles within it around a position: more are two rows on one
-edge."""
+CROWD_RANGE = 1.5
+"""Distance within which particles around a position are counted, in d_min."""
+
+CROWD = 3
+"""Largest number of particles within that distance: more are two rows on one edge."""
 
 
 @record
@@ -156,7 +158,7 @@ class Births:
 
 
 class Search(NamedTuple):
-    """Which particles search for positions in a step; all of shape (N,).
+    """Masks of the particles that search for positions in a step; all of shape (N,).
 
     Those `present` have not been deleted, those `looking` search in this step, of these the `thorough` ones even if
     they have others on both sides along their edge, and those `ahead` also search ahead.
@@ -188,7 +190,7 @@ class Rule(NamedTuple):
 
 
 def search_range(parameters: Parameters) -> float:
-    """Distance up to which a step examines the particles around one [px]."""
+    """Return the distance up to which a step examines the particles around one [px]."""
     d_min, reach = parameters.d_min, parameters.d_min + parameters.d_max
     return max(reach, 0.5 * reach + CROWD_RANGE * d_min, (STRIDE + CROWD_RANGE) * d_min)
 
@@ -196,38 +198,48 @@ def search_range(parameters: Parameters) -> float:
 Place = tuple[bool, float, float, float, int]
 """Whether it is free, where, its distance from all others [px], and the number of particles around it."""
 
-_DIRECTIONS = 2.0 * np.pi * np.arange(8) / 8
+_SEARCH_ANGLES = 2.0 * np.pi * np.arange(8) / 8
+"""Angles in which a particle searches for a position ahead."""
 
-_TURNS = np.stack([np.sin(_DIRECTIONS), np.cos(_DIRECTIONS)], axis=1)
+_SEARCH_DIRECTIONS = np.stack([np.sin(_SEARCH_ANGLES), np.cos(_SEARCH_ANGLES)], axis=1)
 """Unit vectors in which a particle searches for a position ahead, in opposite pairs."""
 
-_ALONG = 0.36
+_MAX_SQUARED_ACROSS = 0.36
 """Largest square of the part across the edge of a direction along the edge."""
 
-_FLANK = 1.6
+_FLANK_DISTANCE = 1.6
 """Distance, in d_min, of others on both sides along an edge between which there is no position ahead."""
 
-_SLIDES, _SLIDE = 6, 1.0
-"""Number of times that a position is moved by the Lorentz force, and by how much of it [px]; across an edge the force
-falls from one to zero within a pixel or more, so that each move removes a good part of the distance."""
+_MAX_SLIDES = 6
+"""Number of times that a position is moved by the Lorentz force."""
 
-_RESTING, _RESTED = 0.2, 0.1
-"""Lorentz force under which the position is then on an edge, and under which it need not be moved any more."""
+_SLIDE_LENGTH = 1.0
+"""Distance of such a move for a unit force [px]: across an edge the force falls from one to zero within a pixel or
+more, so that each move removes a good part of the distance."""
 
-_MOST_PLACES = 8
-"""Positions that one particle may offer in a step."""
+_MAX_EDGE_FORCE = 0.2
+"""Lorentz force under which a position is then on an edge."""
 
-_MOST_NEAR, _NEAR_RANGE = 64, 2.75
-"""Particles within a distance from one, in d_min, beyond which there is certainly no room for more."""
+_SETTLED_FORCE = 0.1
+"""Lorentz force under which a position need not be moved any more."""
 
-_FULL = 1_000_000
+_MAX_OFFERS = 8
+"""Number of positions that one particle may offer in a step."""
+
+_MAX_NEAR_PARTICLES = 64
+"""Number of particles near one beyond which there is certainly no room for more."""
+
+_CROWDED_RANGE = 2.75
+"""Distance within which that number counts, in d_min."""
+
+_OVERFULL_COUNT = 1_000_000
 """More than any number of particles: the count around a position where a particle is too near."""
 
-_ROOM = 64
-"""Rows of offers that there is room for at first."""
+_INITIAL_OFFER_ROWS = 64
+"""Initial number of rows for offers."""
 
-_SEARCHES_A_THREAD = 300
-"""Particles that search, from which a second thread makes it faster."""
+_PLANE_SEARCHES_PER_THREAD = 300
+"""Number of searching particles from which a second thread makes it faster."""
 
 
 _Offers = Array
@@ -241,7 +253,7 @@ def insertion(
     """Find positions for new particles.
 
     `search` selects the particles that take part, `d_max` is the annealed insertion range [px], `turn` the pair of
-    opposite directions that is searched besides those along the edge; the pairs take turns.
+    opposite directions that is searched in addition to those along the edge; the pairs take turns.
     """
     count, d_min = len(contact.strength), parameters.d_min
     rule = Rule(scale_field.floor, d_min, d_min + d_max, search_range(parameters))
@@ -252,10 +264,10 @@ def insertion(
     found: dict[int, _Offers] = {}
 
     def search_some(first: int, last: int) -> None:
-        found[first] = _find_places(*seen, rule, _TURNS, turn, first, last)
+        found[first] = _find_places(*seen, rule, _SEARCH_DIRECTIONS, turn, first, last)
 
     searching = int(np.count_nonzero(search.looking & eligible))
-    share(search_some, count, _SEARCHES_A_THREAD * count // (searching + 1) + 1)
+    share(search_some, count, _PLANE_SEARCHES_PER_THREAD * count // (searching + 1) + 1)
     offers = np.concatenate([found[first] for first in sorted(found)])
     offers = offers[np.argsort(offers[:, 0], kind="stable")]
     position, parents = np.empty((len(offers), 2)), np.empty((len(offers), 2), np.int64)
@@ -280,23 +292,25 @@ def _find_places(
 ) -> _Offers:
     """Let some of the sorted particles search for positions, each as if alone; `present` is in their order."""
     # a wider range contains more particles
-    most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
+    most = min(
+        int(_MAX_NEAR_PARTICLES * max(1.0, rule.range / (_CROWDED_RANGE * rule.d_min)) ** 2), len(cells.order) + 1
+    )
     near, index = np.empty((2, most + 1)), np.empty(most + 1, np.int64)
     here, there = np.empty(2), np.empty(2)
     present, thorough = search.present, search.thorough
-    offers, count = np.empty((_ROOM, 6)), 0
+    offers, count = np.empty((_INITIAL_OFFER_ROWS, 6)), 0
     for k in range(first, last):
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         if not (eligible[i] and search.looking[i]):
             continue
         n_y, n_x = normal[i, 0], normal[i, 1]
-        if not thorough[i] and _is_flanked(cells, present, y, x, n_y, n_x, _FLANK * rule.d_min):
+        if not thorough[i] and _is_flanked(cells, present, y, x, n_y, n_x, _FLANK_DISTANCE * rule.d_min):
             continue
         length = _list_near(cells, present, y, x, rule.range, near, index)
         if length == most:
             continue
         faintest, before = max(rule.floor, FAINTEST * strength[i]), count
-        if count + _MOST_PLACES > len(offers):
+        if count + _MAX_OFFERS > len(offers):
             offers = np.concatenate((offers, np.empty_like(offers)))
         for n in range(length + len(turns) if search.ahead[i] else length):
             j, far_y, far_x = i, y, x
@@ -309,11 +323,11 @@ def _find_places(
             else:
                 down, right = turns[n - length, 0], turns[n - length, 1]
                 across = (down * n_y + right * n_x) ** 2
-                if (n - length - turn) % (len(turns) // 2) and not across <= _ALONG * (n_y**2 + n_x**2):
+                if (n - length - turn) % (len(turns) // 2) and not across <= _MAX_SQUARED_ACROSS * (n_y**2 + n_x**2):
                     continue
                 found = _ahead(near, length, y, x, down, right, packed, faintest, rule)
                 far_y, far_x = found[1], found[2]
-            if not found[0] or count - before == _MOST_PLACES:
+            if not found[0] or count - before == _MAX_OFFERS:
                 continue
             here[0], here[1], there[0], there[1] = y, x, far_y, far_x
             if not crosses(barrier_map, here, there):
@@ -335,7 +349,7 @@ def _halfway(
     faintest: float,
     rule: Rule,
 ) -> Place:
-    """Midpoint of two particles, if it is free and the ridge next to it does not belong to another row."""
+    """Return the midpoint of two particles, if it is free and the ridge next to it belongs to no other row."""
     # nothing between: no particle in the circle over the pair
     keep = 0.5 * np.sqrt((far_y - y) ** 2 + (far_x - x) ** 2) - 1e-9
     p_y, p_x = 0.5 * (y + far_y), 0.5 * (x + far_x)
@@ -359,10 +373,13 @@ def _ahead(
     faintest: float,
     rule: Rule,
 ) -> Place:
-    """Position one stride from a particle, if its edge, or one that meets it, continues there and is free."""
-    keep, about = STRIDE_ROOM * rule.d_min, _FULL
+    """Return the position one stride from a particle, if an edge continues there, its own or one that meets it.
+
+    The position must be free.
+    """
+    keep, about = STRIDE_ROOM * rule.d_min, _OVERFULL_COUNT
     p_y, p_x = y + STRIDE * rule.d_min * down, x + STRIDE * rule.d_min * right
-    free = _crowd(near, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and few directions pass
+    free = _crowd(near, length, p_y, p_x, keep, rule.d_min) < _OVERFULL_COUNT  # cheap, and few directions pass
     if free:
         free, p_y, p_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
     if free:
@@ -373,7 +390,7 @@ def _ahead(
 
 @compiled
 def _is_flanked(cells: Cells, present: Mask, y: float, x: float, n_y: float, n_x: float, distance: float) -> bool:
-    """Whether a particle has others on both sides along its edge, so near that there is no position ahead of it."""
+    """Return whether a particle has others on both sides along its edge, too near for a position ahead of it."""
     before, behind = 0, 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):
@@ -389,14 +406,14 @@ def _is_flanked(cells: Cells, present: Mask, y: float, x: float, n_y: float, n_x
 
 @compiled
 def _list_near(cells: Cells, present: Mask, y: float, x: float, distance: float, near: Array, index: Index) -> int:
-    """List the particles around a position; return how many they are, or one less than fit in if they are more."""
+    """List the particles around a position; return their number, at most one less than fit in."""
     length = 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):
         first, last = row_of_cells(cells, row, left, right)
         for k in range(first, last):
             near[0, length], near[1, length], index[length] = cells.y[k], cells.x[k], cells.order[k]
-            # what does not count is overwritten by the next one, which is cheaper than a branch
+            # a particle that does not count is overwritten by the next one, which is cheaper than a branch
             counts = ((cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2 < distance**2) & present[k]
             length += counts & (length < len(index) - 1)
     return length
@@ -404,12 +421,12 @@ def _list_near(cells: Cells, present: Mask, y: float, x: float, distance: float,
 
 @compiled
 def _crowd(near: Array, length: int, y: float, x: float, room: float, d_min: float) -> int:
-    """Number of particles around a position; more than any number if one is nearer than `room`."""
+    """Count the particles around a position; more than any number if one is nearer than `room`."""
     crowd = 0
     for n in range(length):
         squared = (near[0, n] - y) ** 2 + (near[1, n] - x) ** 2
         crowd += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
-        crowd += _FULL if squared < room * room else 0
+        crowd += _OVERFULL_COUNT if squared < room * room else 0
     return crowd
 
 
@@ -417,7 +434,7 @@ def _crowd(near: Array, length: int, y: float, x: float, room: float, d_min: flo
 def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float) -> tuple[bool, float, float]:
     """Let a position slide along the Lorentz force; return whether it ends on an edge within reach, and where."""
     start_y, start_x = y, x
-    for slide in range(_SLIDES + 1):
+    for slide in range(_MAX_SLIDES + 1):
         if not (0.0 <= y <= packed.shape[0] - 1.0 and 0.0 <= x <= packed.shape[1] - 1.0):
             break
         if (y - start_y) ** 2 + (x - start_x) ** 2 >= farthest**2:
@@ -427,10 +444,10 @@ def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float)
             break
         f_y, f_x = component(packed, 0, place), component(packed, 1, place)
         squared = f_y**2 + f_x**2
-        if slide == _SLIDES or squared < _RESTED**2:
-            return squared < _RESTING**2, y, x
-        y += _SLIDE * f_y
-        x += _SLIDE * f_x
+        if slide == _MAX_SLIDES or squared < _SETTLED_FORCE**2:
+            return squared < _MAX_EDGE_FORCE**2, y, x
+        y += _SLIDE_LENGTH * f_y
+        x += _SLIDE_LENGTH * f_x
     return False, y, x
 
 
@@ -450,7 +467,7 @@ def _occupy(cells: Cells, offers: _Offers, d_min: float, position: Array, parent
                 while j >= 0:
                     squared = (position[j, 0] - y) ** 2 + (position[j, 1] - x) ** 2
                     about += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
-                    about += _FULL if squared < offers[i, 4] ** 2 else 0
+                    about += _OVERFULL_COUNT if squared < offers[i, 4] ** 2 else 0
                     j = earlier[j]
         if about <= CROWD:
             position[born, 0], position[born, 1] = y, x

@@ -3,8 +3,8 @@
 A start inside a ring finds the hole or the outline, whichever attracts more strongly, and while repulsion is weaker
 than the attraction of edges (w1 < w2) no particle crosses to the other one. A region between edges that does not reach
 the image border is the inside of an object. Once one of its boundaries has been reached, the others belong to the same
-object, and particles are reseeded beside them. Regions at the image border, and those that a barrier crosses, depend on
-the seeds alone.
+object, and particles are reseeded next to them. Regions at the image border, and those that a barrier crosses, depend
+on the seeds alone.
 """
 
 from __future__ import annotations
@@ -18,40 +18,41 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane.births import deletion
-from cpm_core.numerics.grids import in_bands
+from cpm_core.numerics.grids import Labels, in_bands
 from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.types import Array, Extent, Index
-
-Labels = NDArray[np.int32]
 
 RESEEDINGS = 3
 """Greatest number of reseedings until parameters are changed."""
 
-_AT_BARRIER = 1.0
+BARRIER_CLEARANCE = 1.0
 """Distance to a barrier under which it crosses a pixel [px]."""
 
-_LEAST_AREA = 16
+_MIN_REGION_AREA = 16
 """Least area of a region [px²]."""
 
-_REACH, _REACH_SMOOTHING = 3.0, 2.0
-"""Greatest distance from a region's rim to the ridge of the edge around it: a length [px] plus a multiple of sigma."""
+_RIM_REACH = 3.0
+"""Constant part of the greatest distance from a region's rim to the ridge of the edge around it [px]."""
 
-_COVERED = 0.5
+_RIM_REACH_PER_SIGMA = 2.0
+"""Part of that distance that grows with the smoothing [sigma]."""
+
+_REACHED_FRACTION = 0.5
 """Fraction of a boundary that must have particles next to it to count as reached."""
 
-_LEAST_STRETCH = 8
+_MIN_MISSING_STRETCH = 8
 """Least length of a stretch without particles that is reseeded [px]: boundaries a few pixels apart share their rim, and
 only one of them may be missing."""
 
-_NEIGHBORS = 8
+_EXAMINED_NEIGHBORS = 8
 """Number of nearest particles that are examined for a pixel of a rim."""
 
-_STRIDE = 6.0
+_RESEEDING_SPACING = 6.0
 """Distance between reseeded particles [px]."""
 
 
 def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
-    """Positions, shape (M, 2), next to the boundaries of enclosed regions that have been reached only elsewhere [px].
+    """Find positions, shape (M, 2) [px], next to boundaries of enclosed regions that have been reached only elsewhere.
 
     `positions`, shape (N, 2), are those of the particles on an edge [px of the scale].
     """
@@ -60,31 +61,31 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
         return none
     blocked = np.zeros(scale_field.shape, bool)
     if len(scale_field.barrier_map.segments):
-        blocked = scale_field.barrier_map.clearance < _AT_BARRIER
+        blocked = scale_field.barrier_map.clearance < BARRIER_CLEARANCE
     rims, region_of = _rims(_enclosed(scale_field.edge_map < scale_field.floor, blocked))
     if not len(region_of):
         return none
     place = np.argwhere(rims > 0)
     number = rims[rims > 0]
-    reach = _REACH + _REACH_SMOOTHING * scale_field.smoothing
+    reach = _RIM_REACH + _RIM_REACH_PER_SIGMA * scale_field.smoothing
     near = _has_near(scale_field, place, positions, reach)
     size = np.bincount(number, minlength=len(region_of))
     covered = np.bincount(number, weights=near, minlength=len(region_of)) / np.maximum(size, 1)
     known = np.zeros(region_of.max() + 1, bool)
-    known[region_of[covered >= _COVERED]] = True
+    known[region_of[covered >= _REACHED_FRACTION]] = True
     missing = ~near & known[region_of][number]
-    places: Array = place[missing & (_stretch(place, missing, scale_field.shape) >= _LEAST_STRETCH)].astype(float)
-    return places[deletion(places, np.zeros(len(places)), 2.0 * _STRIDE)]
+    places: Array = place[missing & (_stretch(place, missing, scale_field.shape) >= _MIN_MISSING_STRETCH)].astype(float)
+    return places[deletion(places, np.zeros(len(places)), 2.0 * _RESEEDING_SPACING)]
 
 
 def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
-    """Which pixels of a rim, shape (N, 2), have a particle near them on the same side of an edge, shape (N,).
+    """Return a mask, shape (N,), of the pixels of a rim with a particle near them on the same side of an edge.
 
     Of two edges close to each other one rises where the other falls.
     """
     gradient = np.moveaxis(scale_field.packed, -1, 0)[2:4]
     uphill, known = gradient[(slice(None), *place.T)].T, interpolate(gradient, positions)
-    nearest = np.arange(1, min(_NEIGHBORS, len(positions)) + 1)
+    nearest = np.arange(1, min(_EXAMINED_NEIGHBORS, len(positions)) + 1)
     distance, index = scipy.spatial.cKDTree(positions).query(
         place, k=nearest, distance_upper_bound=reach, workers=cores()
     )
@@ -94,7 +95,7 @@ def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Arra
 
 
 def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: Extent) -> NDArray[np.int64]:
-    """Size of the connected stretch of chosen pixels that each pixel belongs to; 0 for pixels that are not chosen."""
+    """Return the size of the connected stretch of selected pixels that each belongs to; 0 for those not selected."""
     mask = np.zeros(shape, bool)
     mask[tuple(place[chosen].T)] = True
     labels, _ = scipy.ndimage.label(mask, structure=np.ones((3, 3), bool))
@@ -103,11 +104,11 @@ def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: Extent)
 
 
 def _enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:
-    """Number the regions between edges that touch neither the image border nor a barrier."""
+    """Label the regions between edges that touch neither the image border nor a barrier."""
     labels, count = scipy.ndimage.label(free)
     outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1], labels[blocked]]))
     sizes = sum(np.bincount(part.ravel(), minlength=count + 1) for part in np.array_split(labels, 16))
-    small = np.flatnonzero(sizes < _LEAST_AREA)
+    small = np.flatnonzero(sizes < _MIN_REGION_AREA)
     dropped = np.zeros(count + 1, bool)
     dropped[outside], dropped[small], dropped[0] = True, True, True
     labels[dropped[labels]] = 0
@@ -115,7 +116,7 @@ def _enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:
 
 
 def _rims(regions: Labels) -> tuple[Labels, Index]:
-    """Number the rims of the regions: each closed curve of pixels around or inside one has its own number.
+    """Label the rims of the regions: each closed curve of pixels around or inside one has its own number.
 
     Returns
     -------
@@ -127,12 +128,12 @@ def _rims(regions: Labels) -> tuple[Labels, Index]:
     eight = np.ones((3, 3), bool)
     beside = np.empty_like(regions)
 
-    def widen(first: int, end: int) -> None:  # without one more image of labels
+    def widen_rows(first: int, end: int) -> None:  # without one more image of labels
         low = max(first - 1, 0)
         nearby = scipy.ndimage.maximum_filter(regions[low : end + 1], 3, mode="nearest")
         beside[first:end] = nearby[first - low : end - low]
 
-    in_bands(widen, len(regions))
+    in_bands(widen_rows, len(regions))
     beside[regions > 0] = 0
     rims = regions  # whose memory takes the rims
     rims[...] = 0

@@ -51,7 +51,7 @@ from cpm_core.parameters import Parameters
 
 @compiled
 def is_on_edge(squared: float, strength: float, floor: float) -> bool:
-    """Whether a particle is on an edge: the Lorentz force is weak, and the edge strength at least `floor`.
+    """Return whether a particle is on an edge: a weak Lorentz force, and an edge strength of at least `floor`.
 
     `squared` is the squared length of the interpolated Lorentz force, which is of unit size away from edges and below
     the gate on an edge.
@@ -60,7 +60,7 @@ def is_on_edge(squared: float, strength: float, floor: float) -> bool:
 
 
 def contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask, Array]:
-    """Edge strength at particles, shape (N, 2), which of them are on an edge, and the image gradient there."""
+    """Return edge strength, edge contact and image gradient at particles, shape (N, 2)."""
     count = len(positions)
     strength, on_edge, normal = np.empty(count), np.empty(count, np.bool_), np.empty((count, 2))
     _contact_at(scale_field.packed, scale_field.floor, positions, strength, on_edge, normal)
@@ -76,7 +76,7 @@ def _contact_at(packed: Single, floor: float, position: Array, strength: Array, 
 
 @compiled
 def edge_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool, float, float]:
-    """Edge strength at a position, whether a particle there is on an edge, and the image gradient."""
+    """Return the edge strength at a position, whether a particle there is on an edge, and the image gradient."""
     place = between(packed, y, x)
     f_y, f_x, strength = component(packed, 0, place), component(packed, 1, place), component(packed, 4, place)
     on_edge = is_on_edge(f_y**2 + f_x**2, strength, floor)
@@ -105,7 +105,7 @@ class Law(NamedTuple):
 
 @lru_cache(maxsize=8)
 def damped_motion(beta: float, dt: float) -> Array:
-    """Series of the damped motion by the steps without newly covered cells; the last row is for all later ones.
+    """Return the series of the damped motion by the steps without newly covered cells; the last row is for later ones.
 
     This is the damping ``-beta v`` of eq. (12), integrated in closed form; ``beta = 0`` gives eq. (14).
     """
@@ -113,22 +113,26 @@ def damped_motion(beta: float, dt: float) -> Array:
 
 
 def is_at_rest(particles: Particles, idle: Index) -> Mask:
-    """Which particles the next step skips, shape (N,)."""
+    """Return a mask, shape (N,), of the particles that the next step skips."""
     slow = np.einsum("ni,ni->n", particles.velocity, particles.velocity) < REST_SPEED**2
     return slow & (idle >= FADED) & ~particles.young
 
 
 Four = tuple[float, float, float, float]
+"""Four numbers, such as a damped series or the history of two forces."""
 
-_PAIRS_A_NODE = 28
+_PAIRS_PER_NODE = 28
 """Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
 
-_WORTH_A_THREAD, _LATE = 800, 4000
-"""Particles from which a second thread makes the step faster, while some are repelled and later."""
+_MOVED_PER_THREAD = 800
+"""Particles from which a second thread makes the step faster, while some are repelled."""
+
+_LATE_MOVED_PER_THREAD = 4000
+"""Particles from which a second thread makes the step faster later."""
 
 
 def mesh_force_of(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
-    """Mesh of the step after a state: the present one, or a new one every `MESH_EVERY` steps.
+    """Return the mesh of the step after a state: the present one, or a new one every `MESH_EVERY` steps.
 
     There is none where summing all pairs is faster, or the repulsion has faded for all particles. `idle`, shape (N,),
     are the steps since cells around each particle were newly covered.
@@ -137,13 +141,13 @@ def mesh_force_of(state: State, idle: Index, scale_field: ScaleField, parameters
         return state.mesh
     reach = REACH * (parameters.d_min + parameters.d_max)
     repelled = np.count_nonzero(idle < FADED)
-    if repelled * state.count < _PAIRS_A_NODE * nodes(scale_field.shape, reach):
+    if repelled * state.count < _PAIRS_PER_NODE * nodes(scale_field.shape, reach):
         return NO_MESH
     return mesh_force(state.particles.position, scale_field.shape, reach)
 
 
 def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleField, parameters: Parameters) -> Moved:
-    """One time step of all particles.
+    """Move all particles by one time step.
 
     `idle`, shape (N,), are the steps since cells around each were newly covered, `mesh` is the smooth part of the
     Coulomb force. The parameters act at once. The force on a particle at rest is that of its last step.
@@ -157,20 +161,20 @@ def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleF
     before, after = (particles.velocity, particles.force, particles.distance), moved.particles
     motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
     work = partial(_move, cells, scale_field.packed, idle, mesh, damped, law, before, motion)
-    share(work, len(particles), _WORTH_A_THREAD if (idle < FADED).any() else _LATE)
+    share(work, len(particles), _MOVED_PER_THREAD if (idle < FADED).any() else _LATE_MOVED_PER_THREAD)
     return moved
 
 
 AHEAD = 64
-"""Particles whose field is read ahead."""
+"""Number of particles whose field is read ahead."""
 
 
 @compiled
 def read_ahead(packed: Single, cells: Cells, first: int, last: int, anything: Array) -> None:
     """Read the field at the next of the sorted particles, so that it is near when they need it.
 
-    Memory answers many requests as fast as one, and what depends on what has been read would make each request wait for
-    the one before. What is read goes into `anything`, shape (N,), whose values are not needed yet.
+    Memory answers many independent requests as fast as one, whereas a computation with each value would make a request
+    wait for the one before. The values go into `anything`, shape (N,), which is overwritten later.
     """
     for k in range(first, min(first + AHEAD, last)):
         row, col, _, _ = between(packed, cells.y[k], cells.x[k])
@@ -267,7 +271,7 @@ def _step(
     c_x: float,
     history: Four,
 ) -> tuple[float, float, float, float, Four]:
-    """Total force of eq. (12) on a particle under the Coulomb force c, and the step of eq. (14)-(15)."""
+    """Return the particle after the step of eq. (14)-(15), by the total force of eq. (12) with Coulomb force c."""
     last_y, last_x, old_y, old_x = history
     place = between(packed, y, x)
     l_y, l_x = component(packed, 0, place), component(packed, 1, place)
@@ -288,20 +292,20 @@ def _step(
 
 @compiled
 def _across(a_y: float, a_x: float, n_y: float, n_x: float) -> tuple[float, float]:
-    """Part of a vector along the unit vector n, the normal of an edge: the part across the edge."""
+    """Return the part of a vector along the unit vector n, the normal of an edge: the part across the edge."""
     size = a_y * n_y + a_x * n_x
     return size * n_y, size * n_x
 
 
 @compiled
 def _along(a_y: float, a_x: float, n_y: float, n_x: float) -> float:
-    """Size of the part that `_across` removes from a vector; the whole vector where there is no normal."""
+    """Return the size of the part that `_across` removes from a vector; the whole one where there is no normal."""
     b_y, b_x = _across(a_y, a_x, n_y, n_x)
     return float(np.sqrt((a_y - b_y) ** 2 + (a_x - b_x) ** 2))
 
 
 def held_back(barrier_map: BarrierMap, before: Particles, after: Particles) -> Particles:
-    """Particles after a step, held back where they cross a barrier or the boundary of a region of interest.
+    """Return particles after a step, held back where they cross a barrier or the boundary of a region of interest.
 
     Such a particle keeps the part of its step and of its velocity that is along the barrier, if this part crosses no
     other barrier; otherwise it stays where it was before, at rest.

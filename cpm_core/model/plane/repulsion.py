@@ -66,7 +66,7 @@ def build_cells(position: Array, shape: Extent, size: float) -> Cells:
 
 @compiled
 def _in_cells(position: Array, size: float, rows: int, cols: int) -> tuple[Index, Index, Array, Array]:
-    """Where the particles of each cell begin, and the particles of all cells with their coordinates; see `Cells`."""
+    """Return where the particles of each cell begin, and all particles in order with coordinates; see `Cells`."""
     cell = np.empty(len(position), np.int64)
     for i in range(len(position)):
         cell[i] = cell_of(position[i, 0], size, rows) * cols + cell_of(position[i, 1], size, cols)
@@ -79,7 +79,7 @@ def _in_cells(position: Array, size: float, rows: int, cols: int) -> tuple[Index
 
 @compiled
 def cells_around(cells: Cells, y: float, x: float, distance: float) -> tuple[int, int, int, int]:
-    """First and last row, first and last column of the cells that contain all nearer to a position than a distance."""
+    """Return first and last row and column of the cells that contain all within a distance of a position."""
     return (
         cell_of(y - distance, cells.size, cells.rows),
         cell_of(y + distance, cells.size, cells.rows),
@@ -90,11 +90,12 @@ def cells_around(cells: Cells, y: float, x: float, distance: float) -> tuple[int
 
 @compiled
 def row_of_cells(cells: Cells, row: int, left: int, right: int) -> tuple[int, int]:
-    """First of the sorted particles in a row of cells from column `left` to `right`, and the one behind the last."""
+    """Return the first sorted particle in a row of cells from column `left` to `right`, and the one behind the last."""
     return cells.start[row * cells.cols + left], cells.start[row * cells.cols + right + 1]
 
 
 Bits = NDArray[np.int32]
+"""Bits of numbers in single precision."""
 
 LANES = 16
 """Lists are filled up to a multiple of it, so that their sums use vector registers to the end."""
@@ -109,7 +110,7 @@ vector registers, and such a pair adds its vanishing distance, which is nothing.
 NEAREST = 0.1
 """Least distance of two particles in their energy [px], which thus stays finite."""
 
-_INFINITE = np.float32(np.inf).view(np.int32)
+_INFINITY_BITS = np.float32(np.inf).view(np.int32)
 """Bits of infinity."""
 
 
@@ -139,7 +140,7 @@ def gather(cells: Cells, row: int, col: int, near: Single) -> tuple[int, int]:
 def pair_sums(
     near: Single, bits: Bits, length: int, first: int, last: int, reach: np.float32, softening: Single, sums: Array
 ) -> None:
-    """Sum what the mesh leaves out of eq. (9), and find the two nearest neighbors, for some of the listed particles.
+    """Sum the part of eq. (9) that the mesh leaves out, and find the two nearest neighbors, of listed particles.
 
     Parameters
     ----------
@@ -169,16 +170,16 @@ def pair_sums(
             weight = weight if squared < reach * reach else nothing
             f_y += weight * d_y
             f_x += weight * d_x
-        nearest = _INFINITE
+        nearest = _INFINITY_BITS
         for j in range(length):
             here = bits[j]
-            here = here if here > 0 else _INFINITE
+            here = here if here > 0 else _INFINITY_BITS
             nearest = here if here < nearest else nearest
-        second, ties = _INFINITE, 0
+        second, ties = _INFINITY_BITS, 0
         for j in range(length):
             here = bits[j]
             ties += 1 if here == nearest else 0
-            here = here if here > nearest else _INFINITE
+            here = here if here > nearest else _INFINITY_BITS
             second = here if here < second else second
         bits[0], bits[1] = nearest, nearest if ties > 1 else second
         n = i - first
@@ -187,7 +188,7 @@ def pair_sums(
 
 @compiled
 def two_nearest_of_many(cells: Cells, y: float, x: float, farthest: float) -> tuple[float, float]:
-    """Squared distances of the two nearest particles, of those up to a distance at least; infinite for none."""
+    """Return the squared distances of the two nearest particles within `farthest` at least; infinite for none."""
     first, second = np.inf, np.inf
     top, bottom, left, right = cells_around(cells, y, x, farthest)
     for row in range(top, bottom + 1):
@@ -203,7 +204,7 @@ def two_nearest_of_many(cells: Cells, y: float, x: float, farthest: float) -> tu
 
 @compiled
 def pair_energy(cells: Cells, reach: float) -> float:
-    """Sum of ``1/r - 1/R`` over the pairs nearer than R."""
+    """Return the sum of ``1/r - 1/R`` over the pairs nearer than R."""
     total = 0.0
     for k in range(len(cells.y)):
         y, x = cells.y[k], cells.x[k]
@@ -220,40 +221,40 @@ def pair_energy(cells: Cells, reach: float) -> float:
 PITCH = 0.5
 """Pitch of the mesh, in reaches."""
 
-_MARGIN = 4
+_NODES_AROUND_IMAGE = 4
 """Nodes along an axis beyond those that the image needs: splines reach one node further to each side."""
 
 
 def mesh_shape(shape: Extent, reach: float) -> tuple[int, ...]:
-    """Nodes along each axis of the mesh over an image of this shape."""
-    return tuple(int(np.ceil(n / (PITCH * reach))) + _MARGIN for n in shape)
+    """Return the number of nodes along each axis of the mesh over an image of this shape."""
+    return tuple(int(np.ceil(n / (PITCH * reach))) + _NODES_AROUND_IMAGE for n in shape)
 
 
 def mesh_corner(shape: Extent, reach: float) -> tuple[float, ...]:
-    """Place of its first node [px]; it is centered, so that a mirrored image has a mirrored mesh."""
+    """Return the place of the first node [px]; the mesh is centered, so that a mirrored image has a mirrored mesh."""
     sides = zip(shape, mesh_shape(shape, reach), strict=True)
     return tuple(0.5 * (n - 1) - 0.5 * (PITCH * reach) * (m - 1) for n, m in sides)
 
 
 def nodes(shape: Extent, reach: float) -> int:
-    """Nodes of the padded mesh for an image of this shape: its cost is proportional to them."""
+    """Count the nodes of the padded mesh for an image of this shape: its cost is proportional to them."""
     return int(2 ** len(shape) * np.prod(mesh_shape(shape, reach)))
 
 
 def softening(reach: float) -> Single:
-    """Coefficients of the polynomial that replaces the inverse square up to R."""
+    """Return the coefficients, shape (3,), of the polynomial that replaces the inverse square up to R."""
     return np.array([35 / 8 / reach**3, -21 / 4 / reach**5, 15 / 8 / reach**7], np.float32)
 
 
-_WORTH_THREADS = 200_000
+_TRANSFORMED_PER_THREAD = 200_000
 """Values of the transforms above which a second thread makes them faster."""
 
 
 def convolved(charge: Single, reach: float) -> Single:
-    r"""Smooth part of the force of charges on the nodes of a mesh, shape (\*nodes), shape (\*nodes, D)."""
+    r"""Compute the smooth part of the force, shape (\*nodes, D), of charges on a mesh, shape (\*nodes)."""
     padded, kernels = _spectra(charge.shape, reach)
     axes = tuple(range(1, charge.ndim + 1))
-    threads = cores() if kernels.size > _WORTH_THREADS else 1
+    threads = cores() if kernels.size > _TRANSFORMED_PER_THREAD else 1
     spectrum = scipy.fft.rfftn(charge, padded, workers=threads) * np.complex64(1j)
     smooth = scipy.fft.irfftn(spectrum * kernels, padded, axes, workers=threads)
     return np.ascontiguousarray(np.moveaxis(smooth[(slice(None), *map(slice, charge.shape))], 0, -1))
@@ -261,7 +262,7 @@ def convolved(charge: Single, reach: float) -> Single:
 
 @lru_cache(maxsize=8)
 def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], Single]:
-    """Shape of the padded mesh, and the transforms of the components of the softened inverse square on it, over i."""
+    """Return the shape of the padded mesh, and the transforms, over i, of the softened inverse square on it."""
     padded = tuple(scipy.fft.next_fast_len(2 * n - 1, True) for n in mesh)
     offsets = np.meshgrid(*(PITCH * reach * size * np.fft.fftfreq(size) for size in padded), indexing="ij")
     squared = sum(offset * offset for offset in offsets)
@@ -281,7 +282,7 @@ def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], Sing
 
 @compiled
 def spline(place: float) -> tuple[int, float, float, float]:
-    """Node before the one nearest to a position, in units of the pitch, and weights of it and of the next two."""
+    """Return the node before the one nearest to a position, in units of the pitch, and the weights of three nodes."""
     node = int(place + 0.5)
     beyond = place - node
     return node - 1, 0.5 * (0.5 - beyond) ** 2, 0.75 - beyond**2, 0.5 * (0.5 + beyond) ** 2
@@ -292,7 +293,7 @@ NO_MESH = MeshForce(np.zeros((0, 0, 2), np.float32), (0.0, 0.0), 1.0, np.inf, np
 
 
 def mesh_force(position: Array, shape: Extent, reach: float) -> MeshForce:
-    """Smooth part of the Coulomb force of all particles, shape (N, 2) [px], on the nodes of a mesh over an image.
+    """Compute the smooth part of the Coulomb force of all particles, shape (N, 2) [px], on a mesh over an image.
 
     `reach` is the distance R up to which pairs add what the mesh leaves out [px].
     """
@@ -304,7 +305,7 @@ def mesh_force(position: Array, shape: Extent, reach: float) -> MeshForce:
 
 @compiled
 def mesh_force_at(force: Single, down: float, right: float) -> tuple[float, float]:
-    """Smooth part of the Coulomb force at a position between the nodes of a mesh, in units of the pitch."""
+    """Interpolate the smooth part of the Coulomb force between the nodes of a mesh, in units of the pitch."""
     row, a, b, c = spline(down)
     col, d, e, f = spline(right)
     return _mixed(force, row, col, 0, a, b, c, d, e, f), _mixed(force, row, col, 1, a, b, c, d, e, f)
@@ -314,7 +315,7 @@ def mesh_force_at(force: Single, down: float, right: float) -> tuple[float, floa
 def _mixed(
     force: Single, row: int, col: int, k: int, a: float, b: float, c: float, d: float, e: float, f: float
 ) -> float:
-    """Component `k` of the force on nine nodes, weighted."""
+    """Return component `k` of the weighted force on nine nodes."""
     upper = d * force[row, col, k] + e * force[row, col + 1, k] + f * force[row, col + 2, k]
     middle = d * force[row + 1, col, k] + e * force[row + 1, col + 1, k] + f * force[row + 1, col + 2, k]
     lower = d * force[row + 2, col, k] + e * force[row + 2, col + 1, k] + f * force[row + 2, col + 2, k]

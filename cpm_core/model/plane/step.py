@@ -17,6 +17,7 @@ from cpm_core.model.equations import (
     FADED,
     IDLE_STEPS,
     LATEST,
+    MIN_SCALE_STEPS,
     QUIET_STEPS,
     STILL,
     Moved,
@@ -38,31 +39,34 @@ from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.numerics.vectors import lengths
 from cpm_core.parameters import Parameters
 
-_PATIENCE = 2
+_UNDER_WAY_PATIENCE = 2
 """Factor by which a particle outside the coverage map that is fast comes to rest more slowly: it may have far to
 go."""
 
-_TRAVELLING = 0.25
-"""Fraction of the particles that may be under way at the end of a coarser scale."""
+_MAX_TRAVELLING_FRACTION = 0.25
+"""Largest fraction of the particles that may be under way at the end of a coarser scale."""
 
-_CERTAIN = 1.25
+_HOLDING_STRENGTH = 1.25
 """Edge strength, in multiples of the edge floor, that holds particles in any case."""
 
-_OUTSIDE = -1
+_OUTSIDE_COVERAGE = -1
 """Value for the idle steps of a particle outside the coverage map."""
 
-_GATHERING, _GATHERED = 100, 0.02
-"""Steps without new coverage in which particles gather around a charge, and the speed under which one has done so
-earlier [px / unit of time]."""
+_GATHERING_STEPS = 100
+"""Steps without new coverage in which particles gather around a charge."""
+
+_GATHERED_SPEED = 0.02
+"""Speed under which a particle has gathered around a charge earlier [px / unit of time]."""
 
 
 def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters) -> Index:
-    """Steps since there was new coverage around each particle, shape (N,), which bring it to rest.
+    """Return the steps since there was new coverage around each particle, shape (N,), which bring it to rest.
 
     `state` is the one before the step, and `scale_field` includes the placed charges.
     """
     particles, step, fast = state.particles, state.step_of_scale, fast_speed(parameters)
-    under_way = state.idle // _PATIENCE if state.coverage.size else 0  # before the first coverage there is no limit
+    # before the first coverage there is no limit
+    under_way = state.idle // _UNDER_WAY_PATIENCE if state.coverage.size else 0
     idle = _idle_steps(state.coverage, particles.position, particles.velocity, step, fast, under_way, state.idle)
     if state.charges:
         _let_gather(state, scale_field, idle)
@@ -73,22 +77,23 @@ def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters)
 def _idle_steps(
     coverage: Coverage, position: Array, velocity: Array, step: int, fast: float, under_way: int, others: int
 ) -> Index:
-    idle = idle_at(coverage, position, step, _OUTSIDE)
+    """Count the steps since new coverage near each particle; the others have those of `under_way` or `others`."""
+    idle = idle_at(coverage, position, step, _OUTSIDE_COVERAGE)
     for i in range(len(idle)):
-        if idle[i] == _OUTSIDE:
+        if idle[i] == _OUTSIDE_COVERAGE:
             idle[i] = under_way if velocity[i, 0] ** 2 + velocity[i, 1] ** 2 > fast**2 else others
     return idle
 
 
 def is_travelling(state: State, parameters: Parameters) -> bool:
-    """Whether so many particles are still under way to their first edge that a coarser scale has not done its work.
+    """Return whether many particles are under way to their first edge, so that a coarser scale is not finished.
 
     A start far from all edges would else be handed on to the finest scale, where noise stops particles that have far
     to go.
     """
-    idle = idle_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE)
-    speed = lengths(state.particles.velocity[idle == _OUTSIDE])
-    return bool(np.count_nonzero(speed > fast_speed(parameters)) > _TRAVELLING * state.count)
+    idle = idle_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE_COVERAGE)
+    speed = lengths(state.particles.velocity[idle == _OUTSIDE_COVERAGE])
+    return bool(np.count_nonzero(speed > fast_speed(parameters)) > _MAX_TRAVELLING_FRACTION * state.count)
 
 
 def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
@@ -100,13 +105,13 @@ def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
     strength, _, _ = contact_at(state.particles.position[near], scale_field)
     near = near[strength < scale_field.floor]
     velocity = state.particles.velocity[near]
-    slow = np.einsum("ni,ni->n", velocity, velocity) < _GATHERED**2
-    gathered = (idle[near] >= _GATHERING) | (slow & (idle[near] >= FADED))
+    slow = np.einsum("ni,ni->n", velocity, velocity) < _GATHERED_SPEED**2
+    gathered = (idle[near] >= _GATHERING_STEPS) | (slow & (idle[near] >= FADED))
     idle[near] = np.where(gathered, LATEST, 0)
 
 
 def _drawn(state: State) -> NDArray[np.bool_]:
-    """Which particles are within reach of a charge that attracts them, shape (N,)."""
+    """Return a mask, shape (N,), of the particles within reach of a charge that attracts them."""
     attracting = state.placed[state.placed[:, -1] > 0.0]
     return near_charges(attracting, radius_at(state.scale), state.particles.position)
 
@@ -139,14 +144,14 @@ def reseeded(state: State, scale_field: ScaleField) -> State | None:
 
 
 def without_resting_off_edge(state: State, scale_field: ScaleField) -> State:
-    """Leave out the particles at rest off the edge, if any particle has found an edge.
+    """Drop the particles at rest off the edge, if any particle has found an edge.
 
     In a hole of one or two pixels no particle has edge contact in the strict sense, but the edge around it is strong.
     Particles around an attracting charge stay.
     """
     position = state.particles.position
     strength, on_edge, _ = contact_at(position, scale_field)
-    found = on_edge | (strength >= _CERTAIN * scale_field.floor)
+    found = on_edge | (strength >= _HOLDING_STRENGTH * scale_field.floor)
     if not found.any():
         return state
     found |= _drawn(state)
@@ -156,7 +161,7 @@ def without_resting_off_edge(state: State, scale_field: ScaleField) -> State:
 
 
 def without_off_edge(state: State, scale_field: ScaleField, and_drawn: bool = False) -> State:
-    """Leave out the particles off the edge, since a finer scale begins with all seeds again.
+    """Drop the particles off the edge, since a finer scale begins with all seeds again.
 
     Those within reach of an attracting charge can be kept.
     """
@@ -166,16 +171,24 @@ def without_off_edge(state: State, scale_field: ScaleField, and_drawn: bool = Fa
     return replace(state, particles=state.particles.where(found))
 
 
-_FRONT, _SEARCH_EVERY, _AHEAD_EVERY = 20, 4, 8
-"""Steps since newly covered cells up to which a particle belongs to a front and searches at every step; how often
-others search, and how often they search ahead."""
+_FRONT_STEPS = 20
+"""Steps since newly covered cells up to which a particle belongs to a front and searches at every step."""
 
-_LATE_EVERY, _FADED_EVERY = 2, 4
-"""How often particles are deleted and inserted once coverage hardly grows, and once no repulsion is left."""
+_SEARCH_INTERVAL = 4
+"""Steps between two searches of another particle."""
+
+_AHEAD_INTERVAL = 8
+"""Steps between two searches ahead of another particle."""
+
+_LATE_INTERVAL = 2
+"""Steps between two deletions and insertions once coverage hardly grows."""
+
+_FADED_INTERVAL = 4
+"""Steps between two deletions and insertions once no repulsion is left."""
 
 
 def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> tuple[State, Moved]:
-    """Forces and motion, and removal of particles that leave the image."""
+    """Move the particles of a state and drop those that leave the image; return also the motion, shape (N,)."""
     particles, step = state.particles, state.step_of_scale
     mesh = mesh_force_of(state, idle, scale_field, parameters)
     moved = move(particles, idle, mesh, scale_field, parameters)
@@ -203,7 +216,7 @@ def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Pa
 
 @compiled
 def _inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[Index, float, int]:
-    """Which particles are inside the image, how far they moved in the mean, and how many of them moved."""
+    """Return the particles inside the image, their mean motion, and how many of them moved."""
     inside, count, total, moving = np.empty(len(position), np.int64), 0, 0.0, 0
     for i in range(len(position)):
         y, x = position[i, 0], position[i, 1]
@@ -218,9 +231,9 @@ def _inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[Index
 def populated(
     state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
 ) -> State:
-    """Deletion, insertion and annealing; late in a run the first two happen only at some steps."""
+    """Delete and insert particles, and anneal; late in a run the first two happen only at some steps."""
     annealed = state.annealed * parameters.annealing
-    every = _FADED_EVERY if repulsion_gone else _LATE_EVERY if state.idle >= IDLE_STEPS else 1
+    every = _FADED_INTERVAL if repulsion_gone else _LATE_INTERVAL if state.idle >= IDLE_STEPS else 1
     if state.step % every:
         return replace(state, annealed=annealed, idle=state.idle + 1)
     particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
@@ -233,7 +246,7 @@ def populated(
     d_max = state.annealed * parameters.d_max
     births = insertion(contact, search, scale_field, d_max, parameters, round_)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
-    if deleted or born:  # in the order of their cells: what is near in space is then near in memory
+    if deleted or born:  # in the order of their cells: particles near in space are then near in memory
         stay = cells.order[kept[cells.order]] if deleted else np.arange(len(kept))
         particles = particles.renewed(stay, births.position, births.parents, state.next_identity)
     return replace(
@@ -252,22 +265,19 @@ def populated(
 def _in_turn(
     identity: Index, distance: Array, has_moved: Mask, idle: Index, turn: int, everywhere: bool
 ) -> tuple[Mask, Mask, Mask]:
-    """Which particles search in a turn, which of them thoroughly, and which ahead; see `Search`."""
+    """Select the particles that search in a turn, those that search thoroughly, and those that search ahead."""
     count = len(identity)
     looking, thorough, ahead = np.empty(count, np.bool_), np.empty(count, np.bool_), np.empty(count, np.bool_)
     for i in range(count):
-        number, front = identity[i] + turn, idle[i] < _FRONT
-        thorough[i] = number % _SEARCH_EVERY == 0 or np.isnan(distance[i, MEMORY - 1]) or everywhere
+        number, front = identity[i] + turn, idle[i] < _FRONT_STEPS
+        thorough[i] = number % _SEARCH_INTERVAL == 0 or np.isnan(distance[i, MEMORY - 1]) or everywhere
         looking[i] = (thorough[i] or front) and has_moved[i]
-        ahead[i] = number % _AHEAD_EVERY == 0 or front
+        ahead[i] = number % _AHEAD_INTERVAL == 0 or front
     return looking, thorough, ahead
 
 
-_STEPS_A_PIXEL = 2.0
+_MAX_STEPS_PER_PIXEL = 2.0
 """Greatest number of steps of a scale for each pixel of the longest side: a front advances about two pixels a step."""
-
-_LEAST_STEPS = 400
-"""Number of steps that every scale may take."""
 
 
 def advanced(state: State, scale_field: ScaleField, regions: AnyRegions | None, parameters: Parameters) -> State:
@@ -275,7 +285,7 @@ def advanced(state: State, scale_field: ScaleField, regions: AnyRegions | None, 
     quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
     if quiet or state.quiet:
         state = replace(state, quiet=state.quiet + 1 if quiet else 0)
-    most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(scale_field.shape)))
+    most = max(MIN_SCALE_STEPS, int(_MAX_STEPS_PER_PIXEL * max(scale_field.shape)))
     overdue = state.step_of_scale - state.reactivated >= most
     if state.scale > 0:
         done = state.idle >= IDLE_STEPS and not is_travelling(state, parameters)
@@ -306,7 +316,7 @@ def stepped(
     parameters: Parameters,
     populate: Populate = populated,
 ) -> State:
-    """The state after one time step, and after the end of its scale or its run if that has come.
+    """Return the state after one time step, and after the end of its scale or its run if that has come.
 
     `field` includes the placed charges; `populate` can be replaced in experiments.
     """
@@ -325,7 +335,9 @@ _NO_EDGES[..., 0] = 1.0
 
 
 def forces(state: State, scale_field: ScaleField, charged: ScaleField, parameters: Parameters, which: Index) -> Forces:
-    """Forces on the particles `which`, shape (M,), of a state as the next step begins; see `Engine.forces`.
+    """Return the forces on the particles `which`, shape (M,), of a state as the next step begins.
+
+    See `Engine.forces`.
 
     `scale_field` and `charged` are the fields of its scale without and with the placed charges.
     """
@@ -349,7 +361,7 @@ def forces(state: State, scale_field: ScaleField, charged: ScaleField, parameter
 
 
 def energies(state: State, scale_field: ScaleField, parameters: Parameters) -> Energies:
-    """Energies of a state with its placed charges; `scale_field` is without them. See `Engine.energies`."""
+    """Return the energies of a state with its placed charges; `scale_field` is without them. See `Engine.energies`."""
     particles = state.particles
     in_image = 4.0**state.scale
     reach = parameters.d_min + parameters.d_max

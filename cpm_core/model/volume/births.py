@@ -31,19 +31,19 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
 
-_WORTH_A_THREAD = 2_000
+_CLOSE_PER_THREAD = 2_000
 """Particles from which a second thread makes the search faster."""
 
 
 def thinned(particles: Particles, cells: Cells, turn: Index, d_min: float) -> Mask:
-    """Which particles stay, shape (N,).
+    """Return a mask, shape (N,), of the particles that stay.
 
     Of two nearer than ``d_min / 2`` the one on the weaker edge is deleted, and of equal ones the later, unless both are
-    seated, on different sheets. Only those that have their `turn` have moved since the last use.
+    on surfaces, on different sheets. Only those of `turn`, shape (K,), have moved since the last use.
     """
     kept, contact = np.ones(len(particles), bool), particles.on_surface
     sheets = (particles.position, contact.normal, contact.seated)
-    share(partial(_find_close, cells, turn, *sheets, NEAR * d_min, kept), len(turn), _WORTH_A_THREAD)
+    share(partial(_find_close, cells, turn, *sheets, NEAR * d_min, kept), len(turn), _CLOSE_PER_THREAD)
     close = np.flatnonzero(~kept)
     if len(close):
         order = close[np.argsort(-contact.strength[close], kind="stable")]
@@ -76,37 +76,43 @@ def _find_close(
 ROOM = 0.68
 """Least distance of a new particle from others of its sheet, in d_min."""
 
-_NEIGHBORS = 1.7
+_GAP_NEIGHBOR_RANGE = 1.7
 """Distance up to which neighbors close a gap, in strides."""
 
-_WIDEST_GAP = np.radians(100.0)
+_MIN_OPEN_GAP = np.radians(100.0)
 """Gap between the directions of two neighbors from which on there is room between them."""
 
-_STEP, _ROUNDING = np.pi / 3.0, 0.35
-"""Angle between new particles in a gap, and how readily a gap gets one more."""
+_GAP_STEP_ANGLE = np.pi / 3.0
+"""Angle between new particles in a gap."""
 
-_MOST = 6
-"""New particles around one."""
+_GAP_ROUNDING = 0.35
+"""Fraction of a step from which a gap gets one more particle, subtracted from one."""
 
-_MOST_NEIGHBORS = 64
-"""Neighbors that are sorted; there are no more on a sheet that deletion keeps thin."""
+_MAX_NEW_AROUND = 6
+"""Largest number of new particles around one."""
 
-_FARTHEST = 1.6
-"""Distance of a new particle from the one that it is ahead of, in strides."""
+_MAX_SORTED_NEIGHBORS = 64
+"""Largest number of neighbors that are sorted; there are no more on a sheet that deletion keeps thin."""
 
-_TURNED = -0.5
+_MAX_AHEAD_DISTANCE = 1.6
+"""Largest distance of a new particle from the one that it is ahead of, in strides."""
+
+_MIN_NORMAL_PRODUCT = -0.5
 """Scalar product of the normals under which the edge ahead belongs to another sheet."""
 
-_ROUNDS, _RIDGE = 6, 0.7
-"""Steps to the ridge, and the distance at which the edge must be weaker on both sides."""
+_OFFER_RIDGE_STEPS = 6
+"""Number of steps to the ridge."""
+
+_OFFER_RIDGE_DISTANCE = 0.7
+"""Distance at which the edge must be weaker on both sides [units]."""
 
 _ROUNDING_ERROR = 1e-9
-"""What rounding may take of half the distance of two particles [units]."""
+"""Tolerance of half the distance of two particles for rounding [units]."""
 
-_SAME_PLACE = 0.5
+_SAME_PLACE_DISTANCE = 0.5
 """Distance up to which two particles are in each other's way on any sheets [units]."""
 
-_SEARCHES_A_THREAD = 100
+_SURFACE_SEARCHES_PER_THREAD = 100
 """Particles from which a second thread makes the search faster."""
 
 _Sheets = tuple[Array, Array, Mask, Array]
@@ -136,19 +142,20 @@ def insertion(
     d_max: float = 0.0,
     placed: Placed = NOTHING_PLACED,
 ) -> Births:
-    """Places that the seated particles offer that have their turn, in the order of these.
+    """Find places for new particles next to those on surfaces that have their turn, in the order of these.
 
-    `d_max` is the annealed insertion range [units]. They are where the placed charges leave particles on the edge.
+    `turn`, shape (K,), are indices of particles; `d_max` is the annealed insertion range [units]. There are no places
+    where placed charges pull particles off the edge.
     """
     contact = particles.on_surface
     looking, looks = turn[contact.seated[turn]], np.zeros(len(particles), bool)
     looks[looking] = True
-    found, count = np.empty((len(looking), _MOST, 7)), np.zeros(len(looking), np.int64)
+    found, count = np.empty((len(looking), _MAX_NEW_AROUND, 7)), np.zeros(len(looking), np.int64)
     sheets = (particles.position, contact.normal, contact.seated, contact.strength)
     edge = (field.smoothed, field.edges, field.pitch, field.floor)
     search = partial(_search, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
-    share(search, len(looking), _SEARCHES_A_THREAD)
-    places, parents = found[np.arange(_MOST) < count[:, None]], np.repeat(looking, count)
+    share(search, len(looking), _SURFACE_SEARCHES_PER_THREAD)
+    places, parents = found[np.arange(_MAX_NEW_AROUND) < count[:, None]], np.repeat(looking, count)
     places = places[~field.crossed(particles.position[parents], places[:, :3])]
     places = places[~torn_off(placed, places[:, :3], places[:, 3:6])]
     some = places[apart(places[:, :3], places[:, 3:6], ROOM * d_min)]
@@ -169,12 +176,12 @@ def _search(
     first: int,
     last: int,
 ) -> None:
-    """Find the places that some particles offer, up to `_MOST` each."""
-    angles, others = np.empty(_MOST_NEIGHBORS), room_for(cells)
+    """Find the places that some particles offer, up to `_MAX_NEW_AROUND` each."""
+    angles, others = np.empty(_MAX_SORTED_NEIGHBORS), room_for(cells)
     search = cells, room_for(cells), sheets, edge, found, count
     for q in range(first, last):
         i = looking[q]
-        around = others[: near(cells, row_of(sheets[0], i), max(_NEIGHBORS * STRIDE * d_min, reach), others)]
+        around = others[: near(cells, row_of(sheets[0], i), max(_GAP_NEIGHBOR_RANGE * STRIDE * d_min, reach), others)]
         if reach > d_min:
             _look_between(q, i, looks, around, search, d_min, reach)
         _look_ahead(q, i, around, search, d_min, angles)
@@ -202,11 +209,11 @@ def _look_ahead(q: int, i: int, around: Index, search: _Search, d_min: float, an
     """Offer the places a stride ahead of a particle, in the widest gap between its neighbors."""
     cells, _, (position, normals, seated, _), _, _, _ = search
     place, own, stride, room = row_of(position, i), row_of(normals, i), STRIDE * d_min, ROOM * d_min
-    (one, other), reach, count = tangents(own), _NEIGHBORS * stride, 0
+    (one, other), reach, count = tangents(own), _GAP_NEIGHBOR_RANGE * stride, 0
     for k in around:
         away = difference(row_of(cells.place, k), place)
         j = cells.order[k]
-        near_it = dot(away, away) < reach * reach and j != i and seated[j] and count < _MOST_NEIGHBORS
+        near_it = dot(away, away) < reach * reach and j != i and seated[j] and count < _MAX_SORTED_NEIGHBORS
         if near_it and faces_alike(own, row_of(normals, j)):
             angle, at = np.arctan2(dot(away, other), dot(away, one)), count
             while at > 0 and angles[at - 1] > angle:
@@ -214,17 +221,18 @@ def _look_ahead(q: int, i: int, around: Index, search: _Search, d_min: float, an
                 at -= 1
             angles[at] = angle
             count += 1
-    begin, gap, steps = 0.0, 7.0 * _STEP, 7  # without neighbors: six particles around
+    begin, gap, steps = 0.0, 7.0 * _GAP_STEP_ANGLE, 7  # without neighbors: six particles around
     if count > 0:
         begin, gap = angles[count - 1], angles[0] + 2.0 * np.pi - angles[count - 1]
         for n in range(count - 1):
             if angles[n + 1] - angles[n] > gap:
                 begin, gap = angles[n], angles[n + 1] - angles[n]
-        steps = max(2, int(gap / _STEP + _ROUNDING)) if gap >= _WIDEST_GAP else 1  # without room for a particle
+        # one step if there is no room for a particle
+        steps = max(2, int(gap / _GAP_STEP_ANGLE + _GAP_ROUNDING)) if gap >= _MIN_OPEN_GAP else 1
     for step in range(1, steps):
         angle = begin + gap * step / steps
         ahead = moved(moved(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
-        _offer(q, i, ahead, room, _FARTHEST * stride, room, search)
+        _offer(q, i, ahead, room, _MAX_AHEAD_DISTANCE * stride, room, search)
 
 
 @compiled
@@ -232,14 +240,14 @@ def _offer(q: int, i: int, place: Vector, nearest: float, farthest: float, room:
     """Pull a place to the ridge, and offer it if the edge of the particle continues there and there is room."""
     cells, crowd, (position, normals, _, strength), edge, found, count = search
     smoothed, edges, pitch, floor = edge
-    place = on_ridge(smoothed, edges, pitch, place, _ROUNDS)
+    place = on_ridge(smoothed, edges, pitch, place, _OFFER_RIDGE_STEPS)
     away = length(difference(place, row_of(position, i)))
     here, normal = edge_at(edges, pitch, place), row_of(normals, i)
     fits = nearest <= away <= farthest and here >= max(floor, FAINTEST * strength[i])
-    if not fits or count[q] >= _MOST or not _inside(place, smoothed.shape, pitch):
+    if not fits or count[q] >= _MAX_NEW_AROUND or not _inside(place, smoothed.shape, pitch):
         return
     turned = normal_at(smoothed, pitch, place)
-    fits = dot(turned, normal) >= _TURNED and is_ridge(smoothed, edges, pitch, place, _RIDGE)
+    fits = dot(turned, normal) >= _MIN_NORMAL_PRODUCT and is_ridge(smoothed, edges, pitch, place, _OFFER_RIDGE_DISTANCE)
     if fits and not _is_taken(cells, crowd[: near(cells, place, room, crowd)], place, turned, normals, room):
         entry = found[q, count[q]]
         for axis in range(3):
@@ -250,7 +258,7 @@ def _offer(q: int, i: int, place: Vector, nearest: float, farthest: float, room:
 
 @compiled
 def tangents(normal: Vector) -> tuple[Vector, Vector]:
-    """Two unit vectors of the plane across a normal, at right angles to each other; of no length if it has none."""
+    """Return two unit vectors across a normal, at right angles to each other; of no length if it has none."""
     one = (0.0, -normal[2], normal[1]) if abs(normal[0]) < 0.7 else (normal[1], -normal[0], 0.0)
     size = length(one)
     one = scaled(one, 1.0 / size if size > 0.0 else 0.0)
@@ -264,7 +272,7 @@ def tangents(normal: Vector) -> tuple[Vector, Vector]:
 
 @compiled
 def _inside(place: Vector, shape: tuple[int, int, int], pitch: Vector) -> bool:
-    """Whether a place lies between the centers of the outermost voxels."""
+    """Return whether a place lies between the centers of the outermost voxels."""
     inside = True
     for axis in range(3):
         inside = inside and 0.0 <= place[axis] <= (shape[axis] - 1) * pitch[axis]
@@ -273,18 +281,18 @@ def _inside(place: Vector, shape: tuple[int, int, int], pitch: Vector) -> bool:
 
 @compiled
 def _is_taken(cells: Cells, crowd: Index, place: Vector, normal: Vector, normals: Array, room: float) -> bool:
-    """Whether one of a crowd is too near to a place: one of its sheet, or one at nearly the same place."""
+    """Return whether a place is too near to one of a crowd: one of its sheet, or one at nearly the same place."""
     for k in crowd:
         away = length(difference(row_of(cells.place, k), place))
-        if away < room and (away < _SAME_PLACE or faces_alike(normal, row_of(normals, cells.order[k]))):
+        if away < room and (away < _SAME_PLACE_DISTANCE or faces_alike(normal, row_of(normals, cells.order[k]))):
             return True
     return False
 
 
 def apart(position: Array, normal: Array, room: float, seated: Mask | None = None) -> Mask:
-    """Which of some places stay, shape (M,), so that none has an earlier one of its sheet nearer than `room`.
+    """Select places, shape (M,) of shape (M, 3), so that none has an earlier one of its sheet nearer than `room`.
 
-    `seated` are those that lie on a sheet, by default all; others are in the way of any.
+    `seated`, shape (M,), are those that lie on a sheet, by default all; others are in the way of any.
     """
     kept = np.ones(len(position), bool)
     if len(position):
@@ -295,7 +303,7 @@ def apart(position: Array, normal: Array, room: float, seated: Mask | None = Non
 
 @compiled
 def _keep_apart(cells: Cells, position: Array, normal: Array, seated: Mask, room: float, kept: Mask) -> None:
-    """Mark in turn the places with an earlier one of their sheet that stays as those that do not stay."""
+    """Unmark in turn the places with an earlier one of their sheet that stays."""
     found = room_for(cells)
     for i in range(len(position)):
         for n in range(near(cells, row_of(position, i), room, found)):

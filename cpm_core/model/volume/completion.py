@@ -1,7 +1,7 @@
 """Completion of a scale of a volume: surfaces that fronts did not reach, and the particles that remain.
 
 Fronts stop at some narrow joints between vessels, although the edge continues. When a run is quiet, particles are
-launched on the stretches that no particle covers, of all parts of the edge map that particles have reached, and of
+reseeded on the stretches that no particle covers, of all parts of the edge map that particles have reached, and of
 those that cannot be moved apart from them (`inseparable`).
 """
 
@@ -25,58 +25,67 @@ from cpm_core.numerics.types import Array, Index
 from cpm_core.numerics.vectors import difference, length, row_of
 
 LAUNCHES = 16
-"""Number of launches at a scale."""
+"""Largest number of reseedings at a scale."""
 
 WORTHWHILE = 0.0005
-"""Fraction of the particles that a launch must add for another one to follow."""
+"""Fraction of the particles that a reseeding must add for another one to follow."""
 
-_COVERED, _APART = 2.2, 3.0
-"""Distance, in d_min, up to which a particle covers the ridge around it, and that of launched particles."""
+_COVERED_RANGE = 2.2
+"""Distance up to which a particle covers the ridge around it, in d_min."""
 
-_TOUCHED = 1.5
+_RESEEDED_SPACING = 3.0
+"""Distance of reseeded particles, in d_min."""
+
+_TOUCHING_DISTANCE = 1.5
 """Distance up to which a particle lies on the ridge of a voxel [units]."""
 
-_BARE, _NEAR, _ON = 0, 1, 2
-"""Ridges without a particle near, with one, and with one on them."""
+_COVER_BARE = 0
+"""Cover of a ridge voxel without a particle near."""
 
-_ROUNDS = 12
-"""Steps to the ridge at the end."""
+_COVER_NEAR = 1
+"""Cover of a ridge voxel with a particle near."""
 
-_ASTRAY = 2.0
+_COVER_TOUCHED = 2
+"""Cover of a ridge voxel with a particle on it."""
+
+_FINAL_RIDGE_STEPS = 12
+"""Number of steps to the ridge at the end."""
+
+_ASTRAY_DISTANCE = 2.0
 """Distance from which a particle on its way to the ridge has lost its place [units]."""
 
-_WORTH_A_THREAD = 2_000
+_RIDGES_PER_THREAD = 2_000
 """Ridges from which a second thread makes the search faster."""
 
 
 def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | None:
-    """The state with particles on the stretches that fronts did not reach; None when there are none."""
+    """Add particles on the stretches that fronts did not reach; return None when there are none."""
     if state.reseedings >= LAUNCHES or state.erased:
         return None
     ridges = field.ridges
-    if field.walls is not None:  # which part what is connected: the ridges in rooms with particles
+    if field.walls is not None:  # which divide connected parts: keep the ridges in rooms with particles
         rooms, taken = field.walls.rooms(ridges.place), field.walls.rooms(state.particles.position)
         _, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
         inside = np.flatnonzero((rooms >= 0) & np.isin(rooms, taken))
         ridges = ridges._replace(component=number.ravel()).where(inside)
     cover = _cover(state, field, ridges, d_min)
     reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, bool)
-    reached[ridges.component[cover == _ON]] = True
-    more = inseparable(field, ridges, reached, cover != _BARE)
-    bare = np.flatnonzero((cover == _BARE) & (reached | more)[ridges.component])
+    reached[ridges.component[cover == _COVER_TOUCHED]] = True
+    more = inseparable(field, ridges, reached, cover != _COVER_BARE)
+    bare = np.flatnonzero((cover == _COVER_BARE) & (reached | more)[ridges.component])
     if not len(bare):
         return None
     ridges = ridges.where(bare)
     # the strongest first, and not too near to each other
     order = np.argsort(-ridges.strength, kind="stable")
-    chosen = order[apart(ridges.place[order], ridges.normal[order], _APART * d_min)]
+    chosen = order[apart(ridges.place[order], ridges.normal[order], _RESEEDED_SPACING * d_min)]
     position = _pulled(field, ridges.place[chosen])
     free = ~field.crossed(ridges.place[chosen], position)
     free &= ~torn_off(Placed(state.placed, radius_at(state.scale)), position, ridges.normal[chosen])
     chosen, position = chosen[free], position[free]
     step = state.step_of_scale
     contact = SurfaceContact.of_seated(ridges.normal[chosen], ridges.strength[chosen], step)
-    # another launch follows one that is worthwhile, and one that leads on to new boundaries
+    # another reseeding follows one that is worthwhile, and one that leads on to new boundaries
     worthwhile = more.any() or len(chosen) > WORTHWHILE * state.count
     return replace(
         state,
@@ -92,13 +101,15 @@ def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | No
 
 
 def _cover(state: State, field: VolumeField, ridges: Ridges, d_min: float) -> Index:
-    """How particles cover each ridge voxel, shape (M,)."""
+    """Return how particles cover each ridge voxel, shape (M,)."""
     contact = state.particles.on_surface
     cover = np.zeros(len(ridges.place), np.int64)
     position, normal = state.particles.position[contact.seated], contact.normal[contact.seated]
-    reach = max(_COVERED * d_min, _TOUCHED)
+    reach = max(_COVERED_RANGE * d_min, _TOUCHING_DISTANCE)
     cells = build_cells(position, field.extent, reach)
-    share(partial(_find_cover, cells, normal, ridges.place, ridges.normal, reach, cover), len(cover), _WORTH_A_THREAD)
+    share(
+        partial(_find_cover, cells, normal, ridges.place, ridges.normal, reach, cover), len(cover), _RIDGES_PER_THREAD
+    )
     return cover
 
 
@@ -112,24 +123,24 @@ def _find_cover(
         here, normal = row_of(place, q), row_of(facing, q)
         for n in range(near(cells, here, reach, found)):
             k = found[n]
-            if cover[q] < _ON and faces_alike(normal, row_of(normals, cells.order[k])):
+            if cover[q] < _COVER_TOUCHED and faces_alike(normal, row_of(normals, cells.order[k])):
                 away = length(difference(row_of(cells.place, k), here))
-                cover[q] = max(cover[q], _ON if away < _TOUCHED else _NEAR)
+                cover[q] = max(cover[q], _COVER_TOUCHED if away < _TOUCHING_DISTANCE else _COVER_NEAR)
 
 
 def drop_unseated(state: State, field: VolumeField) -> State:
-    """The particles on surfaces, each pulled to the ridge; the others are left out."""
+    """Drop the particles off surfaces, and pull the others to the ridge."""
     contact = state.particles.on_surface
     found = state.particles.where(contact.seated & (contact.strength >= field.floor))
     position = _pulled(field, found.position)
     crossing = field.crossed(found.position, position)
     position[crossing] = found.position[crossing]
-    kept = np.linalg.norm(position - found.position, axis=1) < _ASTRAY
+    kept = np.linalg.norm(position - found.position, axis=1) < _ASTRAY_DISTANCE
     found = replace(found, position=position).where(kept)
     return replace(state, particles=found, deleted=state.deleted + len(state.particles) - len(found))
 
 
 def _pulled(field: VolumeField, places: Array) -> Array:
-    """Places moved to the ridge, which may lie behind the outermost voxels, and no farther than their centers."""
-    position = on_ridges(field.smoothed, field.edges, field.pitch, places, _ROUNDS)
+    """Move places to the ridge, which may lie behind the outermost voxels, but no farther than their centers."""
+    position = on_ridges(field.smoothed, field.edges, field.pitch, places, _FINAL_RIDGE_STEPS)
     return np.clip(position, 0.0, (np.array(field.shape) - 1) * field.pitch)

@@ -4,8 +4,8 @@ Fronts creep along one connected part of the edge map, a boundary. Two rules lea
 distance. Enclosed: a region between edges that does not reach the border of the volume is the inside of an object, or a
 hollow in it. Once particles cover one of its boundaries, the others belong to the same object, as in the plane
 (`enclosed_regions`). Linked: a ring belongs to a ring that it is linked with, and so do all boundaries with closed
-ways inside that are linked. What could be pulled out, such as a rod in a ring or a ball in a cup, depends on the seeds
-alone.
+loops inside that are linked. An object that could be pulled out, such as a rod in a ring or a ball in a cup, depends on
+the seeds alone.
 """
 
 from __future__ import annotations
@@ -19,43 +19,46 @@ from cpm_core.numerics.grids import parts_of
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.numerics.voxel_graph import linking_number, loops_of
 
-_LEAST_SIZE = 32
-"""Ridge voxels of the least boundary that is launched on: those of a ball with a radius of 1.6 voxels."""
+_MIN_BOUNDARY_VOXELS = 32
+"""Ridge voxels of the least boundary that is reseeded: those of a ball with a radius of 1.6 voxels."""
 
-_LEAST_STRENGTH = 0.35
-"""Least median edge strength of a boundary, as a fraction of that of what has been found."""
+_MIN_BOUNDARY_STRENGTH = 0.35
+"""Least median edge strength of a boundary, as a fraction of that of the boundaries found."""
 
-_COVERED = 0.5
+_FOUND_FRACTION = 0.5
 """Fraction of a boundary that must be covered to count as found."""
 
-_REACH, _REACH_SMOOTHING = 3.0, 2.0
-"""Greatest distance of a region from the ridge of the edge around it: a length [units] plus a multiple of sigma."""
+_RIDGE_REACH = 3.0
+"""Constant part of the greatest distance of a region from the ridge of the edge around it [units]."""
+
+_RIDGE_REACH_PER_SIGMA = 2.0
+"""Part of that distance that grows with the smoothing [sigma]."""
 
 
 def inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered: Mask) -> Mask:
-    """Which boundaries cannot be moved apart from those found, by their numbers `Ridges.component`.
+    """Return a mask of the boundaries, by number, that cannot be moved apart from those found.
 
-    `reached` marks which boundaries have a particle on them, `covered`, shape (M,), which ridge voxels have one of
-    their sheet near them.
+    `reached` marks, by their number `Ridges.component`, the boundaries with a particle on them, `covered`, shape (M,),
+    the ridge voxels with one of their sheet near them.
     """
     none = np.zeros_like(reached)
     if not reached.any():
         return none
     covered = covered & reached[ridges.component]
     size = np.maximum(np.bincount(ridges.component), 1)
-    found = np.bincount(ridges.component, covered) >= _COVERED * size
-    fitting = ~reached & (size >= _LEAST_SIZE)
+    found = np.bincount(ridges.component, covered) >= _FOUND_FRACTION * size
+    fitting = ~reached & (size >= _MIN_BOUNDARY_VOXELS)
     usual = float(np.median(ridges.strength[covered]))
     large = np.flatnonzero(fitting)
     strength = scipy.ndimage.median(ridges.strength, ridges.component, large) if len(large) else np.zeros(0)
-    fitting[large] = np.asarray(strength) >= _LEAST_STRENGTH * usual
+    fitting[large] = np.asarray(strength) >= _MIN_BOUNDARY_STRENGTH * usual
     if not fitting.any():
         return none
     return _enclosed(field, ridges, covered, fitting) | _linked(field, ridges, found, fitting)
 
 
 def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) -> Mask:
-    """Which fitting boundaries bound an enclosed region of which another boundary has been found."""
+    """Return the fitting boundaries that bound an enclosed region with another boundary that has been found."""
     between = np.ones(field.shape, bool)
     between[tuple(field.edges.above(field.floor).T)] = False
     regions = parts_of(between, corners=False)
@@ -70,7 +73,7 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
     rims, near = [], []
     for side in (-1.0, 1.0):
         region = np.full(len(some), -1, np.int64)  # the first one in this direction, within reach
-        for step in range(1, int(_REACH + _REACH_SMOOTHING * field.smoothing) + 1):
+        for step in range(1, int(_RIDGE_REACH + _RIDGE_REACH_PER_SIGMA * field.smoothing) + 1):
             beside = ridges.place[some] + step * (side * ridges.normal[some])
             voxel = np.rint(beside / field.pitch).astype(np.int64)
             here = regions.part_at(np.ascontiguousarray(np.clip(voxel, 0, np.array(field.shape) - 1)))
@@ -84,13 +87,13 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
     number = number.ravel()
     share = np.bincount(number, np.concatenate(near)) / np.bincount(number)
     known = np.zeros(regions.count, bool)
-    known[rim[share >= _COVERED, 1]] = True
+    known[rim[share >= _FOUND_FRACTION, 1]] = True
     more[rim[known[rim[:, 1]], 0]] = True
     return more & fitting
 
 
 def _linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> Mask:
-    """Which fitting boundaries are linked with found ones: closed ways inside the two wind around each other."""
+    """Return the fitting boundaries linked with found ones: closed loops inside the two wind around each other."""
     more = np.zeros_like(fitting)
     voxels = np.rint(ridges.place / field.pitch).astype(np.int64)
     known = voxels[found[ridges.component]]

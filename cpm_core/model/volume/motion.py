@@ -1,9 +1,9 @@
 """The motion of particles of a volume in one time step.
 
 The Coulomb force falls with the third power of the distance, as the field of the fixed charges does, and is summed over
-near pairs only: on a surface, those within a few spacings screen the others. Two particles that are seated on different
-sheets, such as the two walls of a vessel, do not repel each other. On a surface the Coulomb force acts along it alone,
-and static friction holds a particle against it and against the part of the placed charges along the surface.
+near pairs only: on a surface, those within a few spacings screen the others. Two particles on different sheets, such as
+the two walls of a vessel, do not repel each other. On a surface the Coulomb force acts along it alone, and static
+friction holds a particle against it and against the part of the placed charges along the surface.
 
 Particles are sorted into cubic cells. Surfaces fill few of the cells of a large volume: the list has an entry for each
 row of cells along the last axis and not for each cell; within a row the particles are sorted by their cells, and those
@@ -25,7 +25,15 @@ from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import GATE, faces_alike, force_at
 from cpm_core.image.volume_regions import Walls
 from cpm_core.model.coverage import cell_of, sorted_by
-from cpm_core.model.equations import Moved, advance, damped_series, damping, is_stuck, repulsion_left
+from cpm_core.model.equations import (
+    COULOMB_SOFTNESS,
+    Moved,
+    advance,
+    damped_series,
+    damping,
+    is_stuck,
+    repulsion_left,
+)
 from cpm_core.model.state import Particles, SurfaceContact
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
@@ -63,7 +71,7 @@ def build_cells(position: Array, shape: Vector, size: float) -> Cells:
 
 @compiled
 def _in_cells(position: Array, size: float, planes: int, rows: int, cols: int) -> tuple[Index, Index, Index, Array]:
-    """What `Cells` contains of particles in a grid of so many cells, from `start` on."""
+    """Return the arrays of `Cells`, from `start` on, for particles in a grid of this size."""
     count = len(position)
     col, line = np.empty(count, np.int64), np.empty(count, np.int64)
     for i in range(count):
@@ -114,37 +122,34 @@ def near(cells: Cells, place: Vector, reach: float, found: Index) -> int:
 
 @compiled
 def room_for(cells: Cells) -> Index:
-    """Room for what `near` finds."""
+    """Allocate room for the particles that `near` finds."""
     return np.empty(len(cells.order) + 1, np.int64)
 
 
 @compiled
 def is_seated(slope: float, near: float, strength: float, floor: float) -> bool:
-    """Whether a particle is on the ridge of an edge that is strong enough.
+    """Return whether a particle is on the ridge of an edge that is strong enough.
 
-    `slope` is the relative slope of the edge map along the normal, to which that of placed charges is added, `near` how
-    much of the force it is.
+    `slope` is the relative slope of the edge map along the normal, to which that of placed charges is added, `near` its
+    weight in the force.
     """
     return near >= 1.0 and abs(slope) < GATE and strength >= floor
 
 
 @compiled
 def on_one_sheet(i: int, j: int, normals: Array, seated: Mask) -> bool:
-    """Whether two particles count as neighbors: those that are seated, only if they are on the same sheet."""
+    """Return whether two particles, with normals (N, 3), are neighbors: those on surfaces only if on the same sheet."""
     return not (seated[i] and seated[j]) or faces_alike(row_of(normals, i), row_of(normals, j))
 
 
 REACH = 2.2
 """Distance up to which particles repel each other, in d_min."""
 
-_FAR_NEIGHBOR = 4.0
-"""Distance at which a particle without a second neighbor has one in effect, in d_min."""
+_SECOND_NEIGHBOR_DISTANCE = 4.0
+"""Distance, in d_min, that a particle without a second neighbor counts it at."""
 
-_SOFTNESS = 0.5
-"""Slope of the normalized Coulomb force near equilibrium, as in `equations`."""
-
-_NEAREST = 1e-4
-"""Least squared distance of two particles in their force [units^2]."""
+MIN_SQUARED_DISTANCE = 1e-4
+"""Least squared distance of two particles in their force and energy [units^2]."""
 
 _Fields = tuple[Single, Edges, Single]
 """Smoothed volume, edge map, and far field."""
@@ -158,7 +163,7 @@ _Law = tuple[float, float, float, float, float]
 _Felt = tuple[_Fields, _Grid, Array, _Law]
 """All of these, with the placed charges."""
 
-_WORTH_A_THREAD = 100
+_VOLUME_MOVED_PER_THREAD = 100
 """Particles from which a second thread makes the step faster."""
 
 
@@ -171,9 +176,10 @@ def move(
     law: Parameters,
     placed: Placed = NOTHING_PLACED,
 ) -> Moved:
-    """One time step of some particles, `turn` in the order of the cells; the others stay as they are.
+    """Move some particles by one time step, in the order of the cells; the others stay as they are.
 
-    `idle`, shape (N,), are the steps since new ground was found near each; `placed` are the placed charges.
+    `turn`, shape (K,), are their indices; `idle`, shape (N,), are the steps since something new was covered near each;
+    `placed` are the placed charges.
     """
     old = particles.on_surface
     new = SurfaceContact(old.normal.copy(), old.seated.copy(), old.strength.copy(), old.woken)
@@ -183,7 +189,7 @@ def move(
     before = particles.position, particles.velocity, particles.force, old.normal
     felt, written = _felt(field, law, placed), (*moving, new.normal, new.strength)
     work = partial(_move, turn, cells, idle, before, old.seated, written, new.seated, felt)
-    share(work, len(turn), _WORTH_A_THREAD)
+    share(work, len(turn), _VOLUME_MOVED_PER_THREAD)
     distance[:, 0] = lengths(after.position)
     return Moved(after, lengths(after.position - particles.position))
 
@@ -197,7 +203,7 @@ def parts_of_force(
     law: Parameters,
     placed: Placed = NOTHING_PLACED,
 ) -> Array:
-    """Coulomb force, Lorentz force, that of placed charges, and friction on some particles, shape (4, M, 3).
+    """Return Coulomb force, Lorentz force, that of placed charges, and friction on some particles, shape (4, M, 3).
 
     With their weights, as in a step; see `move`.
     """
@@ -208,7 +214,7 @@ def parts_of_force(
 
 
 def _felt(field: VolumeField, law: Parameters, placed: Placed) -> _Felt:
-    """What particles feel besides each other."""
+    """Collect everything that acts on particles except each other."""
     return (
         (field.smoothed, field.edges, field.far.force),
         (field.pitch, field.far.block, field.floor, placed.radius),
@@ -267,9 +273,9 @@ def _forces_on(
     was_seated: Mask,
     felt: _Felt,
 ) -> tuple[Vector, Vector, Vector, bool, Vector, float, bool]:
-    """Coulomb force, Lorentz force and that of placed charges on a particle, and whether friction holds it.
+    """Return Coulomb force, Lorentz force and that of placed charges on a particle, and whether friction holds it.
 
-    Then the normal of the edge there, its strength, and whether the particle is on it.
+    Return also the normal of the edge there, its strength, and whether the particle is on it.
     """
     fields, (pitch, block, floor, radius), charges, (w1, w2, _, _, d_min) = felt
     coulomb = (0.0, 0.0, 0.0)
@@ -315,28 +321,28 @@ def _parts(
 
 @compiled
 def _repulsion(cells: Cells, found: Index, place: Vector, i: int, normals: Array, seated: Mask, d_min: float) -> Vector:
-    """Normalized Coulomb force on a particle from those near it, except for those on other sheets."""
+    """Return the normalized Coulomb force on a particle from those near it, except for those on other sheets."""
     total, own, on_surface = (0.0, 0.0, 0.0), row_of(normals, i), seated[i]
-    nearest, second = np.inf, (_FAR_NEIGHBOR * d_min) ** 2
+    nearest, second = np.inf, (_SECOND_NEIGHBOR_DISTANCE * d_min) ** 2
     for n in range(near(cells, place, REACH * d_min, found)):
         k = found[n]
         j = cells.order[k]
         away = difference(place, row_of(cells.place, k))
         apart = (j == i) | (on_surface & seated[j] & (not faces_alike(own, row_of(normals, j))))
         # no branches: half of them would be mispredicted in a thin object
-        squared = np.inf if apart else max(dot(away, away), _NEAREST)
+        squared = np.inf if apart else max(dot(away, away), MIN_SQUARED_DISTANCE)
         total = moved(total, 1.0 / (squared * squared), away)
         second = min(second, max(nearest, squared))
         nearest = min(nearest, squared)
     if nearest == np.inf:
         return total
     spacing = 0.5 * (np.sqrt(nearest) + np.sqrt(second))
-    scale = _SOFTNESS * spacing**3 * min(1.0, spacing / d_min)
+    scale = COULOMB_SOFTNESS * spacing**3 * min(1.0, spacing / d_min)
     return scaled(total, scale / max(1.0, scale * length(total)))
 
 
 def held_back(walls: Walls, before: Particles, after: Particles) -> Particles:
-    """Particles after a step, held back where they would cross a wall.
+    """Return particles after a step, held back where they would cross a wall.
 
     Such a particle keeps the part of its step and of its velocity along two axes or one, the faces and edges of voxels:
     the first of these parts that crosses no wall. Otherwise it stays where it was, at rest.

@@ -1,4 +1,4 @@
-"""Starts in a volume: on a sphere or a box, at what is drawn in slices, evenly, on strong edges, between edges."""
+"""Starts in a volume: on a sphere or a box, at shapes drawn in slices, evenly, on strong edges, between edges."""
 
 from __future__ import annotations
 
@@ -16,14 +16,17 @@ from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_n
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
-_GOLDEN = np.pi * (1.0 + 5.0**0.5)
+_GOLDEN_TURN = np.pi * (1.0 + 5.0**0.5)
 """Turn from one particle on a sphere to the next: no two of them line up."""
 
-_LARGEST, _MOST = 1e5, 10_000_000
-"""Largest radius, beyond any volume that can be processed [voxels], and the most particles."""
+_MAX_SPHERE_RADIUS = 1e5
+"""Largest radius, beyond any volume that can be processed [voxels]."""
 
-_CUBES = 2e6
-"""Number of cubes in which centers are looked for in a large volume."""
+_MAX_VOLUME_SEEDS = 10_000_000
+"""Largest number of particles of a start."""
+
+_MAX_CENTER_CUBES = 2e6
+"""Number of cubes in which centers are searched in a large volume."""
 
 
 def sphere(
@@ -32,7 +35,7 @@ def sphere(
     count: int = 625,
     spacing: Sequence[float] = (1.0, 1.0, 1.0),
 ) -> Array:
-    """Particles on a sphere, evenly spread.
+    """Place particles on a sphere, evenly spread.
 
     Parameters
     ----------
@@ -62,16 +65,23 @@ def sphere(
     (60, 3)
     """
     middle, sides = three_numbers("center", center), voxel_sides("spacing", spacing)
-    checked_number("radius", radius, lambda r: 0.0 < r <= _LARGEST, f"above 0 and at most {_LARGEST:g}")
-    checked_number("count", count, lambda n: n == int(n) and 1 <= n <= _MOST, f"a whole number from 1 to {_MOST}")
+    checked_number(
+        "radius", radius, lambda r: 0.0 < r <= _MAX_SPHERE_RADIUS, f"above 0 and at most {_MAX_SPHERE_RADIUS:g}"
+    )
+    checked_number(
+        "count",
+        count,
+        lambda n: n == int(n) and 1 <= n <= _MAX_VOLUME_SEEDS,
+        f"a whole number from 1 to {_MAX_VOLUME_SEEDS}",
+    )
     step = np.arange(int(count)) + 0.5
-    down, around = np.arccos(1.0 - 2.0 * step / count), _GOLDEN * step
+    down, around = np.arccos(1.0 - 2.0 * step / count), _GOLDEN_TURN * step
     out = np.stack([np.cos(down), np.sin(down) * np.sin(around), np.sin(down) * np.cos(around)], axis=1)
     return middle + radius * out / sides
 
 
 def box(first: Sequence[float], last: Sequence[float], spacing: float = 2.0) -> Array:
-    """Particles on the faces of a box.
+    """Place particles on the faces of a box.
 
     Parameters
     ----------
@@ -103,8 +113,10 @@ def box(first: Sequence[float], last: Sequence[float], spacing: float = 2.0) -> 
         )
     checked_number("spacing", spacing, lambda side: side > 0.0, "above 0")
     counts = np.maximum(1.0, np.round((high - low) / spacing))
-    if np.prod(counts + 1.0) - np.prod(np.maximum(counts - 1.0, 0.0)) > _MOST:
-        raise ValueError(f"spacing is {spacing:g}, which makes more than {_MOST} particles: choose a larger one.")
+    if np.prod(counts + 1.0) - np.prod(np.maximum(counts - 1.0, 0.0)) > _MAX_VOLUME_SEEDS:
+        raise ValueError(
+            f"spacing is {spacing:g}, which makes more than {_MAX_VOLUME_SEEDS} particles: choose a larger one."
+        )
     faces = []
     for axis in range(3):
         lines = [np.linspace(low[k], high[k], int(counts[k]) + 1) for k in range(3)]
@@ -117,7 +129,7 @@ def box(first: Sequence[float], last: Sequence[float], spacing: float = 2.0) -> 
 def in_slice(
     points: ArrayLike, at: float, axis: int = 0, spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
 ) -> Array:
-    """What is drawn in a slice of a volume, such as the particles of a circle or a stroke, at its place in the volume.
+    """Place points drawn in a slice, such as the particles of a circle or a stroke, in the volume.
 
     Parameters
     ----------
@@ -159,7 +171,7 @@ def in_slice(
 
 
 def everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
-    """Particles evenly spread over a volume, at this distance [smallest sides of a voxel]; shape (N, 3) [voxels].
+    """Spread particles evenly over a volume, at this distance [smallest sides of a voxel]; shape (N, 3) [voxels].
 
     Examples
     --------
@@ -175,7 +187,7 @@ def everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
 
 
 def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
-    """Particles on every voxel whose edge strength is above a fraction of the largest; shape (N, 3) [voxels].
+    """Place particles on every voxel with an edge strength above a fraction of the largest; shape (N, 3) [voxels].
 
     `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
 
@@ -191,14 +203,14 @@ def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothi
 
 
 def strength_of(volume: Image, smoothing: float) -> Array:
-    """Edge strength of every voxel; `smoothing` as for `on_strong_edges`."""
+    """Return the edge strength of every voxel, shape (P, R, C); `smoothing` as for `on_strong_edges`."""
     pitch = pitch_of(volume.spacing)
     slopes = Slopes.of(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch)
     return slopes.strengths().astype(float)
 
 
 def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
-    """Particles in the middle between edges, where the field diverges; shape (N, 3) [voxels].
+    """Place particles in the middle between edges, where the field diverges; shape (N, 3) [voxels].
 
     Parameters
     ----------
@@ -232,7 +244,7 @@ def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float
     pitch = np.array(pitch_of(volume.spacing))
     smooth = smoothed_volume(volume.values, (sigma / pitch).tolist())
     extent = np.maximum(np.array(volume.shape) - 1, 1) * pitch
-    cube = max(1.0, float(np.prod(extent) / _CUBES) ** (1.0 / 3.0))
+    cube = max(1.0, float(np.prod(extent) / _MAX_CENTER_CUBES) ** (1.0 / 3.0))
     shape = np.maximum(np.rint(extent / cube).astype(int) + 1, 2)
     even = scipy.ndimage.zoom(smooth, shape / np.array(volume.shape), order=1, grid_mode=False)
     strength = Slopes.of(even, (1.0, 1.0, 1.0)).strengths()
@@ -241,7 +253,7 @@ def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float
 
 
 def _volume(values: Image | ArrayLike) -> Image:
-    """A volume from an image or from gray levels, whose voxels are cubes then."""
+    """Return a volume from an image or from gray levels, whose voxels are cubes then."""
     volume = as_image(values)
     if len(volume.shape) != 3:
         raise ValueError(f"{volume.source} has the shape {volume.shape} but must be a volume, (planes, rows, columns).")

@@ -1,1 +1,1 @@
-"""What a start reaches: the edges that bound it, those beyond a weak edge or a junction, and the rest."""
+"""Reach of a start: the edges that bound it, those beyond a weak edge or a junction, and the rest."""

@@ -1,14 +1,14 @@
-"""The boundary of what a start lies in: where its free flight ends.
+"""The boundary of the area that a start lies in: where its free flight ends.
 
 A particle that flies from the start comes to rest on the first edges that hold it. Single particles slip through weak
 stretches, so the first edges are found for each connected piece of the start as a whole: its basin in the edge map is
 flooded against those of the other pieces and one from the border of the image (watershed by flooding from markers,
 Meyer 1994, doi:10.1016/0165-1684(94)90060-4). They meet on the edges that are highest between them, also across gaps.
-Two pieces in one thing, with no edge between them, share a basin. What other edges, strong enough to hold particles,
-enclose within a basin is left out again.
+Two pieces in one object, with no edge between them, share a basin. Areas within a basin that other edges, strong enough
+to hold particles, enclose are left out again.
 
-A closed line may also have been drawn around a thing (`surrounded`). Then it is bounded by the edges of that thing, if
-these are stronger than those around the whole start.
+A closed line may also have been drawn around an object (`surrounded`). Then it is bounded by the edges of that object,
+if these are stronger than those around the whole start.
 """
 
 from __future__ import annotations
@@ -27,59 +27,80 @@ from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part, is_everywhere, radius_of
 from cpm_core.segmentation.reach.surrounded import flooded, surrounded
 
-_SIGMA_OF_RADIUS, _LEAST_SIGMA, _MOST_SIGMA = 0.1, 1.0, 4.0
-"""Smoothing of the edge map in radii of the start, and its limits [px]: details much smaller than what has been drawn
-do not bound it."""
+_SIGMA_PER_RADIUS = 0.1
+"""Smoothing of the edge map in radii of the start: details much smaller than the start do not bound it."""
 
-_HOLDS, _BETA = 1.0, 0.8
-"""Strength, in multiples of the usual one of the boundary, of the edges that enclose something else within the basin,
-at this damping; it falls with the squared damping, as the kinetic energy of a particle that flies freely."""
+_MIN_BOUNDS_SIGMA = 1.0
+"""Least smoothing of the edge map [px]."""
 
-_EVEN, _LARGE = 0.02, 0.04
-"""Fraction of the largest edge strength up to which the image is flat, and of the start that a flat part must cover."""
+_MAX_BOUNDS_SIGMA = 4.0
+"""Greatest smoothing of the edge map [px]."""
 
-_JOINS = 0.5
+_HOLDING_FRACTION = 1.0
+"""Strength, in multiples of the usual one of the boundary, of edges that enclose something else within the basin; it
+falls with the squared damping, as the kinetic energy of a particle that flies freely."""
+
+_HOLDING_BETA = 0.8
+"""Damping at which that strength applies."""
+
+_FLAT_STRENGTH = 0.02
+"""Fraction of the largest edge strength up to which the image is flat."""
+
+_MIN_FLAT_SHARE = 0.04
+"""Least fraction of the start that a flat part must cover."""
+
+_JOINING_FRACTION = 0.5
 """Strength of the border between the basins of two pieces of a start, in multiples of the weaker one of their other
-boundaries, below which both lie in the same thing."""
+boundaries, below which both lie in the same object."""
 
-_LEAST_SHARE, _STRONGER, _MOST_CROSSED, _AT_LINE = 0.15, 0.9, 0.2, 0.1
-"""When a start has been drawn around a thing: its least share of the area; the least strength of its boundary, in
-multiples of that of what bounds the whole start; and the largest share of its boundary at the drawn line, with the
-distance up to which it is there, in radii of the start: the line runs across anything else."""
+_MIN_OBJECT_SHARE = 0.15
+"""Least share of the area of a start that an object in it has."""
 
-_LEAST_AT_LINE = 1.5
+_MIN_OBJECT_STRENGTH = 0.9
+"""Least strength of the boundary of that object, in multiples of the boundary of the whole start."""
+
+_MAX_SHARE_AT_LINE = 0.2
+"""Largest share of that boundary at the drawn line: the line runs across anything else."""
+
+_LINE_DISTANCE = 0.1
+"""Distance up to which a boundary is at the drawn line, in radii of the start."""
+
+_MIN_LINE_DISTANCE = 1.5
 """Least such distance [px]."""
 
-_EVERYWHERE = 0.5
-"""Fraction of the image that a start covers at most, if it is not one from everywhere."""
+_MAX_COVERED_SHARE = 0.5
+"""Largest fraction of the image that a start covers, unless it is one from everywhere."""
 
-_LEAST_BETA = 0.01
+MIN_DAMPING = 0.01
 """Damping that counts where there is less."""
 
-_LEAST_PART, _PART_OF_START = 16, 0.1
-"""Least area of what edges enclose within a basin, in px² and in areas of the start: smaller parts are details."""
+_MIN_PART_AREA = 16
+"""Least area that edges enclose within a basin [px²]: smaller parts are details."""
 
-_MOST_PIXELS = 400_000
+_MIN_PART_OF_START = 0.1
+"""Least such area, in areas of the start."""
+
+_MAX_FLOODED_PIXELS = 400_000
 """Size above which the flooding takes place on a coarser grid."""
 
 
 class Bounds(NamedTuple):
-    """The boundary of what a start lies in.
+    """Boundary of the area that a start lies in.
 
     Attributes
     ----------
     area : ndarray of bool, shape (H, W)
-        What the start covers.
+        Pixels that the start covers.
     boundary : ndarray of bool, shape (H, W)
         Pixels next to it, on both sides.
     inside : ndarray of bool, shape (H, W)
-        What it encloses.
+        Pixels that it encloses.
     sigma : float
         Smoothing of the edge map that it was found in, about its inaccuracy [px].
     whole : bool
         Whether each piece of the start lies on one side of it; otherwise it also runs through one.
     around : bool
-        Whether a piece of the start has been drawn around a thing.
+        Whether a piece of the start has been drawn around an object.
     """
 
     area: Mask
@@ -91,7 +112,7 @@ class Bounds(NamedTuple):
 
 
 def bounds_of(values: Array, start: Array, closed: Mask, beta: float) -> Bounds | None:
-    """Find the boundary of what a start lies in, or has been drawn around; None for one from everywhere.
+    """Find the boundary of the area that a start lies in or has been drawn around; None for one from everywhere.
 
     Parameters
     ----------
@@ -110,33 +131,35 @@ def bounds_of(values: Array, start: Array, closed: Mask, beta: float) -> Bounds 
 
 
 def thing_within(values: Array, places: Array, closed: Mask) -> Mask | None:
-    """The thing, shape (H, W), that places, shape (N, 2) [px], have been drawn around; None when they lie in it.
+    """Return the object, shape (H, W), that places, shape (N, 2) [px], are drawn around; None when they lie in it.
 
     `closed` is as for `bounds_of`.
     """
     if len(places) < LEAST_PLACES:
         return None
     area, hollow = _drawn(places, values.shape)
-    bounds = _bounds_of(values, area, hollow, closed, _BETA) if hollow.any() else None
+    bounds = _bounds_of(values, area, hollow, closed, _HOLDING_BETA) if hollow.any() else None
     return bounds.inside if bounds is not None and bounds.around else None
 
 
 def _drawn(start: Array, shape: Extent) -> tuple[Mask, Mask]:
-    """What a start covers, and what of it it only encloses."""
+    """Return the area that a start covers, and the part of it that it only encloses."""
     area = drawn_area(start, shape)
     return area, hollow_part(start, area)
 
 
 def _bounds_of(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) -> Bounds | None:
-    if not area.any() or np.count_nonzero(area & ~hollow) > _EVERYWHERE * area.size:
+    """Return the bounds of a start, unless it covers so much of the image that it is one from everywhere."""
+    if not area.any() or np.count_nonzero(area & ~hollow) > _MAX_COVERED_SHARE * area.size:
         return None
     found = _bounds(values, area, hollow, closed, beta)
-    return found if found.around or area.mean() <= _EVERYWHERE else None
+    return found if found.around or area.mean() <= _MAX_COVERED_SHARE else None
 
 
 def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) -> Bounds:
-    sigma = float(np.clip(_SIGMA_OF_RADIUS * radius_of(area), _LEAST_SIGMA, _MOST_SIGMA))
-    stride = int(np.ceil(np.sqrt(values.size / _MOST_PIXELS)))
+    """Compute the bounds of a start, on a coarser grid in a large image."""
+    sigma = float(np.clip(_SIGMA_PER_RADIUS * radius_of(area), _MIN_BOUNDS_SIGMA, _MAX_BOUNDS_SIGMA))
+    stride = int(np.ceil(np.sqrt(values.size / _MAX_FLOODED_PIXELS)))
     sigma = max(sigma, 0.5 * stride)
     strength = magnitude(gradient(values, sigma))[::stride, ::stride]
     shut = closed[::stride, ::stride] | _frame(strength.shape, sigma / stride)
@@ -159,43 +182,46 @@ def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) 
 
 
 def _bounded(strength: Array, pieces: Labels, shut: Mask, beta: float) -> tuple[Labels, Labels]:
-    """The pieces of a start, those in one basin with one number, and the parts of their basins."""
+    """Return the pieces of a start, one number for those in one basin, and the parts of their basins."""
     pieces, basins = _basins(strength, pieces, shut)
     return pieces, _parts(strength, pieces, basins, beta)
 
 
 def _things(values: Array, strength: Array, pieces: Labels, hollow: Mask, labels: Labels, shut: Mask) -> Mask:
-    """The things that pieces of a start have been drawn around."""
+    """Return the objects that pieces of a start have been drawn around."""
     found, rim = np.zeros(pieces.shape, bool), _rim(shut)
     boxes = scipy.ndimage.find_objects(pieces)
     for number in np.setdiff1d(pieces[hollow], 0).tolist():
         box = tuple(slice(max(side.start - 1, 0), side.stop + 1) for side in boxes[number - 1])
         piece = pieces[box] == number
         thing = surrounded(values[box], strength[box], piece & ~shut[box])
-        if np.count_nonzero(thing) < _LEAST_SHARE * np.count_nonzero(piece) or _crossed(piece, thing) > _MOST_CROSSED:
+        if (
+            np.count_nonzero(thing) < _MIN_OBJECT_SHARE * np.count_nonzero(piece)
+            or _crossed(piece, thing) > _MAX_SHARE_AT_LINE
+        ):
             continue
         bounded = np.isin(labels, np.setdiff1d(labels[box][piece], 0))
-        if _usual(strength[box], thing, rim[box]) > _STRONGER * _usual(strength, bounded, rim):
+        if _usual(strength[box], thing, rim[box]) > _MIN_OBJECT_STRENGTH * _usual(strength, bounded, rim):
             found[box] |= thing
     return found
 
 
 def _crossed(piece: Mask, thing: Mask) -> float:
-    """Share of the boundary of a thing that lies at the border of the piece of a start that holds it."""
+    """Return the share of the boundary of an object that lies at the border of the piece of a start around it."""
     depth = scipy.ndimage.distance_transform_edt(piece)
     along = depth[thing & ~np.asarray(scipy.ndimage.binary_erosion(thing, border_value=1))]
-    near = max(_AT_LINE * float(depth.max()), _LEAST_AT_LINE)
+    near = max(_LINE_DISTANCE * float(depth.max()), _MIN_LINE_DISTANCE)
     return float((along <= near).mean()) if along.size else 0.0
 
 
 def _usual(strength: Array, mask: Mask, rim: Mask) -> float:
-    """Median edge strength along the boundary of a mask, but at the rim of what is shut; 0 where there is none."""
+    """Return the median edge strength along the boundary of a mask, except at shut pixels; 0 where there is none."""
     along = strength[_beside(mask.astype(np.int32)) & ~rim]
     return float(np.median(along)) if along.size else 0.0
 
 
 def _pieces(area: Mask, closed: Mask, stride: int) -> Labels:
-    """Number the connected pieces of a start from 1, on a coarser grid; also those that lie between its pixels."""
+    """Label the connected pieces of a start from 1, on a coarser grid; also those that lie between its pixels."""
     pieces, _ = scipy.ndimage.label(area, np.ones((3, 3), bool))
     coarse = np.where(closed, 0, pieces)[::stride, ::stride]
     lost = np.setdiff1d(pieces, coarse)
@@ -206,16 +232,16 @@ def _pieces(area: Mask, closed: Mask, stride: int) -> Labels:
 
 
 def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels]:
-    """The pieces of a start, and their basins in the edge map, flooded against each other and against what is shut.
+    """Return the pieces of a start, and their basins, flooded in the edge map against each other and what is shut.
 
     Where flat parts of a piece are enclosed by edges and others are not, only the first count; where none is
     enclosed, the piece lies in the open, and everything else belongs to its basin. Pieces in one basin get one number.
     """
-    flat, count = scipy.ndimage.label((strength <= _EVEN * float(strength.max())) & ~shut)
+    flat, count = scipy.ndimage.label((strength <= _FLAT_STRENGTH * float(strength.max())) & ~shut)
     size = np.bincount((pieces * (count + 1) + flat).ravel(), minlength=(pieces.max() + 1) * (count + 1)).reshape(
         -1, count + 1
     )
-    large = size >= np.maximum(_LARGE * size.sum(axis=1, keepdims=True), 1)
+    large = size >= np.maximum(_MIN_FLAT_SHARE * size.sum(axis=1, keepdims=True), 1)
     large[0], large[:, 0] = False, False
     open_ = np.zeros(count + 1, bool)
     open_[flat[_rim(shut)]] = True
@@ -239,7 +265,7 @@ def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels
 
 
 def _joined(strength: Array, basins: Labels, background: int) -> Labels:
-    """Number of each basin; the same for neighbors whose common border is weak next to the rest of their boundaries."""
+    """Label the basins, neighbors alike whose common border is weak next to the rest of their boundaries."""
     count = background + 1
     pairs, crossed = [np.zeros((2, 0), np.int32)], [np.zeros(0)]
     for axis in range(2):
@@ -255,12 +281,12 @@ def _joined(strength: Array, basins: Labels, background: int) -> Labels:
     outer = np.full(count, np.inf)
     outer[one[other == background]] = median[other == background]
     usual = np.minimum(outer[one], outer[other])
-    weak = (other < background) & np.isfinite(usual) & (median < _JOINS * usual)
+    weak = (other < background) & np.isfinite(usual) & (median < _JOINING_FRACTION * usual)
     return (parts_joined((one[weak], other[weak]), count) + 1).astype(np.int32)
 
 
 def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labels:
-    """Number the parts of the basins that edges strong enough separate, from 1; 0 outside."""
+    """Label the parts of the basins that edges strong enough separate, from 1; 0 outside."""
     every = np.arange(basins.max() + 1)
     rim = np.where(_beside(basins), basins, 0)
     along = rim > 0
@@ -269,13 +295,15 @@ def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labe
     strongest = np.zeros(len(every))
     np.maximum.at(strongest, basins.ravel(), strength.ravel())
     least = np.maximum(WEAKEST_EDGE * strongest, np.minimum(background_strength(strength), usual))
-    level = np.maximum(_HOLDS * usual * (_BETA / max(beta, _LEAST_BETA)) ** 2, least)
+    level = np.maximum(_HOLDING_FRACTION * usual * (_HOLDING_BETA / max(beta, MIN_DAMPING)) ** 2, least)
     numbered: Callable[..., Labels] = skimage.measure.label
     parts = numbered(np.where(strength < level[basins], basins, 0), connectivity=1)
     of = np.zeros(parts.max() + 1, np.int32)
     of[parts] = basins
     size = np.bincount(parts.ravel())
-    small = size < np.maximum(_LEAST_PART, _PART_OF_START * np.bincount(pieces.ravel(), minlength=len(every))[of])
+    small = size < np.maximum(
+        _MIN_PART_AREA, _MIN_PART_OF_START * np.bincount(pieces.ravel(), minlength=len(every))[of]
+    )
     small[0] = True
     parts[small[parts]] = 0
     held = np.zeros(len(every), bool)
@@ -286,7 +314,7 @@ def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labe
 
 
 def _frame(shape: Extent, sigma: float) -> Mask:
-    """Pixels at the image border, which often has a line along it that bounds nothing."""
+    """Return the pixels at the image border, which often has a line along it that bounds nothing."""
     frame = np.ones(shape, bool)
     width = 1 + round(sigma)
     frame[width:-width, width:-width] = False
@@ -294,7 +322,7 @@ def _frame(shape: Extent, sigma: float) -> Mask:
 
 
 def _beside(labels: Labels) -> Mask:
-    """Pixels next to one of another label, not counting the image border."""
+    """Return the pixels next to one of another label, not counting the image border."""
     beside = np.zeros(labels.shape, bool)
     for axis in range(2):
         line, out = np.moveaxis(labels, axis, 0), np.moveaxis(beside, axis, 0)
@@ -305,5 +333,5 @@ def _beside(labels: Labels) -> Mask:
 
 
 def _rim(shut: Mask) -> Mask:
-    """Pixels of a mask and those next to it."""
+    """Return the pixels of a mask and those next to it."""
     return scipy.ndimage.binary_dilation(shut)

@@ -1,4 +1,4 @@
-"""Edges that are beyond doubt: about as strong all along, and much stronger than whatever they enclose."""
+"""Unambiguous edges: about as strong all along, and much stronger than the edges inside."""
 
 from __future__ import annotations
 
@@ -7,39 +7,49 @@ import scipy
 
 from cpm_core.numerics.types import Array, Mask
 
-_NEARLY, _STRONGER, _EVEN = 5.0, 3.0, 0.5
-"""Percentage of an edge, and of what it encloses, that may be otherwise; how much stronger the edge must be; and the
-least strength of its weak stretches, in multiples of its median: a weaker one is an edge within something larger."""
+_ALLOWED_PERCENTAGE = 5.0
+"""Percentage of an edge, and of its inside, that need not fit."""
+
+_MIN_EDGE_RATIO = 3.0
+"""Least ratio of the strength of the edge to that of its inside."""
+
+_MIN_WEAK_FRACTION = 0.5
+"""Least strength of weak stretches of the edge, in multiples of its median: a weaker edge lies in something larger."""
 
 MARGIN = 3.0
 """Distance from an edge up to which the edge strength is its own [px]."""
 
-_AROUND, _BESIDE = np.ones((3, 3), np.bool_), 2
-"""Neighbors of a pixel; and the distance from a region up to which a ridge is part of the edges around it [px]."""
+_EIGHT_NEIGHBORS = np.ones((3, 3), np.bool_)
+"""Neighbors of a pixel."""
+
+_RIDGE_DISTANCE = 2
+"""Distance from a region up to which a ridge is part of the edges around it [px]."""
 
 
 def is_certain(along: Array, inside: Array) -> bool:
-    """Whether the image leaves no doubt about a closed edge.
+    """Return whether the image leaves no doubt about a closed edge.
 
     Parameters
     ----------
     along : ndarray, shape (N,)
         Edge strength along it.
     inside : ndarray, shape (M,)
-        Edge strength of the pixels that it encloses, farther than `MARGIN` from it. Without any it is a detail, about
-        which nothing is certain.
+        Edge strength of the pixels that it encloses, farther than `MARGIN` from it. Without any it is a detail, which
+        stays ambiguous.
     """
     if not along.size or not inside.size:
         return False
-    weak, usual = np.percentile(along, [_NEARLY, 50.0])
-    return bool(weak > max(_STRONGER * np.percentile(inside, 100.0 - _NEARLY), _EVEN * usual))
+    weak, usual = np.percentile(along, [_ALLOWED_PERCENTAGE, 50.0])
+    return bool(
+        weak > max(_MIN_EDGE_RATIO * np.percentile(inside, 100.0 - _ALLOWED_PERCENTAGE), _MIN_WEAK_FRACTION * usual)
+    )
 
 
 def certain_edges(strength: Array, ridge: Mask, area: Mask) -> Mask:
-    """The edges around the region that holds most of a start, if they are certain.
+    """Find the edges around the region that holds most of a start, if they are unambiguous.
 
-    They bound what the start means also where it has been drawn across them, or where the boundary of its basin misses
-    narrow parts and weak corners.
+    They bound the object of the start even where it has been drawn across them, or where the boundary of its basin
+    misses narrow parts and weak corners.
 
     Parameters
     ----------
@@ -48,16 +58,16 @@ def certain_edges(strength: Array, ridge: Mask, area: Mask) -> Mask:
     ridge : ndarray of bool, shape (H, W)
         Pixels on the ridges of all edges.
     area : ndarray of bool, shape (H, W)
-        What the start covers.
+        Area that the start covers.
 
     Returns
     -------
     ndarray of bool, shape (H, W)
-        Pixels of the ridges around the region and its holes; none where it is not certain, or reaches the border of the
+        Pixels of the ridges around the region and its holes; none where it is ambiguous, or reaches the border of the
         image.
     """
     found = np.zeros_like(ridge)
-    regions, _ = scipy.ndimage.label(~scipy.ndimage.binary_dilation(ridge, _AROUND))
+    regions, _ = scipy.ndimage.label(~scipy.ndimage.binary_dilation(ridge, _EIGHT_NEIGHBORS))
     held = np.bincount(regions[area])
     held[:1] = 0
     if not held.any() or 2 * held.max() <= np.count_nonzero(area):
@@ -66,14 +76,14 @@ def certain_edges(strength: Array, ridge: Mask, area: Mask) -> Mask:
     sides = scipy.ndimage.find_objects(regions, number)[number - 1] or ()
     if any(side.start == 0 or side.stop == length for side, length in zip(sides, ridge.shape, strict=True)):
         return found
-    box = tuple(slice(max(side.start - _BESIDE, 0), side.stop + _BESIDE) for side in sides)
+    box = tuple(slice(max(side.start - _RIDGE_DISTANCE, 0), side.stop + _RIDGE_DISTANCE) for side in sides)
     found[box] = _edges_around(strength[box], ridge[box], regions[box] == number)
     return found
 
 
 def _edges_around(strength: Array, ridge: Mask, region: Mask) -> Mask:
-    """The edges around a region, pixels of a ridge, if they are certain."""
-    beside = ridge & scipy.ndimage.binary_dilation(region, _AROUND, _BESIDE)
+    """Return the edges around a region, pixels of a ridge, if they are unambiguous."""
+    beside = ridge & scipy.ndimage.binary_dilation(region, _EIGHT_NEIGHBORS, _RIDGE_DISTANCE)
     filled = np.asarray(scipy.ndimage.binary_fill_holes(region))
     depth = scipy.ndimage.distance_transform_edt(filled)
     outer = beside & (depth == 0.0)
@@ -81,13 +91,13 @@ def _edges_around(strength: Array, ridge: Mask, region: Mask) -> Mask:
     away = np.minimum(depth, scipy.ndimage.distance_transform_edt(~holes)) if holes.any() else depth
     if not is_certain(strength[outer], strength[away > MARGIN]):
         return np.zeros_like(ridge)
-    return outer | (beside & (strength > _EVEN * np.median(strength[outer])))
+    return outer | (beside & (strength > _MIN_WEAK_FRACTION * np.median(strength[outer])))
 
 
 def _holes(strength: Array, ridge: Mask, islands: Mask) -> Mask:
-    """The edges, pixels of a ridge, of those islands in a region that are certain themselves: holes or objects."""
+    """Return the edges, pixels of a ridge, of the unambiguous islands in a region: holes or objects."""
     found = np.zeros_like(ridge)
-    parts, _ = scipy.ndimage.label(islands, _AROUND)
+    parts, _ = scipy.ndimage.label(islands, _EIGHT_NEIGHBORS)
     for number, box in enumerate(scipy.ndimage.find_objects(parts), start=1):
         island = np.pad(parts[box] == number, 1)
         depth = scipy.ndimage.distance_transform_edt(island)[1:-1, 1:-1]

@@ -1,4 +1,4 @@
-"""The area that a start covers: what a closed row of particles encloses, or a narrow band along an open one."""
+"""Area that a start covers: the inside of a closed row of particles, or a narrow band along an open one."""
 
 from __future__ import annotations
 
@@ -14,35 +14,38 @@ from numpy.typing import NDArray
 from cpm_core.numerics.grids import Window, around, box_of, whole_window
 from cpm_core.numerics.types import Array, Extent, Mask
 
-_LINK = 0.75
+_LINK_FACTOR = 0.75
 """Multiple of the usual distance of neighbors up to which a row of particles is closed."""
 
-_LEAST_LINK = 2.0
+_MIN_LINK = 2.0
 """Least such distance [px]."""
 
-_HOLLOW = 3.0
+_HOLLOW_FACTOR = 3.0
 """Multiple of that distance from all particles beyond which a place is enclosed rather than covered."""
 
-_EVEN_SIDE, _EVEN_SHARE = 1.5, 0.95
-"""Side of cells, in mean distances of particles, and the share of them with particles, of a start from everywhere."""
+_EVEN_SIDE = 1.5
+"""Side of the cells that decide on a start from everywhere, in mean distances of particles."""
+
+_EVEN_SHARE = 0.95
+"""Least share of those cells with particles of a start from everywhere."""
 
 LEAST_PLACES = 8
-"""Places from which they are a drawn shape; fewer are clicks, and are drawn around nothing."""
+"""Number of places from which they are a drawn shape; fewer are clicks, and are drawn around nothing."""
 
-_WITHIN = 0.8
+_MIN_HULL_SHARE = 0.8
 """Share of a part between a row of particles and the border of the image that lies in the hull of an enclosed one."""
 
 
 def drawn_area(points: Array, shape: Extent) -> Mask:
-    """Pixels of an image of this shape that a start covers.
+    """Return the pixels of an image of this shape that a start covers.
 
     `points`, shape (N, 2), are its particles [px of the image]. Rows of particles are closed up to about the distance
-    of neighbors, and what they enclose is filled, also with the border of the image.
+    of neighbors, and the areas that they enclose, also together with the border of the image, are filled.
     """
     on, usual = _marked(points, shape)
     if len(points) < 2:
         return on
-    link = max(_LEAST_LINK, _LINK * usual)
+    link = max(_MIN_LINK, _LINK_FACTOR * usual)
     box = _box(on, link)
     near = scipy.ndimage.distance_transform_edt(~on[box]) <= link
     filled = scipy.ndimage.binary_fill_holes(near) | _cut_off(near, on[box])
@@ -51,16 +54,16 @@ def drawn_area(points: Array, shape: Extent) -> Mask:
 
 
 def _box(mask: Mask, margin: float) -> Window:
-    """The pixels around those of a mask, which has one, with a margin; all where some of them are at the border."""
+    """Return the window around a mask, which is not empty, with a margin; the whole image where it is at the border."""
     window = around(box_of(mask), math.ceil(margin) + 1, mask.shape)
     inner = all(side.start > 0 and side.stop < n for side, n in zip(window, mask.shape, strict=True))
     return window if inner else whole_window(mask.shape)
 
 
 def _cut_off(near: Mask, on: Mask) -> Mask:
-    """What rows of particles that run to the border of the image enclose with it: parts within the hull of such a row.
+    """Return the areas that rows of particles enclose with the image border, within the hull of a row.
 
-    Rows that enclose nothing alone may be arcs of one line that leaves the image several times: of them the common hull
+    Rows that enclose nothing alone may be arcs of one line that leaves the image several times: their common hull
     counts.
     """
     parts, count = scipy.ndimage.label(~near)
@@ -77,14 +80,14 @@ def _cut_off(near: Mask, on: Mask) -> Mask:
 
 
 def _in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
-    """Which parts, by their numbers up to a count, lie for the most part in the convex hull of some pixels; not 0."""
+    """Return the parts, by number from 1 to `count`, that lie for the most part in the convex hull of some pixels."""
     hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
     share = np.asarray(scipy.ndimage.mean(hull(on), parts, np.arange(count + 1)))
-    return (share >= _WITHIN) & (np.arange(count + 1) > 0)
+    return (share >= _MIN_HULL_SHARE) & (np.arange(count + 1) > 0)
 
 
 def is_everywhere(points: Array, shape: Extent) -> bool:
-    """Whether particles, shape (N, 2) [px], lie evenly all over an image of this shape, as a uniform grid does."""
+    """Return whether particles, shape (N, 2) [px], lie evenly all over an image of this shape, as a grid does."""
     side = _EVEN_SIDE * np.sqrt(np.prod(shape) / max(len(points), 1))
     cells = tuple(int(np.ceil(n / side)) for n in shape)
     place = np.clip((points + 0.5) / side, 0, np.array(cells) - 1).astype(int)
@@ -92,15 +95,15 @@ def is_everywhere(points: Array, shape: Extent) -> bool:
 
 
 def hollow_part(points: Array, area: Mask) -> Mask:
-    """The part of a start's area that its particles, shape (N, 2) [px], only enclose; none of a filled one."""
+    """Return the part of a start's area that its particles, shape (N, 2) [px], only enclose; none of a filled one."""
     on, usual = _marked(points, area.shape)
     hollow, box = np.zeros_like(area), box_of(area | on)
-    hollow[box] = area[box] & (scipy.ndimage.distance_transform_edt(~on[box]) > max(_LEAST_LINK, _HOLLOW * usual))
+    hollow[box] = area[box] & (scipy.ndimage.distance_transform_edt(~on[box]) > max(_MIN_LINK, _HOLLOW_FACTOR * usual))
     return hollow
 
 
 def _marked(points: Array, shape: Extent) -> tuple[Mask, float]:
-    """Pixels with particles, and the usual distance of neighbors [px], infinite where there are none."""
+    """Return the pixels with particles, and the usual distance of neighbors [px], infinite where there are none."""
     on = np.zeros(shape, bool)
     on[tuple(np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1).T)] = True
     if len(points) < 2:
@@ -109,7 +112,7 @@ def _marked(points: Array, shape: Extent) -> tuple[Mask, float]:
 
 
 def radius_of(area: Mask) -> float:
-    """Radius of the largest disk in each connected part of an area, the median of all parts [px]."""
+    """Return the median radius of the largest disks in the connected parts of an area, shape (H, W) [px]."""
     if not area.any():
         return 0.0
     area = area[_box(area, 0.0)]

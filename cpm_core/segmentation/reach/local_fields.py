@@ -13,19 +13,17 @@ from cpm_core.field.scale_field import LARGE, ScaleField, limited_to
 from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
 from cpm_core.model.interventions import window_around
+from cpm_core.model.plane.enclosed_regions import BARRIER_CLEARANCE
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.reach.reach_map import ReachMap, budget_of, is_limited, reach_map
 
-_AT_BARRIER = 1.0
-"""Distance to a barrier under which it covers a pixel [px]."""
+_KEPT_LOCAL_FIELDS = 6
+"""Number of limited fields, and of parts of fields, that are kept: those of all scales of a run."""
 
-_KEPT = 6
-"""Limited fields, and parts of fields, that are kept: those of all scales of a run."""
-
-_MOST_ROOM = 1024.0
-"""Room around a start in which what it lies in is looked for in a large image [px]."""
+_MAX_START_ROOM = 1024.0
+"""Largest room around a start in which its area is searched in a large image [px]."""
 
 
 class LocalFields:
@@ -38,18 +36,18 @@ class LocalFields:
         self._field_of = field_of
         self._regions = regions
         self._map: tuple[tuple[object, ...], Array, ReachMap | None] | None = None
-        self._limited, self._part = lru_cache(_KEPT)(_limited), lru_cache(_KEPT)(_part)
+        self._limited, self._part = lru_cache(_KEPT_LOCAL_FIELDS)(_limited), lru_cache(_KEPT_LOCAL_FIELDS)(_part)
         self._lock = Lock()
 
     def at(self, scale: int, start: Array, parameters: Parameters, window: Window | None) -> ScaleField:
-        """Field of a scale, or of a window of it, in a run from a start, shape (N, 2) [px of the image]."""
+        """Return the field of a scale, or of a window of it, in a run from a start, shape (N, 2) [px of the image]."""
         plain = self._field_of(parameters, scale)
         part = plain if window is None else self._part(plain, *((side.start, side.stop) for side in window))
         reached = self.map_of(start, parameters) if is_limited(parameters) else None
         return part if reached is None else self._limited(part, reached, budget_of(parameters), scale)
 
     def map_of(self, start: Array, parameters: Parameters) -> ReachMap | None:
-        """How a start, shape (N, 2) [px], reaches the edges of the image; None for one from everywhere."""
+        """Return how a start, shape (N, 2) [px], reaches the edges of the image; None for one from everywhere."""
         plain = self._field_of(parameters, 0)
         made_of = (plain, id(start), parameters.beta, parameters.w2, parameters.weakest_edge)
         with self._lock:
@@ -58,9 +56,9 @@ class LocalFields:
             return self._map[2]
 
     def _made(self, plain: ScaleField, start: Array, parameters: Parameters) -> ReachMap | None:
-        """The map of a start; of a large image in a window around it that what the start lies in does not leave."""
+        """Build the map of a start; of a large image in a window that the area of the start does not leave."""
         found, room = None, 0.0
-        while plain.values.size > LARGE and (found is None or found.leaves) and room < _MOST_ROOM:
+        while plain.values.size > LARGE and (found is None or found.leaves) and room < _MAX_START_ROOM:
             window = window_around(start, plain.shape, room)
             if window is None:
                 break
@@ -70,21 +68,22 @@ class LocalFields:
         return found if room else reach_map(plain, start, self._closed(plain), parameters)
 
     def _closed(self, field: ScaleField) -> Mask:
-        """Where no particle goes, in the window of the image that a field is of."""
+        """Return the pixels where no particle goes, in the window of the image that a field covers."""
         closed = np.zeros(field.shape, bool)
         if self._regions is not None and self._regions.interest:
             closed |= ~self._regions.pixels((field.whole or field).shape)[field.window]
         if len(field.barrier_map.segments):
-            closed |= field.barrier_map.clearance < _AT_BARRIER
+            closed |= field.barrier_map.clearance < BARRIER_CLEARANCE
         return closed
 
 
 def _part(plain: ScaleField, *sides: tuple[int, int]) -> ScaleField:
+    """Return a scale field cropped to a window, given as ranges along both axes."""
     return plain.part(tuple(slice(*side) for side in sides))
 
 
 def _limited(plain: ScaleField, reached: ReachMap, budget: float, scale: int) -> ScaleField:
-    """A field limited to the edges that are reached, on the pixels of its scale that contain one of theirs."""
+    """Limit a field to the edges that are reached, on the pixels of its scale that contain one of theirs."""
     place = (np.argwhere(reached.within(budget)) + reached.corner).astype(float)
     place = np.rint(to_scale(place, scale, reached.shape)).astype(int) - plain.corner
     ridge = np.zeros(plain.shape, bool)

@@ -1,7 +1,7 @@
-"""How a start reaches each edge of an image: on free flight, beyond a weak edge, over a junction, or not at all.
+"""Reach of a start: the edges of an image reached on free flight, beyond a weak edge, over a junction, or not at all.
 
-- On flight it reaches the edges that bound what it lies in, or what it has been drawn around (`bounding`), and all
-  those around the region that holds most of it, where they are beyond doubt (`certain`).
+- On flight it reaches the edges that bound the object that it lies in or has been drawn around (`bounding`), and all
+  those around the region that holds most of it, where they are unambiguous (`certain`).
 - Beyond a weak edge a particle coasts as far as friction lets it: ``w2 / beta^2``, the distance in which the speed
   ``w2 / beta`` of free flight is lost.
 - Over junctions a front creeps along every edge that is connected to one already reached. Repulsion drives it against
@@ -21,48 +21,59 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
-from cpm_core.segmentation.reach.bounding import Bounds, bounds_of
+from cpm_core.segmentation.reach.bounding import MIN_DAMPING, Bounds, bounds_of
 from cpm_core.segmentation.reach.certain import certain_edges
 
 WAYS: tuple[Reached, ...] = ("", "flight", "weak", "junction", "launched")
 """Ways by their numbers in a `ReachMap`."""
 
-_FLIGHT, _WEAK, _JUNCTION, _LAUNCHED = 1, 2, 3, 4
+_WAY_FLIGHT = 1
+"""Number of the way by free flight."""
 
-_SENSE = 0.5
+_WAY_WEAK = 2
+"""Number of the way beyond a weak edge."""
+
+_WAY_JUNCTION = 3
+"""Number of the way over junctions."""
+
+_WAY_LAUNCHED = 4
+"""Number of an edge that only reseeded particles reach."""
+
+_MIN_SENSE_COSINE = 0.5
 """Cosine of the angle up to which an edge along the boundary may be turned against it."""
 
-_BESIDE = 1.0
+_BOUNDARY_EDGE_DISTANCE = 1.0
 """Distance of an edge from the boundary that it makes, beyond the smoothing of the latter [px]."""
 
-_LEAST_BETA = 0.01
-"""Damping that counts where there is less."""
 
-_AT_END = 4.0
+_WINDOW_FRAME_WIDTH = 4.0
 """Distance from the end of a window, and twice the smoothing, in which there is a frame of no meaning [px]."""
 
-_USUAL_PUSH, _USUAL_ANNEALING = 1.6 / (1.75 - 1.6), 0.99
-"""Push against hold, and annealing, of the paper."""
+_USUAL_PUSH = 1.6 / (1.75 - 1.6)
+"""Push against hold of the paper."""
+
+_USUAL_ANNEALING = 0.99
+"""Annealing of the paper."""
 
 
 @record
 class ReachMap:
-    """How a start reaches the edges of an image.
+    """Reach of a start: the way by which it reaches each edge of an image.
 
     Attributes
     ----------
     way : ndarray of uint8, shape (H, W)
         Index in `WAYS` of each pixel of an edge, 0 off edges.
     ridge : ndarray of bool, shape (H, W)
-        Which of them lie on the ridge of the edge.
+        Pixels on the ridge of an edge.
     crept : ndarray of float32, shape (H, W)
         Distance along edges from those reached on flight or beyond a weak edge [px]; infinite where there is no way.
     corner : tuple of int
-        First pixel of the window of the image that the map is of.
+        First pixel of the window of the image that the map covers.
     shape : tuple of int
         Shape of the image.
     leaves : bool
-        Whether what the start lies in reaches the end of the window.
+        Whether the area that the start lies in reaches the end of the window.
     """
 
     way: NDArray[np.uint8]
@@ -73,11 +84,11 @@ class ReachMap:
     leaves: bool
 
     def within(self, budget: float) -> Mask:
-        """Pixels on the ridges of edges that are reached when fronts creep up to a distance [px]."""
+        """Return the pixels, shape (H, W), on the ridges of edges reached by creeping up to a distance [px]."""
         return self.ridge & np.isfinite(self.crept) & (self.crept <= budget)
 
     def way_of(self, points: Array) -> Reached:
-        """How most of a contour with vertices of shape (K, 2) [px] is reached; empty where it is on no edge."""
+        """Return how most of a contour with vertices of shape (K, 2) [px] is reached; empty where it is on no edge."""
         place = np.clip(np.rint(points).astype(int), 0, np.array(self.shape) - 1) - self.corner
         place = place[((place >= 0) & (place < self.way.shape)).all(axis=1)]
         votes = np.bincount(self.way[tuple(place.T)], minlength=len(WAYS))
@@ -85,7 +96,7 @@ class ReachMap:
 
 
 def budget_of(parameters: Parameters) -> float:
-    """Distance that fronts creep over junctions [px]."""
+    """Return the distance that fronts creep over junctions [px]."""
     if parameters.reach >= UNLIMITED_REACH:
         return float("inf")
     push = parameters.w1 / (parameters.w2 - parameters.w1) / _USUAL_PUSH
@@ -94,12 +105,12 @@ def budget_of(parameters: Parameters) -> float:
 
 
 def is_limited(parameters: Parameters) -> bool:
-    """Whether the start decides on the edges that are reached at all."""
+    """Return whether the start decides on the edges that are reached at all."""
     return parameters.reach < UNLIMITED_REACH or parameters.weakest_edge > 0.0
 
 
 def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: Parameters) -> ReachMap | None:
-    """How a start reaches the edges of an image; None for one from everywhere, and for one that no edge bounds.
+    """Find how a start reaches the edges of an image; None for one from everywhere or bounded by no edge.
 
     Parameters
     ----------
@@ -120,7 +131,7 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
         return None
     certain = certain_edges(scale_field.edge_map, ridge, bounds.area)
     away = scipy.ndimage.distance_transform_edt(~bounds.boundary)
-    beside = away <= _BESIDE + bounds.sigma
+    beside = away <= _BOUNDARY_EDGE_DISTANCE + bounds.sigma
     if bounds.whole and parameters.weakest_edge > 0.0:
         along = ridge & beside
         ridge[along] = _has_sense(scale_field, bounds, along)
@@ -130,30 +141,30 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     )
     ridge |= certain
     flight = (flight & ridge) | certain
-    coasted = ridge & (away <= parameters.w2 / max(parameters.beta, _LEAST_BETA) ** 2) & ~flight
+    coasted = ridge & (away <= parameters.w2 / max(parameters.beta, MIN_DAMPING) ** 2) & ~flight
     if not (flight | coasted).any():
         return None
     edges = scipy.ndimage.binary_dilation(ridge, np.ones((3, 3), bool))
     along, _ = skimage.graph.MCP_Geometric(np.where(edges, 1.0, np.inf)).find_costs(np.argwhere(flight | coasted))
     crept = along.astype(np.float32)
-    way = np.where(np.isfinite(crept), _JUNCTION, np.where(edges, _LAUNCHED, 0)).astype(np.uint8)
-    way[coasted], way[flight] = _WEAK, _FLIGHT
+    way = np.where(np.isfinite(crept), _WAY_JUNCTION, np.where(edges, _WAY_LAUNCHED, 0)).astype(np.uint8)
+    way[coasted], way[flight] = _WAY_WEAK, _WAY_FLIGHT
     shape = (scale_field.whole or scale_field).shape
     return ReachMap(way, ridge, crept, scale_field.corner, shape, _leaves(bounds, scale_field.corner, shape))
 
 
 def _leaves(bounds: Bounds, corner: tuple[int, ...], shape: Extent) -> bool:
-    """Whether what a boundary encloses reaches the end of a window that begins at a corner in an image of a shape."""
+    """Return whether the area inside a boundary reaches an end of its window that is no border of the image."""
     if not bounds.inside.any():
         return False
     first, last = ends(bounds.inside)
-    end, near = np.array(bounds.inside.shape) - 1, _AT_END + 2.0 * bounds.sigma
+    end, near = np.array(bounds.inside.shape) - 1, _WINDOW_FRAME_WIDTH + 2.0 * bounds.sigma
     beyond = (first < near) & (np.array(corner) > 0), (last > end - near) & (end + corner + 1 < shape)
     return bool(np.any(beyond))
 
 
 def _ridge(scale_field: ScaleField) -> Mask:
-    """Pixels on the ridge of an edge: none of the two neighbors across it is stronger."""
+    """Return the pixels on the ridge of an edge: neither of the two neighbors across it is stronger."""
     strength = scale_field.edge_map
     ridge = np.zeros(strength.shape, bool)
     place = np.argwhere(strength >= scale_field.floor)
@@ -168,7 +179,7 @@ def _ridge(scale_field: ScaleField) -> Mask:
 
 
 def _first_met(strength: Array, bounds: Bounds, flight: Mask, ridge: Mask) -> Array:
-    """Median strength of the edges around the part of the enclosed area that is nearest to each pixel of a ridge."""
+    """Return the median strength of the edges around the part of the enclosed area nearest to each pixel of a ridge."""
     parts, count = scipy.ndimage.label(bounds.inside)
     medians = np.zeros(count + 1)
     if not count or not flight.any():
@@ -181,7 +192,7 @@ def _first_met(strength: Array, bounds: Bounds, flight: Mask, ridge: Mask) -> Ar
 
 
 def _has_sense(scale_field: ScaleField, bounds: Bounds, along: Mask) -> Mask:
-    """Which chosen pixels, K of them, have the sense of most of the boundary: the image rises across it as there.
+    """Return a mask, shape (K,), of the selected pixels where the image rises across the boundary as along most of it.
 
     Fields of the whole image are made one at a time: at 6000 x 6000 pixels each takes 288 MB.
     """
@@ -193,4 +204,4 @@ def _has_sense(scale_field: ScaleField, bounds: Bounds, along: Mask) -> Mask:
     nearest = scipy.ndimage.distance_transform_edt(~bounds.boundary, return_distances=False, return_indices=True)
     curve = curve[tuple(axis[along] for axis in nearest)]
     sign = np.where(np.bincount(curve, across, minlength=count + 1) < 0.0, -1.0, 1.0)
-    return sign[curve] * across >= _SENSE * np.hypot(down, right) * scale_field.edge_map[along]
+    return sign[curve] * across >= _MIN_SENSE_COSINE * np.hypot(down, right) * scale_field.edge_map[along]
