@@ -232,21 +232,21 @@ class ComparePanel(QWidget):
     def _choosing(self, choice: MethodChoice | ParameterChoice) -> QWidget:
         """Create a page on which runs are selected."""
         page, run, back = QWidget(), QPushButton(tr("Run")), QPushButton(tr("Back"))
-        trouble, scrolled = wrapped(), Scrolled(choice, _MIN_CHOICE_HEIGHT)
+        error_label, scrolled = wrapped(), Scrolled(choice, _MIN_CHOICE_HEIGHT)
 
         def start_runs() -> None:
-            trouble.clear()
+            error_label.clear()
             try:
                 self._compared.run(choice.trials())
             except ValueError as error:
-                trouble.setText(reason(error))
+                error_label.setText(reason(error))
             else:
                 self.pages.setCurrentIndex(0)
 
         run.clicked.connect(start_runs)
         back.clicked.connect(lambda: self.pages.setCurrentIndex(0))
         buttons = arrange(QHBoxLayout(), None, back, run, spacing=6)
-        arrange(QVBoxLayout(page), scrolled, trouble, buttons, margins=(12, 8, 12, 8), spacing=7, wide=scrolled)
+        arrange(QVBoxLayout(page), scrolled, error_label, buttons, margins=(12, 8, 12, 8), spacing=7, wide=scrolled)
         return page
 
     def _fill(self, menu: QMenu) -> None:
@@ -267,10 +267,10 @@ class ComparePanel(QWidget):
         add_choice(menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference."))
 
     def _show(self) -> None:
-        compared, there = self._compared, self._session.image is not None
+        compared, has_image = self._compared, self._session.image is not None
         row, different = compared.rows[compared.chosen], self._session.scene.differences
         for widget in (self.add, self.keep):
-            widget.setEnabled(there)
+            widget.setEnabled(has_image)
         self.acts["use"].setEnabled(row.usable)
         self.acts["refer"].setEnabled(row.key != compared.reference)
         self.acts["remove"].setEnabled(row.key != NOW)

@@ -91,11 +91,11 @@ class ExportDialog(QDialog):
     """The user exports: the order, and the settings of the animation of the run."""
 
     def __init__(
-        self, parent: QWidget, session: Session, preferences: Preferences, files: FileDialogs, there: Exportable
+        self, parent: QWidget, session: Session, preferences: Preferences, files: FileDialogs, exportable: Exportable
     ) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self._session, self._preferences, self._files, self._there = session, preferences, files, there
+        self._session, self._preferences, self._files, self._there = session, preferences, files, exportable
         image, scene = session.image, session.scene
         assert image is not None
         self._image = image
@@ -113,9 +113,9 @@ class ExportDialog(QDialog):
         self.tolerance, self._vertices, self._size = DecimalField(0.0, 10.0, 0.1, 1, " px"), QLabel(), QLabel()
         self.tolerance.setValue(0.5)
         self.tolerance.setAccessibleName(tr("Simplify"))
-        self.first = _number(tr("First step"), 0, there.last, 0)
-        self.last = _number(tr("Last step"), 0, there.last, there.last)
-        self.stride = _number(tr("Steps per frame"), 1, max(there.last, 1), 1)
+        self.first = _number(tr("First step"), 0, exportable.last, 0)
+        self.last = _number(tr("Last step"), 0, exportable.last, exportable.last)
+        self.stride = _number(tr("Steps per frame"), 1, max(exportable.last, 1), 1)
         self.width_field = _number(tr("Width"), NARROWEST, WIDEST, 640, " px")
         self.speed = _number(tr("Speed"), 1, 50, 15, tr(" per second"))
         self._boxes = {"everywhere": self.everywhere, "units": self.units}
@@ -269,7 +269,7 @@ class ExportDialog(QDialog):
 
     def _counts(self) -> dict[What, int]:
         """Count the items of each kind that can be exported."""
-        scene, there = self._session.scene, self._there
+        scene, exportable = self._session.scene, self._there
         counts: dict[What, int] = {"objects": sum(not item.hidden for item in scene.document.objects.items)}
         if isinstance(self._found, Skeleton):
             counts["lines" if self._volume else "skeleton"] = 1
@@ -277,7 +277,12 @@ class ExportDialog(QDialog):
             counts["surface"] = 1
         elif self._found is not None and not self._volume:
             counts["contours"] = len(chosen(self._found, scene.document, ExportOrder(), "contours").contours)
-        counts |= {"pages": there.pages, "space": there.in_space, "turntable": there.in_space, "run": there.last > 0}
+        counts |= {
+            "pages": exportable.pages,
+            "space": exportable.in_space,
+            "turntable": exportable.in_space,
+            "run": exportable.last > 0,
+        }
         return {what: count for what, count in counts.items() if count}
 
     def _follow(self, *_: object) -> None:
@@ -309,7 +314,7 @@ class ExportDialog(QDialog):
     def _show(self, order: ExportOrder) -> None:
         """Describe what will be written."""
         document, parts, vertices = self._session.document, list[str](), [0, 0]
-        trouble = "" if order.files else tr("Choose what to export.")
+        problem = "" if order.files else tr("Choose what to export.")
         for what in dict.fromkeys(file.what for file in order.files):
             suffixes = [file.suffix for file in order.files if file.what == what]
             if what in _PICTURE_KINDS:
@@ -318,7 +323,7 @@ class ExportDialog(QDialog):
             result = chosen(self._found, document, order, what, self._image)
             parts.append(summary_text(result, what, suffixes[0]))
             if not self._volume and all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
-                trouble = tr("Nothing can be exported: {what}.").format(what=parts[-1])
+                problem = tr("Nothing can be exported: {what}.").format(what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
             if any(map(order.thins, suffixes)):
                 vertices[1] += sum(len(contour.points) for contour in thinned(result, order.tolerance).contours)
@@ -328,10 +333,10 @@ class ExportDialog(QDialog):
         frames = tr("{count} frames of {width} × {height} px")
         self._size.setText(frames.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1]))
         if not self.base.text().strip():
-            trouble = tr("Name the files.")
+            problem = tr("Name the files.")
         count = tr("1 file") if len(order.files) == 1 else tr("{count} files").format(count=len(order.files))
-        self.summary.setText(trouble or f"{count}: {', '.join(parts)}.")
-        self.export_button.setEnabled(not trouble)
+        self.summary.setText(problem or f"{count}: {', '.join(parts)}.")
+        self.export_button.setEnabled(not problem)
         self.resize(self.size().expandedTo(self.sizeHint()))
 
 
@@ -347,10 +352,10 @@ def _row(*parts: QWidget) -> QWidget:
     return row
 
 
-def _number(title: str, least: int, most: int, value: int, suffix: str = "") -> QSpinBox:
+def _number(title: str, low: int, high: int, value: int, suffix: str = "") -> QSpinBox:
     field = QSpinBox()
     field.setAccessibleName(title)
-    field.setRange(least, most)
+    field.setRange(low, high)
     field.setSuffix(suffix)
     field.setValue(value)
     return field

@@ -73,7 +73,7 @@ class ExportFeature(Feature):
     def _made(self) -> ExportDialog:
         window, workspace = self.window, self.window.workspace
         navigation, space, pages = workspace.navigation, window.feature(SpaceFeature), workspace.pages.result
-        there = Exportable(
+        exportable = Exportable(
             self.session.scene.objects.chosen,
             frozenset(item.measures.number for item in workspace.review.chosen),
             0 if pages is None else len(pages.results),
@@ -82,7 +82,7 @@ class ExportFeature(Feature):
             window.feature(AnimationFeature).part,
             self._written,
         )
-        dialog = ExportDialog(window, self.session, window.preferences, window.files, there)
+        dialog = ExportDialog(window, self.session, window.preferences, window.files, exportable)
         dialog.ordered.connect(self._write)
         return dialog
 
@@ -224,13 +224,13 @@ class ImportFeature(Feature):
         elif isinstance(picture, QImage) and not picture.isNull():
             keep_picture(session, picture, self.window.open_image)
         else:
-            trouble = tr("The clipboard contains neither a picture nor contours.")
+            message = tr("The clipboard contains neither a picture nor contours.")
             if content and session.scene.slices is not None:
-                trouble = tr("{name} has contours for an image, but a volume is open.")
-                trouble = trouble.format(name=tr("the clipboard"))
+                message = tr("{name} has contours for an image, but a volume is open.")
+                message = message.format(name=tr("the clipboard"))
             elif content:
-                trouble = tr("Open an image first; then the contours on the clipboard can be used.")
-            session.say(trouble, True, OPENING)
+                message = tr("Open an image first; then the contours on the clipboard can be used.")
+            session.say(message, True, OPENING)
 
     def _choose(self) -> None:
         in_volume = self.session.scene.slices is not None

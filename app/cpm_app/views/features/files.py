@@ -355,10 +355,10 @@ class FolderFeature(Feature):
         file, image = self.window.document_file, self.session.document.image
         if image is None or not file.unsaved or not self.window.preferences.value(SAVE_IN_FOLDER):
             return True
-        beside = Path(image.path).with_suffix(SUFFIX)
-        if file.path is None and beside.exists():
+        default_path = Path(image.path).with_suffix(SUFFIX)
+        if file.path is None and default_path.exists():
             return True  # the usual question follows
-        return file.save_at_once(file.path or beside)
+        return file.save_at_once(file.path or default_path)
 
     def _take(self, opened: Opened) -> None:
         known = opened.path in opened.folder and sample_at(opened.path) is None
@@ -382,7 +382,7 @@ class RecoveryFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         self._folder = folder_of_journals()
         self.journal = Journal(self.window.document_file, self._folder, self.window.preferences)
-        self.journal.put.connect(lambda trouble: self.session.trouble(trouble, JOURNAL))
+        self.journal.put.connect(lambda error: self.session.trouble(error, JOURNAL))
         self.box: Question | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None

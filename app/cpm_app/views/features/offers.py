@@ -51,13 +51,13 @@ class BeginningFeature(Feature):
             self.session.post(Command(inspect_image, tr("looking at the image"), "kind"))
 
     def _offer(self, opened: Opened, kind: Kind | None, settings: LargeImageSettings | None) -> None:
-        session, offers, beside = self.session, self.window.offers, opened.beside
+        session, offers, session_path = self.session, self.window.offers, opened.beside
         if session.image is not opened.image or session.status.started:
             return
         of_sample = sample_like(opened.path) is not None
-        if beside is not None and not of_sample:
-            earlier = tr("{name} contains earlier work on this image. Continue it?", name=beside.name)
-            offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, beside)))
+        if session_path is not None and not of_sample:
+            earlier = tr("{name} contains earlier work on this image. Continue it?", name=session_path.name)
+            offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, session_path)))
         elif (
             kind is not None
             and kind in ADVICE

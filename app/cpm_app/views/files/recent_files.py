@@ -76,9 +76,9 @@ class RecentFiles:
         for number, path in enumerate(paths, start=1):
             name = path.name.replace("&", "&&")
             key = f"&{number} " if number < 10 else f"{number} "
-            there = path.is_file()
-            tip = str(path) if there else tr("{path} no longer exists.", path=path)
-            add_choice(menu, f"{key}{name}", partial(self._open_file, path), tip).setEnabled(there)
+            exists = path.is_file()
+            tip = str(path) if exists else tr("{path} no longer exists.", path=path)
+            add_choice(menu, f"{key}{name}", partial(self._open_file, path), tip).setEnabled(exists)
         menu.addSeparator()
         add_choice(menu, tr("&Clear this list"), self.clear).setEnabled(bool(paths))
 

@@ -268,10 +268,11 @@ class Histogram(QWidget):
         pale = QColor(self.palette().color(QPalette.ColorRole.PlaceholderText))
         pale.setAlphaF(0.4)
         for counts, color in ((self._whole, pale), (self._counts, QColor(self._color))):
-            wide, most = self.width() / max(len(counts), 1), max((*counts, 1))
+            bar_width, highest = self.width() / max(len(counts), 1), max((*counts, 1))
             for place, count in enumerate(counts):
-                high = self.height() * count / most
-                painter.fillRect(QRectF(place * wide, self.height() - high, wide - 1.0, high), color)
+                bar_height = self.height() * count / highest
+                top = self.height() - bar_height
+                painter.fillRect(QRectF(place * bar_width, top, bar_width - 1.0, bar_height), color)
         painter.end()
 
 
@@ -393,9 +394,11 @@ class ObjectPanel(QWidget):
             ("open", tr("1 open contour"), tr("{count} open contours")),
             ("rejected", tr("1 rejected"), tr("{count} rejected")),
         )  # fmt: skip
-        said = [one if found[kind] == 1 else many.format(count=found[kind]) for kind, one, many in words if found[kind]]
+        parts = [
+            one if found[kind] == 1 else many.format(count=found[kind]) for kind, one, many in words if found[kind]
+        ]
         nothing = with_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
-        self.summary.setText(", ".join(said) or nothing)
+        self.summary.setText(", ".join(parts) or nothing)
 
     def ask_name(self, category: int) -> None:
         """Ask for the name of a class, or of the selected row for 0.
@@ -452,10 +455,10 @@ class ObjectPanel(QWidget):
     def _said(self, row: Row) -> str:
         """Describe the class, area, length and confidence of a row."""
         columns = {column.name: column for column in self.table.rows.columns}
-        said = [columns["class"].text(row, 1.0), *(self.table.said(row, columns[name]) for name in ("area", "length"))]
+        parts = [columns["class"].text(row, 1.0), *(self.table.said(row, columns[name]) for name in ("area", "length"))]
         if row.item is not None and row.item.confidence:
-            said.append(tr("Confidence: {share}").format(share=columns["confidence"].text(row, 1.0)))
-        return " · ".join(filter(None, said))
+            parts.append(tr("Confidence: {share}").format(share=columns["confidence"].text(row, 1.0)))
+        return " · ".join(filter(None, parts))
 
     @property
     def _row(self) -> Row | None:

@@ -364,18 +364,22 @@ class TimelinePanel(QWidget):
     def _show(self) -> None:
         navigation = self._navigation
         branch, step = navigation.place
-        there, last, count = navigation.branch(branch) is not None, navigation.last(branch), len(navigation.branches)
+        has_branch, last, count = (
+            navigation.branch(branch) is not None,
+            navigation.last(branch),
+            len(navigation.branches),
+        )
         with QSignalBlocker(self.step):
             self.step.setRange(0, max(last, step))
             self.step.setValue(step)
-        self.step.setEnabled(there)
-        self._of.setText(tr("of {last}", last=last) if there else "")
+        self.step.setEnabled(has_branch)
+        self._of.setText(tr("of {last}", last=last) if has_branch else "")
         self.branch.setEnabled(count > 0)
-        self.rename.setEnabled(there)
+        self.rename.setEnabled(has_branch)
         self.show_parameters()
         self.view.refresh()
         self._scroll.setFixedHeight(self.view.height_of(min(count, _MAX_SHOWN_BRANCHES)))
-        if there:
+        if has_branch:
             self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _BRANCH_HEIGHT)
 
     def _rename(self) -> None:

@@ -49,7 +49,7 @@ class Shortcuts(QObject):
         }
 
     def holder(self, key: str, besides: str) -> Keyed | None:
-        """Find the action with a key, other than the one named `besides`."""
+        """Find the action with a key, other than the one named `excluded`."""
         return shortcuts.holder(key, self.actions, self._chosen, besides)
 
     def choose(self, name: str, key: str) -> None:
