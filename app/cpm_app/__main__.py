@@ -8,13 +8,18 @@ import sys
 from collections.abc import Sequence
 
 CANNOT_OPEN = 2
+"""Exit status when no window can be opened, or the arguments are invalid."""
+
 INTERRUPTED = 130
+"""Exit status after Ctrl+C, as shells report it."""
 
 _COMMANDS = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "export", "completion"})
+"""Names of the subcommands, which are imported only when one is called."""
 
-_QT = frozenset({"PySide6", "shiboken6", "pyqtgraph"})
+_QT_PACKAGES = frozenset({"PySide6", "shiboken6", "pyqtgraph"})
+"""Packages that only the window needs."""
 
-_NO_QT = (
+_MISSING_QT_ERROR = (
     'The window needs Qt, which is not installed: run pip install "cpm-particles[gui]", or work without a window by '
     "“cpm run IMAGE …”."
 )
@@ -33,8 +38,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status; 2 when the window cannot be opened or the arguments are invalid.
     """
-    # Before NumPy is loaded: the products of the prior are small, and threads of OpenBLAS that wait for their parts of
-    # them take the processors from the particles.
+    # Before NumPy is loaded: the matrix products of the network are small, and waiting threads of OpenBLAS would take
+    # the processors from the particles.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
@@ -43,7 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             from cpm_core import cli
 
             return cli.main(arguments)
-        if arguments and not os.path.lexists(first):  # a pattern, or a word that was mistyped, which opens no window
+        if arguments and not os.path.lexists(first):  # a pattern, or a mistyped word, for which no window opens
             from cpm_core.cli.inputs import expanded
 
             try:
@@ -61,7 +66,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _open_window(path: str | None) -> int:
-    gc.disable()  # nothing that is imported is garbage
+    gc.disable()  # imports leave no garbage to collect
     # Qt is imported only here, so that the command line works without it.
     try:
         from PySide6.QtCore import QLocale
@@ -77,15 +82,15 @@ def _open_window(path: str | None) -> int:
             return _refuse(reason)
         from cpm_app.views.application import run
     except ImportError as error:
-        if error.name in _QT and isinstance(error, ModuleNotFoundError):
-            return _refuse(_NO_QT)
+        if error.name in _QT_PACKAGES and isinstance(error, ModuleNotFoundError):
+            return _refuse(_MISSING_QT_ERROR)
         return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
     gc.enable()
     return run(path)
 
 
 def why_no_window() -> str:
-    """One sentence on why no window can be opened here, or empty."""
+    """Explain in one sentence why no window can be opened here; empty where one can."""
     chosen = os.environ.get("QT_QPA_PLATFORM", "")
     if not sys.platform.startswith("linux") or chosen.partition(":")[0] not in ("", "xcb"):
         return ""

@@ -19,13 +19,17 @@ from cpm_core.formats.common.provenance import VERSION
 from cpm_core.numerics.types import Texts
 
 BAD_INPUT = 2
+"""Exit status after invalid input."""
+
 INTERRUPTED = 130
+"""Exit status after Ctrl+C, as shells report it."""
+
 NOBODY_READS = 141
-"""As the shell reports a program that wrote to a closed pipe."""
+"""Exit status after writing to a closed pipe, as shells report it."""
 
 
 class Command(NamedTuple):
-    """A command: what it does in a few words and in a sentence, its arguments, its effect and example lines."""
+    """A command: its help in a few words and in a sentence, its arguments, its effect and example lines."""
 
     help: str
     description: str
@@ -122,7 +126,7 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**{"formatter_class": argparse.RawDescriptionHelpFormatter, "allow_abbrev": False, **settings})
-        # argparse takes -50,-50,3 and -1e-3 for options
+        # argparse would take -50,-50,3 and -1e-3 for options
         self._negative_number_matcher = re.compile(r"-(?:\.?\d|inf|nan)", re.IGNORECASE)
 
     def error(self, message: str) -> NoReturn:
@@ -130,7 +134,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def parser() -> argparse.ArgumentParser:
-    """The parser of the whole command line."""
+    """Build the parser of the whole command line."""
     whole = _Parser(
         prog="cpm",
         description="Find contours in images with charged particles.",
@@ -159,7 +163,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         Exit status: 0 on success, 1 when only some of several images, pages or files were done, 2 on bad input (one
-        line on standard error; nothing is written), 130 when interrupted, 141 when nobody reads the output any more.
+        line on standard error; nothing is written), 130 when interrupted, 141 when the output is no longer read.
     """
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -185,6 +189,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         say(f"interrupted; {interrupt}." if str(interrupt) else "interrupted.")
         return INTERRUPTED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python fails with it when it ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise Python reports an error at exit
         return NOBODY_READS
     return status

@@ -1,4 +1,4 @@
-"""Options that several commands share, and what their values mean."""
+"""Options that several commands share, and the parsing of their values."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ from cpm_core.parameters.quotation import shown
 CHANNEL_HELP = (
     "Or its number in a file that holds several, from 1; or contrast, for the color whose gray levels vary the most."
 )
+"""Help on channels that are not named."""
 
 
 def as_number(text: str) -> int | float | str:
-    """Convert text to a number if it is one; else the check of the value reports the error."""
+    """Convert text to a number if it is one; otherwise the check of the value reports the error."""
     for kind in (int, float):
         try:
             return kind(text)
@@ -36,14 +37,14 @@ def as_number(text: str) -> int | float | str:
 
 
 def whole_number(text: str) -> int:
-    """A whole number of at least 1, as the type of an option."""
+    """Parse a whole number of at least 1, as the type of an option."""
     if not re.fullmatch(r"\d{1,15}", text, re.ASCII) or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{shown(text)} must be a whole number of at least 1")
     return int(text)
 
 
 def numbers_of(flag: str, text: str, form: str) -> tuple[float, ...]:
-    """Numbers between commas, in a form such as ROW,COL,RADIUS, or ROW,COL,... for any number of places."""
+    """Parse numbers between commas, in a form such as ROW,COL,RADIUS, or ROW,COL,... for any number of points."""
     count = form.replace(",...", "").count(",") + 1
     try:
         numbers = tuple(map(float, text.split(",")))
@@ -56,11 +57,11 @@ def numbers_of(flag: str, text: str, form: str) -> tuple[float, ...]:
 
 
 def places_in(numbers: Sequence[float], axes: int) -> tuple[tuple[float, ...], ...]:
-    """Places, of one number for each axis, from numbers in turn."""
+    """Group numbers into points of `axes` numbers each."""
     return tuple(zip(*(numbers[axis::axes] for axis in range(axes)), strict=True))
 
 
-_OPTIONS: dict[str, Entries] = {
+_SHARED_OPTIONS: dict[str, Entries] = {
     "image": {"metavar": "IMAGE", "help": f"image ({', '.join(READABLE)})"},
     "images": {
         "metavar": "IMAGE",
@@ -102,31 +103,33 @@ _OPTIONS: dict[str, Entries] = {
         "scheduler can run programs on its workers",
     },
 }
-"""The options that several commands share; see `part_of` for those that choose a part of a file."""
+"""Options that several commands share; see `parse_part` for those that select a part of a file."""
 
 PART = ("--page", "--time", "--series", "--pixel-size")
-"""Options for the part of a file, and for the size of a pixel by hand."""
+"""Options for the part of a file, and for setting the size of a pixel."""
 
 EXPORTED = f"({', '.join(WRITABLE)})"
-"""Formats of contours, for the help."""
+"""Suffixes of the formats of contours, for the help."""
 
 
 def add(parser: argparse._ActionsContainer, *names: str, **changes: Any) -> None:
     """Add shared options, with changes of their settings."""
     for name in names:
-        parser.add_argument(name, **(_OPTIONS[name] | changes))
+        parser.add_argument(name, **(_SHARED_OPTIONS[name] | changes))
 
 
-_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_SIZE = re.compile(rf"({_NUMBER}(?:x{_NUMBER}){{0,2}})(nm|um|µm|μm|mm|cm|m)")
-"""Sizes of a pixel and their unit."""
+_NUMBER_PATTERN = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+"""A number, with or without an exponent."""
+
+_PIXEL_SIZE_PATTERN = re.compile(rf"({_NUMBER_PATTERN}(?:x{_NUMBER_PATTERN}){{0,2}})(nm|um|µm|μm|mm|cm|m)")
+"""One to three sizes of a pixel, and their unit."""
 
 
 def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool = True) -> Entries:
-    """What `load_image` or `load_volume` takes in addition to the path.
+    """Return the keyword arguments of `load_image` or `load_volume`, and settle which channel a run takes.
 
-    A channel that is a number, or that with the largest contrast, is chosen in reading. One that is named is a
-    parameter of a run on an image, and is chosen in reading where the command `runs` nothing, or a volume.
+    A channel given by its number, or as the one of the largest contrast, is selected on reading. A named one is a
+    parameter of a run on an image; for a volume, or where the command `runs` nothing, it is selected on reading too.
     """
     given = {name: getattr(arguments, name) for name in ("page", "time", "series")}
     part: Entries = {name: as_number(text) for name, text in given.items() if text is not None}
@@ -142,7 +145,7 @@ def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool =
     if in_reading:
         arguments.channel = None
     if arguments.pixel_size is not None:
-        size = _SIZE.fullmatch(arguments.pixel_size.replace(" ", ""))
+        size = _PIXEL_SIZE_PATTERN.fullmatch(arguments.pixel_size.replace(" ", ""))
         if size is None:
             raise ValueError(
                 f"--pixel-size is {shown(arguments.pixel_size)} but must be one to three sizes and a unit (nm, um, mm, "
@@ -153,7 +156,7 @@ def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool =
 
 
 def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICES)) -> None:
-    """Add parameters, each as a flag of its name; see `parameters_of`."""
+    """Add parameters, each as a flag of its name; see `parse_parameters`."""
     for name in names:
         if name in CHOICES:
             choice = CHOICES[name]
@@ -170,26 +173,26 @@ def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*
 
 
 def parameters_of(arguments: argparse.Namespace, base: Parameters) -> Parameters:
-    """The parameters `base`, replaced by those given as flags; ValueError on a bad value."""
+    """Return the parameters `base` with those given as flags replaced; ValueError on a bad value."""
     given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
     return replace(base, **{name: value for name, value in given.items() if value is not None})
 
 
 def refuse(arguments: argparse.Namespace, names: Iterable[str], why: str) -> None:
-    """Raise ValueError when one of some options is given that has no meaning here."""
+    """Raise ValueError when an option is given that has no meaning here."""
     for name in names:
         if getattr(arguments, name):
             raise ValueError(f"--{name.replace('_', '-')} is for {why}: leave it out.")
 
 
-_READ = ("image", "session", "source", "start", "points", "truth", "within")
+_READ_ARGUMENTS = ("image", "session", "source", "start", "points", "truth", "within")
 """Arguments that name files to read."""
 
 
 def check_targets(paths: Iterable[str | Path], arguments: argparse.Namespace, image: str | Path | None = None) -> None:
     """Raise ValueError when a file to be written is one that the command reads; `image` is the one of a session."""
     read: list[str | Path] = [] if image is None else [image]
-    for name in _READ:
+    for name in _READ_ARGUMENTS:
         given = getattr(arguments, name, None)
         read += [given] if isinstance(given, str) else given or []
     kept = {Path(path).resolve() for path in read}

@@ -1,4 +1,4 @@
-"""``cpm batch``: applies a session file to many images; the files of each are written as it is done."""
+"""``cpm batch``: applies a session file to many images; the files of each are written as soon as it is done."""
 
 from __future__ import annotations
 
@@ -30,14 +30,16 @@ NAME = "summary.csv"
 """Name of the table of images in the folder of a batch."""
 
 MEASURES = "measures.csv"
-"""Name of the table of all contours there, which joins those of the images."""
+"""Name of the table of all contours there, which joins the tables of the images."""
 
-_MEASURED = f".{MEASURES}"
-WRITTEN = (".svg", _MEASURED, ".png")
-"""Formats that are written unless others are asked for."""
+_MEASURES_SUFFIX = f".{MEASURES}"
+"""Suffix of the table of the contours of an image."""
 
-_LONGEST = 200
-"""Longest part of an image's name that is taken into those of its files [bytes]."""
+WRITTEN = (".svg", _MEASURES_SUFFIX, ".png")
+"""Formats that are written by default."""
+
+_MAX_STEM_BYTES = 200
+"""Longest part of an image's name that the names of its files begin with [bytes]."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -110,18 +112,18 @@ def run(arguments: argparse.Namespace) -> int:
             if not row.trouble:
                 print(f"{printable(row.image)}: {counted(int(str(row.facts['contours'])), 'contour')}")
         more = (f", {failed} failed" if failed else "") + (f", {lacking} without some files" if lacking else "")
-        tables = f"{output / NAME}" + (f" and {output / MEASURES}" if _MEASURED in suffixes else "")
+        tables = f"{output / NAME}" + (f" and {output / MEASURES}" if _MEASURES_SUFFIX in suffixes else "")
         print(printable(f"{counted(len(rows), 'image')} in {seconds:.1f} s{more}; wrote {tables}"))
     return IN_PART if failed or lacking else 0
 
 
 class Batch:
-    """A session for many images, and the table of their folder, which keeps the rows of earlier batches.
+    """A session for many images, and the table in their folder, which keeps the rows of earlier batches.
 
     Parameters
     ----------
     images : sequence of str
-        The images as they were named.
+        The images as the user named them.
     session : SessionFile
         Start, regions, charges and review.
     source : Path
@@ -135,14 +137,14 @@ class Batch:
     max_steps : int, optional
         Largest number of steps of a run.
     again : bool
-        Whether to do what is done already: the same image by the same session, settings and version.
+        Whether to repeat what is done already: the same image by the same session, settings and version.
 
     Attributes
     ----------
     rows : dict of Row
-        What has been done, by the number of the image.
+        Outcomes, by the index of the image.
     jobs : tuple of Job
-        What was left to do at the beginning.
+        Images that were left to do at the beginning.
 
     Raises
     ------
@@ -177,12 +179,12 @@ class Batch:
             for number, image in enumerate(images) if number not in self.rows
         )  # fmt: skip
         self._stems = self._free_stems()
-        # a killed batch leaves no row of what it has replaced
+        # their files will be replaced, and no row may outlive its files if the batch is killed
         replaced = {f"{stem}{suffix}".lower() for stem in self._stems.values() for suffix in suffixes}
         self._earlier = [row for row in self._earlier if replaced.isdisjoint(name.lower() for name in row.files)]
 
     def _done_before(self, plain: Row) -> dict[int, Row]:
-        """Rows of images that an earlier batch has done in the same way, and whose files are still there."""
+        """Return rows of images that an earlier batch did in the same way and whose files still exist."""
         way = attrgetter("session_sha256", "settings", "version", "trouble")
         alike: dict[tuple[str, str], list[Row]] = {}
         for row in self._earlier:
@@ -199,7 +201,7 @@ class Batch:
         return done
 
     def _free_stems(self) -> dict[int, str]:
-        """File names without a suffix after the images of the jobs; none is of another image, or an image itself."""
+        """Return file names without suffix for the jobs; none belongs to another image, or is an input."""
         own = {Path(printable(image)).absolute() for image in self._images}
         others = [row for row in self._earlier if Path(row.image).absolute() not in own]
         taken = {name.lower() for row in (*others, *self.rows.values()) for name in row.files}
@@ -207,7 +209,7 @@ class Batch:
         stems: dict[int, str] = {}
         tried: dict[str, int] = {}
         for job in self.jobs:
-            first = f"{printable(Path(job.row.image).stem).encode()[:_LONGEST].decode(errors='ignore')}_contours"
+            first = f"{printable(Path(job.row.image).stem).encode()[:_MAX_STEM_BYTES].decode(errors='ignore')}_contours"
             for count in itertools.count(tried.get(first, 1)):
                 stem = first if count == 1 else f"{first}_{count}"
                 names = {f"{stem}{suffix}".lower() for suffix in self._suffixes}
@@ -220,7 +222,7 @@ class Batch:
         return stems
 
     def write(self, results: Generator[tuple[Job, Row]]) -> Iterator[Row]:
-        """Write the files and the row of each image as it is done, and yield it; at the end the table is in order."""
+        """Write the files and the row of each image as it is done, and yield the row; finally sort the table."""
         self._write_table()
         try:
             with closing(results):
@@ -231,7 +233,7 @@ class Batch:
         finally:
             self.rows = dict(sorted(self.rows.items()))
             self._write_table()
-        if _MEASURED in self._suffixes:
+        if _MEASURES_SUFFIX in self._suffixes:
             self._write_measures()
 
     def _written(self, row: Row, stem: str) -> Row:
@@ -245,16 +247,16 @@ class Batch:
         return replace(row, files=tuple(contents), contents={}, finished=finished)
 
     def _table(self) -> list[Row]:
-        """Rows of this batch in its order, after earlier ones of other images."""
+        """Return the rows of this batch in its order, after earlier ones of other images."""
         own = {printable(self._images[number]) for number in self.rows}
         return [row for row in self._earlier if row.image not in own] + [row for _, row in sorted(self.rows.items())]
 
     def _write_table(self) -> None:
-        write_together([(self._folder / NAME, f"{','.join(_COLUMNS)}\n".encode() + _lines(self._table()))])
+        write_together([(self._folder / NAME, f"{','.join(_SUMMARY_COLUMNS)}\n".encode() + _lines(self._table()))])
 
     def _write_measures(self) -> None:
-        """Join the tables of measures of all images, one file at a time, with their columns and the image first."""
-        files = [self._folder / name for row in self._table() for name in row.files if name.endswith(_MEASURED)]
+        """Join the tables of measures of all images, one file at a time, with the image as the first column."""
+        files = [self._folder / name for row in self._table() for name in row.files if name.endswith(_MEASURES_SUFFIX)]
         with drafts_of(self._folder / MEASURES) as (draft,), draft.open("w", encoding="utf-8", newline="") as stream:
             heads = set()
             for file in files:
@@ -269,32 +271,39 @@ class Batch:
                     joined.writerows(csv.DictReader(table))
 
 
-_SEPARATOR = "; "
-_LISTS = ("notes", "files")
-_FACTS: dict[str, Callable[[str], object]] = {
+_LIST_SEPARATOR = "; "
+"""Separator of the items of a cell."""
+
+_LIST_COLUMNS = ("notes", "files")
+"""Columns whose cells hold several items."""
+
+_FACT_COLUMNS: dict[str, Callable[[str], object]] = {
     **dict.fromkeys(("contours", "closed", "particles", "steps"), int),
     "converged": "True".__eq__,
     "stop_reason": str,
     "seconds": float,
 }
-"""Values of a run in the table, and how each is read."""
+"""Values of a run in the table, and the function that parses each."""
 
-_TEXTS = ("image", "trouble", "image_sha256", "session_sha256", "settings", "version", "finished")
-_COLUMNS = ("image", *_FACTS, "trouble", *_LISTS, *_TEXTS[2:])
+_TEXT_COLUMNS = ("image", "trouble", "image_sha256", "session_sha256", "settings", "version", "finished")
+"""Columns of text."""
+
+_SUMMARY_COLUMNS = ("image", *_FACT_COLUMNS, "trouble", *_LIST_COLUMNS, *_TEXT_COLUMNS[2:])
+"""All columns, in their order."""
 
 
 def _rows(path: Path) -> list[Row]:
-    """Rows of a table; none where there is no table yet."""
+    """Read the rows of a table; none where there is no table yet."""
     try:
         content = path.read_bytes()
     except FileNotFoundError:
         return []
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
-    try:  # a row that was cut short is that of an image not done
+    try:  # a truncated row belongs to an image that was not finished
         text = content[: content.rfind(b"\n") + 1].decode()
         lines = list(csv.DictReader(io.StringIO(text, newline="")))
-        rows = [_row({name: text_of_cell(line.get(name) or "") for name in _COLUMNS}) for line in lines]
+        rows = [_row({name: text_of_cell(line.get(name) or "") for name in _SUMMARY_COLUMNS}) for line in lines]
     except ValueError:
         raise ValueError(f"{path} is damaged: remove it, or choose another folder.") from None
     if lines and "image" not in lines[0]:
@@ -303,16 +312,16 @@ def _rows(path: Path) -> list[Row]:
 
 
 def _row(line: Mapping[str, str]) -> Row:
-    values: Entries = {name: line[name] for name in _TEXTS}
-    values |= {name: tuple(filter(None, line[name].split(_SEPARATOR))) for name in _LISTS}
-    return Row(facts={name: read(line[name]) for name, read in _FACTS.items() if line[name]}, **values)
+    values: Entries = {name: line[name] for name in _TEXT_COLUMNS}
+    values |= {name: tuple(filter(None, line[name].split(_LIST_SEPARATOR))) for name in _LIST_COLUMNS}
+    return Row(facts={name: read(line[name]) for name, read in _FACT_COLUMNS.items() if line[name]}, **values)
 
 
 def _lines(rows: Iterable[Row]) -> bytes:
     text = io.StringIO()
-    table = csv.DictWriter(text, _COLUMNS, restval="", lineterminator="\n")
+    table = csv.DictWriter(text, _SUMMARY_COLUMNS, restval="", lineterminator="\n")
     for row in rows:
-        lists = {name: _SEPARATOR.join(getattr(row, name)) for name in _LISTS}
-        line = {**{name: getattr(row, name) for name in _TEXTS}, **lists, **row.facts}
+        lists = {name: _LIST_SEPARATOR.join(getattr(row, name)) for name in _LIST_COLUMNS}
+        line = {**{name: getattr(row, name) for name in _TEXT_COLUMNS}, **lists, **row.facts}
         table.writerow({name: cell(value) if isinstance(value, str) else value for name, value in line.items()})
     return text.getvalue().encode()

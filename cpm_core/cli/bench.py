@@ -20,7 +20,7 @@ from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import segment
 
-_PITCH = 64
+_DISK_PITCH = 64
 """Distance between the centers of neighboring disks of the scene [px]."""
 
 
@@ -54,18 +54,18 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _scene(side: int) -> Array:
-    """Gray levels of side x side bright disks on a noisy background."""
-    row, col = np.indices((side * _PITCH, side * _PITCH)) % _PITCH - _PITCH / 2
+    """Return gray levels of side x side bright disks on a noisy background."""
+    row, col = np.indices((side * _DISK_PITCH, side * _DISK_PITCH)) % _DISK_PITCH - _DISK_PITCH / 2
     disks = np.clip(20.5 - np.hypot(row, col), 0.0, 1.0)
     return 50.0 + 150.0 * disks + np.random.default_rng(0).normal(0.0, 2.0, disks.shape)
 
 
 def _tasks(values: Array) -> Iterator[tuple[str, Callback]]:
-    """What is measured, and a function that does it once."""
+    """Yield a title and a function for each measurement; the function does once what is timed."""
     size, automatic = " x ".join(map(str, values.shape)), PRESETS["automatic"]
     grid = uniform_grid(values.shape)
     yield f"{size} px, starts everywhere", lambda: segment(values, grid, automatic)
-    yield f"{size} px, circle in one object", lambda: segment(values, circle((_PITCH / 2, _PITCH / 2), 12.0))
+    yield f"{size} px, circle in one object", lambda: segment(values, circle((_DISK_PITCH / 2, _DISK_PITCH / 2), 12.0))
     yield f"{size} px, all fields", lambda: Engine(values, automatic)
     engine = Engine(values, automatic)
     state = engine.start(grid)

@@ -47,10 +47,10 @@ from cpm_core.shapes.document_shapes import check_axes, starts_of
 from cpm_core.shapes.outlines import outlines_of
 
 ABOUT = " ".join(f"{method.name}: {method.about}" for method in CONTOUR_METHODS.values())
-"""What the methods are, for the help."""
+"""Descriptions of the methods, for the help."""
 
-_OURS = tuple(name for name, method in CONTOUR_METHODS.items() if method.of_particles)
-"""The methods whose settings are the parameters of a run."""
+_PARTICLE_METHODS = tuple(name for name, method in CONTOUR_METHODS.items() if method.of_particles)
+"""Methods whose settings are the parameters of a run."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -79,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: those of the session, or all)",
     )
-    others = (f"{name}: {', '.join(_names(name))}" for name in CONTOUR_METHODS if name not in _OURS)
+    others = (f"{name}: {', '.join(_names(name))}" for name in CONTOUR_METHODS if name not in _PARTICLE_METHODS)
     methods.add_argument(
         "--set",
         metavar="METHOD.NAME=VALUE",
@@ -87,9 +87,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="extend",
         default=[],
         help="settings of methods, such as geodesic.balloon=0.5 cpm.smoothing=2; of "
-        f"{'; of '.join(others)}; of {' and '.join(_OURS)}: the parameters of cpm run",
+        f"{'; of '.join(others)}; of {' and '.join(_PARTICLE_METHODS)}: the parameters of cpm run",
     )
-    add(methods, "--preset", help=f"named settings (default: of {' and '.join(_OURS)} those of the session)")
+    add(
+        methods, "--preset", help=f"named settings (default: of {' and '.join(_PARTICLE_METHODS)} those of the session)"
+    )
     add(methods, "--max-steps")
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--truth", metavar="MASK", help="ground truth: a mask, or a file of contours")
@@ -153,12 +155,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _cells(title: str, *cells: object) -> str:
-    """The first cells of a line of the table."""
+    """Format the first cells of a line of the table."""
     return f"{title:24}" + "".join(f"{cell!s:>12}" for cell in cells)
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequence[Path]) -> Image:
-    """The image, in the gray levels that all methods take."""
+    """Load the image, in the gray levels that all methods take."""
     part = part_of(arguments)
     path, reading = image_of(arguments.image, session, arguments.session)
     check_targets(targets, arguments, path)
@@ -174,7 +176,7 @@ def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequenc
 def _settings(
     arguments: argparse.Namespace, methods: Sequence[str], session: SessionFile, compared: Compared
 ) -> Entries:
-    """The settings of each of some methods: those of the comparison of a session, and what was set.
+    """Return the settings of each method: those of the comparison of a session, changed as the arguments ask.
 
     Raises
     ------
@@ -183,7 +185,7 @@ def _settings(
     """
     ours = PRESETS[arguments.preset] if arguments.preset else session.parameters if arguments.session else None
     found: Entries = {
-        name: ours if ours is not None and name in _OURS else compared.settings_of(name) for name in methods
+        name: ours if ours is not None and name in _PARTICLE_METHODS else compared.settings_of(name) for name in methods
     }
     changes: dict[str, Entries] = {}
     for text in arguments.set:
@@ -200,13 +202,13 @@ def _settings(
 
 
 def _names(method: str) -> Texts:
-    """Names of the settings of a method."""
+    """Return the names of the settings of a method."""
     kind = CONTOUR_METHODS[method].settings
     return tuple(kind.table()) if issubclass(kind, Settings) else tuple(Parameters.__dataclass_fields__)
 
 
 def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
-    """The shapes of the command line and of the session; ValueError when there is no start at all."""
+    """Return the shapes of the command line and of the session; ValueError when there is no start at all."""
     circles = (numbers_of("--circle", text, "ROW,COL,RADIUS") for text in arguments.circle)
     polygons = (numbers_of("--polygon", text, "ROW,COL,...") for text in arguments.polygon)
     drawn: list[Shape] = [Circle((row, col), radius) for row, col, radius in circles]
@@ -224,7 +226,7 @@ def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
 
 
 def _start_on(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespace, session: SessionFile) -> Start:
-    """The start: lines that are drawn, and those of the files of ``--start``."""
+    """Return the start: lines that are drawn, and those of the files of ``--start``."""
     found = list(outlines_of(drawn))
     for path in arguments.start:
         shapes, name = starts_from_file(path, image), Path(path).name
@@ -240,7 +242,7 @@ def _start_on(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespac
 
 
 def _say_open(where: str, shapes: Sequence[Shape]) -> None:
-    """Say how many starts are left out since they enclose nothing."""
+    """Report how many starts are left out since they enclose nothing."""
     if loose := len(shapes) - len(outlines_of(shapes)):
         what = counted(loose, "start without an inside", "starts without an inside")
         say(f"{where}: {what} left out, as most of the methods need one.")

@@ -1,4 +1,4 @@
-"""``cpm export``: writes what a session shows, or contours and surfaces of a file, in other formats."""
+"""``cpm export``: writes the result of a session, or contours and surfaces of a file, in other formats."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _on_result(result: Result | Centerlines, source: Path) -> tuple[Entries, str]:
-    """The report on a result, as plain JSON and as a line."""
+    """Describe a result, as plain JSON and as a line."""
     facts: Entries = {"contours": len(result.contours), "closed": sum(one.closed for one in result.contours)}
     if isinstance(result, Centerlines):
         facts[ENTRY] = facts_on(result.source, result.provenance)
@@ -108,7 +108,7 @@ def _on_result(result: Result | Centerlines, source: Path) -> tuple[Entries, str
 
 
 def _of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, str]:
-    """What the window shows of a session, and the path of its image."""
+    """Return the result that the window shows of a session, and the path of its image."""
     session = load_session(source)
     if arguments.image is None and session.image is None:
         raise ValueError(f"{source.name} does not name an image: add --image IMAGE.")
@@ -121,7 +121,7 @@ def _of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, st
 
 
 def _found(session: SessionFile, parameters: Parameters, image: Image, source: Path) -> Result:
-    """The result of the state that a session shows, or else of the end of its run."""
+    """Restore the result of the state that a session shows, or else run it to its end."""
     announce_compilation()
     kept = shown_state(replace(session, parameters=parameters), image)
     if kept is not None:
@@ -134,7 +134,7 @@ def _found(session: SessionFile, parameters: Parameters, image: Image, source: P
 
 
 def _in_plane(source: Path, arguments: argparse.Namespace) -> Result:
-    """The contours of a file as a result on the image that is named, or one of the size that the file reports."""
+    """Read the contours of a file as a result on the given image, or on one of the size that the file states."""
     image = None if arguments.image is None else load_image(arguments.image)
     found = read_contours(source, plane_of(image), page=arguments.page)
     say_notes(source.name, found.notes)
@@ -150,7 +150,7 @@ def _in_plane(source: Path, arguments: argparse.Namespace) -> Result:
 
 
 def _in_volume(source: Path, arguments: argparse.Namespace) -> Result | Centerlines:
-    """A surface or center lines as a result in the volume that is named."""
+    """Read a surface or center lines as a result in the given volume."""
     suffix = source.suffix.lower()
     image = None if arguments.image is None else load_volume(arguments.image)
     if suffix in FOR_CENTERLINES:
@@ -166,7 +166,7 @@ def _in_volume(source: Path, arguments: argparse.Namespace) -> Result | Centerli
 
 
 def _read(source: Path, image: Image | None, shape: Extent) -> Result:
-    """A result without contours, of what has been read from a file."""
+    """Return a result without contours, for what has been read from a file."""
     name, spacing = (source.name, (1.0,) * len(shape)) if image is None else (image.source, image.spacing)
     unit = None if image is None or image.unit is None else known_unit(image.unit)
     nothing = np.empty((0, len(shape)))

@@ -1,4 +1,4 @@
-"""What commands read: images, sessions, starts, and ground truths."""
+"""Inputs of commands: images, sessions, starts, and ground truths."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
 
 
 def expanded(given: Sequence[str]) -> list[str]:
-    """The images that files, folders and patterns name.
+    """Return the images that files, folders and patterns name.
 
     A folder stands for the images in it, in the order of the numbers in their names; one with the slices of a DICOM
-    series for itself. ValueError for a folder or a pattern without images; a file need not be there.
+    series stands for itself. ValueError for a folder or a pattern without images; files need not exist.
     """
     found: list[str] = []
     for text in given:
@@ -60,7 +60,7 @@ def expanded(given: Sequence[str]) -> list[str]:
 
 
 def only_image(given: str) -> str:
-    """The image that a file, a folder or a pattern names; ValueError when it names several."""
+    """Return the image that a file, a folder or a pattern names; ValueError when it names several."""
     found = expanded([given])
     if len(found) > 1:
         raise ValueError(
@@ -82,7 +82,7 @@ def _in_folder(folder: Path) -> list[str]:
 
 
 def session_of(arguments: argparse.Namespace) -> SessionFile:
-    """The session that is named, else an empty one; ValueError when there is no image."""
+    """Load the given session, else return an empty one; ValueError when there is no image."""
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
@@ -90,12 +90,12 @@ def session_of(arguments: argparse.Namespace) -> SessionFile:
 
 
 def in_volume(session: SessionFile) -> bool:
-    """Whether a session is about a volume."""
+    """Tell whether a session is about a volume."""
     return session.image is not None and len(session.image.shape) == 3
 
 
 def image_of(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, Entries]:
-    """Path of the image that is named, or else of that of the session of a file, and how it is read."""
+    """Return the path of the named image, or else of the image of the session, and how to read it."""
     if source is not None:
         say_notes(Path(source).name, session.notes)
     if session.image is None or source is None:
@@ -108,7 +108,7 @@ def image_of(named: str | None, session: SessionFile, source: str | Path | None)
 
 
 def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Parameters:
-    """Parameters for an image, whose notes are printed; with as many `scales` as it has room for."""
+    """Print the notes on an image, and return parameters with as many `scales` as it has room for."""
     notes = image.notes if image.ndim == 3 else notes_on(image, parameters)
     if scales and image.ndim == 2:
         parameters, more = with_room(parameters, image)
@@ -118,13 +118,13 @@ def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Para
 
 
 def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, Texts]:
-    """Parameters with as many scales as an image has room for, and a note where that changes them."""
+    """Return parameters with as many scales as an image has room for, and a note where that changes them."""
     fit = fitting(parameters, image.shape)
     return fit, () if fit == parameters else (f"The image is small: scales is set to {fit.scales}.",)
 
 
 def notes_on(image: Image, parameters: Parameters) -> Texts:
-    """What was changed between the file of an image and the gray levels that a run with these parameters takes."""
+    """Return notes on the differences between the file of an image and the gray levels that a run takes."""
     wanted = parameters.channel
     if wanted == "luminance":
         return image.notes
@@ -144,7 +144,7 @@ def segmented(
     progress: Callable[[State], object] | None = None,
     regions: AnyRegions | None = None,
 ) -> Result:
-    """The result of a run from shapes, with the barriers of a session unless there are `regions`."""
+    """Run from shapes to a result, with the barriers of a session unless there are `regions`."""
     return segment(
         image,
         seeds_on(image, shapes, parameters.smoothing, parameters.channel),
@@ -157,13 +157,13 @@ def segmented(
 
 
 def reviewed(found: Result, image: Image, parameters: Parameters, session: SessionFile, *, kept: bool = True) -> Result:
-    """A result after the edits by hand and the review of a session; `kept` contours belong to its own image."""
+    """Apply the hand edits and the review of a session; `kept` contours belong only to its own image."""
     edited = with_hand_edits(found, image, parameters, session.hand_edits)
     return apply(with_kept(edited, session.marks) if kept else edited, session.marks)
 
 
 def starts_from_file(path: str, image: Image) -> tuple[Start, ...]:
-    """Starts along the contours of a file; in a volume on its surface, or along its center lines."""
+    """Return starts along the contours of a file; in a volume on its surface, or along its center lines."""
     suffix = Path(path).suffix.lower()
     if image.ndim == 2:
         found = read_contours(path, plane_of(image))
@@ -177,7 +177,7 @@ def starts_from_file(path: str, image: Image) -> tuple[Start, ...]:
 
 
 def truth_for(arguments: argparse.Namespace, image: Image) -> Truth | VolumeTruth | None:
-    """The ground truth that is named, of this image or volume."""
+    """Load the given ground truth of this image or volume, if any."""
     if arguments.truth is None:
         return None
     if image.ndim == 3:

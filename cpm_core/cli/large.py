@@ -27,17 +27,20 @@ from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, sized
 from cpm_core.segmentation.reach.reach_map import is_limited
 
-_WHOLE = "an image that is run in one piece"
-_FOLDER = ".cpm-chunks"
+_WHOLE_IMAGE_PURPOSE = "an image that is run in one piece"
+"""What options are for that are refused here."""
+
+_CHUNK_FOLDER_SUFFIX = ".cpm-chunks"
+"""Suffix of the folder for intermediate results, next to the first exported file."""
 
 
 def is_large(arguments: argparse.Namespace, path: Path) -> bool:
-    """Whether a run works chunk by chunk: everywhere in an image of a format of which parts can be read."""
+    """Tell whether a run works chunk by chunk: everywhere in an image whose format can be read in parts."""
     return bool(arguments.auto) and is_zarr(path)
 
 
 def is_large_volume(arguments: argparse.Namespace) -> bool:
-    """Whether such an image has several planes, none of which is named."""
+    """Tell whether such an image has several planes, none of which is named."""
     path = Path(arguments.image or "")
     series: Any = arguments.series and as_number(arguments.series)
     if arguments.page or arguments.pages or not is_large(arguments, path):
@@ -48,9 +51,9 @@ def is_large_volume(arguments: argparse.Namespace) -> bool:
 def run_large(
     arguments: argparse.Namespace, path: Path, part: Plain, parameters: Parameters, *, volume: bool = False
 ) -> int:
-    """Find contours, or in a volume bodies, chunk by chunk; a run that was ended is continued by the same command."""
+    """Find contours, or in a volume bodies, chunk by chunk; the same command continues an interrupted run."""
     drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
-    refuse(arguments, (*drawn, "sphere", "space", "save_session"), _WHOLE)
+    refuse(arguments, (*drawn, "sphere", "space", "save_session"), _WHOLE_IMAGE_PURPOSE)
     files_of: Any = volume_results if volume else results
     _check(arguments, path, parameters, files_of.WRITABLE)
     if volume:
@@ -59,7 +62,7 @@ def run_large(
             raise ValueError("--gamma looks at the whole volume at once: leave it at 1, or run a smaller volume.")
     source = grid.Source(path, Reading(**part), "zyx" if volume else "yx")
     first = Path(arguments.export[0])
-    store = Store(first.with_name(f"{first.name}{_FOLDER}"))
+    store = Store(first.with_name(f"{first.name}{_CHUNK_FOLDER_SUFFIX}"))
     task = Task(source, parameters, arguments.auto, store, arguments.max_steps, arguments.objects)
     began, channels = time.perf_counter(), source.levels.count("c")
     if channels > 1 and source.reading.channel is None:
@@ -67,16 +70,18 @@ def run_large(
     announce_compilation()
     with cluster(arguments.scheduler, arguments.workers) as client, StatusLine() as line:
 
-        def compute(function: Callable[[Any], Any], jobs: Sequence[Any], title: str) -> Iterator[tuple[int, Any]]:
+        def compute_chunks(
+            function: Callable[[Any], Any], jobs: Sequence[Any], title: str
+        ) -> Iterator[tuple[int, Any]]:
             line.begin(title)
             for done, (at, future) in enumerate(finished(client, partial(on_one_core, function), jobs), start=1):
                 result = future.result()
                 line.count(done, len(jobs))
                 yield at, result
 
-        found: Any = run_volume(task, compute) if volume else run(task, compute, grid.SIDE)
+        found: Any = run_volume(task, compute_chunks) if volume else run(task, compute_chunks, grid.SIDE)
         files = Files()
-        files.written += results.write(found, arguments.export, compute, files_of.WRITERS)
+        files.written += results.write(found, arguments.export, compute_chunks, files_of.WRITERS)
     store.remove()
     seconds, chunks = time.perf_counter() - began, len(found.grid.chunks)
     smoothing, unit = found.whole.tone.smoothing, "voxels" if volume else "px"

@@ -1,7 +1,7 @@
-"""What commands print: sentences and progress for the user, one JSON object for programs, and the files they wrote.
+"""Output of commands: sentences and progress for the user, one JSON object for programs, and the files they wrote.
 
-Each object begins with ``command``, ``schema`` (the version of the form) and ``version`` (that of CPM). What follows is
-in `SCHEMA_FILE`, a JSON Schema of all commands; its number is raised when an entry changes its meaning or goes.
+Each object begins with ``command``, ``schema`` (the version of the schema) and ``version`` (of CPM). The rest is in
+`SCHEMA_FILE`, a JSON Schema of all commands; its number is raised when an entry changes its meaning or is removed.
 """
 
 from __future__ import annotations
@@ -26,23 +26,23 @@ from cpm_core.parameters.quotation import counted
 from cpm_core.warm_up import FIRST, is_compiled, warm_up
 
 SCHEMA = 1
-"""Version of the form of all JSON objects."""
+"""Version of the schema of all JSON objects."""
 
 SCHEMA_FILE = Path(__file__).with_name("outcome.schema.json")
 """JSON Schema of what the commands print with ``--json``."""
 
 IN_PART = 1
-"""Exit status when some of several images, pages or files could not be done, and the others were."""
+"""Exit status when only some of several images, pages or files could be done."""
 
-_LONG = 180.0
-"""Time from which minutes are counted [s]."""
+_MINUTES_FROM = 180.0
+"""Remaining time from which it is given in minutes [s]."""
 
-_REDRAW = 0.1
-"""Time between two changes of a line of progress [s]."""
+_REDRAW_INTERVAL = 0.1
+"""Shortest time between two changes of a line of progress [s]."""
 
 
 def say(sentence: str) -> None:
-    """Print a sentence to standard error."""
+    """Print a message to standard error."""
     print(printable(f"cpm: {sentence}"), file=sys.stderr, flush=True)
 
 
@@ -53,7 +53,7 @@ def say_notes(source: str, notes: Iterable[str]) -> None:
 
 
 class StatusLine:
-    """A line with the progress, on standard error where that is a terminal; removed at the end of the block."""
+    """A line of progress on standard error if that is a terminal; it is removed at the end of the block."""
 
     def __init__(self) -> None:
         self._due = 0.0
@@ -74,27 +74,27 @@ class StatusLine:
         """Show the state of a run, from time to time."""
         now = time.monotonic()
         if now >= self._due:
-            self._due = now + _REDRAW
+            self._due = now + _REDRAW_INTERVAL
             self.show(f"step {state.step}  scale {state.scale}  particles {state.count}")
 
     def begin(self, title: str) -> None:
-        """Count items of a kind from now on."""
+        """Start counting items of a kind."""
         self._title, self._began = f"{title}: " if title else "", time.monotonic()
 
     def count(self, done: int, total: int) -> None:
-        """Show how many items are done, and about how long the others take."""
+        """Show how many items are done, and the approximate time for the others."""
         left = (time.monotonic() - self._began) / done * (total - done)
-        time_left = f"{left:.0f} s" if left < _LONG else f"{left / 60.0:.0f} min"
+        time_left = f"{left:.0f} s" if left < _MINUTES_FROM else f"{left / 60.0:.0f} min"
         self.show(f"{self._title}{done} of {total}" + (f", about {time_left} left" if left else ""))
 
     def say(self, sentence: str) -> None:
-        """Print a sentence above the line."""
+        """Print a message above the line."""
         self.show("")
         say(sentence)
 
 
 def announce_compilation() -> None:
-    """Compile the kernels of a run ahead, where that has not been done yet, and say so."""
+    """Compile the kernels of a run in advance if necessary, and tell the user."""
     if not is_compiled():
         say("the inner loops are compiled for this computer, once; the first run begins some seconds later.")
         with StatusLine() as line:
@@ -102,24 +102,24 @@ def announce_compilation() -> None:
 
 
 class Files:
-    """The files that a command writes: those that are written, and why others are not."""
+    """The files that a command writes: those that are written, and the reasons why others are not."""
 
     def __init__(self) -> None:
         self.written: list[str] = []
         self.refused: dict[str, str] = {}
 
     def export(self, result: Any, paths: Sequence[str], **options: Any) -> None:
-        """Write a result, with options of `export`, to those of some paths whose formats can hold it."""
+        """Write a result, with options of `export`, to those of the paths whose formats can hold it."""
         with self.writing(*paths):
             export(result, *paths, refused=self.refuse, **options)
 
     def refuse(self, path: str | Path, reason: str) -> None:
-        """Note that a file is not written, and why."""
+        """Record that a file is not written, and why."""
         self.refused[str(path)] = reason
 
     @contextmanager
     def writing(self, *paths: str) -> Iterator[None]:
-        """Write some files within the block: all that it does not refuse, or none when it raises ValueError."""
+        """Record the files that the block writes: all that it does not refuse, or none when it raises ValueError."""
         try:
             yield
         except ValueError as error:
@@ -135,9 +135,9 @@ def print_json(arguments: argparse.Namespace, facts: Plain) -> None:
 
 
 def report(arguments: argparse.Namespace, facts: Plain, lines: Iterable[str], files: Files, advice: str = "") -> int:
-    """Print the outcome of a command as JSON, or as sentences with the files that were written; its exit status.
+    """Print the outcome of a command as JSON, or as sentences with the files that were written; return the exit status.
 
-    Sentences say first what is not written, with `advice`. ValueError when nothing is.
+    Files that are not written come first, with `advice`. ValueError when none is written.
     """
     for path, reason in files.refused.items():
         if not files.written:
@@ -152,7 +152,7 @@ def report(arguments: argparse.Namespace, facts: Plain, lines: Iterable[str], fi
 
 
 def facts_of_run(result: Result, seconds: float) -> dict[str, object]:
-    """Values of a run by name, as they are printed as JSON."""
+    """Return values of a run by name, as they are printed as JSON."""
     return {
         "particles": len(result.particles),
         "contours": len(result.contours),
@@ -165,25 +165,29 @@ def facts_of_run(result: Result, seconds: float) -> dict[str, object]:
 
 
 def contours_of(found: Any, kind: str = "contour") -> str:
-    """Number of the contours of a result, in words."""
+    """Return the number of the contours of a result, in words."""
     closed = sum(contour.closed for contour in found.contours)
     return f"{counted(len(found.contours), kind)} ({closed} closed)"
 
 
 def longest(lines: Sequence[str]) -> list[str]:
-    """The first ten of some lines on contours, numbered, which are on the longest."""
+    """Return the first ten of some lines on contours, the longest first, with numbers."""
     more = [f"  ... and {len(lines) - 10} shorter ones"] if len(lines) > 10 else []
     return [f"  {number}. {line}" for number, line in enumerate(lines[:10], start=1)] + more
 
 
-_AXES = ("planes", "rows", "columns")
-_ENDS = {"L": "left", "R": "right", "P": "back", "A": "front", "S": "head", "I": "feet"}
-_OBLIQUE = 0.05
-"""Angle from which axes are called oblique [degrees]."""
+_AXIS_PLURALS = ("planes", "rows", "columns")
+"""Names of what is counted along the axes."""
+
+_DIRECTION_WORDS = {"L": "left", "R": "right", "P": "back", "A": "front", "S": "head", "I": "feet"}
+"""Directions in a patient by their letters."""
+
+_MIN_OBLIQUE_ANGLE = 0.05
+"""Smallest angle at which axes are called oblique [degrees]."""
 
 
 def lines_on_place(image: Image) -> list[str]:
-    """Size of a pixel or voxel, and orientation and position where they are known."""
+    """Return lines on the size of a pixel or voxel, and on orientation and position where they are known."""
     what = "pixel" if image.ndim == 2 else "voxel"
     size = "not given in the file"
     if image.unit:
@@ -191,8 +195,11 @@ def lines_on_place(image: Image) -> list[str]:
         size = f"{' x '.join(f'{side:g}' for side in image.spacing)} {image.unit} ({order})"
     lines, geometry = [f"Size of a {what}: {size}"], image.geometry
     if geometry is not None:
-        ways = [f"{axis} to the {_ENDS[letter]}" for axis, letter in zip(_AXES, geometry.letters, strict=True)]
-        turned = f", up to {geometry.oblique:.1f}° oblique" if geometry.oblique >= _OBLIQUE else ""
+        ways = [
+            f"{axis} to the {_DIRECTION_WORDS[letter]}"
+            for axis, letter in zip(_AXIS_PLURALS, geometry.letters, strict=True)
+        ]
+        turned = f", up to {geometry.oblique:.1f}° oblique" if geometry.oblique >= _MIN_OBLIQUE_ANGLE else ""
         origin = ", ".join(f"{at:g}" for at in geometry.origin)
         lines.append(f"Orientation: {', '.join(ways[-image.ndim :])}{turned}")
         lines.append(f"First {what}: at ({origin}) {image.unit or 'voxels'}, {geometry.convention}")
@@ -200,7 +207,7 @@ def lines_on_place(image: Image) -> list[str]:
 
 
 def facts_on_place(image: Image) -> dict[str, object]:
-    """The same as values by name."""
+    """Return size of a pixel or voxel, orientation and position as values by name."""
     geometry = image.geometry
     place = geometry and {
         "origin": list(geometry.origin),

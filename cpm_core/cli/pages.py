@@ -49,20 +49,21 @@ def run_pages(
     regions: AnyRegions | None,
     charges: Sequence[PlacedCharge],
 ) -> int:
-    """Run the pages, and write what is found on all of them; what is done is written on Ctrl+C too.
+    """Run the pages, and write what is found on all of them; after Ctrl+C, what has been done is written.
 
     Parameters
     ----------
     arguments : Namespace
         The arguments of the command.
     path, part
-        The stack, and what `load_pages` is given in addition.
+        The stack, and further arguments of `load_pages`.
     parameters, seeds
-        Parameters of all runs, and the start on an image.
+        Parameters of all runs, and the function that gives the seeds, shape (N, 2), on an image.
     places : sequence
-        Places inside of an object that is followed, and outside of it; none where contours are followed.
+        Positive points of an object that is followed, and negative ones, each (row, col) [px]; without positive ones,
+        contours are followed.
     drawn : tuple of mapping
-        What was drawn, as session files hold it.
+        Shapes that were drawn, as in session files.
     regions, charges
         Limits and placed charges on every page.
     """
@@ -75,11 +76,11 @@ def run_pages(
     found: list[Page] = []
     limits: Entries = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
 
-    def found_on(image: Image) -> Result:
+    def segment_page(image: Image) -> Result:
         return segment(image, seeds(image), fitting(parameters, image.shape), **limits)
 
     if places[0]:
-        runs = follow_objects(pages, found_on, np.array(places[0]), np.array(places[1]), numbers)
+        runs = follow_objects(pages, segment_page, np.array(places[0]), np.array(places[1]), numbers)
     else:
         runs = follow(pages, seeds, parameters, numbers=numbers, fresh=not arguments.follow, **limits)
     interrupted, files = False, Files()
@@ -107,7 +108,7 @@ def run_pages(
 
 
 def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
-    """Numbers of pages as they are given: all, or numbers and ranges between commas; ValueError for other text."""
+    """Parse page numbers: all, or numbers and ranges between commas; ValueError for other text."""
     if given == "all":
         return list(range(1, count + 1))
     numbers: list[int] = []
@@ -133,7 +134,7 @@ def _report(arguments: argparse.Namespace, found: StackResult, files: Files, sec
         facts: Entries = {}
         if page.result is not None:
             facts = facts_of_run(page.result, 0.0)
-            del facts["seconds"]  # that of one page is not known
+            del facts["seconds"]  # the time of one page is not known
             lines.append(f"page {page.number}: {contours_of(page.result)}")
         events = [event.sentence for event in page.events]
         said += events

@@ -79,13 +79,14 @@ from cpm_core.parameters.quotation import counted, sized
 from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
-_CLOSE = "Name an object by --object ROW,COL, whose boundary is closed."
+_CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
+"""Advice where a format cannot hold open contours."""
 
-_SHOWN = 10
-"""Number of objects of which each is printed."""
+_MAX_PRINTED_OBJECTS = 10
+"""Largest number of objects that are printed one by one."""
 
 Drawn = Mapping[str, Sequence[tuple[float, ...]]]
-"""Numbers of what is drawn on the command line, by option."""
+"""Numbers that the drawing options were given, by option."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -230,13 +231,13 @@ def _run_image(
     recorder = Recorder()
     with StatusLine() as line:
 
-        def follow(state: State) -> None:
+        def record_state(state: State) -> None:
             recorder(state)
             line.show_state(state)
 
         regions = _planes(drawn, session) if volume else None
         found = segmented(
-            image, starting, parameters, session, max_steps=arguments.max_steps, progress=follow, regions=regions
+            image, starting, parameters, session, max_steps=arguments.max_steps, progress=record_state, regions=regions
         )
     made = with_shapes(found, (*session.shapes, *shapes), _files_drawn(arguments))
     chosen: Sequence[Selection] = ()
@@ -259,7 +260,7 @@ def _run_image(
         arguments.export,
         image=path,
         space=arguments.space or "LPS",
-        warn=lambda sentence: say(f"{sentence} {_CLOSE[:-1]}, or write SVG, GeoJSON or CSV."),
+        warn=lambda sentence: say(f"{sentence} {_CLOSE_ADVICE[:-1]}, or write SVG, GeoJSON or CSV."),
     )
     if arguments.save_session is not None:
         own = arguments.image is None
@@ -283,7 +284,7 @@ def _run_image(
     if truth is not None:
         facts["truth"], sentence = _agreement(shown, truth)
         lines.append(sentence)
-    advice = _CLOSE if any(left_out(shown, suffix_of(path)) for path in files.refused) else ""
+    advice = _CLOSE_ADVICE if any(left_out(shown, suffix_of(path)) for path in files.refused) else ""
     return report(arguments, facts, lines, files, advice)
 
 
@@ -313,7 +314,7 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: 
 
 
 def _shapes(drawn: Drawn, arguments: argparse.Namespace, volume: Image | None = None) -> tuple[Shape, ...]:
-    """The shapes that are drawn on the command line, in an image or in a volume, where limits are no shapes."""
+    """Return the shapes of the command line, in an image or in a volume, where limits are no shapes."""
     axes = 2 if volume is None else 3
     shapes: list[Shape] = [Stroke(places_in(numbers, axes)) for numbers in drawn["stroke"]]
     shapes += [Points(as_line(load_points(path, axes))) for path in arguments.points]
@@ -330,14 +331,14 @@ def _shapes(drawn: Drawn, arguments: argparse.Namespace, volume: Image | None = 
 def _starting(
     arguments: argparse.Namespace, session: SessionFile, image: Image, drawn: Sequence[Shape]
 ) -> tuple[Shape, ...]:
-    """All shapes of a run: those of the session, those drawn, and those of files."""
+    """Return all shapes of a run: those of the session, those drawn, and those of files."""
     files = (start for path in arguments.start for start in starts_from_file(path, image))
     shapes = (*session.shapes, *drawn, *files)
-    return shapes if starts_of(shapes) else (*shapes, Everywhere("grid"))  # an object alone is named
+    return shapes if starts_of(shapes) else (*shapes, Everywhere("grid"))  # only an object was named
 
 
 def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
-    """Boxes of interest and planes that are barriers, with the limits of a session; None where none is drawn."""
+    """Return boxes of interest and planes as barriers, with the limits of a session; None where none is drawn."""
     if not (drawn["region"] or drawn["barrier"]):
         return None
     saved = regions_of(session.shapes, session.objects.barriers)
@@ -349,12 +350,12 @@ def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
 
 
 def _files_drawn(arguments: argparse.Namespace) -> list[Entries]:
-    """The files whose contours a run starts from, as session files hold shapes."""
+    """Return the files whose contours a run starts from, as session files hold shapes."""
     return [{"shape": "points", "file": Path(path).name} for path in arguments.start]
 
 
 def _surface(found: Result, drawn: Drawn) -> Result:
-    """The result with the surface of the bodies alone that places lie in."""
+    """Restrict the surface of a result to the bodies that contain the positive points, if any."""
     if not drawn["object"]:
         return found
     chosen = partition(found).select(drawn["object"], drawn["not"])
@@ -364,7 +365,7 @@ def _surface(found: Result, drawn: Drawn) -> Result:
 
 
 def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[Entries, list[str]]:
-    """The report on contours, as values by name and as sentences."""
+    """Describe contours, as values by name and as sentences."""
     facts: Entries = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
     lines = [f"{result.source}: {contours_of(result)}"]
     lines += longest(
@@ -384,13 +385,13 @@ def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) ->
         }
         counts = {"holes": sum(contour.hole for contour in one.contours), "gaps": len(one.gaps)}
         facts.setdefault("objects", []).append({name: round(value, 4) for name, value in on_object.items()} | counts)
-        if number <= _SHOWN:
+        if number <= _MAX_PRINTED_OBJECTS:
             lines.append(
                 "Object: area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, "
                 "confidence {share:.0f} %".format(share=100.0 * one.confidence, **on_object)
             )
-    if len(chosen) > _SHOWN:
-        lines.append(f"... and {len(chosen) - _SHOWN} more objects")
+    if len(chosen) > _MAX_PRINTED_OBJECTS:
+        lines.append(f"... and {len(chosen) - _MAX_PRINTED_OBJECTS} more objects")
     if result.bridges:
         farthest = max(bridge.length for bridge in result.bridges)
         lines.append(f"Bridged {counted(len(result.bridges), 'gap')}, longest {farthest:.1f} px")
@@ -398,7 +399,7 @@ def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) ->
 
 
 def _on_surface(result: Result, seconds: float) -> tuple[Entries, list[str]]:
-    """The report on a surface, as values by name and as sentences."""
+    """Describe a surface, as values by name and as sentences."""
     surface = result.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts: Entries = {
@@ -422,7 +423,7 @@ def _on_run(result: Result, seconds: float) -> Iterator[str]:
 
 
 def _agreement(result: Result, truth: Truth | VolumeTruth) -> tuple[Entries, str]:
-    """How well contours, or a surface, agree with a ground truth, as values by name and as a sentence."""
+    """Measure how well contours, or a surface, agree with a ground truth: values by name, and a sentence."""
     found: Any
     measures, of, unit = ["dice", "jaccard", "precision", "recall", "f", "hausdorff"], {}, "px"
     if isinstance(truth, VolumeTruth):

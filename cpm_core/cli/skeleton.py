@@ -1,4 +1,4 @@
-"""``cpm skeleton``: finds the skeletons of the objects in an image, and the center lines of what lies in a volume."""
+"""``cpm skeleton``: finds the skeletons of the objects in an image, and center lines in a volume."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.numerics.types import Entries
 from cpm_core.parameters import PRESETS
 
-_PARAMETERS = (
+_SKELETON_PARAMETERS = (
     "pruning",
     "max_width",
     "smoothing",
@@ -36,7 +36,10 @@ _PARAMETERS = (
     "edges",
     "channel",
 )
-_OF = ("auto", "dark", "light")
+"""Parameters that can be set."""
+
+_POLARITIES = ("auto", "dark", "light")
+"""Values of ``--of``, the default first."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,8 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--volume", action="store_true", help="IMAGE is a volume, as with --export LINES.swc")
     parser.add_argument(
         "--of",
-        choices=_OF,
-        default=_OF[0],
+        choices=_POLARITIES,
+        default=_POLARITIES[0],
         help="of what is darker, or lighter, than its surroundings (default: of what stands out in the image)",
     )
     parser.add_argument(
@@ -54,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--outside", action="store_true", help="the skeleton of the background, too")
     add(parser.add_argument_group("part of a file"), *PART)
-    add_parameters(parser.add_argument_group("parameters"), _PARAMETERS)
+    add_parameters(parser.add_argument_group("parameters"), _SKELETON_PARAMETERS)
     outcome = parser.add_argument_group("outcome")
     add(outcome, "--space")
     add(outcome, "--export", help=f"write the skeleton {EXPORTED}")
@@ -85,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[Entries, list[str]]:
-    """The report on a skeleton, or of center lines in a volume, as values by name and as sentences."""
+    """Describe a skeleton, or center lines in a volume, as values by name and as sentences."""
     if isinstance(found, Centerlines):
         lengths, unit = found.lengths.tolist(), found.unit or "voxels"
         facts: Entries = {"unit": found.unit, ENTRY: facts_on(found.source, found.provenance)}

@@ -33,20 +33,21 @@ from cpm_core.warm_up import is_compiled, warm_up
 
 _LOG = logging.getLogger(__name__)
 
-_LOOK = 0.2
-"""Time between two looks at whether to go on [s]."""
+_JOB_POLL_INTERVAL = 0.2
+"""Time between two checks for cancellation [s]."""
 
-_DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
+_PROCESS_DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
+"""Error of an image whose process died."""
 
 
 @frozen
 class Row:
-    """What has been done with one image.
+    """Outcome for one image.
 
     Attributes
     ----------
     image : str
-        The image as it was named.
+        The image as the user named it.
     facts : mapping
         As in ``cpm run --json``; empty when it failed.
     files : tuple of str
@@ -54,17 +55,17 @@ class Row:
     trouble : str
         Why it failed, in a sentence, or empty.
     notes : tuple of str
-        What was changed on reading, or left out of a file.
+        Changes on reading, and omissions from a file.
     image_sha256, session_sha256 : str
         Hashes of the image and the session file.
     settings : str
-        What is asked in addition to the session: other parameters, steps, formats.
+        Settings in addition to the session: other parameters, steps, formats.
     version : str
         Version of the program.
     finished : str
         When it was finished, in UTC.
     contents : dict of bytes
-        By suffix the files that are still to be written.
+        Contents of files that are still to be written, by suffix.
     """
 
     image: str
@@ -85,7 +86,7 @@ class Job:
     """A run on one image."""
 
     number: int  # index of the image
-    row: Row  # what is known before
+    row: Row  # values known in advance
     path: str
     session: SessionFile  # start, regions, charges and review
     parameters: Parameters
@@ -94,7 +95,7 @@ class Job:
 
 
 def do(job: Job) -> Row:
-    """Find the contours of one image; the files are only encoded, and the batch writes them together."""
+    """Find the contours of one image; files are only encoded here, and the batch writes them."""
     try:
         began = time.perf_counter()
         named, shapes = job.session.image, job.session.shapes
@@ -106,7 +107,7 @@ def do(job: Job) -> Row:
         contents, notes = _files(result, job.suffixes)
         notes = (*notes_on(image, parameters), *small, *notes)
         return replace(job.row, facts=facts, contents=contents, notes=notes, image_sha256=image.sha256)
-    except Exception as error:  # a defect of the program does not concern the other images
+    except Exception as error:  # a defect must not stop the other images
         reason = str(error)
         if isinstance(error, MemoryError):
             reason = "There is not enough memory for this image."
@@ -117,7 +118,7 @@ def do(job: Job) -> Row:
 
 
 def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], Texts]:
-    """The files of a result by suffix, and why some hold less than it or cannot be made; ValueError when none can."""
+    """Encode the files of a result by suffix, and note which hold less or fail; ValueError when all fail."""
     files: dict[str, bytes] = {}
     notes: list[str] = []
     for suffix in suffixes:
@@ -134,19 +135,19 @@ def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], T
 def here(
     jobs: Sequence[Job], workers: int | None, go_on: Callback | None = None
 ) -> Generator[tuple[Job, Row], None, None]:
-    """Do jobs on this computer and yield results as they finish.
+    """Run jobs on this computer and yield results as they finish.
 
-    There is one process for each core unless `workers` gives a number. With one, jobs are done in this process, unless
-    there is `go_on`. That is called several times a second, and what it raises ends all processes. When a process dies,
-    the jobs that were in work are done again at the end, each in a process of its own.
+    There is one process per core unless `workers` gives a number. With one, jobs run in this process, unless there is
+    `check_cancelled`: it is called several times a second, and an exception from it ends all processes. When a process
+    dies, the jobs in progress are repeated at the end, each in a process of its own.
     """
     count = min(workers or cores(), len(jobs))
-    each = 1 if workers else max(1, cores() // max(1, count))  # where there are more cores than jobs
+    each = 1 if workers else max(1, cores() // max(1, count))  # if there are more cores than jobs
     if count <= 1 and go_on is None:
         with at_most(each):
             yield from ((job, do(job)) for job in jobs)
         return
-    if not is_compiled():  # once, before every process does it
+    if not is_compiled():  # once, instead of in every process
         warm_up()
     waiting, suspects = list(reversed(jobs)), []
     while waiting:
@@ -157,22 +158,22 @@ def here(
                 yield job, row
     for job in suspects:
         for _, row in _in_processes([job], 1, each, go_on):
-            yield job, row or replace(job.row, trouble=_DIED)
+            yield job, row or replace(job.row, trouble=_PROCESS_DIED)
 
 
 def _in_processes(
     waiting: list[Job], count: int, each: int, go_on: Callback | None
 ) -> Generator[tuple[Job, Row | None], None, None]:
-    """Do the last jobs of a list in so many processes, each on so many cores.
+    """Run jobs from the end of a list in `count` processes, each on `cores_each` cores.
 
-    Where a process dies the jobs that were in work have no row, and the others stay in the list.
+    When a process dies, the jobs in progress have no row, and the others stay in the list.
     """
     pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _begin, (each,))
     working: dict[Future[Row], Job] = {}
     broken = False
     try:
         while working or (waiting and not broken):
-            while waiting and not broken and len(working) < count:  # no more, so that few results wait in memory
+            while waiting and not broken and len(working) < count:  # no more, so that only few results wait in memory
                 try:
                     working[pool.submit(do, waiting[-1])] = waiting[-1]
                     waiting.pop()
@@ -180,7 +181,7 @@ def _in_processes(
                     broken = True
             if go_on is not None:
                 go_on()
-            for future in wait(working, _LOOK, FIRST_COMPLETED).done:
+            for future in wait(working, _JOB_POLL_INTERVAL, FIRST_COMPLETED).done:
                 job, row = working.pop(future), None
                 try:
                     row = future.result()
@@ -195,8 +196,8 @@ def _in_processes(
 
 
 def _begin(use: int) -> None:
-    """Let a new process use so many cores, and end when the one that has started it is killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # as the one that has started it ends it
+    """Let a new process use `core_count` cores, and exit when its parent is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends it
     at_most(use).__enter__()
     parent = multiprocessing.parent_process()
 
@@ -209,7 +210,7 @@ def _begin(use: int) -> None:
 
 
 def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], None, None]:
-    """Do jobs on the workers of a dask scheduler, which must see the same files under the same names.
+    """Run jobs on the workers of a dask scheduler, which must see the same files under the same names.
 
     ValueError as for `cluster`.
     """
@@ -218,8 +219,11 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], N
         try:
             for at, future in finished(client, do, jobs):
                 job, failure = waiting.pop(at), future.exception()
-                yield job, future.result() if failure is None else replace(job.row, trouble=f"{_DIED} ({failure})")
-        except (Exception, CancelledError) as error:  # whatever dask raises when its scheduler has gone
+                yield (
+                    job,
+                    future.result() if failure is None else replace(job.row, trouble=f"{_PROCESS_DIED} ({failure})"),
+                )
+        except (Exception, CancelledError) as error:  # dask raises many kinds when its scheduler has gone
             _LOG.info("%s: %s", type(error).__name__, error)
             gone = f"The scheduler at {address} has gone; start it again, and the same command."
             yield from ((job, replace(job.row, trouble=gone)) for job in waiting.values())
@@ -227,7 +231,7 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], N
 
 @contextmanager
 def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
-    """Give a client of the dask scheduler at an address, or of one with workers of its own, by default one a core.
+    """Connect to the dask scheduler at an address, or start one with local workers, by default one per core.
 
     ValueError when dask is not installed, or no scheduler answers at the address.
     """
@@ -237,7 +241,7 @@ def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
     except ImportError:
         raise ValueError(missing("A run by workers", "distributed", "cpm-particles[scale]")) from None
     with ExitStack() as stack:
-        # what looks every 10 ms where a worker is takes a tenth of its time, and of a core that the other one needs
+        # the profiler samples every 10 ms, which takes a tenth of a worker's time and of another worker's core
         stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))
         try:
             local = address or stack.enter_context(
@@ -262,9 +266,9 @@ def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
 def finished(
     client: Any, function: Callable[[Any], Any], jobs: Sequence[Any]
 ) -> Generator[tuple[int, Any], None, None]:
-    """Apply a function to jobs on the workers of a client: the index of each and its future, as they are done.
+    """Apply a function to jobs on the workers of a client; yield the index and the future of each as it finishes.
 
-    When a worker dies, dask does what it was doing again on another one.
+    When a worker dies, dask repeats its job on another one.
     """
     from distributed import as_completed
 
@@ -272,16 +276,16 @@ def finished(
     try:
         for future in as_completed(list(waiting)):
             yield waiting.pop(future), future
-            future.release()  # dask keeps all that is referred to
+            future.release()  # dask keeps every result that is referred to
     finally:
         with suppress(Exception, CancelledError):
             client.cancel(list(waiting))
 
 
 def on_one_core(function: Callable[[Any], Any], job: Any) -> Any:
-    """Do a job on one core, as the others have workers of their own, and leave nothing of it in memory."""
+    """Run a job on one core, as others have workers of their own, and leave nothing of it in memory."""
     if not gc.get_freeze_count():
-        gc.freeze()  # modules need not be looked through after each job
+        gc.freeze()  # the collector need not visit modules after each job
     try:
         with at_most(1):
             return function(job)

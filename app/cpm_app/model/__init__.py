@@ -1,1 +1,1 @@
-"""What the user means (document, edits) and what follows from it (resolve, hit testing); no Qt."""
+"""Document, edits, and what follows from them (texts, hit testing); no Qt."""

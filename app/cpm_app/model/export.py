@@ -1,4 +1,4 @@
-"""Export: what can be written and in which formats, how files are called, and what each of them holds."""
+"""Export: what can be written and in which formats, names of files, and the content of each."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ KINDS = {
     "turntable": (tr("Turn of the view in space"), tr("Export turntable")),
     "run": (tr("Animation of the run"), tr("Export animation")),
 }
-"""Headings of what can be written, and titles of the dialog where nothing else is."""
+"""Heading of each kind, and title of the dialog where only that can be written."""
 
-_NAMES = {
+_FORMAT_NAMES = {
     ".labelme.json": tr("labelme"),
     ".coco.json": tr("COCO"),
     ".geojson": tr("GeoJSON for QuPath"),
@@ -70,10 +70,12 @@ _NAMES = {
     ".vtk": tr("VTK poly data"),
     ".swc": tr("SWC"),
 }
-"""Formats by the suffixes that writers know them by, in the order shown."""
+"""Names of formats by the suffixes of their writers, in the order shown."""
 
-_MOVING = {".gif": tr("GIF"), ".png": tr("APNG, in full color"), ".mp4": tr("MP4 video")}
-_WRITABLE = {
+_ANIMATION_NAMES = {".gif": tr("GIF"), ".png": tr("APNG, in full color"), ".mp4": tr("MP4 video")}
+"""Names of the formats of animations, by suffix."""
+
+_FORMATS_BY_KIND = {
     "skeleton": FOR_SKELETONS,
     "surface": FOR_VOLUMES,
     "lines": FOR_CENTERLINES,
@@ -82,23 +84,27 @@ _WRITABLE = {
     "turntable": ANIMATED,
     "space": {".png": tr("PNG")},
 }
-_SAME = {".tiff": ".tif", ".nii": ".nii.gz", ".roi": ".zip", ".apng": ".png"}
+"""Writers of each kind that is not written as contours, by suffix."""
+
+_ALIAS_SUFFIXES = {".tiff": ".tif", ".nii": ".nii.gz", ".roi": ".zip", ".apng": ".png"}
 """Suffixes of the same format, or of one that holds less."""
 
-_LEFT_OUT = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
-_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv", ".nrrd": ".seg.nrrd"}
-"""How files end whose suffixes only tell formats of one writer apart, and as 3D Slicer knows its segmentations."""
+_OMITTED_SUFFIXES = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
+"""Suffixes that are not offered for a kind, between spaces."""
+
+_FILE_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv", ".nrrd": ".seg.nrrd"}
+"""Endings of files whose suffix only tells formats of a writer apart, and the one 3D Slicer expects."""
 
 
 def formats(what: What = "contours", in_volume: bool = False, of_dicom: bool = False) -> dict[str, str]:
-    """Names of the formats of something, by suffix; new ones are last.
+    """Return the names of the formats for a kind of content, by suffix; those without a fixed place are last.
 
-    Segments of DICOM are offered where the image is `of_dicom` and the package that writes them is installed. A frozen
-    application without matplotlib, which nobody can add to it, offers no figures.
+    DICOM segmentations are offered where the image is `of_dicom` and the package that writes them is installed. A
+    frozen application without matplotlib, which cannot be added to it, offers no figures.
     """
-    writable = FOR_VOLUMES if in_volume and what == "objects" else _WRITABLE.get(what, WRITABLE)
-    names = {"space": writable, "run": _MOVING, "turntable": _MOVING}.get(what, _NAMES)
-    lacking = {*_SAME, *_LEFT_OUT.get(what, "").split()}
+    writable = FOR_VOLUMES if in_volume and what == "objects" else _FORMATS_BY_KIND.get(what, WRITABLE)
+    names = {"space": writable, "run": _ANIMATION_NAMES, "turntable": _ANIMATION_NAMES}.get(what, _FORMAT_NAMES)
+    lacking = {*_ALIAS_SUFFIXES, *_OMITTED_SUFFIXES.get(what, "").split()}
     if getattr(sys, "frozen", False) and not has_matplotlib():
         lacking |= DRAWN
     if not of_dicom or find_spec("highdicom") is None:
@@ -109,19 +115,19 @@ def formats(what: What = "contours", in_volume: bool = False, of_dicom: bool = F
 
 
 def file_name(base: str, what: What, suffix: str, alone: bool) -> str:
-    """Name of a file; that of labelme is the one that labelme opens with the image, where it is `alone`."""
+    """Return the name of a file; labelme opens one that is `alone` with the image if it has the name of the image."""
     if suffix == ".labelme.json" and alone:
         return f"{base}.json"
-    return f"{base}_{what}{_ENDINGS.get(suffix, suffix) if what != 'pages' else suffix}"
+    return f"{base}_{what}{_FILE_ENDINGS.get(suffix, suffix) if what != 'pages' else suffix}"
 
 
 BY_HAND = frozenset({".labelme.json"})
-"""Suffixes of formats that are edited by hand, for which few vertices count."""
+"""Suffixes of formats that are edited by hand, where few vertices are better."""
 
 
 @frozen
 class ExportFile:
-    """A file to write: where, what, and the suffix of its format."""
+    """A file to write: its path, the kind of its content, and the suffix of its format."""
 
     path: Path
     what: What
@@ -137,7 +143,7 @@ class ExportOrder:
     files : tuple of ExportFile
         The files.
     objects, contours : frozenset of int or None
-        Numbers of those that are written; None for all.
+        Numbers of the objects and contours that are written; None for all.
     tolerance : float
         How far a line may move where vertices are left out [px]; 0 keeps all.
     everywhere : bool
@@ -157,19 +163,19 @@ class ExportOrder:
     in_units: bool = True
 
     def thins(self, suffix: str) -> bool:
-        """Whether vertices are left out in a format."""
+        """Tell whether vertices are left out in a format."""
         return self.tolerance > 0.0 and (self.everywhere or suffix in BY_HAND)
 
 
 def has_objects(document: Document) -> bool:
-    """Whether a document has something to export that needs no run."""
+    """Tell whether a document has objects to export, for which no run is needed."""
     return any(not item.hidden for item in document.objects.items)
 
 
 def chosen(
     found: Result | Skeleton | None, document: Document, order: ExportOrder, what: What, image: Image | None = None
 ) -> Result | Skeleton:
-    """What is exported with all its vertices; ValueError where there is nothing of the kind."""
+    """Return what is exported, with all its vertices; ValueError where there is nothing of the kind."""
     result = objects_result(document, order.objects) if what == "objects" else found
     if result is None:
         raise ValueError(tr("There is nothing to export yet: start a run first."))
@@ -192,7 +198,7 @@ def chosen(
 
 
 def thinned(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:
-    """The result with only those vertices that are needed to be no farther off than a tolerance [px]."""
+    """Leave out vertices of a result, so that its lines move by no more than a tolerance [px]."""
     if isinstance(result, Skeleton):  # whose vertices have radii
         return result
     return replace(result, contours=tuple(_thinned(contour, tolerance) for contour in result.contours))
@@ -209,7 +215,7 @@ def _thinned(contour: Contour, tolerance: float) -> Contour:
 
 
 def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
-    """What a file with a suffix holds of a result, and what not."""
+    """Tell what a file with a suffix holds of a result, and what it leaves out."""
     surface, missing = result.surface if isinstance(result, Result) else None, left_out(result, suffix)
     if what == "objects":
         groups = {one.group for one in result.contours}

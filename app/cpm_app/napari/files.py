@@ -1,4 +1,4 @@
-"""Readers and writers for napari: files of contours as layers of shapes, layers as files of contours and meshes."""
+"""Readers and writers for napari: contour files as layers of shapes, layers as files of contours and meshes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from cpm_core.objects import boundaries_result
 
 
 def reader_of(path: str | Sequence[str]) -> Callable[[str | Sequence[str]], list[LayerData]] | None:
-    """The function that reads these files; None for files of other kinds."""
+    """Return the function that reads these files; None for files of other kinds."""
     paths = _all(path)
     return _read if paths and all(one.suffix.lower() in CONTOURS_READABLE for one in paths) else None
 
@@ -55,6 +55,6 @@ def write_surface(path: str, data: Any, settings: Plain) -> list[str]:
 def _written(result: Result, path: str) -> list[str]:
     try:
         export(result, path)
-    except ValueError as error:  # napari takes one for a sign that there is no writer
+    except ValueError as error:  # napari takes a ValueError to mean that there is no writer
         raise RuntimeError(str(error)) from error
     return [path]

@@ -1,4 +1,4 @@
-"""What the widget for napari finds: objects by places and drawn lines, and runs, as work that can be interrupted."""
+"""Computations of the widget for napari, which can be interrupted: objects at points and drawn lines, and runs."""
 
 from __future__ import annotations
 
@@ -18,19 +18,42 @@ from cpm_core.objects import boundaries_result, without_run
 from cpm_core.shapes import starts_along
 
 Said = tuple[str, Array | None]
-"""How far work has come: a sentence, and where the particles are."""
+"""Progress: a sentence, and positions of particles, shape (N, D), if any."""
 
 Work = Generator[Said, None, Any]
-"""Work that reports how far it has come, and can be interrupted then."""
+"""Computation that yields its progress, where it can be interrupted, and returns its outcome."""
 
-_PAUSE = 0.1
-"""Least time between two reports of a run [s]."""
+_REPORT_INTERVAL = 0.1
+"""Shortest time between two reports of a run [s]."""
 
 
 def objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[cpm.Contour]) -> Work:
-    """Find an object at each place inside, in the box of each closed line, and along each open one, as a result.
+    """Find an object at each positive point, in the box of each closed line, and along each open one.
 
-    None has a place outside. A place in an object that has been found gives no other.
+    Parameters
+    ----------
+    image : Image
+        Image, or volume, where objects are found at points only.
+    inside, outside : ndarray, shape (N, D)
+        Positive and negative points (row, col) [px] or (plane, row, col) [voxels]. A positive point in an object that
+        has been found gives no other; no object contains a negative point.
+    drawn : sequence of Contour
+        Closed lines, which are boxes, and open ones, which are scribbles.
+
+    Yields
+    ------
+    tuple
+        Progress.
+
+    Returns
+    -------
+    Result
+        The objects.
+
+    Raises
+    ------
+    ValueError
+        When no object is found, or lines are drawn in a volume.
     """
     if image.ndim == 3 and drawn:
         raise ValueError("In a volume, objects are found at points: choose no shapes, or a run from the shapes.")
@@ -57,7 +80,34 @@ def objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[
 
 
 def corrected(image: cpm.Image, labels: Index, number: int, inside: Array, outside: Array) -> Work:
-    """Correct the object of a label by places, as labels; all others stay as they are."""
+    """Correct the object of a label by points; all others stay as they are.
+
+    Parameters
+    ----------
+    image : Image
+        Image or volume.
+    labels : ndarray of int, shape (H, W) or (P, H, W)
+        Labels, 0 for none.
+    number : int
+        Label of the object.
+    inside, outside : ndarray, shape (N, D)
+        Positive and negative points (row, col) [px] or (plane, row, col) [voxels].
+
+    Yields
+    ------
+    tuple
+        Progress.
+
+    Returns
+    -------
+    ndarray of int
+        Labels, in the shape of `labels`.
+
+    Raises
+    ------
+    ValueError
+        When no pixel has the label.
+    """
     partition: Any = without_run(image)
     mask = labels == number
     pixels = np.argwhere(mask).astype(float)
@@ -66,27 +116,33 @@ def corrected(image: cpm.Image, labels: Index, number: int, inside: Array, outsi
     yield f"Label {number}", None
     middle = pixels[[np.linalg.norm(pixels - pixels.mean(axis=0), axis=1).argmin()]]
     if image.ndim == 2:
-        before = partition.selection_of(mask, middle)
+        previous = partition.selection_of(mask, middle)
     else:
         surface = surface_of_labels(mask.astype(np.int32), image.spacing, image.unit)
-        before = cpm.VolumeSelection(partition, surface, middle, np.empty((0, 3)))
-    better = partition.select(np.concatenate([middle, inside]), outside, previous=before).mask
+        previous = cpm.VolumeSelection(partition, surface, middle, np.empty((0, 3)))
+    better = partition.select(np.concatenate([middle, inside]), outside, previous=previous).mask
     return np.where(better & ((labels == 0) | mask), number, np.where(mask, 0, labels))
 
 
 def run(image: cpm.Image, seeds: Array, parameters: Callable[[], cpm.Parameters]) -> Work:
-    """Run from seeds to a result; the parameters of each step are those of the moment."""
-    moments, then = cpm.evolve(image, seeds, parameters()), 0.0
-    for moment in moments:
-        moments.parameters = parameters()
-        if time.monotonic() - then > _PAUSE:
-            yield f"Step {moment.step}, {moment.count} particles", moment.position
-            then = time.monotonic()
-    return moments.result
+    """Run from seeds (N, D) to a result; each step takes the parameters of its moment.
+
+    Yields the progress from time to time, and returns a `Result`.
+    """
+    states, reported = cpm.evolve(image, seeds, parameters()), 0.0
+    for state in states:
+        states.parameters = parameters()
+        if time.monotonic() - reported > _REPORT_INTERVAL:
+            yield f"Step {state.step}, {state.count} particles", state.position
+            reported = time.monotonic()
+    return states.result
 
 
 def seeds_of(drawn: Sequence[cpm.Contour], labels: Index | None) -> Array:
-    """Particles along drawn lines, and along the boundaries of labels."""
+    """Return seeds (N, D) along drawn lines, and along the boundaries of labels.
+
+    `labels` have shape (H, W) or (P, H, W). ValueError when there are neither.
+    """
     seeds = [start.seeds() for start in starts_along(drawn)]
     if labels is not None:
         boundaries = skimage.segmentation.find_boundaries(labels, mode="inner")  # type: ignore[no-untyped-call]

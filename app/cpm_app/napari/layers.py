@@ -1,4 +1,4 @@
-"""Layers of napari from contours, surfaces and labels, and contours from shapes that are drawn there."""
+"""Layers of napari from contours, surfaces and labels, and contours from shapes drawn there."""
 
 from __future__ import annotations
 
@@ -16,14 +16,17 @@ from cpm_core.numerics import Array
 from cpm_core.numerics.types import Integers, Plain
 
 LayerData = tuple[Any, dict[str, Any], str]
-"""What napari makes a layer of: data, settings, and the kind."""
+"""Layer as napari takes it: data, settings, and kind."""
 
-_CLOSED = ("polygon", "rectangle", "ellipse")
-_SHAPE = "image_shape"
+_CLOSED_KINDS = ("polygon", "rectangle", "ellipse")
+"""Kinds of closed shapes in napari."""
+
+_SHAPE_KEY = "image_shape"
+"""Key of the shape of the image in the metadata of a layer."""
 
 
 def layer_of_contours(contours: Sequence[Contour], name: str, shape: Sequence[int], **settings: Any) -> LayerData:
-    """A layer of shapes with a polygon or a path for each contour, and its measures as features."""
+    """Build a layer of shapes with a polygon or a path for each contour, and its measures as features."""
     lines = [contour for contour in contours if len(contour.points) > 1]
     rows = measure(lines, contrast=False)
     features = {
@@ -40,13 +43,13 @@ def layer_of_contours(contours: Sequence[Contour], name: str, shape: Sequence[in
         "face_color": "transparent",
         "edge_width": 1,
         "features": features,
-        "metadata": {_SHAPE: tuple(shape)},
+        "metadata": {_SHAPE_KEY: tuple(shape)},
     }
     return [contour.points for contour in lines], {"name": name, **look, **settings}, "shapes"
 
 
 def layers_of_result(result: Result, name: str, **settings: Any) -> list[LayerData]:
-    """The labels, and the contours of an image or the surface in a volume; `settings` place them as their image."""
+    """Build layers of labels and of contours, or in a volume the surface; `settings` place them like their image."""
     layers: list[LayerData] = [(result.labels.copy(), {"name": f"{name} labels", **settings}, "labels")]
     if result.surface is not None:
         look = {"name": f"{name} surface", **settings}
@@ -55,7 +58,10 @@ def layers_of_result(result: Result, name: str, **settings: Any) -> list[LayerDa
 
 
 def contours_of(data: Sequence[Array], settings: Plain) -> tuple[tuple[Contour, ...], Integers]:
-    """The contours of a layer of shapes in a plane, with names and colors, and the shape of their image."""
+    """Return the contours of a layer of shapes in a plane, with names and colors, and the shape of their image.
+
+    `data` are vertices of each shape, shape (K, D); the last two axes are rows and columns [px].
+    """
     drawn = drawn_lines([np.asarray(corners)[:, -2:] for corners in data], settings["shape_type"])
     names = settings["features"].get("name", [""] * len(drawn))
     shades = [color_of([round(255 * float(part)) for part in shade]) for shade in settings["edge_color"]]
@@ -63,7 +69,7 @@ def contours_of(data: Sequence[Array], settings: Plain) -> tuple[tuple[Contour, 
         replace(line, name=name if isinstance(name, str) else "", color="" if color == DEFAULT else color)
         for line, name, color in zip(drawn, names, shades, strict=True)
     )
-    known = settings["metadata"].get(_SHAPE)
+    known = settings["metadata"].get(_SHAPE_KEY)
     if not known:
         far = np.concatenate([np.zeros((1, 2)), *(line.points for line in drawn)]).max(axis=0)
         known = (np.ceil(far) + 1).astype(int).tolist()
@@ -71,12 +77,15 @@ def contours_of(data: Sequence[Array], settings: Plain) -> tuple[tuple[Contour, 
 
 
 def drawn_lines(data: Iterable[Array], kinds: Iterable[str]) -> list[Contour]:
-    """The lines of drawn shapes; napari has the corners of the box of an ellipse."""
+    """Convert drawn shapes, each with vertices (K, D), to lines.
+
+    napari represents an ellipse by the corners of its box.
+    """
     lines = []
     for corners, kind in zip(data, kinds, strict=True):
         points = np.asarray(corners, dtype=float)
         if kind == "ellipse":
             one, two, three = points[:3]
             points = ellipse(points.mean(axis=0), 0.5 * (two - one), 0.5 * (three - two))
-        lines.append(Contour(points, kind in _CLOSED and len(points) > 2))
+        lines.append(Contour(points, kind in _CLOSED_KINDS and len(points) > 2))
     return lines

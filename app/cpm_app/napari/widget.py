@@ -1,4 +1,4 @@
-"""The widget for napari: objects at points by the prior, and runs from shapes, with layers in and layers out."""
+"""Widget for napari: objects at points by the network, and runs from shapes, with layers in and layers out."""
 
 from __future__ import annotations
 
@@ -21,12 +21,25 @@ from cpm_core.image.drawing import PARTICLE
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Entries
 
-OBJECTS, RUN = "Objects at the points", "Run from the shapes"
-_SLIDERS = ("beta", "w1", "w2", "annealing")
-_PLACING = ("scale", "translate", "rotate", "shear", "affine")
-_PARTICLES, _NUMBER_WIDTH = "particles", 40
+OBJECTS = "Objects at the points"
+"""Choice that finds an object at each point."""
 
-_CHOICES = {
+RUN = "Run from the shapes"
+"""Choice that starts particles along the shapes."""
+
+_SLIDER_NAMES = ("beta", "w1", "w2", "annealing")
+"""Parameters with a slider."""
+
+_PLACING_ATTRIBUTES = ("scale", "translate", "rotate", "shear", "affine")
+"""Attributes of a layer that determine its place in the viewer."""
+
+_PARTICLE_LAYER = "particles"
+"""Name of the layer of particles during a run."""
+
+_MIN_NUMBER_WIDTH = 40
+"""Smallest width of the field of a slider's number [px]; 1 in the style of napari."""
+
+_LAYER_CHOICES = {
     "points": (Points, "Points inside", "Each point lies in an object of its own."),
     "outside": (Points | None, "Points outside", "No object reaches these points."),
     "shapes": (
@@ -41,11 +54,11 @@ _CHOICES = {
         "Run: particles start along the boundaries of the labels.",
     ),
 }
-"""Name -> kind of layer, title and explanation of what can be chosen besides the image."""
+"""Layers that can be chosen in addition to the image: name -> kind of layer, title and explanation."""
 
 
 class FindWidget(Container):  # type: ignore[misc]
-    """Choose an image, and layers that say what to find in it."""
+    """Choose an image, and layers that determine what to find in it."""
 
     def __init__(self, napari_viewer: Viewer) -> None:
         self._viewer = napari_viewer
@@ -57,7 +70,7 @@ class FindWidget(Container):  # type: ignore[misc]
                 name=name, label=info.title, min=info.slider_low, max=info.slider_high, step=info.step,
                 tooltip=f"{info.meaning} {info.more}",
             )
-            for name in _SLIDERS
+            for name in _SLIDER_NAMES
             for info in [cpm.PARAMETERS[name]]
         ]  # fmt: skip
         super().__init__(
@@ -66,7 +79,7 @@ class FindWidget(Container):  # type: ignore[misc]
                 ComboBox(name="way", label="Find", choices=[OBJECTS, RUN]),
                 *(
                     create_widget(annotation=kind, name=name, label=title, options={"tooltip": tooltip})
-                    for name, (kind, title, tooltip) in _CHOICES.items()
+                    for name, (kind, title, tooltip) in _LAYER_CHOICES.items()
                 ),
                 *self.sliders,
                 self.button,
@@ -75,7 +88,7 @@ class FindWidget(Container):  # type: ignore[misc]
         )
         self.said.native.setWordWrap(True)
         for slider in self.sliders:
-            slider.native.findChild(QLineEdit).setMinimumWidth(_NUMBER_WIDTH)  # else it is 1 in the style of napari
+            slider.native.findChild(QLineEdit).setMinimumWidth(_MIN_NUMBER_WIDTH)
             slider.changed.connect(self._steer)
         self.image.changed.connect(self._use_preset)
         self.way.changed.connect(self._show_rows)
@@ -85,7 +98,7 @@ class FindWidget(Container):  # type: ignore[misc]
         self._show_rows()
 
     def _offer(self, layer: Layer) -> None:
-        """Choose shapes that the user has begun to draw; those that were found have metadata."""
+        """Choose shapes that the user has begun to draw; layers of results are told by their metadata."""
         if isinstance(layer, Shapes) and not layer.metadata and self.shapes.value is None:
             self.shapes.reset_choices()
             self.shapes.value = layer
@@ -103,7 +116,7 @@ class FindWidget(Container):  # type: ignore[misc]
             slider.value = getattr(self._preset, slider.name)
 
     def _steer(self) -> None:
-        """Let the next step of a run, and the next run, have the values of the sliders."""
+        """Pass the values of the sliders to the next step of a run, and to the next run."""
         try:
             self._parameters = self._chosen()
             self.said.value = ""
@@ -118,12 +131,12 @@ class FindWidget(Container):  # type: ignore[misc]
             self._worker.quit()
             return
         try:
-            work, made = self._work()
+            work, build_layers = self._work()
         except ValueError as error:
             self.said.value = str(error)
             return
         self.button.text = "Cancel"
-        self._worker = create_worker(_steps, work, made, _progress={"desc": "CPM"})
+        self._worker = create_worker(_steps, work, build_layers, _progress={"desc": "CPM"})
         self._worker.yielded.connect(self._report)
         self._worker.aborted.connect(lambda: self._report(("Canceled.", None)))
         self._worker.returned.connect(self._take)
@@ -131,7 +144,7 @@ class FindWidget(Container):  # type: ignore[misc]
         self._worker.start()
 
     def _work(self) -> tuple[finding.Work, Callable[[Any], list[LayerData]]]:
-        """What the chosen layers ask for, and what makes layers of it; ValueError when something is missing."""
+        """Return the computation for the chosen layers, and the function that builds layers of its outcome."""
         layer, shapes, chosen = (choice.value for choice in (self.image, self.shapes, self.objects))
         if layer is None:
             raise ValueError("Open an image first, or a volume.")
@@ -157,11 +170,11 @@ class FindWidget(Container):  # type: ignore[misc]
             raise ValueError("Add a layer of points and click into the objects, or draw boxes around them as shapes.")
         else:
             work = finding.objects_at(image, inside, outside, drawn)
-        placing = {name: getattr(layer, name) for name in _PLACING}
+        placing = {name: getattr(layer, name) for name in _PLACING_ATTRIBUTES}
         return work, lambda found: layers_of_result(found, layer.name, **placing)
 
     def _placed(self, layer: Points | Shapes, places: Array) -> Array:
-        """Places of a layer in the pixels of the image; what the layer lacks of a volume is where the viewer is."""
+        """Map positions of a layer to pixels of the image; axes that the layer lacks are at the viewer's point."""
         world, image = np.array(self._viewer.dims.point, dtype=float), self.image.value
         found = np.empty((len(places), image.ndim))
         for row, place in zip(found, places, strict=True):
@@ -172,12 +185,12 @@ class FindWidget(Container):  # type: ignore[misc]
     def _report(self, said: finding.Said) -> None:
         self.said.value, position = said
         if position is not None:
-            placing = {name: getattr(self.image.value, name) for name in _PLACING}
-            look = {"name": _PARTICLES, "size": 2, "border_width": 0, "face_color": PARTICLE, **placing}
+            placing = {name: getattr(self.image.value, name) for name in _PLACING_ATTRIBUTES}
+            look = {"name": _PARTICLE_LAYER, "size": 2, "border_width": 0, "face_color": PARTICLE, **placing}
             self._show(position, look, "points")
 
     def _take(self, found: list[LayerData] | str) -> None:
-        """Show what was found, or why nothing was."""
+        """Show the layers that were found, or the error."""
         if isinstance(found, str):
             self.said.value = found
             return
@@ -186,7 +199,7 @@ class FindWidget(Container):  # type: ignore[misc]
             self._show(*layer)
 
     def _show(self, data: Any, settings: Entries, kind: str) -> None:
-        """Show a layer in place of one with its name, which remains chosen where its data can be replaced."""
+        """Replace the layer of the same name, which remains chosen where its data can be replaced."""
         with suppress(KeyError):
             known = self._viewer.layers[settings["name"]]
             if kind != "shapes":
@@ -198,13 +211,13 @@ class FindWidget(Container):  # type: ignore[misc]
     def _end(self) -> None:
         self._worker, self.button.text = None, "Find"
         with suppress(KeyError):
-            self._viewer.layers.remove(self._viewer.layers[_PARTICLES])
+            self._viewer.layers.remove(self._viewer.layers[_PARTICLE_LAYER])
 
 
 def _steps(
     work: finding.Work, made: Callable[[Any], list[LayerData]]
 ) -> Generator[finding.Said, None, list[LayerData] | str]:
-    """Work with layers as what it returns, or the sentence of an error."""
+    """Return the layers of the outcome of a computation, or the sentence of its error."""
     try:
         return made((yield from work))
     except ValueError as error:

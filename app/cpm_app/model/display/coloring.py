@@ -1,4 +1,4 @@
-"""Coloring of particles: one number for each particle, and the range in which it is shown."""
+"""Coloring of particles: a number for each particle, and the range in which it is shown."""
 
 from __future__ import annotations
 
@@ -14,24 +14,30 @@ from cpm_core.numerics.types import Pixels, frozen, record
 from cpm_core.segmentation import MethodState
 
 SHADES = 32
-"""Colors of a palette; one more stands for values that are not known yet."""
+"""Number of colors of a palette; one more stands for unknown values."""
 
-_IN_RANGE = 99.0
-"""Percentage of the particles inside the range: a single fast one must not make all others look alike."""
+_RANGE_PERCENTILE = 99.0
+"""Percentage of the particles in the range: a single fast one must not make all others look alike."""
 
 
 def speed(state: MethodState, _: RunMetrics) -> Array:
-    """Speed [px of the image / unit of time]."""
+    """Return the speed of each particle, shape (N,) [px of the image / unit of time]."""
     return np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
 
 
 def force(state: MethodState, _: RunMetrics) -> Array:
-    """Force without damping at the last step, in the unit of its scale: the Lorentz force is at most 1."""
+    """Return the force on each particle without damping at the last step, shape (N,).
+
+    It is in the unit of its scale, in which the Lorentz force is at most 1.
+    """
     return np.linalg.norm(state.particles.force[:, 0], axis=1)
 
 
 def age(state: MethodState, metrics: RunMetrics) -> Array:
-    """Steps since insertion, or since the start of the scale for its first particles; NaN where it is not recorded."""
+    """Return the steps since each particle was inserted, shape (N,).
+
+    For the first particles of a scale they count from its start; NaN where that is not recorded.
+    """
     first = np.searchsorted(metrics.numbered, state.particles.identity, side="right")
     known = first < len(metrics.step)
     steps = np.full(state.count, np.nan)
@@ -48,7 +54,7 @@ class Quantity:
     title, tip : str
         Its name, and a sentence on it.
     of : callable
-        Its value for every particle of a state.
+        Function of a state and the metrics of its run that gives its values, shape (N,).
     """
 
     title: str
@@ -80,10 +86,10 @@ class Colored:
 
 
 def colored(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> Colored:
-    """Colors of all particles of a state; a larger quantity never has a lower color."""
+    """Return the colors of all particles of a state; a larger quantity never has a lower color."""
     values = quantity.of(state, metrics)
     unknown = np.isnan(values)
-    end = float(np.nanpercentile(values, _IN_RANGE)) if not unknown.all() else 0.0
+    end = float(np.nanpercentile(values, _RANGE_PERCENTILE)) if not unknown.all() else 0.0
     high = round_up(end) if end > 0.0 else 1.0
     fraction = values / high
     fraction[unknown] = 0.0

@@ -1,4 +1,4 @@
-"""Which runs are compared: combinations of values of one or two parameters, or methods."""
+"""Runs to compare: combinations of values of one or two parameters, or methods."""
 
 from __future__ import annotations
 
@@ -14,14 +14,20 @@ from cpm_core import CONTOUR_METHODS, Parameters
 from cpm_core.numerics.types import frozen, record
 from cpm_core.objects.methods import Compared
 
-FEWEST, MOST = 2, 6
-"""Limits of the number of values of a parameter."""
+FEWEST = 2
+"""Smallest number of values of a parameter."""
+
+MOST = 6
+"""Largest number of values of a parameter."""
 
 FIRST_AXES = ("smoothing", "min_strength")
-"""Parameters that are proposed: they decide which edges count."""
+"""Parameters that are proposed first: they decide which edges count."""
 
-_COUNT, _SPREAD = 3, 0.5
-"""Number of values that are proposed, and the fraction of the slider's range that they span."""
+_PROPOSED_COUNT = 3
+"""Number of values that are proposed."""
+
+_PROPOSED_SPREAD = 0.5
+"""Fraction of the slider's range that the proposed values span."""
 
 
 @frozen
@@ -36,8 +42,8 @@ class Axis:
 class Trial:
     """A run that is compared with others.
 
-    `method` is a method with its settings, run from the outlines that are drawn; where it is empty, the run is that of
-    the document with other parameters, the `settings`, which differ from its own in `values`.
+    With a `method`, it runs from the drawn outlines with `settings`. Without one, it is the document's run with the
+    parameters `settings`, which differ from the document's in `values`.
     """
 
     title: str
@@ -47,7 +53,7 @@ class Trial:
 
 
 def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Trial, ...]:
-    """A run for each combination of the values of one or two parameters.
+    """Plan a run for each combination of the values of one or two parameters.
 
     ValueError when both are the same parameter, or a value is out of its range.
     """
@@ -64,7 +70,7 @@ def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tria
 
 
 def method_trials(compared: Compared, parameters: Parameters) -> tuple[Trial, ...]:
-    """A run of each chosen method; ValueError when there is none."""
+    """Plan a run of each selected method; ValueError when there is none."""
     if not compared.methods:
         raise ValueError(tr("Choose at least one method."))
     return tuple(
@@ -74,7 +80,7 @@ def method_trials(compared: Compared, parameters: Parameters) -> tuple[Trial, ..
 
 
 def sensible_values(control: Control, parameters: Parameters, contrast: float) -> tuple[float, ...]:
-    """Evenly spaced values around the current one, which is among them, over part of the slider's range.
+    """Propose evenly spaced values around the current one, itself included, over part of the slider's range.
 
     There are three, fewer if there are not as many whole numbers; parameters in gray levels are scaled by the contrast
     of the image.
@@ -83,14 +89,14 @@ def sensible_values(control: Control, parameters: Parameters, contrast: float) -
     step = 1.0 if control.whole else control.step
     present = value_of(parameters, control.name)
     middle = min(max(float(present), low), high) if isinstance(present, int | float) else 0.5 * (low + high)
-    apart = max(1, round(_SPREAD * (high - low) / (_COUNT - 1) / step)) * step
+    apart = max(1, round(_PROPOSED_SPREAD * (high - low) / (_PROPOSED_COUNT - 1) / step)) * step
     around = (middle, *(round((middle + index * apart) / step) * step for index in (-1, 1, -2, 2)))
     within = dict.fromkeys(round(value, 9) for value in around if low <= value <= high)
-    return tuple(sorted([*within][:_COUNT]))
+    return tuple(sorted([*within][:_PROPOSED_COUNT]))
 
 
 def read_values(control: Control, text: str) -> tuple[float, ...]:
-    """The numbers in a text, with spaces, semicolons or commas between them.
+    """Parse the numbers in a text, separated by spaces, semicolons or commas.
 
     ValueError when there are too few or too many, or one is not a number.
     """
@@ -112,7 +118,7 @@ def read_values(control: Control, text: str) -> tuple[float, ...]:
 
 
 def with_values(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parameters:
-    """The parameters with other values of some."""
+    """Return the parameters with some values replaced."""
     for name, value in values:
         parameters = with_value(parameters, name, value)
     return parameters

@@ -1,4 +1,4 @@
-"""Where contours and surfaces differ from a ground truth, the worst first, and what a slice shows of it."""
+"""Differences of contours and surfaces from a ground truth, the worst first, and their cuts by a slice."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.numerics.types import record
 
-_APART = 0.6
-"""Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
+_PART_GAP = 0.6
+"""Distance of neighboring points above which a new part begins [px]; along a boundary it is a quarter of a pixel."""
 
 
 @record
@@ -42,7 +42,7 @@ class Difference:
 
 
 def differences(contours: Contours, comparison: Comparison) -> tuple[Difference, ...]:
-    """The parts of contours and ground truth farther apart than the tolerance, the farthest first."""
+    """Return the parts of contours and ground truth farther apart than the tolerance, the farthest first."""
     found = []
     for contour, away in zip(contours, comparison.distances, strict=True):
         far = away > comparison.tolerance
@@ -52,7 +52,7 @@ def differences(contours: Contours, comparison: Comparison) -> tuple[Difference,
     missing = comparison.missing
     if len(missing):
         away = distance_to(missing, contours)
-        cuts = np.flatnonzero(np.linalg.norm(np.diff(missing, axis=0), axis=1) > _APART) + 1
+        cuts = np.flatnonzero(np.linalg.norm(np.diff(missing, axis=0), axis=1) > _PART_GAP) + 1
         pieces = zip(np.split(missing, cuts), np.split(away, cuts), strict=True)
         found += [_difference("missing", points, far) for points, far in pieces]
     return tuple(sorted(found, key=lambda difference: -difference.farthest))
@@ -70,7 +70,7 @@ class Apart:
     Attributes
     ----------
     kind : {"missing", "wrong"}
-        Those of the true surface without a found one, or of the found surface without a true one.
+        Triangles of the true surface without a found one nearby, or of the found surface without a true one.
     surface : Surface
         The triangles.
     away : ndarray, shape (N,)
@@ -83,7 +83,19 @@ class Apart:
 
     @classmethod
     def of(cls, kind: Literal["missing", "wrong"], whole: Surface, away: Array, tolerance: float) -> Apart:
-        """Those with a corner farther away than the tolerance, ready for slices."""
+        """Take the triangles with a corner farther away than the tolerance, ready for slices.
+
+        Parameters
+        ----------
+        kind : {"missing", "wrong"}
+            Kind of the difference.
+        whole : Surface
+            Surface with N vertices.
+        away : ndarray, shape (N,)
+            Distance of each vertex from the other surface, in the unit of the spacing.
+        tolerance : float
+            Largest distance that is no difference, in the same unit.
+        """
         far = whole.faces[(away[whole.faces] > tolerance).any(axis=1)]
         used, faces = np.unique(far, return_inverse=True)
         surface = Surface(whole.vertices[used], faces.reshape(-1, 3), whole.spacing, whole.unit)
@@ -91,7 +103,7 @@ class Apart:
 
     @property
     def parts(self) -> Iterator[Difference]:
-        """Those that hang together, each with its farthest place."""
+        """Connected components of the triangles, each with its farthest place."""
         order = np.argsort(self.surface.component_of_vertex, kind="stable")
         ends = np.flatnonzero(np.diff(self.surface.component_of_vertex[order])) + 1
         for members in np.split(order, ends) if len(order) else []:
@@ -99,20 +111,20 @@ class Apart:
 
 
 def apart_from(surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison) -> tuple[Apart, ...]:
-    """Where a surface and the true one are apart."""
+    """Return where a surface and the true one differ by more than the tolerance."""
     missing = Apart.of("missing", truth.surface, found.missing, found.tolerance)
     return (missing,) if surface is None else (missing, Apart.of("wrong", surface, found.wrong, found.tolerance))
 
 
 def truth_in(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:
-    """What a slice shows of the ground truth: its boundaries."""
+    """Cut the ground truth by a slice: return its boundaries there."""
     if not isinstance(truth, VolumeTruth):
         return truth
     return Truth(here.of(truth.labels), section(truth.surface, here), truth.source)
 
 
 def differences_in(apart: Iterable[Apart], here: Slice) -> tuple[Difference, ...]:
-    """What a slice shows of the parts that differ; how far they are apart is not shown there."""
+    """Cut the surface differences by a slice; their distances are not shown there and are 0."""
     return tuple(
         Difference(each.kind, line.path, 0.0, (float(line.points[0, 0]), float(line.points[0, 1])))
         for each in apart

@@ -15,15 +15,15 @@ from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.types import Extent, Pixels, frozen, record
 
 _AT_ONCE = 1 << 16
-"""Gray values that are processed at once: few enough for the processor's cache, which is several times faster."""
+"""Gray values that are processed at once: few enough for the processor's cache, which makes it several times faster."""
 
-_OVERVIEW = 256
+_OVERVIEW_SIDE = 256
 """Longest side of the smallest level [px]."""
 
 _PREVIEW = 1024
 """Longest side of the finest level of a preview [px]."""
 
-_CODES = 1 << 12
+_GAMMA_TABLE_SIZE = 1 << 12
 """Entries of the table of the gamma curve."""
 
 
@@ -41,7 +41,7 @@ class IntensityWindow:
 
 @record
 class FinerShades:
-    """Shades of a level that is read from a file where it is seen."""
+    """Shades of a level that is read from a file only where it is visible."""
 
     values: Any
     window: IntensityWindow
@@ -53,7 +53,7 @@ class FinerShades:
         return shape
 
     def __getitem__(self, part: tuple[slice, slice]) -> Pixels:
-        """The shades of a part."""
+        """Return the shades of a part, shape (h, w)."""
         return apply_window(self.values[part], self.window)
 
 
@@ -67,8 +67,8 @@ class DisplayImage:
         The shades, and each time the means of two by two pixels of the level before. A pixel ``(i, j)`` of level k
         covers the pixels from ``(i, j) 2^k`` up to ``(i + 1, j + 1) 2^k``; at the end there may be fewer.
     finest : int
-        Level of the first of them: 0, or more for a preview, which lacks the finer ones, or less where a file has finer
-        ones, of which only what is seen is read.
+        Level of the first of them: 0, more for a preview, which lacks the finer ones, or less where a file has finer
+        ones, of which only the visible part is read.
     size : tuple of int
         Rows and columns of level 0, where that is not the first of them; else empty.
     """
@@ -79,22 +79,25 @@ class DisplayImage:
 
     @staticmethod
     def of(shades: Pixels) -> DisplayImage:
-        """Reduce shades until the longest side is short."""
+        """Reduce shades, shape (H, W) or (H, W, 3), until the longest side is short."""
         levels = [np.ascontiguousarray(shades)]
-        while max(levels[-1].shape[:2]) > _OVERVIEW:
+        while max(levels[-1].shape[:2]) > _OVERVIEW_SIDE:
             levels.append(_halved(levels[-1]))
         return DisplayImage(tuple(levels))
 
     @staticmethod
     def within(image: Image, window: IntensityWindow, channel: str = "luminance") -> DisplayImage:
-        """Shades of a channel of an image in an intensity window."""
+        """Return the shades of a channel of an image in an intensity window."""
         whole = DisplayImage.of(apply_window(image.stored if image.colors is None else image.gray(channel), window))
         finer = tuple(FinerShades(level, window) for level in image.finer)
         return DisplayImage((*finer, *whole.levels), -len(finer), image.shape) if finer else whole
 
     @staticmethod
     def preview(values: Array, window: IntensityWindow) -> DisplayImage:
-        """Shades of few of the gray values, made immediately, until all of them have been made."""
+        """Return the shades of every n-th gray value along each axis, to show at once until all have been computed.
+
+        `values` are gray values, shape (H, W).
+        """
         finest = max(0, math.ceil(math.log2(max(values.shape) / _PREVIEW)))
         some = values[:: 2**finest, :: 2**finest]
         return replace(DisplayImage.of(apply_window(some, window)), finest=finest, size=values.shape)
@@ -114,14 +117,14 @@ class DisplayImage:
 
 
 def _halved(shades: Pixels) -> Pixels:
-    """Means of two by two pixels."""
+    """Return the means of two by two pixels."""
     rows, cols, *channels = shades.shape
     half = np.empty((-(-rows // 2), -(-cols // 2), *channels), np.uint8)
 
-    def halve(first: int, end: int) -> None:
+    def halve_rows(first: int, end: int) -> None:
         half[first:end] = PIL.Image.fromarray(shades[2 * first : 2 * end]).reduce(2)
 
-    in_bands(halve, len(half))
+    in_bands(halve_rows, len(half))
     return half
 
 
@@ -133,34 +136,34 @@ class DisplayVolume:
 
 
 def display_of(image: Image) -> DisplayImage:
-    """Display image of an image: its colors, or its gray values from the smallest to the largest."""
+    """Build the display image of an image: its colors, or its gray values from the smallest to the largest."""
     if image.colors is not None:
         return DisplayImage.of(image.colors.samples)
     return DisplayImage.within(image, IntensityWindow(*image.gray_range))
 
 
 def apply_window(values: Array, window: IntensityWindow) -> Pixels:
-    """Shades of an intensity window, ``255 ((v - low) / (high - low))^gamma``, rounded and clipped.
+    """Return the shades of an intensity window, ``255 ((v - low) / (high - low))^gamma``, rounded and clipped.
 
     It has the shape of the gray values, (H, W) or (P, H, W), and is made from them directly, so that the narrowest
-    window has 256 gray values.
+    window still has 256 shades.
     """
     shown = np.empty(values.shape, np.uint8)
-    top = 255.0 if window.gamma == 1.0 else _CODES - 1.0
+    top = 255.0 if window.gamma == 1.0 else _GAMMA_TABLE_SIZE - 1.0
     factor = top / max(window.high - window.low, 1e-300)
-    curve = np.rint(255.0 * np.linspace(0.0, 1.0, _CODES) ** window.gamma).astype(np.uint8)
+    curve = np.rint(255.0 * np.linspace(0.0, 1.0, _GAMMA_TABLE_SIZE) ** window.gamma).astype(np.uint8)
     rows = max(1, _AT_ONCE // max(1, values[:1].size))
 
-    def shade(first: int, end: int) -> None:
+    def shade_rows(first: int, end: int) -> None:
         codes = np.rint(np.clip((values[first:end] - window.low) * factor, 0.0, top))
         shown[first:end] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
 
-    in_bands(shade, len(values), rows)
+    in_bands(shade_rows, len(values), rows)
     return shown
 
 
 def color_curve(window: IntensityWindow, white: float) -> Pixels:
-    """Curve of an intensity window for each channel of a color image, shape (256,).
+    """Return the curve of an intensity window for each channel of a color image, shape (256,).
 
     `white` is the gray level that a byte of 255 stands for.
     """
@@ -168,17 +171,17 @@ def color_curve(window: IntensityWindow, white: float) -> Pixels:
     return apply_window(levels, window)[0]
 
 
-_SAMPLE = 1 << 20
-"""Largest number of gray values of which percentiles are taken; sorting all of them takes longer than a frame."""
+_PERCENTILE_SAMPLE_SIZE = 1 << 20
+"""Largest number of gray values that percentiles are taken of; sorting all of them takes longer than a frame."""
 
 
 def percentile_window(values: Array, percent: float) -> tuple[float, float]:
-    """Ends of the range of gray values without `percent` per cent of the pixels at either end.
+    """Return the ends of the range of gray values without `percent` per cent of the pixels at either end.
 
-    `percent` is from 0 to less than 50; the result is the whole range where both ends are the same. Of many pixels,
-    every so manieth counts.
+    `values` are gray values of any shape, and `percent` is from 0 to less than 50. The result is the whole range where
+    both ends are the same. Of many pixels, only every n-th along each axis counts.
     """
-    stride = math.ceil((values.size / _SAMPLE) ** (1.0 / values.ndim))
+    stride = math.ceil((values.size / _PERCENTILE_SAMPLE_SIZE) ** (1.0 / values.ndim))
     some = values[(slice(None, None, stride),) * values.ndim]
     low, high = np.percentile(some, [percent, 100.0 - percent])
     if percent == 0.0 or low == high:
@@ -187,14 +190,14 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
 
 
 def display_of_edge_map(edge_map: Array) -> Pixels:
-    """Edge strengths from zero, 0, to the largest, 255; the square root makes weak edges visible."""
+    """Shade edge strengths (H, W) from zero, 0, to the largest, 255; the square root makes weak edges visible."""
     return apply_window(edge_map, IntensityWindow(0.0, float(edge_map.max()), 0.5))
 
 
-_OUTLIERS = 0.5
+_POTENTIAL_OUTLIERS = 0.5
 """Percentage of the pixels at either end that the display image of a potential leaves out."""
 
 
 def display_of_potential(potential: Array) -> Pixels:
-    """Potentials from the lowest, 0, to the highest, 255, without a few pixels at either end."""
-    return apply_window(potential, IntensityWindow(*percentile_window(potential, _OUTLIERS)))
+    """Shade potentials (H, W) from the lowest, 0, to the highest, 255, without a few pixels at either end."""
+    return apply_window(potential, IntensityWindow(*percentile_window(potential, _POTENTIAL_OUTLIERS)))

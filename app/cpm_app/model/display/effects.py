@@ -1,4 +1,4 @@
-"""What values of parameters change, as numbers next to their sliders: from the state of a run and its contours."""
+"""Effects of parameter values, as numbers next to their sliders: from the state of a run and its contours."""
 
 from __future__ import annotations
 
@@ -17,17 +17,18 @@ FILTERS = {
     "min_length": lambda row: row.length,
     "min_contrast": lambda row: row.contrast,
 }
-"""Parameters under which contours are left out, and the measure that each of them is compared with."""
+"""Parameters that leave out contours, with the measure that each of them is compared with."""
 
 MOTION = ("beta", RATIO, "annealing")
 """Parameters of the motion of particles."""
 
 
 def figures(state: State, parameters: Parameters, length: float) -> Mapping[str, float]:
-    """What each parameter of `MOTION` acts on [px of the image]; `length` is that of all contours.
+    """Measure what each parameter of `MOTION_PARAMETERS` acts on [px of the image].
 
-    Damping slows particles down: their mean motion in the last step. Repulsion spreads them: the length of the contours
-    that they have found. Annealing ends insertion: the distance up to which two neighbors get a particle between them.
+    Damping slows particles down: their mean motion in the last step. Repulsion spreads them: the `length` of all
+    contours that they have found. Annealing ends insertion: the distance up to which two neighbors get a particle
+    between them.
     """
     size = 2.0**state.scale
     widest = size * (parameters.d_min + state.annealed * parameters.d_max)
@@ -37,7 +38,7 @@ def figures(state: State, parameters: Parameters, length: float) -> Mapping[str,
 def effects(
     state: MethodState | None, parameters: Parameters, length: float, image: ImageReference | None
 ) -> Mapping[str, str]:
-    """`figures` in words, by the names of the parameters; empty ones where nothing is known."""
+    """Return `measure_motion` in words, by the names of the parameters; empty where nothing is known."""
     words = dict.fromkeys(MOTION, "")
     if not isinstance(state, State) or not state.step or image is None:
         return words
@@ -51,7 +52,7 @@ def effects(
 
 
 def contours_left(rows: Sequence[Measures], name: str, value: float, before: int | None) -> str:
-    """How many contours a value of a filter leaves, in words; `before` is the number before its slider was moved."""
+    """Tell in words how many contours a filter's value leaves; `before` is their number before its slider moved."""
     values = [measured for measured in map(FILTERS[name], rows) if measured is not None]
     if not values and before is None:
         return ""

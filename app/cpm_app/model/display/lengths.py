@@ -1,6 +1,6 @@
 """Lengths in readable units, the scale bar, and round numbers.
 
-One rule holds wherever a length or an area that was measured is shown: `shown_in` gives the size of a pixel in the unit
+One rule holds wherever a measured length or area is shown: `preferred_pixel_size` gives the size of a pixel in the unit
 that the user prefers. What the user sets, such as parameters, is in px.
 """
 
@@ -15,31 +15,34 @@ from cpm_app.model.text.language import tr, written
 from cpm_core.image import KNOWN, Bar, longest_bar
 from cpm_core.numerics.types import Sides, frozen
 
-_PIXEL = "px"
-_OF_THE_IMAGE = "image"
+_PIXEL_UNIT = "px"
+"""Name of the unit in which lengths need no size of a pixel."""
+
+_IMAGE_UNIT = "image"
+"""Name of the preference for the unit of the image."""
 
 UNITS = {
-    _OF_THE_IMAGE: tr("In the unit of the image"),
-    _PIXEL: tr("In px"),
+    _IMAGE_UNIT: tr("In the unit of the image"),
+    _PIXEL_UNIT: tr("In px"),
     "nm": tr("In nm"),
     "µm": tr("In µm"),
     "mm": tr("In mm"),
     "cm": tr("In cm"),
 }
-"""Names and titles of the units that can be preferred."""
+"""Titles of the units that the user can prefer, by name."""
 
-_preferred = _OF_THE_IMAGE
+_preferred_unit = _IMAGE_UNIT
 
 
 def prefer_unit(name: str) -> None:
     """Show lengths in a unit of `UNITS`."""
-    global _preferred  # noqa: PLW0603  # one for all windows, as the language is
-    _preferred = name
+    global _preferred_unit  # noqa: PLW0603  # one for all windows, as the language is
+    _preferred_unit = name
 
 
 @frozen
 class PixelSize:
-    """Size of a pixel in a unit, which is None for px; `factor` leads to it from the unit of the image."""
+    """Size of a pixel in a unit, which is None for px; lengths in the unit of the image times `factor` are in it."""
 
     spacing: Sides
     unit: str | None
@@ -47,27 +50,27 @@ class PixelSize:
 
 
 def shown_in(spacing: Sequence[float], unit: str | None) -> PixelSize:
-    """Size of a pixel in the preferred unit.
+    """Return the size of a pixel in the preferred unit.
 
-    It stays in the unit of the image where that is none of length, and where pixels that are not square would make
-    lengths in px depend on the direction.
+    It stays in the unit of the image where that is no unit of length, and where lengths in px would depend on the
+    direction because pixels are not square.
     """
     sizes = tuple(float(size) for size in spacing)
-    if _preferred == _PIXEL and len(set(sizes)) == 1:
+    if _preferred_unit == _PIXEL_UNIT and len(set(sizes)) == 1:
         return PixelSize((1.0,) * len(sizes), None, 1.0 / sizes[0])
-    if unit in KNOWN and _preferred in KNOWN:
-        factor = KNOWN[unit] / KNOWN[_preferred]
-        return PixelSize(tuple(size * factor for size in sizes), _preferred, factor)
+    if unit in KNOWN and _preferred_unit in KNOWN:
+        factor = KNOWN[unit] / KNOWN[_preferred_unit]
+        return PixelSize(tuple(size * factor for size in sizes), _preferred_unit, factor)
     return PixelSize(sizes, unit)
 
 
 def bar(most: float, spacing: float, unit: str | None) -> Bar:
-    """The longest scale bar of round length, in a readable unit or in the one that is preferred; see `longest_bar`."""
-    return longest_bar(most, spacing, unit, keep_unit=_preferred != _OF_THE_IMAGE)
+    """Find the longest scale bar of round length, in a readable unit or in the preferred one; see `longest_bar`."""
+    return longest_bar(most, spacing, unit, keep_unit=_preferred_unit != _IMAGE_UNIT)
 
 
 def size_text(spacing: Sequence[float], unit: str | None) -> str:
-    """Size of a pixel or of a voxel in the preferred unit; empty where it is not known and the same along all axes."""
+    """Format the size of a pixel or voxel in the preferred unit; empty where it is unknown and equal along all axes."""
     size = shown_in(spacing, unit)
     if size.unit is None and len(set(size.spacing)) == 1:
         return ""
@@ -76,34 +79,34 @@ def size_text(spacing: Sequence[float], unit: str | None) -> str:
 
 
 def length_text(pixels: float, spacing: float, unit: str | None) -> str:
-    """A length in its unit, with four digits, or in whole pixels."""
-    return written(f"{pixels * spacing:.4g} {unit}") if unit else written(f"{pixels:.0f} {_PIXEL}")
+    """Format a length in its unit, with four digits, or in whole pixels."""
+    return written(f"{pixels * spacing:.4g} {unit}") if unit else written(f"{pixels:.0f} {_PIXEL_UNIT}")
 
 
 def measured(pixels: float, spacing: Sequence[float], unit: str | None, decimals: int = 1) -> str:
-    """A length that was measured, in the preferred unit; in px where pixels are not square or their size is unknown."""
+    """Format a measured length in the preferred unit; in px where pixels are not square or their size is unknown."""
     size = shown_in(spacing, unit)
     if size.unit is None or len(set(size.spacing)) > 1:
-        return written(f"{pixels:,.{decimals}f} {_PIXEL}")
+        return written(f"{pixels:,.{decimals}f} {_PIXEL_UNIT}")
     length = pixels * size.spacing[0]
     return written(f"{length:,.0f} {size.unit}") if length >= 1000.0 else written(f"{length:.4g} {size.unit}")
 
 
 def round_up(value: float) -> float:
-    """The smallest round number that is not below a positive value."""
+    """Return the smallest round number (1, 2 or 5 times a power of ten) that is not below a positive value."""
     power = 10.0 ** math.floor(math.log10(value))
     return next((factor * power for factor in (1.0, 2.0, 5.0) if factor * power >= value), 10.0 * power)
 
 
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_SUPERSCRIPT_DIGITS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def scientific_text(value: float) -> str:
-    """A very small or very large number as text, such as 3.1·10⁻⁴."""
+    """Format a very small or very large number, such as 3.1·10⁻⁴."""
     digits, _, exponent = f"{value:.1e}".partition("e")
-    return f"{digits}·10{str(int(exponent)).translate(_RAISED)}"
+    return f"{digits}·10{str(int(exponent)).translate(_SUPERSCRIPT_DIGITS)}"
 
 
 def short_text(value: float) -> str:
-    """A number with three digits, written out, so that it can also be typed again."""
+    """Format a number with three digits, written out, so that it can also be typed."""
     return str(np.format_float_positional(float(f"{value:.3g}"), trim="-"))

@@ -8,11 +8,12 @@ from cpm_core.contours import Measures, centroid
 from cpm_core.numerics.types import record
 from cpm_core.pages import StackResult, Track
 
-_ENDS = {
+_TRACK_END_TEXTS = {
     "ends": tr("ends here"),
     "leaves": tr("leaves the image"),
     "merges": tr("merges into track {track}"),
 }
+"""Events at the end of a track, in words."""
 
 
 @record
@@ -46,7 +47,7 @@ class PageRow:
 
 
 def page_rows(found: StackResult) -> tuple[PageRow, ...]:
-    """The rows of all pages, in their order."""
+    """Build the rows of all pages, in their order."""
     tracks = {track.number: track for track in found.tracks}
     first = min((page.number for page in found.pages if page.contours), default=0)
     return tuple(row for page in found.pages for row in _rows(page, tracks, first))
@@ -63,7 +64,7 @@ def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
         if page.number == track.pages[0] and page.number != first:
             happens.append(tr("splits off track {track}", track=track.origin) if track.origin else tr("begins"))
         if page.number == track.pages[-1] and track.end is not None:
-            happens.append(_ENDS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
+            happens.append(_TRACK_END_TEXTS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
         row, col = centroid(contour)
         said, gray = ", ".join(happens), contour.gray
         rows.append(PageRow(page.number, contour.number, measures, row, col, gray, said, contour.group > 0))

@@ -17,7 +17,7 @@ from cpm_core.numerics.types import Integers, frozen, record
 
 @record
 class RunMetrics:
-    """The run so far, for plots: arrays of equal length, one entry a step, NaN for what a method does not measure.
+    """Metrics of the run so far: arrays of equal length, one entry a step, NaN for what a method does not measure.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class PageMetrics:
 
     @classmethod
     def of(cls, rows: Sequence[PageRow], count: int, here: int, factor: float) -> PageMetrics:
-        """Those of a table, on so many pages; areas in a unit of which one unit of the image has `factor`."""
+        """Collect the metrics of a table of `count` pages; `factor` converts lengths from the unit of the image."""
         areas: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
         grays: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
         for row in rows:
@@ -72,7 +72,7 @@ class PageMetrics:
 
 
 Metrics = RunMetrics | PageMetrics
-"""What is plotted over the steps, or over the pages; vertical lines are drawn at the marks."""
+"""Values plotted over the steps, or over the pages; vertical lines are drawn at the marks."""
 
 
 @frozen
@@ -96,54 +96,57 @@ class Plot:
 
 
 # Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
-_BLUE, _ORANGE, _GREEN = ("#0072b2", "#56b4e9"), ("#c2410c", "#ff9d1e"), ("#00785a", "#2bd4a4")
-_PURPLE, _PINK = ("#7c4fd6", "#b48cff"), ("#b5307f", "#ff7ac6")
+_CURVE_BLUE = ("#0072b2", "#56b4e9")
+_CURVE_ORANGE = ("#c2410c", "#ff9d1e")
+_CURVE_GREEN = ("#00785a", "#2bd4a4")
+_CURVE_PURPLE = ("#7c4fd6", "#b48cff")
+_CURVE_PINK = ("#b5307f", "#ff7ac6")
 
 PLOTS = (
     Plot(
         tr("How much the particles still move (ε of eq. (23)); below the dashed line the run may come to rest."),
-        (Series(tr("ε"), lambda metrics: metrics.epsilon, _ORANGE),),
+        (Series(tr("ε"), lambda metrics: metrics.epsilon, _CURVE_ORANGE),),
         "logarithmic",
         EPSILON,
     ),
     Plot(
         tr("Kinetic energy of all particles."),
-        (Series(tr("kinetic energy"), lambda metrics: metrics.kinetic, _GREEN),),
+        (Series(tr("kinetic energy"), lambda metrics: metrics.kinetic, _CURVE_GREEN),),
         "logarithmic",
     ),
     Plot(
         tr("Number of particles."),
-        (Series(tr("particles"), lambda metrics: metrics.count, _BLUE),),
+        (Series(tr("particles"), lambda metrics: metrics.count, _CURVE_BLUE),),
     ),
     Plot(
         tr("Particles inserted and deleted in each step."),
         (
-            Series(tr("inserted"), lambda metrics: metrics.born, _BLUE),
-            Series(tr("deleted"), lambda metrics: metrics.deleted, _PINK),
+            Series(tr("inserted"), lambda metrics: metrics.born, _CURVE_BLUE),
+            Series(tr("deleted"), lambda metrics: metrics.deleted, _CURVE_PINK),
         ),
     ),
 )
 """All plots, from top to bottom."""
 
-_MOST_CURVES = 10
-"""Number of objects that are plotted at most; a choice among them is made in the table."""
+_MAX_CURVES = 10
+"""Largest number of objects that are plotted; the user selects them in the table."""
 
 
 def plotted(rows: Sequence[PageRow], chosen: Collection[int]) -> Integers:
-    """The tracks that are plotted: those that are chosen, or the first ones."""
-    return tuple(sorted(chosen or {row.track for row in rows if row.track})[:_MOST_CURVES])
+    """Return the tracks that are plotted: the selected ones, or else the first."""
+    return tuple(sorted(chosen or {row.track for row in rows if row.track})[:_MAX_CURVES])
 
 
 def plots_of_pages(tracks: Sequence[int], area: str) -> tuple[Plot, ...]:
-    """Area, with this title, and mean gray value of tracks over the pages of a stack."""
-    hues = (_BLUE, _ORANGE, _GREEN, _PURPLE, _PINK)
+    """Build the plots of area, with this title, and mean gray value of tracks over the pages of a stack."""
+    hues = (_CURVE_BLUE, _CURVE_ORANGE, _CURVE_GREEN, _CURVE_PURPLE, _CURVE_PINK)
 
-    def series(title: str, name: Literal["areas", "grays"], track: int) -> Series:
+    def build_curve(title: str, name: Literal["areas", "grays"], track: int) -> Series:
         words = f"{title} {track}" if track == tracks[0] else str(track)
         return Series(words, lambda metrics: getattr(metrics, name)[track], hues[track % len(hues)])
 
     gray = tr("Mean gray")
     return (
-        Plot("", tuple(series(area, "areas", track) for track in tracks), points=True),
-        Plot("", tuple(series(gray, "grays", track) for track in tracks), "free", points=True),
+        Plot("", tuple(build_curve(area, "areas", track) for track in tracks), points=True),
+        Plot("", tuple(build_curve(gray, "grays", track) for track in tracks), "free", points=True),
     )

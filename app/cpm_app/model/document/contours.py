@@ -1,4 +1,4 @@
-"""Contours of a document: what a run finds, and pure edits of their review and of edits by hand."""
+"""Contours of a document: the result of a run, and pure edits of their review and of edits by hand."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ NAMES = {
     "line": tr("draw contour"),
     "outline": tr("draw outline"),
 }
-"""What each kind of edit is called after "Undo"."""
+"""Names of the kinds of edits, as they follow "Undo"."""
 
 
 def reviewed_result(document: Document, result: Result) -> Result:
-    """A result with the contours that the user has kept, and without those that have been rejected."""
+    """Add the contours that the user has kept to a result, and leave out the rejected ones."""
     return apply(with_kept(result, document.marks), document.marks)
 
 
 def found_by(engine: Engine, document: Document, seeds: ImageSeeds, progress: Callable[[State], object]) -> Result:
-    """What a run of a document finds, as it has been reviewed; `progress` is called with each state, first the start.
+    """Run a document to its reviewed result; `progress` is called with each state, first the start.
 
-    `seeds` are those of its starts that depend on the image.
+    `seeds` are the seeds of the starts that depend on the image.
     """
     run = Evolution(engine, engine.start(document.seeds(seeds)), document.parameters, charges=document.charges)
     for moment in run:
@@ -42,19 +42,19 @@ def found_by(engine: Engine, document: Document, seeds: ImageSeeds, progress: Ca
 
 
 def add_hand_edits(document: Document, edits: Sequence[HandEdit]) -> Document:
-    """The document with further edits of contours by hand, made last."""
+    """Append edits of contours by hand."""
     return replace(document, hand_edits=(*document.hand_edits, *edits))
 
 
 def drop_hand_edits(document: Document, indices: Collection[int]) -> Document:
-    """The document without some edits of contours by hand."""
+    """Remove some edits of contours by hand."""
     left = tuple(edit for index, edit in enumerate(document.hand_edits) if index not in indices)
     return replace(document, hand_edits=left)
 
 
 @record
 class Target:
-    """A contour to mark: its mark so far, the place (row, col) [px] of its first mark, where it runs."""
+    """A contour to mark, with its mark so far, and the place (row, col) [px] of its first mark."""
 
     mark: Mark | None
     anchor: Position
@@ -62,27 +62,27 @@ class Target:
 
 
 def judge(document: Document, targets: Iterable[Target], verdict: Verdict) -> Document:
-    """The document in which contours are kept as they are now, rejected, or undecided again."""
+    """Mark contours as kept as they are now, as rejected, or as undecided."""
 
-    def amend(mark: Mark, target: Target) -> Mark:
+    def set_mark_verdict(mark: Mark, target: Target) -> Mark:
         kept = target.contour if verdict == "kept" else None
         return replace(mark, verdict=verdict, outline=Outline() if kept is None else outline_of(kept))
 
-    return _amended(document, targets, amend)
+    return _amended(document, targets, set_mark_verdict)
 
 
 def rename(document: Document, targets: Iterable[Target], name: str) -> Document:
-    """The document in which contours have a name; none when it is empty."""
+    """Name contours; an empty name removes theirs."""
     return _amended(document, targets, lambda mark, _: replace(mark, name=name.strip()))
 
 
 def paint(document: Document, targets: Iterable[Target], color: str) -> Document:
-    """The document in which contours have a color; the default one when it is empty."""
+    """Color contours; an empty color restores the default."""
     return _amended(document, targets, lambda mark, _: replace(mark, color=color))
 
 
 def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mark, Target], Mark]) -> Document:
-    """The document with some marks changed, new ones last, and without empty ones."""
+    """Change some marks, with new ones last, and drop empty ones."""
     marks = list(document.marks)
     for target in targets:
         if target.mark is not None and target.mark in marks:

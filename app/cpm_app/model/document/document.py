@@ -41,10 +41,12 @@ Mode = Literal["shape", "automatic", "skeleton"]
 NOTHING_TO_START_FROM = tr(
     "There is nothing to start from: draw a circle, a stroke or points on the image first, or start everywhere."
 )
+"""Error of a run without a start on an image."""
 
 NOTHING_TO_START_FROM_IN_VOLUME = tr(
     "There is nothing to start from: draw a sphere, a box, a stroke or points in a slice of the volume first."
 )
+"""Error of a run without a start in a volume."""
 
 
 @frozen
@@ -67,12 +69,12 @@ class ImageReference:
 
     @classmethod
     def of(cls, path: Path, image: Image, reading: Reading = DEFAULT) -> ImageReference:
-        """That of an image which has been read from a file."""
+        """Refer to an image that has been read from a file."""
         low, high = image.gray_range
         return cls(path.name, str(path), image.shape, high - low, image.file_sha256, image.spacing, image.unit, reading)
 
     def sized(self, image: Image) -> Image:
-        """The image with the size of a pixel that is known here."""
+        """Return the image with the size of a pixel that is known here."""
         if (image.spacing, image.unit) == (self.spacing, self.unit):
             return image
         factor = resolution.factor(image.unit, self.unit) if image.unit and self.unit else 1.0
@@ -105,7 +107,7 @@ class Document:
     objects : SegmentedObjects
         The objects that have been selected, and the selection that is being made.
     outlined : Outlined
-        What has a skeleton, in the mode of skeletons, in place of what is found in the image.
+        Objects and contours whose skeleton is wanted in the mode of skeletons; if empty, that of the image.
     comparison : Compared
         The methods that are compared with the particles.
     """
@@ -142,12 +144,12 @@ class Document:
         return (self.image, self.image_starts, limits, barriers, self.parameters.channel, smoothing)
 
     def seeds_in(self, cache: SeedCache) -> ImageSeeds:
-        """The seeds of `image_starts`, as a cache of an image finds them."""
+        """Find the seeds of `image_starts` through the cache of an image."""
         seen = self.parameters
         return cache.seeds_for(self.image_starts, seen.smoothing, self.regions, seen.channel)
 
     def fitting(self, parameters: Parameters) -> Parameters:
-        """The parameters with no more scales than the image has room for."""
+        """Return the parameters with no more scales than the image has room for."""
         return parameters if self.image is None else fitting(parameters, self.image.shape)
 
     @property
@@ -157,19 +159,19 @@ class Document:
 
     @property
     def outlines(self) -> tuple[Line, ...]:
-        """Closed lines that have a skeleton: the boundaries of objects as they are now, and closed contours."""
+        """Closed lines whose skeleton is wanted: current boundaries of objects, and closed contours."""
         chosen = self.outlined.objects
         lines = [line for item in self.objects.items if item.number in chosen for line in item.boundary]
         return (*lines, *self.outlined.contours)
 
     @property
     def outlined_surfaces(self) -> tuple[PackedBody, ...]:
-        """Bodies of objects in a volume, as they are now, that have a skeleton."""
+        """Current bodies of objects in a volume whose skeleton is wanted."""
         chosen = self.outlined.objects
         return tuple(packed for item in self.objects.items if item.number in chosen for packed in item.surface)
 
     def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> Array:
-        """Seeds of the starts, shape (N, D) [px of the image], given those of each of `image_starts`.
+        """Collect the seeds of the starts, shape (N, D) [px of the image], given those of each of `image_starts`.
 
         ValueError when there is no start.
         """
@@ -184,7 +186,7 @@ class Document:
 
     @property
     def nothing_to_start_from(self) -> str:
-        """The sentence for a run without a start."""
+        """Error of a run without a start."""
         return NOTHING_TO_START_FROM_IN_VOLUME if self.is_about_volume else NOTHING_TO_START_FROM
 
     @property
@@ -194,7 +196,7 @@ class Document:
 
     @property
     def sources(self) -> Counter[Hashable]:
-        """Sources of particles with their numbers: each point separately, every other start as a whole."""
+        """Number of times each source of particles occurs: each point separately, every other start as a whole."""
         found: Counter[Hashable] = Counter()
         for start in self.starts:
             found.update(start.positions if isinstance(start, Points) else (start,))
@@ -202,6 +204,6 @@ class Document:
 
     @property
     def late(self) -> tuple[object, ...]:
-        """Image and the parameters that act only when a run starts."""
+        """Image and the parameters that take effect only when a run starts."""
         acting = (getattr(self.parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "run")
         return (self.image, *acting)

@@ -1,4 +1,4 @@
-"""Edits: pure functions from a document to the next one, and which shape lies under a place."""
+"""Edits: pure functions from a document to the next one, and hit testing of shapes."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ from cpm_core.shapes import Everywhere, Kind, Points, Shape
 
 
 def add_shape(document: Document, shape: Shape) -> Document:
-    """The document with one more shape, drawn last."""
+    """Add a shape, drawn last."""
     return replace(document, shapes=(*document.shapes, shape))
 
 
 def replace_shape(document: Document, index: int, shape: Shape) -> Document:
-    """The document with `shape` in place of the one at `index`."""
+    """Replace the shape at `index`."""
     shapes = list(document.shapes)
     shapes[index] = shape
     return replace(document, shapes=tuple(shapes))
 
 
 def move_shape(document: Document, index: int, by: Place) -> Document:
-    """The document with one shape displaced by so much along each axis."""
+    """Move the shape at `index` by an offset along each axis."""
     return replace_shape(document, index, document.shapes[index].moved(by))
 
 
 def delete_shape(document: Document, index: int) -> Document:
-    """The document without the shape at `index`."""
+    """Delete the shape at `index`."""
     return replace(document, shapes=document.shapes[:index] + document.shapes[index + 1 :])
 
 
 def toggle_everywhere(document: Document, kind: Kind) -> Document:
-    """The document with or without this start all over the image, whichever it is not now."""
+    """Add this start all over the image, or remove it where it is there."""
     start = Everywhere(kind)
     if start in document.shapes:
         return delete_shape(document, document.shapes.index(start))
@@ -48,7 +48,7 @@ def toggle_everywhere(document: Document, kind: Kind) -> Document:
 
 
 def erase(document: Document, path: Sequence[Place], radius: float) -> Document:
-    """The document without what lies within `radius` of an eraser's path [px].
+    """Erase what lies within `radius` of an eraser's path [px].
 
     Points are erased one by one, and other shapes as a whole. In a volume the radius is in sides of the smallest voxel.
     """
@@ -58,7 +58,7 @@ def erase(document: Document, path: Sequence[Place], radius: float) -> Document:
 
 
 def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) -> Shape | None:
-    """The rest of a shape after erasing."""
+    """Return what erasing leaves of a shape; None if nothing."""
     if isinstance(shape, Points):
         near = polyline.distances(np.array(path) * sides, shape.seeds() * sides) <= radius
         if not near.any():
@@ -70,17 +70,17 @@ def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) ->
 
 
 def set_shapes(document: Document, shapes: tuple[Shape, ...]) -> Document:
-    """The document with all shapes replaced."""
+    """Replace all shapes."""
     return replace(document, shapes=shapes)
 
 
 def clear_shapes(document: Document) -> Document:
-    """The document without shapes."""
+    """Remove all shapes."""
     return set_shapes(document, ())
 
 
 def set_pixel_size(document: Document, spacing: Sides, unit: str | None, *, by_hand: bool = True) -> Document:
-    """The document with the size of a pixel set by hand, or as the file gives it.
+    """Set the size of a pixel by hand, or as the file gives it.
 
     ValueError when voxels are flatter than can be computed.
     """
@@ -94,17 +94,17 @@ def set_pixel_size(document: Document, spacing: Sides, unit: str | None, *, by_h
 
 
 def set_parameter(document: Document, name: str, value: float | str) -> Document:
-    """The document with one control set; see `cpm_app.model.parameters.controls.with_value`."""
+    """Set one control; see `cpm_app.model.parameters.controls.set_control_value`."""
     return replace(document, parameters=controls.with_value(document.parameters, name, value))
 
 
 def use_preset(document: Document, parameters: Parameters) -> Document:
-    """The document with the parameters of a preset; the channel stays, because it belongs to the image."""
+    """Set the parameters of a preset; the channel stays, because it belongs to the image."""
     return set_parameters(document, replace(parameters, channel=document.parameters.channel))
 
 
 def set_parameters(document: Document, parameters: Parameters) -> Document:
-    """The document with all parameters replaced, and as many scales as the image has room for."""
+    """Replace all parameters, with no more scales than the image has room for."""
     return replace(document, parameters=document.fitting(parameters))
 
 
@@ -113,7 +113,7 @@ Part = Literal["handle", "body"]
 
 @frozen
 class Hit:
-    """Index of the shape that was hit, and its part: a handle, which is at a place, reshapes, the body moves."""
+    """Index of the shape that was hit, and its part: the handle at a place reshapes it, the body moves it."""
 
     index: int
     part: Part
@@ -121,7 +121,7 @@ class Hit:
 
 
 def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selected: int | None = None) -> Hit | None:
-    """The shape under a position (row, col) [px of the image]; the selected one first, then the last drawn.
+    """Find the shape under a position (row, col) [px of the image]: first the selected one, then the last drawn.
 
     `tolerance` is the distance up to which a line, handle or point is hit [px of the image]. Only the selected shape
     shows handles.

@@ -1,4 +1,4 @@
-"""Contours and surfaces of files in a document: as starts, or as objects."""
+"""Contours and surfaces from files in a document: as starts, or as objects."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from cpm_core.objects.segmented import Click, SegmentedObject, line_of
 from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
 MOST = 1000
-"""Most contours that are taken over: each is a shape or an object that can be moved and named by itself."""
+"""Largest number of contours: each becomes a shape or an object that can be moved and named by itself."""
 
 Kind = Literal["contours", "surface", "center lines"]
 
 
 @record
 class Imported:
-    """What was read, ready to be taken into a document.
+    """Content of a file, ready to be taken into a document.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Imported:
     starts : tuple of Polygon, Stroke or Points
         Starts along them.
     objects : tuple of SegmentedObject
-        Objects of the closed ones.
+        Objects from the closed contours, or from the bodies.
     classes : tuple of str
         Names of their classes, empty where a file has none.
     open : int
@@ -48,7 +48,7 @@ class Imported:
     notes : tuple of str
         What was left out or assumed, one sentence each.
     kind : {"contours", "surface", "center lines"}
-        What it is; the latter two lie in a volume.
+        Kind of the content; surfaces and center lines lie in a volume.
     """
 
     name: str
@@ -62,20 +62,20 @@ class Imported:
 
     @classmethod
     def of_surface(cls, surface: Surface, volume: Image, name: str, notes: Texts = ()) -> Imported:
-        """A surface in a volume, with an object for each body inside; ValueError when those are too many."""
+        """Import a surface in a volume, with an object for each body inside; ValueError if there are too many."""
         objects = bodies_of(surface, volume) if surface.closed else ()
         _check(tr("{name} has {count} objects, but at most {most} can be imported."), name, len(objects))
         return cls(name, 1, (start_on_surface(surface),), objects, int(not surface.closed), notes, "surface")
 
     @classmethod
     def of_lines(cls, lines: Centerlines, notes: Texts = ()) -> Imported:
-        """Center lines in a volume."""
+        """Import center lines in a volume."""
         count = len(lines.branches)
         return cls(lines.source, count, starts_in(lines), (), count, notes, "center lines")
 
     @classmethod
     def of(cls, found: ContourFile, name: str) -> Imported:
-        """What a file of contours holds; ValueError when that is too much."""
+        """Import the contours of a file; ValueError if there are too many."""
         count = len(found.contours)
         _check(tr("{name} has {count} contours, but at most {most} can be imported."), name, count)
         closed = [contour for contour in found.contours if contour.closed]
@@ -90,9 +90,9 @@ def _check(message: str, name: str, count: int) -> None:
 
 
 def objects_of(contours: Contours) -> tuple[SegmentedObject, ...]:
-    """Objects with closed contours as their boundaries; those of one group are one object.
+    """Make objects of closed contours; those of one group are the boundaries of one object.
 
-    A name that is only that of the class is left out.
+    A name that only repeats the class is left out.
     """
     return tuple(
         SegmentedObject(
@@ -108,7 +108,7 @@ def objects_of(contours: Contours) -> tuple[SegmentedObject, ...]:
 
 
 def _grouped(contours: Contours) -> list[list[Contour]]:
-    """The boundaries of each object that encloses anything, holes last."""
+    """Return the boundaries of each object that encloses anything, holes last."""
     groups: dict[tuple[int, int], list[Contour]] = {}
     for index, contour in enumerate(contours):
         if len(set(line_of(contour.points))) > 2:
@@ -117,9 +117,9 @@ def _grouped(contours: Contours) -> list[list[Contour]]:
 
 
 def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
-    """An object for each number that a closed surface has, or for each body inside it, with a click in its middle.
+    """Make an object of each numbered part of a closed surface or, without numbers, of each body, with a click inside.
 
-    Those with numbers have their names and colors too.
+    Parts with numbers keep their names and colors.
     """
     if surface.numbers is not None:
         numbers = np.unique(surface.numbers).tolist()
@@ -145,7 +145,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
 
 
 def _innermost(body: Surface, shape: Extent) -> Place:
-    """The voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
+    """Return the voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
     vertices = body.vertices[np.unique(body.faces)]
     first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
     size = np.clip(np.ceil(vertices.max(axis=0)) + 1, first, shape).astype(np.int64) - first
@@ -158,9 +158,9 @@ def _innermost(body: Surface, shape: Extent) -> Place:
 
 
 def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:
-    """The document with objects, each of the class of its name, else of the class that is chosen.
+    """Add objects, each of the class that is named for it, else of the current class.
 
-    They keep their numbers where none of them is taken.
+    They keep their numbers if none of these is in use.
     """
     taken = {item.number for item in (*document.objects.items, *document.objects.rejected)}
     first = document.objects.next_number - 1 if taken.intersection(item.number for item in made) else 0

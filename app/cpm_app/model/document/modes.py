@@ -1,4 +1,4 @@
-"""Modes: purposes of a run, each with its preset and its initialization; settings for kinds of images."""
+"""Modes: purposes of a run, each with its preset and its starts; settings for kinds of images."""
 
 from __future__ import annotations
 
@@ -69,29 +69,29 @@ MODES: Mapping[Mode, ModeInfo] = {
 }
 
 
-_WIDTH = "max_width"
-"""The parameter of skeletons that center lines in volumes do not have."""
+_SKELETON_WIDTH = "max_width"
+"""Parameter of skeletons that center lines in volumes lack."""
 
 
 def fresh_parameters(mode: Mode, image: ImageReference | None = None) -> Parameters:
-    """The parameters with which work in a mode begins, on a volume those for volumes."""
+    """Return the parameters with which work in a mode begins; on a volume those for volumes."""
     return PRESETS["volume" if image is not None and image.is_volume else MODES[mode].preset]
 
 
 def needs_start(mode: Mode) -> bool:
-    """Whether a run in a mode needs an initialization."""
+    """Tell whether a run in a mode needs a start."""
     return bool(METHODS[MODES[mode].method].seeded)
 
 
 def acting_in(mode: Mode, dimension: int = 2) -> frozenset[str]:
-    """Names of the controls that have an effect in a mode, on an image with so many axes."""
-    lacking = (*OF_PLANES, _WIDTH) if dimension == 3 else OF_VOLUMES
+    """Return the names of the controls that have an effect in a mode, on an image with `dimension` axes."""
+    lacking = (*OF_PLANES, _SKELETON_WIDTH) if dimension == 3 else OF_VOLUMES
     acting = (name for name in METHODS[MODES[mode].method].parameters if name not in lacking)
     return frozenset(RATIO if name == "w1" else name for name in acting)
 
 
 def use_mode(document: Document, mode: Mode) -> Document:
-    """The document in another mode, with its preset and its starts; channel, regions, barriers and charges stay.
+    """Switch to another mode, with its preset and its starts; channel, regions, barriers and charges stay.
 
     Shape recovery removes starts all over the image; automatic segmentation removes all others; skeletons, which need
     no start, keep all shapes.
@@ -102,7 +102,7 @@ def use_mode(document: Document, mode: Mode) -> Document:
 
 
 def is_only_in_another_mode(document: Document, known: Document) -> bool:
-    """Whether a document is what another one becomes when nothing but the mode is changed, once or several times."""
+    """Tell whether changes of the mode alone, one or several, lead from one document to another."""
     began = {known.shapes, starting("automatic", known.shapes), starting("shape", known.shapes)}
     shapes = {starting(document.mode, before) for before in began}
     parameters = replace(fresh_parameters(document.mode, known.image), channel=known.parameters.channel)
@@ -112,13 +112,13 @@ def is_only_in_another_mode(document: Document, known: Document) -> bool:
 
 
 def use_skeleton(document: Document, outlined: Outlined) -> Document:
-    """The document in the mode of skeletons, for those of objects and contours, or of the image if there are none."""
+    """Switch to the mode of skeletons, for given objects and contours, or for the image if there are none."""
     there = document if document.mode == "skeleton" else use_mode(document, "skeleton")
     return replace(there, outlined=outlined)
 
 
 def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
-    """The shapes of a document after a change to this mode."""
+    """Return the shapes of a document after a change to this mode."""
     if mode == "automatic":
         return (*(shape for shape in shapes if isinstance(shape, Limit)), Everywhere("grid"))
     if mode == "shape":
@@ -131,4 +131,4 @@ ADVICE = {
     "angiogram": tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?"),
     "ultrasound": tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?"),
 }
-"""Kinds of images for which there is a preset, and the sentences that offer it; others do best with the usual one."""
+"""Sentences that offer the preset for a kind of image; other kinds do best with the usual one."""

@@ -37,25 +37,28 @@ from cpm_core.parameters import Provenance
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
 
 AnySelection = Selection | VolumeSelection
-"""What has been selected, in an image or in a volume."""
+"""A selection in an image or in a volume."""
 
-_APART, _MOST_POINTS = 2.0, 4000
-"""Side of the blocks of voxels that get a point on a surface, and how many points there are at most."""
+_SURFACE_BLOCK_SIDE = 2.0
+"""Side of the blocks of voxels that get at most one point on a surface."""
 
-_DECIMALS = 3
-"""Decimals of what a session keeps of a selection, such as vertices [px], which are accurate to about a tenth."""
+_MAX_SURFACE_POINTS = 4000
+"""Largest number of points on a surface."""
+
+_SESSION_DECIMALS = 3
+"""Decimals of selections in session files, such as of vertices [px], which are accurate to about a tenth."""
 
 
 # Selecting
 
 
 def first_clicks(item: SegmentedObject, shape: Extent) -> Clicks:
-    """The clicks by which an object of an image of this shape is selected anew: its own, or one where it is widest."""
+    """Return the clicks that select an object in an image of this shape: its own, or one where it is widest."""
     return item.clicks or (Click((item.innermost(shape),)),)
 
 
 def select(document: Document, clicks: Clicks, number: int = 0) -> Document:
-    """The document in which the object of some clicks is being selected; with a number, in place of that object."""
+    """Set the clicks of the selection in progress; with a number, it is to replace that object."""
     known = document.objects
     category = known[number].category if number and number != known.edited else known.category
     return _with(document, clicks=clicks, edited=number if clicks else 0, category=category)
@@ -66,10 +69,10 @@ Found = tuple[AnySelection, Clicks, int]
 
 
 def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool = False) -> Document:
-    """The document with further objects, or with other boundaries of those that it has.
+    """Add objects, or replace the boundaries of existing ones with the same numbers.
 
-    New ones get the next numbers; rejected ones, and those of other pages, keep theirs. The selection in progress is
-    over where it `ends`.
+    New objects get the next numbers; rejected ones, and those of other pages, keep theirs. The selection in progress
+    is cleared if it `ends`.
     """
     objects = document.objects
     known, rejected = {item.number: item for item in objects.items}, {item.number for item in objects.rejected}
@@ -90,7 +93,7 @@ def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool =
 
 
 def reject(document: Document, numbers: Iterable[int], offered: Iterable[SegmentedObject] = ()) -> Document:
-    """The document without some objects, which are not to be proposed again, nor are others that have been."""
+    """Reject objects, and proposals in `offered`, none of which will be proposed again."""
     gone = frozenset(numbers)
     removed = [item for item in document.objects.items if item.number in gone]
     fresh = enumerate(offered, start=document.objects.next_number)
@@ -100,36 +103,46 @@ def reject(document: Document, numbers: Iterable[int], offered: Iterable[Segment
 
 
 def add(document: Document, selections: Iterable[Selection], category: int) -> Document:
-    """The document with one more object of a class for each selection; the selection in progress stays."""
+    """Add an object of a class for each selection; the selection in progress stays."""
     found = ((each, (Click(as_line(each.inside)),)) for each in selections if each.found)
     return accept(document, (made(each, clicks, document.objects.next_number, category) for each, clicks in found))
 
 
 def bounded(number: int, category: int, contours: Contours, gaps: Iterable[Array] = ()) -> SegmentedObject:
-    """An object that closed contours bound, with gaps where they follow nothing."""
+    """Make an object of closed contours.
+
+    Parameters
+    ----------
+    number, category : int
+        Number and class of the object.
+    contours : sequence of Contour
+        Its boundaries, at least one.
+    gaps : iterable of ndarray, shape (K, 2)
+        Stretches of the boundary that follow no edge [px].
+    """
     strength = float(np.average([one.strength for one in contours], weights=[one.length for one in contours]))
     return SegmentedObject(
         number,
         (),
         tuple(line_of(contour.points) for contour in contours),
         tuple(map(line_of, gaps)),
-        strength=round(strength, _DECIMALS),
+        strength=round(strength, _SESSION_DECIMALS),
         category=category,
     )
 
 
 def replace_boundaries(document: Document, found: Iterable[Found]) -> Document:
-    """The document in which objects that there are have the boundaries of selections."""
+    """Replace the boundaries of existing objects by those of selections."""
     known = {item.number for item in document.objects.items}
     return accept(document, (made(*each, 1) for each in found if each[2] in known and each[0].found))
 
 
 def made(selection: AnySelection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
-    """The object of a selection that is not empty."""
+    """Make an object of a selection that is not empty."""
     if isinstance(selection, VolumeSelection):
-        clicks = clicks if selection.voxels is None else ()  # of which what has been painted is not the answer
+        clicks = clicks if selection.voxels is None else ()  # they no longer explain what has been painted
         return SegmentedObject(number, clicks, category=category, surface=(selection.packed,))
-    confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _DECIMALS)
+    confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _SESSION_DECIMALS)
     item = bounded(number, category, selection.contours, selection.gaps)
     return replace(item, clicks=clicks, confidence=confidence)
 
@@ -138,7 +151,7 @@ def made(selection: AnySelection, clicks: Clicks, number: int, category: int) ->
 
 
 def delete(document: Document, numbers: Iterable[int]) -> Document:
-    """The document without some objects, rejected ones among them."""
+    """Delete objects, rejected ones among them."""
     gone, objects = frozenset(numbers), document.objects
     left, rejected = (
         tuple(item for item in items if item.number not in gone) for items in (objects.items, objects.rejected)
@@ -148,36 +161,36 @@ def delete(document: Document, numbers: Iterable[int]) -> Document:
 
 
 def rename(document: Document, numbers: Iterable[int], name: str) -> Document:
-    """The document in which objects have a name; none when it is empty."""
+    """Name objects; an empty name removes theirs."""
     return amend(document, numbers, name=name.strip())
 
 
 def classify(document: Document, numbers: Iterable[int], category: int) -> Document:
-    """The document in which objects have a class, as the next ones will; own colors are removed."""
+    """Set the class of objects, and of the next ones; their own colors are removed."""
     return _with(amend(document, numbers, category=category, color=""), category=category)
 
 
 def amend(document: Document, numbers: Iterable[int], **parts: Any) -> Document:
-    """The document in which objects have another color (empty: that of their class), or are frozen or hidden or not."""
+    """Set the color of objects (empty: that of their class), or whether they are frozen or hidden."""
     chosen = frozenset(numbers)
     items = tuple(replace(item, **parts) if item.number in chosen else item for item in document.objects.items)
     return _with(document, items=items)
 
 
 def merge(document: Document, numbers: Iterable[int]) -> Document:
-    """The document in which several objects of its image are one: the first of them, with all their places inside."""
+    """Merge several objects of the image into the first of them, with the clicks of all."""
     chosen = frozenset(numbers)
     merged = [item for item in document.objects.items if item.number in chosen]
     return merge_into(document, merged, reduce(union, merged))
 
 
 def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:
-    """The document in which one object replaces several, of which it has the number of one."""
+    """Replace several objects by their union, which has the number of one of them."""
     return accept(delete(document, [item.number for item in merged if item.number != whole.number]), (whole,))
 
 
 def split(document: Document, whole: SegmentedObject, halves: Halves) -> Document:
-    """The document with the halves of an object, or of what may become one; the first keeps its number and name."""
+    """Replace an object or a candidate by its halves; the first keeps its number and name."""
     objects = document.objects
     ends = whole.number == objects.edited or whole.clicks == objects.clicks
     second = replace(halves.second, number=objects.next_number, name="")
@@ -185,7 +198,7 @@ def split(document: Document, whole: SegmentedObject, halves: Halves) -> Documen
 
 
 def name_class(document: Document, category: int, name: str, color: str = "") -> Document:
-    """The document in which a class has a name, and another color unless that is empty."""
+    """Name a class, and change its color unless that is empty."""
     classes = list(document.objects.classes)
     before = classes[category - 1]
     classes[category - 1] = ObjectClass(name.strip(), color or before.color)
@@ -196,17 +209,17 @@ def name_class(document: Document, category: int, name: str, color: str = "") ->
 
 
 def as_starts(document: Document, numbers: Iterable[int]) -> Document:
-    """The document in which the outlines of objects are starts too; in a volume, points all over their surfaces."""
+    """Add the outlines of objects as starts; in a volume, points all over their surfaces."""
     return _with_shapes(document, numbers, Polygon, lambda surface: Points(_spread(surface.surface)))
 
 
 def as_regions(document: Document, numbers: Iterable[int]) -> Document:
-    """The document in which objects are regions of interest too; their holes count as inside."""
+    """Add objects as regions of interest; their holes count as inside."""
     return _with_shapes(document, numbers, Region, EnclosedRegion)
 
 
 def as_barriers(document: Document, numbers: Iterable[int]) -> Document:
-    """The document in which the boundaries of objects are barriers too."""
+    """Add the boundaries of objects as barriers."""
     return _with_shapes(document, numbers, lambda curve: Barrier((*curve, curve[0])), EnclosingWall, holes=True)
 
 
@@ -228,22 +241,25 @@ def _with_shapes(
 
 
 def _spread(surface: Surface) -> tuple[Place, ...]:
-    """Corners of the triangles of a surface, one of each block of some voxels, so that there are not too many."""
-    side, vertices = _APART, surface.vertices
-    while len(first := np.unique(np.floor(vertices / side).astype(int), axis=0, return_index=True)[1]) > _MOST_POINTS:
+    """Return vertices of a surface, at most one in each block of voxels, so that there are not too many."""
+    side, vertices = _SURFACE_BLOCK_SIDE, surface.vertices
+    while (
+        len(first := np.unique(np.floor(vertices / side).astype(int), axis=0, return_index=True)[1])
+        > _MAX_SURFACE_POINTS
+    ):
         side *= 1.5
-    return as_line(np.round(vertices[np.sort(first)], _DECIMALS))
+    return as_line(np.round(vertices[np.sort(first)], _SESSION_DECIMALS))
 
 
 # Exports
 
 
 def objects_result(document: Document, only: Container[int] | None = None) -> Result | None:
-    """The objects, or those with some numbers, as a result for writers: each with class, name and color.
+    """Return the objects, or those with some numbers, as a result for writers, with class, name and color.
 
     The contours of an object have its number as their group, and holes are marked, so that a label mask has one label
-    for it and none in its holes. Gaps are bridges, whose strength is not known and 0. Hidden objects are left out; None
-    when there is no other. Nothing is computed from the image, so that it can be asked for at any time.
+    for it and none in its holes. Gaps become bridges of strength 0, as theirs is unknown. Hidden objects are left out;
+    None when no other remains. The image itself is not needed, so this can be called at any time.
     """
     objects, image = document.objects, document.image
     shown = [item for item in objects.items if not item.hidden and (only is None or item.number in only)]
@@ -270,7 +286,7 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
 
 
 def surface_of(items: Iterable[SegmentedObject], spacing: Sides, unit: str | None) -> Surface | None:
-    """The surfaces of objects in a volume as one, with the number of its object for each triangle."""
+    """Join the surfaces of objects in a volume, with the number of its object for each triangle."""
     bodies = [(item.number, item.body) for item in items if item.body is not None]
     return surfaces_joined(bodies, spacing, unit) if bodies else None
 
@@ -279,12 +295,12 @@ def surface_of(items: Iterable[SegmentedObject], spacing: Sides, unit: str | Non
 
 
 def title(objects: SegmentedObjects, item: SegmentedObject) -> str:
-    """Name of an object, or the name of its class, if it has one, and its number."""
+    """Return the name of an object, or else the name of its class and its number."""
     return item.name or f"{objects.classes[item.category - 1].name or tr('object')} {item.number}"
 
 
 def class_title(objects: SegmentedObjects, category: int) -> str:
-    """Name of a class, or "object" for the first one and "class" with its number for others."""
+    """Return the name of a class, or "object" for the first one and "class" with its number for others."""
     name = objects.classes[category - 1].name
     if name:
         return name
@@ -292,7 +308,7 @@ def class_title(objects: SegmentedObjects, category: int) -> str:
 
 
 def listed_classes(objects: SegmentedObjects) -> Integers:
-    """Numbers of the classes that are in use or have a name, and the next one."""
+    """Return the numbers of the classes that are in use or have a name, and of one unused class."""
     used = {objects.category, *(item.category for item in objects.items)}
     listed = [number for number, known in enumerate(objects.classes, start=1) if number in used or known.name]
     free = [number for number in range(1, len(objects.classes) + 1) if number not in listed][:1]
@@ -306,12 +322,12 @@ def _with(document: Document, **parts: Any) -> Document:
 def paint_in_volume(
     document: Document, number: int, part: Part, adds: bool = True, over_others: bool = True
 ) -> Document:
-    """The document in which an object of a volume, or a new one, has some voxels more, or less; see `painted_in`."""
+    """Add voxels to an object of a volume, or to a new one, or remove them; see `painted_in`."""
     return replace(document, objects=painted_in(document.objects, number, part, adds, over_others))
 
 
-_ON_BRUSH = 0.1
-"""Difference between the distance from the path of the brush and its radius up to which a vertex is painted [px]."""
+_BRUSH_EDGE_TOLERANCE = 0.1
+"""Largest difference of a painted vertex's distance from the brush's path and the brush's radius [px]."""
 
 
 def brushed(
@@ -322,27 +338,27 @@ def brushed(
     path: Sequence[Position],
     radius: float,
 ) -> Document:
-    """The document in which an object has the boundary that a brush has given it.
+    """Give an object the boundary that a brush has left.
 
     Parameters
     ----------
     document : Document
-        What is edited.
+        Document to edit.
     before : SegmentedObject or None
         The object as it was before the stroke of the brush; None for a new one.
     number : int
         The number of the object.
     boundary : tuple of tuple
-        Closed curves (row, col) [px]; where there is none, the object is gone.
+        Closed curves (row, col) [px]; the object is deleted if there is none.
     path : sequence of (row, col)
-        The way of the brush [px]. What its edge has made of the boundary follows no contour.
+        Path of the brush [px]. Boundary that its rim has made follows no contour and becomes gaps.
     radius : float
         Radius of the brush [px].
 
     Returns
     -------
     Document
-        The object without clicks, of which the boundary is no longer the answer.
+        The object without clicks, since they no longer explain its boundary.
     """
     if not boundary:
         return delete(document, (number,))
@@ -350,7 +366,7 @@ def brushed(
     kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
     painted = []
     for points in map(np.array, boundary):
-        on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
+        on = np.abs(polyline.distances(path, points) - radius) <= _BRUSH_EDGE_TOLERANCE
         runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
         painted += [tuple(map(tuple, run)) for run in runs]
     new = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))

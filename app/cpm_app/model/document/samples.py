@@ -30,13 +30,13 @@ class Sample:
 
     @property
     def picture(self) -> Path:
-        """The file of its picture: itself, or that next to a volume."""
+        """File of its thumbnail: the image itself, or a picture next to a volume."""
         return self.path.with_suffix(".png")
 
 
 @cache
 def samples() -> tuple[Sample, ...]:
-    """All samples; the program starts with the first one."""
+    """Load the list of samples; the program starts with the first one."""
     listed = json.loads(asset("samples/samples.json").read_text(encoding="utf-8"))
     return tuple(
         Sample(
@@ -52,16 +52,16 @@ def samples() -> tuple[Sample, ...]:
 
 
 def sample_at(path: Path) -> Sample | None:
-    """The sample with this file, or None for any other image."""
+    """Return the sample with this file, or None for any other image."""
     return next((sample for sample in samples() if sample.path == path.resolve()), None)
 
 
 def sample_like(path: Path) -> Sample | None:
-    """The sample of which a file is a copy, by name and content; a copy starts as the sample does."""
+    """Return the sample that a file is a copy of, by name and content; a copy starts as the sample does."""
     sample = sample_called(path.name)
     return sample if sample and path.is_file() and filecmp.cmp(path, sample.path, shallow=False) else None
 
 
 def sample_called(file: str) -> Sample | None:
-    """The sample whose file has this name, or None."""
+    """Return the sample whose file has this name, or None."""
     return next((sample for sample in samples() if sample.path.name == file), None)

@@ -14,7 +14,7 @@ from cpm_core import Parameters
 from cpm_core.formats import ImageFile, SessionFile
 from cpm_core.numerics.types import Texts
 
-_PARTS = {
+_DOCUMENT_PART_NAMES = {
     "shapes": tr("the shapes"),
     "parameters": tr("the parameters"),
     "marks": tr("decisions about contours"),
@@ -29,7 +29,7 @@ View = Mapping[str, Any]
 
 
 def to_file(document: Document, view: View, before: SessionFile | None = None) -> SessionFile:
-    """The session file of a document; `before`, as it was read, gives the content that a document does not hold."""
+    """Convert a document to a session file; `before` is the file as read, for content that a document does not hold."""
     image = document.image
     return replace(
         before or SessionFile(),
@@ -50,9 +50,9 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
 
 
 def changed_parts(document: Document, known: Document | None) -> Texts:
-    """What of a document is not in the one that is `known`, in words; the choice of a mode alone is no work.
+    """Describe what differs from the `known` document, in words; a change of the mode alone is no work.
 
-    Objects are counted. Without a known document, as after a crash, that is all there is.
+    Objects are counted. Without a known document, as after a crash, everything differs.
     """
     if known is not None and (document == known or is_only_in_another_mode(document, known)):
         return ()
@@ -62,14 +62,14 @@ def changed_parts(document: Document, known: Document | None) -> Texts:
     counted = tr("1 object") if count == 1 else tr("{count} objects", count=count)
     found = tuple(
         counted if count and name == "objects" else words
-        for name, words in _PARTS.items()
+        for name, words in _DOCUMENT_PART_NAMES.items()
         if getattr(document, name) != getattr(before, name)
     )
     return found or (tr("your choices"),)
 
 
 def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
-    """The document of a session file on its image, with parameters that suit the image."""
+    """Convert a session file to a document on its image, with parameters that suit the image."""
     return Document(
         image,
         file.shapes,

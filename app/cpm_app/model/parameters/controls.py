@@ -1,4 +1,4 @@
-"""Controls: sliders and choices, by which the user sets parameters."""
+"""Controls: sliders and choices by which the user sets parameters."""
 
 from __future__ import annotations
 
@@ -12,46 +12,53 @@ from cpm_core.numerics.types import Entries, Texts, frozen
 from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, ParameterInfo
 
 RATIO = "ratio"
+"""Name of the control of w₁/w₂."""
+
 HIGHEST_RATIO = 0.99
+"""Largest value of w₁/w₂."""
+
 LOWEST_RATIO = 0.05
+"""Smallest value of w₁/w₂."""
 
 MAIN = ("beta", RATIO, "annealing", *OF_STARTS, "smoothing", "polarity", "max_width", "pruning")
 """Names of the controls that are not folded away."""
 
 _FULL_CONTRAST = 255.0
+"""Contrast that ranges of sliders in gray levels are meant for."""
 
 BY_ITSELF = {
     "smoothing": tr("Choose the smoothing from the noise of the image."),
     "exponent": tr("Use the number of dimensions as the exponent: 2 in an image, 3 in a volume."),
     "gamma": tr("Choose gamma from the background of the image: below 1 where it is dark or bright, otherwise 1."),
 }
+"""Texts of the check boxes that let the program choose a value, by the names of their controls."""
 
+_MANUAL_DEFAULTS = {"exponent": 2.0}
+"""Values of `Control.manual_default`, by the names of their controls."""
 
-_BY_HAND = {"exponent": 2.0}
-"""Values for `Control.by_hand` by the names of their controls."""
-
-_WORDS = {
+_VALUE_WORDS = {
     "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
     "max_width": ((0.0, tr("auto")),),
 }
-"""Words for values by the names of their controls."""
+"""Words for values, by the names of their controls."""
 
-_IN_VOLUMES = {
+_VOLUME_TEXTS = {
     "pruning": ("r", tr("Length up to which a side branch is left out, in radii of what it branches from.")),
 }
 """Units and meanings that differ in volumes, by the names of their controls."""
 
-_ACTS = {
+_EFFECT_TEXTS = {
     "contours": tr("Takes effect immediately."),
     "nothing": tr("Takes effect at the next step; particles at rest start moving again."),
     "field": tr("Takes effect at the next step, with a new field; particles at rest start moving again."),
     "run": tr("Takes effect from the next start."),
 }
+"""When a change takes effect, by what it invalidates."""
 
 
 @frozen
 class Control(ParameterInfo):
-    """One slider: what the core says of a parameter, in the language of the window.
+    """A slider: the core's description of a parameter, in the language of the window.
 
     Attributes
     ----------
@@ -63,8 +70,8 @@ class Control(ParameterInfo):
 
     @property
     def acts(self) -> str:
-        """When a change acts, in words."""
-        return _ACTS[self.invalidates]
+        """When a change takes effect, in words."""
+        return _EFFECT_TEXTS[self.invalidates]
 
     @property
     def automatic(self) -> bool:
@@ -78,13 +85,13 @@ class Control(ParameterInfo):
 
     @property
     def by_hand(self) -> float | None:
-        """Value with which it begins where the program no longer chooses it by default."""
-        return _BY_HAND.get(self.name)
+        """Initial value where the program no longer chooses it by default."""
+        return _MANUAL_DEFAULTS.get(self.name)
 
     @property
     def words(self) -> tuple[tuple[float, str], ...]:
         """Words for some of its values, shown in their place."""
-        return _WORDS.get(self.name, ())
+        return _VALUE_WORDS.get(self.name, ())
 
     @property
     def decimals(self) -> int:
@@ -111,19 +118,19 @@ class Control(ParameterInfo):
 
 
 def controls() -> tuple[Control, ...]:
-    """All controls in the order shown: the main ones, which contours there are, advanced ones."""
+    """Build all controls in the order shown: main ones, those that decide which contours there are, advanced ones."""
     made = [_ratio() if name == "w1" else _of_parameter(name) for name in PARAMETERS]
     first = {name: place for place, name in enumerate(MAIN)}
     return tuple(sorted(made, key=lambda one: (first.get(one.name, len(MAIN)), one.advanced)))
 
 
 def adapted(control: Control, usual: Parameters, ndim: int, contrast: float) -> Control:
-    """A control as it is for an image with so many axes and this contrast, where work begins with `usual` values."""
+    """Adapt a control to an image with `ndim` axes and this contrast, where work begins with `initial` values."""
     low, high = slider_range(control, contrast)
     step = control.step * (high - low) / (control.slider_high - control.slider_low)
     unit, meaning = control.unit, control.meaning
     if ndim == 3:
-        unit, meaning = _IN_VOLUMES.get(control.name, (unit, meaning))
+        unit, meaning = _VOLUME_TEXTS.get(control.name, (unit, meaning))
     return replace(
         control, slider_low=low, slider_high=high, step=step, default=value_of(usual, control.name), unit=unit,
         meaning=meaning,
@@ -131,7 +138,7 @@ def adapted(control: Control, usual: Parameters, ndim: int, contrast: float) -> 
 
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:
-    """Range of the slider; that of parameters in gray levels is scaled by the contrast of the image."""
+    """Return the range of a slider; for parameters in gray levels it is scaled by the contrast of the image."""
     in_gray_levels = control.name in PARAMETERS and PARAMETERS[control.name].unit.startswith("gray")
     if not in_gray_levels or contrast <= 0:
         return control.slider_low, control.slider_high
@@ -139,14 +146,14 @@ def slider_range(control: Control, contrast: float) -> tuple[float, float]:
 
 
 def value_of(parameters: Parameters, name: str) -> float | str:
-    """Value that the control `name` shows."""
+    """Return the value that the control `name` shows."""
     if name == RATIO:
         return parameters.w1 / parameters.w2
     return getattr(parameters, name)
 
 
 def with_value(parameters: Parameters, name: str, value: float | str) -> Parameters:
-    """Parameters with one control set; ``"w2"`` keeps the ratio, so that w₁ stays below it.
+    """Return the parameters with one control set; ``"w2"`` keeps the ratio, so that w₁ stays below it.
 
     ValueError when the value is out of its range.
     """
@@ -190,7 +197,7 @@ def _ratio() -> Control:
 CHANNEL = "channel"
 """Name of the choice that only color images have."""
 
-_TITLES = {
+_CHOICE_TITLES = {
     "gradient": tr("gray levels"),
     "vessels": tr("vessels"),
     "standard": tr("standard"),
@@ -219,7 +226,7 @@ class ChoiceControl:
     choices : tuple
         Value, name in the window, and effect of each choice.
     acts : str
-        When a change acts, in words.
+        When a change takes effect, in words.
     """
 
     name: str
@@ -236,14 +243,14 @@ class ChoiceControl:
 
 
 def choice_controls() -> tuple[ChoiceControl, ...]:
-    """All choices in the order shown."""
+    """Build all choices in the order shown."""
     return tuple(
         ChoiceControl(
             name,
             from_core(info.title),
             from_core(info.meaning),
-            tuple((value, _TITLES.get(value, value), from_core(about)) for value, about in info.choices.items()),
-            _ACTS[info.invalidates],
+            tuple((value, _CHOICE_TITLES.get(value, value), from_core(about)) for value, about in info.choices.items()),
+            _EFFECT_TEXTS[info.invalidates],
         )
         for name, info in CHOICES.items()
     )

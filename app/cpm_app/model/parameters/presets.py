@@ -1,4 +1,4 @@
-"""Presets: named settings of all parameters, those of the program and those of the user, and their files."""
+"""Presets: named settings of all parameters, built in or by the user, and their files."""
 
 from __future__ import annotations
 
@@ -13,9 +13,15 @@ from cpm_core.numerics.types import frozen
 from cpm_core.parameters import PLANE_PRESETS
 
 SUFFIX = ".cpmpreset"
+"""Suffix of preset files."""
 
-_LONGEST_NAME, _LONGEST_ABOUT = 60, 1000
-_BUILT_IN = {
+_MAX_NAME_LENGTH = 60
+"""Largest number of letters in a name."""
+
+_MAX_ABOUT_LENGTH = 1000
+"""Largest number of letters in a description."""
+
+_BUILT_IN_TEXTS = {
     "shape": (tr("Shape recovery"), tr("Finds the whole outline of an object from a start in or around it.")),
     "automatic": (tr("Automatic segmentation"), tr("Starts everywhere and keeps the contours of clear edges.")),
     "vessels": (
@@ -33,6 +39,7 @@ _BUILT_IN = {
         tr("Finds the strongest outlines in a heavily smoothed image, without speckle."),
     ),
 }
+"""Names and descriptions, by the names of the core's `PRESETS`."""
 
 
 @frozen
@@ -52,34 +59,36 @@ class Preset:
 
 @cache
 def built_in() -> tuple[Preset, ...]:
-    """The presets of the program, for images."""
-    return tuple(Preset(_BUILT_IN[key][0], known, _BUILT_IN[key][1], key) for key, known in PLANE_PRESETS.items())
+    """Return the presets of the program, for images."""
+    return tuple(
+        Preset(_BUILT_IN_TEXTS[key][0], known, _BUILT_IN_TEXTS[key][1], key) for key, known in PLANE_PRESETS.items()
+    )
 
 
 def checked_name(name: str) -> str:
-    """A name without surplus spaces; ValueError when it is empty, too long, or that of a preset of the program."""
+    """Return a name without surplus spaces; ValueError if it is empty, too long, or that of a built-in preset."""
     name = " ".join(name.split())
     if not name:
         raise ValueError(tr("A preset needs a name: type one."))
-    if len(name) > _LONGEST_NAME:
+    if len(name) > _MAX_NAME_LENGTH:
         message = tr("The name has {length} characters, but at most {most} are allowed: shorten it.")
-        raise ValueError(message.format(length=len(name), most=_LONGEST_NAME))
+        raise ValueError(message.format(length=len(name), most=_MAX_NAME_LENGTH))
     if any(name == preset.name for preset in built_in()):
         raise ValueError(tr("“{name}” is built in: choose another name.", name=name))
     return name
 
 
 def written(preset: Preset) -> bytes:
-    """The content of a preset file."""
+    """Encode a preset as the content of a file."""
     kept = {"name": preset.name, "about": preset.about, "parameters": asdict(preset.parameters)}
     return (json.dumps(kept, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
 
 def read(content: bytes) -> Preset:
-    """The preset in a file; parameters that it lacks have their defaults. ValueError when there is none in it."""
+    """Decode a preset from the content of a file; ValueError if there is none. Missing parameters have defaults."""
     try:
         kept = json.loads(content.decode("utf-8"))
         parameters, _ = parameters_from_plain(kept["parameters"])
-        return Preset(checked_name(str(kept["name"])), parameters, str(kept.get("about", ""))[:_LONGEST_ABOUT])
+        return Preset(checked_name(str(kept["name"])), parameters, str(kept.get("about", ""))[:_MAX_ABOUT_LENGTH])
     except (AttributeError, KeyError, TypeError, RecursionError) as error:
         raise ValueError("not a preset of CPM") from error

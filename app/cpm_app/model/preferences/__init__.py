@@ -1,1 +1,1 @@
-"""What the user can prefer: each preference with its name, kind, default, limits and words."""
+"""Preferences of the user, each with its name, kind, default, limits and words."""

@@ -1,4 +1,4 @@
-"""Keys of actions that the user has chosen, and conflicts between them."""
+"""Keys that the user has assigned to actions, and conflicts between them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cpm_app.model.text.language import tr
 from cpm_core.numerics.types import Texts, frozen
 
 KEY = "shortcuts"
-"""Key of the file of preferences: the chosen keys of all actions, as one line of JSON."""
+"""Key in the file of preferences: assigned keys of all actions, as one line of JSON."""
 
 ON_THE_IMAGE = (
     "Enter", "Return", "Left", "Right", "Up", "Down", "Shift+Left", "Shift+Right", "Shift+Up", "Shift+Down", "Home",
@@ -20,7 +20,7 @@ ON_THE_IMAGE = (
 
 @frozen
 class Keyed:
-    """An action with its keys: name in code, title, group in the list, keys by default."""
+    """An action with its keys: name in code, title, group in the list, default keys."""
 
     name: str
     title: str
@@ -29,11 +29,11 @@ class Keyed:
 
 
 Chosen = Mapping[str, Texts]
-"""Keys by the names of actions; one that is not there has its default ones."""
+"""Assigned keys by the names of actions; actions that are missing have their default keys."""
 
 
 def read(stored: str) -> dict[str, Texts]:
-    """Chosen keys from the file; what cannot be read is left out."""
+    """Parse assigned keys from the file; what cannot be read is left out."""
     try:
         found = json.loads(stored)
     except (ValueError, RecursionError):
@@ -46,22 +46,22 @@ def read(stored: str) -> dict[str, Texts]:
 
 
 def written(chosen: Chosen) -> str:
-    """Chosen keys as they are stored."""
+    """Encode assigned keys for the file."""
     return json.dumps({name: list(keys) for name, keys in chosen.items()})
 
 
 def keys_of(action: Keyed, chosen: Chosen) -> Texts:
-    """The keys of an action."""
+    """Return the keys of an action."""
     return chosen.get(action.name, action.default)
 
 
 def holder(key: str, actions: Iterable[Keyed], chosen: Chosen, besides: str = "") -> Keyed | None:
-    """The action that has a key, apart from the one named `besides`."""
+    """Find the action that has a key, apart from the one named `excluded`."""
     return next((one for one in actions if one.name != besides and key in keys_of(one, chosen)), None)
 
 
 def with_key(key: str, action: Keyed, actions: Sequence[Keyed], chosen: Chosen) -> dict[str, Texts]:
-    """Chosen keys after an action has got one key in place of its own; an action that had it loses it."""
+    """Assign one key to an action in place of its own; another action that had it loses it."""
     changed = {**chosen, action.name: (key,) if key else ()}
     other = holder(key, actions, chosen, besides=action.name) if key else None
     if other is not None:
@@ -71,7 +71,7 @@ def with_key(key: str, action: Keyed, actions: Sequence[Keyed], chosen: Chosen) 
 
 
 def refusal(key: str) -> str:
-    """Why a key cannot be chosen, empty if it can."""
+    """Tell why a key cannot be assigned; empty if it can."""
     if key in ON_THE_IMAGE:
         return tr("{key} is reserved for the image: choose another key.", key=key)
     return ""

@@ -1,4 +1,4 @@
-"""The preferences: what kinds there are, and the table of all of them."""
+"""Preferences: their kinds, and the table of all of them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from cpm_app.model.display.lengths import UNITS
 from cpm_app.model.text import language
 from cpm_app.model.text.language import tr
 
-V = TypeVar("V")
+ValueT = TypeVar("ValueT")
 
-_COLOR = re.compile(r"#[0-9a-f]{6}")
+_COLOR_PATTERN = re.compile(r"#[0-9a-f]{6}")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Preference(ABC, Generic[V]):
+class Preference(ABC, Generic[ValueT]):
     """One preference.
 
     Attributes
@@ -37,12 +37,12 @@ class Preference(ABC, Generic[V]):
 
     name: str
     label: str
-    default: V
+    default: ValueT
     note: str = ""
 
     @abstractmethod
-    def taken(self, stored: object) -> V | None:
-        """The value that a file holds, perhaps as text; None when it is none of this kind."""
+    def taken(self, stored: object) -> ValueT | None:
+        """Parse a stored value, perhaps text; None if it is none of this kind."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ class Flag(Preference[bool]):
     text: str
 
     def taken(self, stored: object) -> bool | None:
-        """True or false, also as text."""
+        """Parse true or false, also as text."""
         return {"true": True, "false": False}.get(str(stored).lower())
 
 
@@ -67,7 +67,7 @@ class Number(Preference[float]):
     suffix: str = ""
 
     def taken(self, stored: object) -> float | None:
-        """A number within the limits."""
+        """Parse a number within the limits."""
         try:
             number = float(str(stored))
         except ValueError:
@@ -77,12 +77,12 @@ class Number(Preference[float]):
 
 @dataclass(frozen=True, kw_only=True)
 class Choice(Preference[str]):
-    """One of several alternatives, `ways`: names and titles."""
+    """One of several alternatives, `choices`: names and titles."""
 
     ways: Mapping[str, str]
 
     def taken(self, stored: object) -> str | None:
-        """The name of an alternative."""
+        """Parse the name of an alternative."""
         return stored if isinstance(stored, str) and stored in self.ways else None
 
 
@@ -91,8 +91,8 @@ class Color(Preference[str]):
     """A color, as ``"#rrggbb"``."""
 
     def taken(self, stored: object) -> str | None:
-        """A color of six digits."""
-        return stored if isinstance(stored, str) and _COLOR.fullmatch(stored) else None
+        """Parse a color of six digits."""
+        return stored if isinstance(stored, str) and _COLOR_PATTERN.fullmatch(stored) else None
 
 
 PAGES = {
@@ -102,7 +102,7 @@ PAGES = {
     "run": tr("Run"),
     "shortcuts": tr("Shortcuts"),
 }
-"""Titles of the pages by their names, in their order."""
+"""Titles of the pages of the dialog by name, in their order."""
 
 LANGUAGE = Choice(
     name=language.KEY, label=tr("Language"), default=language.OF_THE_DESKTOP,
@@ -175,7 +175,7 @@ BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
     "files": (AUTOSAVE, SAVE_IN_FOLDER),
     "run": (KEEP_PARAMETERS, OFFER_SETTINGS, TIMELINE_MEMORY),
 }
-"""Those on each page of the dialog, in its order."""
+"""Preferences on each page of the dialog, in its order."""
 
 PREFERENCES = tuple(chain(*BY_PAGE.values()))
-"""All of them."""
+"""All preferences, in the order of the dialog."""

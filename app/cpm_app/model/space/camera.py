@@ -11,14 +11,17 @@ import scipy
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Numbers, Single, record
 
-_MARGIN = 1.0
-"""Part of the picture that a volume fills when it is seen as a whole."""
+_FILLED_FRACTION = 1.0
+"""Fraction of the picture's shorter side that the diagonal of a volume fills at first."""
 
-_SMALLEST, _LARGEST = 1e-6, 1e6
-"""Limits of the scale, so that no number overflows."""
+_MIN_SCALE = 1e-6
+"""Smallest scale, so that no number overflows [px / unit of length]."""
 
-_TILT = -0.45, 0.35
-"""Angles to the right and down from which a volume is seen first [rad]: three of its sides show."""
+_MAX_SCALE = 1e6
+"""Largest scale, so that no number overflows [px / unit of length]."""
+
+_INITIAL_TILT = -0.45, 0.35
+"""Initial angles to the right and down [rad], which show three sides of a volume."""
 
 
 @record
@@ -32,7 +35,7 @@ class Camera:
     axes : ndarray, shape (3, 3)
         Unit vectors to the right, down, and away from the viewer, one a row, each along (plane, row, col).
     scale : float
-        Pixels for a unit of length.
+        Pixels per unit of length.
     """
 
     center: Array
@@ -41,25 +44,26 @@ class Camera:
 
     @staticmethod
     def on(lengths: Sequence[float], size: tuple[int, int], front: Array | None = None) -> Camera:
-        """See all of a box with these sides, which begins at 0, in a picture of so many rows and columns.
+        """See all of a box from the origin in a picture of `size` rows and columns.
 
-        `front` are the axes of the camera before the box is tilted, by default those of the slices across planes.
+        `lengths` are the sides of the box along (plane, row, col), in units of length. `front`, shape (3, 3), are the
+        axes of the camera before the box is tilted, by default those of the slices across planes.
         """
         sides = np.asarray(lengths, float)
         front = np.eye(3)[::-1] if front is None else front
-        scale = _MARGIN * min(size) / max(float(np.linalg.norm(sides)), 1e-300)
-        return Camera(0.5 * sides, front, _limited(scale)).turned(*_TILT)
+        scale = _FILLED_FRACTION * min(size) / max(float(np.linalg.norm(sides)), 1e-300)
+        return Camera(0.5 * sides, front, _limited(scale)).turned(*_INITIAL_TILT)
 
     def turned(self, right: float, down: float) -> Camera:
-        """Turn the volume, as a ball under a finger that moves to the right and down by these angles [rad]."""
+        """Rotate the volume, as a ball under a finger that moves to the right and down by these angles [rad]."""
         return self._turned(0.0, -right, 0.0)._turned(down, 0.0, 0.0)
 
     def rolled(self, angle: float) -> Camera:
-        """Turn the picture about its middle, clockwise [rad]."""
+        """Rotate the picture about its middle, clockwise [rad]."""
         return self._turned(0.0, 0.0, -angle)
 
     def _turned(self, *about: float) -> Camera:
-        """Turned about the axes of the picture, without the errors of rounding that many small turns add up."""
+        """Rotate about the axes of the picture, without accumulating rounding errors over many small turns."""
         turn = scipy.spatial.transform.Rotation.from_rotvec(about).as_matrix()
         left, _, right = np.linalg.svd(turn @ self.axes)
         return replace(self, axes=left @ right)
@@ -69,26 +73,26 @@ class Camera:
         return replace(self, center=self.center - (right * self.axes[0] + down * self.axes[1]) / self.scale)
 
     def zoomed(self, factor: float, right: float = 0.0, down: float = 0.0) -> Camera:
-        """Enlarge, so that the place so far from the middle of the picture [px] stays where it is."""
+        """Enlarge, so that the place at this offset from the middle of the picture [px] stays where it is."""
         scale = _limited(self.scale * factor)
         true = scale / self.scale
         return replace(self.moved(-right, -down), scale=scale).moved(right, down) if true != 1.0 else self
 
     def enlarged(self, factor: float) -> Camera:
-        """The same view in a picture with `factor` times as many rows and columns."""
+        """Return the same view for a picture with `factor` times as many rows and columns."""
         return replace(self, scale=self.scale * factor)
 
     def seen(self, positions: Numbers, size: tuple[int, int]) -> Single:
-        """Where positions (N, 3) in units of length lie in a picture of so many rows and columns."""
+        """Project positions (N, 3) in units of length into a picture: column, row and depth [px], shape (N, 3)."""
         away = np.asarray(positions, np.float32) - self.center.astype(np.float32)
         found = away @ (self.axes * self.scale).astype(np.float32).T
         found[:, :2] += 0.5 * (size[1] - 1), 0.5 * (size[0] - 1)
         return found
 
     def corner(self, size: tuple[int, int]) -> Array:
-        """Position in the picture's plane that its first pixel shows, in units of length."""
+        """Return the position in the picture's plane that its first pixel shows, shape (3,), in units of length."""
         return self.moved(0.5 * (size[1] - 1), 0.5 * (size[0] - 1)).center
 
 
 def _limited(scale: float) -> float:
-    return min(max(scale, _SMALLEST), _LARGEST)
+    return min(max(scale, _MIN_SCALE), _MAX_SCALE)

@@ -1,4 +1,4 @@
-"""A picture of the view in space: a color for each pixel, how far away is what it shows, and lines and balls in it."""
+"""A picture of the view in space: color and depth of each pixel, and drawing of lines and balls."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from cpm_core.numerics import compiled, share
 from cpm_core.numerics.types import Pixels, Single, record
 
 FAR = np.float32(3e38)
-"""Distance of what shows nothing."""
+"""Depth of pixels that show nothing."""
 
-_ROWS = 32
-"""Rows that one thread fills at the least."""
+_MIN_BAND_ROWS = 32
+"""Smallest number of rows that a thread fills."""
 
 
 @record
 class Picture:
-    """Colors, shape (H, W, 3), and distances behind the picture's plane [px], shape (H, W)."""
+    """Colors, shape (H, W, 3), and depths behind the picture's plane [px], shape (H, W)."""
 
     colors: Pixels
     depths: Single
 
     @staticmethod
     def blank(size: tuple[int, int], color: tuple[int, int, int]) -> Picture:
-        """A picture of one color, with nothing in it."""
+        """Return a picture of one color, with nothing in it."""
         colors = np.empty((*size, 3), np.uint8)
         colors[:] = color
         return Picture(colors, np.full(size, FAR, np.float32))
@@ -39,26 +39,26 @@ class Picture:
         return rows, cols
 
     def copy(self) -> Picture:
-        """The same, to be drawn in."""
+        """Return a copy to draw in."""
         return Picture(self.colors.copy(), self.depths.copy())
 
     def covered_by(self, other: Picture, opacity: float) -> None:
-        """Lay another picture of the same size over this one, with this opacity, where what it shows is nearer."""
+        """Blend another picture of the same size over this one, where what it shows is nearer."""
         own = Image.fromarray(self.colors)
         mixed = Image.blend(own, Image.fromarray(other.colors), opacity)
         self.colors[:] = np.asarray(Image.composite(mixed, own, Image.fromarray(other.depths < self.depths)))
 
     def draw(self, kernel: Callable[..., None], *drawn: Any) -> None:
-        """Let a compiled function draw what is given into parts of the rows, on several threads."""
+        """Call a compiled function with `drawn` for bands of rows, on several threads."""
 
-        def some(begin: int, end: int) -> None:
+        def draw_band(begin: int, end: int) -> None:
             kernel(*drawn, self.colors, self.depths, begin, end)
 
-        share(some, self.size[0], _ROWS)
+        share(draw_band, self.size[0], _MIN_BAND_ROWS)
 
 
 def draw_lines(picture: Picture, seen: Single, colors: Pixels) -> None:
-    """Draw lines one pixel wide between places 0 and 1, 2 and 3, ..., each in its color, shape (N / 2, 3)."""
+    """Draw lines one pixel wide between points 0 and 1, 2 and 3, ..., of `seen` (N, 3), in `colors` (N / 2, 3)."""
     _draw_lines(seen, colors, picture.colors, picture.depths)
 
 
@@ -81,7 +81,22 @@ def _draw_lines(seen: Single, colors: Pixels, shown: Pixels, depths: Single) -> 
 
 @compiled
 def within(start: float, way: float, size: int, begin: float, end: float) -> tuple[float, float]:
-    """The part of a line that lies in a picture or a volume, along one of its sides."""
+    """Clip a line to the extent of a picture or a volume along one axis.
+
+    Parameters
+    ----------
+    start, way : float
+        The line is ``start + t way`` along the axis.
+    size : int
+        Number of pixels or voxels; the extent is from -0.5 to ``size - 0.5``.
+    begin, end : float
+        Range of t so far.
+
+    Returns
+    -------
+    tuple of float
+        Range of t that lies in the extent too; empty, with its begin above its end, where there is none.
+    """
     if abs(way) < 1e-9:
         return (begin, end) if -0.5 <= start < size - 0.5 else (1.0, 0.0)
     one, other = (-0.5 - start) / way, (size - 0.5 - start) / way
@@ -89,7 +104,7 @@ def within(start: float, way: float, size: int, begin: float, end: float) -> tup
 
 
 def draw_balls(picture: Picture, seen: Single, colors: Pixels, radius: float) -> None:
-    """Draw balls of a radius [px] at places in a picture, in their colors (N, 3)."""
+    """Draw balls of a radius [px] at points of a picture, `seen` (N, 3), in `colors` (N, 3)."""
     picture.draw(_draw_balls, seen, colors, np.float32(radius))
 
 

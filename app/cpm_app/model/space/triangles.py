@@ -1,4 +1,4 @@
-"""Surfaces in space: lit triangles, cut open by a plane where that is wanted."""
+"""Surfaces in space: lit triangles, optionally cut open by a plane."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from cpm_core import Surface
 from cpm_core.numerics import compiled
 from cpm_core.numerics.types import Numbers, Pixels, Single, frozen, record
 
-_LIGHT = np.array([-0.35, -0.45, -0.82])
-"""Direction to the light: from the left above, behind the viewer; along right, down, away."""
+_LIGHT_DIRECTION = np.array([-0.35, -0.45, -0.82])
+"""Direction to the light, (right, down, away): at the upper left behind the viewer."""
 
 
 @frozen
 class Cut:
-    """A plane across an axis that cuts surfaces open: what lies before it is not drawn [units of length]."""
+    """A plane across an axis that cuts surfaces open: nothing before it is drawn [units of length]."""
 
     axis: int
     at: float
 
     def before(self, positions: Numbers) -> Single:
-        """How far positions (N, 3) lie before the plane; negative for those that are drawn."""
+        """Return how far positions (N, 3) lie before the plane, shape (N,); negative for those that are drawn."""
         return np.asarray(np.float32(self.at) - np.asarray(positions[:, self.axis], np.float32))
 
 
 @record
 class Mesh:
-    """A surface, ready to be drawn: in units of length and single precision."""
+    """A surface prepared for drawing: in units of length and single precision."""
 
     surface: Surface
 
@@ -59,9 +59,9 @@ def draw_mesh(
     inside: tuple[int, int, int],
     cut: Cut | None = None,
 ) -> None:
-    """Draw a surface with a color for its outside, and one for its inside, which a cut lays open."""
+    """Draw a surface with one color outside and another one inside, which a cut reveals."""
     seen = camera.seen(mesh.positions, picture.size)
-    light = np.asarray(_LIGHT @ camera.axes / np.linalg.norm(_LIGHT), np.float32)
+    light = np.asarray(_LIGHT_DIRECTION @ camera.axes / np.linalg.norm(_LIGHT_DIRECTION), np.float32)
     lit = mesh.normals @ light
     beyond = np.full(len(seen), -1.0, np.float32) if cut is None else cut.before(mesh.positions)
     colors = np.array([outside, inside], np.float32)
@@ -117,7 +117,7 @@ def _draw(
 
 @compiled
 def _shade(shown: Pixels, row: int, col: int, color: Single, light: np.float32) -> None:
-    """A matt surface with a faint highlight, never black where no light falls."""
+    """Color a pixel of a matte surface with a faint highlight, never black where no light falls."""
     gloss = light * light
     gloss *= gloss
     gloss *= gloss

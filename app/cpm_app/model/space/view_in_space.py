@@ -1,4 +1,4 @@
-"""What the view in space shows, as one frozen value, and its picture."""
+"""Content of the view in space, as one frozen value, and its picture."""
 
 from __future__ import annotations
 
@@ -18,23 +18,24 @@ from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels, frozen, record
 
 Color = tuple[int, int, int]
+"""Red, green and blue, from 0 to 255."""
 
 AXIS_COLORS = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 """Colors of the axes: plane, row, column."""
 
 GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
-"""Shades as they are."""
+"""Color table that shows shades as they are."""
 
-_NEARER = 2.0
-"""How much nearer objects are drawn than they are [smallest sides of a voxel]."""
+_OBJECT_OFFSET_VOXELS = 2.0
+"""Distance that objects are drawn nearer than they are [smallest sides of a voxel]."""
 
-_OVER = 1.5
-"""The same, at least [radii of a particle]."""
+_OBJECT_OFFSET_RADII = 1.5
+"""Smallest distance that objects are drawn nearer than they are [radii of a particle]."""
 
 
 @frozen
 class Look:
-    """Colors of what has none of its own, and the radius of a particle [px]."""
+    """Colors of everything without a color of its own, and the radius of a particle [px]."""
 
     background: Color = (24, 26, 30)
     edges: Color = (120, 126, 136)
@@ -45,7 +46,7 @@ class Look:
 
 @frozen
 class ShownParts:
-    """The parts that are shown; `cut_axis` is None for no cut, `cut_at` from 0 to 1 along that axis."""
+    """Visible parts; `cut_axis` is None for no cut, `cut_at` from 0 to 1 along that axis."""
 
     particles: bool = True
     surface: bool = True
@@ -85,7 +86,7 @@ class ColoredMesh:
 
 @record
 class ViewInSpace:
-    """All that could be seen of a volume, and which of it is shown.
+    """Everything that could be seen of a volume, and which of it is shown.
 
     Attributes
     ----------
@@ -96,17 +97,17 @@ class ViewInSpace:
     slices : Slices
         The slices that are shown next to the view.
     particles, mesh
-        What a run has found, None before it has.
+        Particles and surface of a run, None before there are any.
     wires : Wires or None
-        What is drawn.
+        The shapes that the user has drawn.
     table : ndarray of uint8, shape (256, 3)
         Color of each shade.
     objects : tuple of ColoredMesh
-        Objects that have been selected, and those that are offered.
+        Accepted objects, and proposals.
     truth : tuple of ColoredMesh
         The ground truth, where one is known and shown.
     shown : ShownParts
-        What of this is shown.
+        Which of this is shown.
     """
 
     image: Image
@@ -127,12 +128,12 @@ class ViewInSpace:
 
     @property
     def cut(self) -> Cut | None:
-        """The plane before which nothing of surface and particles is shown: the side of the first voxels is away."""
+        """Plane before which surface and particles are hidden: the side of the first voxels is removed."""
         axis = self.shown.cut_axis
         return None if axis is None else Cut(axis, self.shown.cut_at * self.lengths[axis])
 
     def drawn(self, camera: Camera, size: tuple[int, int], look: Look) -> Picture:
-        """Draw it in a picture of so many rows and columns."""
+        """Draw everything that is shown in a picture of `size` rows and columns."""
         picture, shown, spacing = Picture.blank(size, look.background), self.shown, self.image.spacing
         if shown.projection:
             draw_projection(picture, self.shaded, camera, spacing, self.table)
@@ -151,7 +152,7 @@ class ViewInSpace:
         return picture
 
     def draw_particles(self, picture: Picture, particles: Particles | None, camera: Camera, look: Look) -> None:
-        """Draw particles, if they are shown, into a picture."""
+        """Draw particles into a picture, if they are shown."""
         if particles is not None and self.shown.particles:
             places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
             if cut is not None:
@@ -160,11 +161,11 @@ class ViewInSpace:
             draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
 
     def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
-        """The objects and the surface, all of the same opacity: an object often is the surface."""
+        """Draw the objects and the surface with one opacity, as an object often is the surface."""
         opaque = self.shown.opacity >= 1.0
         nearest = picture if opaque else Picture.blank(picture.size, look.background)
         # a little nearer than the surface of the run, whose triangles they share, and than its particles
-        by = max(_NEARER * min(self.image.spacing), _OVER * look.radius / camera.scale)
+        by = max(_OBJECT_OFFSET_VOXELS * min(self.image.spacing), _OBJECT_OFFSET_RADII * look.radius / camera.scale)
         nearer = replace(camera, center=camera.center + by * camera.axes[2])
         for each in (*(self.objects if self.shown.objects else ()), *self.truth):
             draw_mesh(nearest, each.mesh, nearer, each.color, each.color, self.cut)
@@ -174,7 +175,7 @@ class ViewInSpace:
             picture.covered_by(nearest, self.shown.opacity)
 
     def _draw_box(self, picture: Picture, camera: Camera, look: Look) -> None:
-        """Twelve edges; the three at the first voxel are the axes, in their own colors."""
+        """Draw twelve edges; the three at the first voxel are the axes, in their own colors."""
         corners = np.array(list(product((0.0, 1.0), repeat=3)))
         first = np.stack([corners[corners[:, axis] == 0.0] for axis in range(3)])
         ends = np.stack([first, first + np.eye(3)[:, None]], axis=2).reshape(-1, 3)

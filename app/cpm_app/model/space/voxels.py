@@ -1,4 +1,4 @@
-"""The voxels of a volume in space: three slices, and the brightest voxel on each line of sight."""
+"""Voxels of a volume in space: three slices, and the brightest voxel on each line of sight."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from cpm_app.model.volume.slices import Slice
 from cpm_core.numerics import Array, compiled
 from cpm_core.numerics.types import Pixels, Sides, Single, record
 
-_BLOCK = 8
-"""Side of the blocks whose maxima are kept [voxels]: one that cannot raise the maximum is skipped."""
+_MAXIMA_BLOCK_SIDE = 8
+"""Side of the blocks whose maxima are stored [voxels]: blocks that cannot raise the maximum are skipped."""
 
 
 @record
 class Shaded:
-    """A volume with one byte a voxel, made of its gray values when it is drawn first, since that takes a while."""
+    """A volume with one byte a voxel, computed from its gray values on first use, since that takes a while."""
 
     values: Array
     window: IntensityWindow
@@ -34,12 +34,12 @@ class Shaded:
         """The brightest voxel of each block."""
         found = self.voxels
         for axis in range(3):
-            found = np.maximum.reduceat(found, np.arange(0, found.shape[axis], _BLOCK), axis=axis)
+            found = np.maximum.reduceat(found, np.arange(0, found.shape[axis], _MAXIMA_BLOCK_SIDE), axis=axis)
         return np.ascontiguousarray(found)
 
 
 def draw_projection(picture: Picture, volume: Shaded, camera: Camera, spacing: Sides, table: Pixels) -> None:
-    """Draw the brightest voxels behind everything else, by a table of 256 colors; black ones are left out."""
+    """Draw the brightest voxels behind everything else in `table` (256, 3) colors; black ones are left out."""
     sizes = np.asarray(spacing, float)
     corner = camera.corner(picture.size) / sizes
     right, down = (camera.axes[k] / camera.scale / sizes for k in range(2))
@@ -62,7 +62,7 @@ def _draw_projection(
     begin: int,
     end: int,
 ) -> None:
-    """Look along a line from each pixel, by steps of one voxel along its longest component."""
+    """Step along a line from each pixel, by one voxel along its longest component."""
     for row in range(begin, end):
         for col in range(depths.shape[1]):
             start = (
@@ -79,7 +79,7 @@ def _draw_projection(
                 i, j, k = int(z + at * away[0]), int(y + at * away[1]), int(x + at * away[2])
                 if i >= voxels.shape[0] or j >= voxels.shape[1] or k >= voxels.shape[2]:
                     break
-                if maxima[i // _BLOCK, j // _BLOCK, k // _BLOCK] <= found:
+                if maxima[i // _MAXIMA_BLOCK_SIDE, j // _MAXIMA_BLOCK_SIDE, k // _MAXIMA_BLOCK_SIDE] <= found:
                     leave = min(_leaving(z, away[0], i), _leaving(y, away[1], j), _leaving(x, away[2], k))
                     at = max(leave, at) + 1e-3
                 else:
@@ -91,15 +91,15 @@ def _draw_projection(
 
 @compiled
 def _leaving(start: float, away: float, index: int) -> float:
-    """Where a line leaves the block of a voxel along one axis."""
+    """Return where a line leaves the block of a voxel along one axis."""
     if abs(away) < 1e-9:
         return 1e30
-    block = index // _BLOCK + (1 if away > 0.0 else 0)
-    return (block * _BLOCK - start) / away
+    block = index // _MAXIMA_BLOCK_SIDE + (1 if away > 0.0 else 0)
+    return (block * _MAXIMA_BLOCK_SIDE - start) / away
 
 
 def draw_slice(picture: Picture, place: Slice, colors: Pixels, camera: Camera, spacing: Sides) -> None:
-    """Draw a slice of a volume whose voxels have this size; nothing where it is seen from the side."""
+    """Draw a slice in `colors` (H, W, 3), in voxels of this size; nothing where it is seen edge-on."""
     across = place.axis
     if abs(camera.axes[2, across]) < 1e-6:
         return
@@ -113,7 +113,7 @@ def draw_slice(picture: Picture, place: Slice, colors: Pixels, camera: Camera, s
 
 @compiled
 def _draw_slice(colors: Pixels, places: Array, shown: Pixels, depths: Single, begin: int, end: int) -> None:
-    """Row and column of the slice, and the depth, which `places` gives for each pixel of the picture."""
+    """Color each pixel that a slice covers; `places` maps pixels to row and column of the slice, and depth."""
     for row in range(begin, end):
         for col in range(depths.shape[1]):
             i = int(np.floor(places[0, 0] * row + places[0, 1] * col + places[0, 2] + 0.5))

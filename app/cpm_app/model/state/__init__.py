@@ -1,1 +1,1 @@
-"""State of the run, and what the window shows and enables in it."""
+"""State of the run, and what the window shows and enables in each state."""

@@ -30,13 +30,13 @@ class Message:
 class Messages:
     """All messages that still apply.
 
-    The newest is shown. News gives way to errors after a while; an error stays until it is dismissed, or until what it
-    belongs to is attempted again.
+    The newest is shown. News gives way to errors after a while; an error stays until it is dismissed, or until the
+    attempt that it belongs to is repeated.
 
     Attributes
     ----------
     errors : tuple of Message
-        Errors, the newest last, one for each topic.
+        Errors, the newest last, one for each category.
     news : Message or None
         The last good news.
     """
@@ -50,25 +50,28 @@ class Messages:
         return self.news or (self.errors[-1] if self.errors else None)
 
     def said(self, message: Message) -> Messages:
-        """With another message, which replaces all news and errors of its topic; news of no topic replaces no error."""
+        """Add a message.
+
+        It replaces all news, and the errors of its category; news of no category replaces no error.
+        """
         replacing = message.error or message.topic
         others = tuple(error for error in self.errors if not replacing or error.topic != message.topic)
         return Messages((*others, message)) if message.error else Messages(others, message)
 
     def without(self, *topics: str) -> Messages:
-        """Without the messages of some topics, which are attempted again."""
+        """Drop the messages of some categories, which are attempted again."""
         errors = tuple(error for error in self.errors if error.topic not in topics)
         return Messages(errors, None if self.news is not None and self.news.topic in topics else self.news)
 
     def only(self, *topics: str) -> Messages:
-        """Without the messages of all other topics."""
+        """Drop the messages of all other categories."""
         kept = self.news if self.news is not None and self.news.topic in topics else None
         return Messages(tuple(error for error in self.errors if error.topic in topics), kept)
 
     def faded(self) -> Messages:
-        """Without the news."""
+        """Drop the news."""
         return replace(self, news=None)
 
     def dismissed(self) -> Messages:
-        """Without the message that is shown."""
+        """Drop the message that is shown."""
         return self.faded() if self.news is not None else Messages(self.errors[:-1])

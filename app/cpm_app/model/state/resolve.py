@@ -1,4 +1,4 @@
-"""From the situation to the texts of the window."""
+"""Texts of the window, from the situation."""
 
 from __future__ import annotations
 
@@ -29,9 +29,13 @@ from cpm_core.shapes import (
 )
 
 FULL_SPEED = tr("full speed")
+"""Text of the speed without a limit."""
+
 PACES = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
 """Steps per second of the speed control; None for no limit."""
+
 FIRST_PACE = 6
+"""Index of the speed with which the window opens."""
 
 LEADING = (
     tr("Particles"),
@@ -64,7 +68,7 @@ class Resolved:
 
 
 def resolve(situation: Situation) -> Resolved:
-    """Texts of the window; a pure function that can be tested without a window."""
+    """Return the texts of the window; a pure function that can be tested without a window."""
     document, status = situation.document, situation.status
     return Resolved(
         run_text=_run_text(status),
@@ -83,7 +87,7 @@ def _named(text: str, name: str) -> str:
 
 
 def pace_text(pace: float | None) -> str:
-    """A speed as text."""
+    """Format a speed."""
     if pace is None:
         return FULL_SPEED
     return tr("1 step/s") if pace == 1 else tr("{pace} steps/s", pace=written(f"{pace:g}"))
@@ -190,7 +194,7 @@ _Numbers = tuple[tuple[str, str, str], ...]
 
 
 def _known(known: bool, numbers: _Numbers) -> _Numbers:
-    """Numbers, with dashes for their values where they are not known."""
+    """Replace the values of numbers by dashes unless they are known."""
     return numbers if known else tuple((label, "–", tip) for label, _, tip in numbers)
 
 
@@ -225,6 +229,7 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
 
 
 _NOTHING_FOUND = Skeleton((), (), (1, 1), (1.0, 1.0), None, "")
+"""Skeleton before a run has found one."""
 
 
 def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> _Numbers:
@@ -240,7 +245,7 @@ def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> _Nu
 
 
 def skeleton_of(polarity: int, width: float) -> str:
-    """What a skeleton of this polarity and largest width [px] is of, in words."""
+    """Describe what a skeleton of this polarity and largest width [px] is a skeleton of."""
     what = {-1: tr("what is dark"), 1: tr("what is light")}.get(polarity, tr("all objects"))
     return tr("{what}, up to {width} px wide", what=what, width=written(f"{width:.0f}")) if width else what
 
@@ -248,5 +253,7 @@ def skeleton_of(polarity: int, width: float) -> str:
 def _length(pixels: float, image: ImageReference | None, decimals: int = 1) -> str:
     if image is None:
         return measured(pixels, (1.0,), None, decimals)
-    sides = (min(image.spacing),) if image.is_volume else image.spacing  # lengths are in smallest sides there
+    sides = (
+        (min(image.spacing),) if image.is_volume else image.spacing
+    )  # whose lengths are in smallest sides of a voxel
     return measured(pixels, sides, image.unit, decimals)

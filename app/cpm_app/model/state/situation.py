@@ -1,4 +1,4 @@
-"""The situation: document, selection and run together, the conditions of actions, and what differs in a volume."""
+"""The situation: document, selection and run together, conditions of actions, and differences in a volume."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class RunStatus:
     busy : str
         What is being prepared, empty for nothing.
     stale : bool
-        Whether a run from the document as it is now would begin otherwise than the existing one.
+        Whether a new run from the current document would begin differently from the existing one.
     steered : bool
         Whether the run has ended and the document's parameters differ from those it ended with.
     method : str
@@ -44,7 +44,7 @@ class RunStatus:
     steps_per_second : float
         Measured speed of the run.
     found : Result or Skeleton or None
-        What has been reconstructed last.
+        Latest reconstruction.
     """
 
     phase: Phase = "empty"
@@ -85,7 +85,7 @@ class RunStatus:
 
 @frozen
 class Situation:
-    """Everything that decides what the window shows and enables.
+    """Everything that determines what the window shows and enables.
 
     The names of undo and redo are empty when there is nothing to undo or redo; `selected` is the index of a shape.
     """
@@ -101,42 +101,45 @@ Condition = Callable[[Situation], bool]
 
 
 def always(situation: Situation) -> bool:
-    """In any situation."""
+    """Return True in any situation."""
     return True
 
 
 def has_image(situation: Situation) -> bool:
-    """An image is open."""
+    """Tell whether an image is open."""
     return situation.document.image is not None
 
 
 def has_shapes(situation: Situation) -> bool:
-    """There are shapes."""
+    """Tell whether there are shapes."""
     return bool(situation.document.shapes)
 
 
 def is_started(situation: Situation) -> bool:
-    """There is a run."""
+    """Tell whether there is a run."""
     return situation.status.started
 
 
 def is_running(situation: Situation) -> bool:
-    """Steps are being taken."""
+    """Tell whether steps are being taken."""
     return situation.status.phase == "running"
 
 
 def has_particles(situation: Situation) -> bool:
-    """Particles of a run have been shown."""
+    """Tell whether particles of a run have been shown."""
     return situation.status.has_particles
 
 
 def has_contours(situation: Situation) -> bool:
-    """Contours have been found."""
+    """Tell whether contours have been found."""
     return bool(situation.status.contours)
 
 
 def can_step(situation: Situation) -> bool:
-    """A single step can be taken: not during a run, nor after the end of a run for which nothing has changed."""
+    """Tell whether a single step can be taken.
+
+    It cannot during a run, nor after the end of a run for which nothing has changed.
+    """
     status = situation.status
     over = status.phase == "finished" and not (status.stale or status.steered)
     return has_image(situation) and status.phase != "running" and not over
@@ -148,7 +151,7 @@ NOT_IN_VOLUMES = frozenset(
         *("objects_alike", "apply_to_folder"),
     )
 )
-"""Names of actions and of tools that are hidden while a volume is open."""
+"""Names of actions and tools that are hidden while a volume is open."""
 
 
 OTHERWISE_IN_VOLUMES = {
@@ -195,25 +198,26 @@ ICONS_IN_VOLUMES = {"ellipse": "box"}
 
 
 def has_volume(situation: Situation) -> bool:
-    """A volume is open."""
+    """Tell whether a volume is open."""
     return situation.document.is_about_volume
 
 
 SURE_AFTER = 1.0
-"""Time after which an estimate is shown [s]."""
+"""Shortest time after which an estimate is shown [s]."""
 
-_LEAST_FRACTION = 0.02
+_MIN_ESTIMATE_FRACTION = 0.02
+"""Smallest fraction of the work from which an estimate is shown."""
 
 
 def seconds_left(elapsed: float, fraction: float | None) -> float | None:
-    """Remaining time [s] after `elapsed` seconds, when a `fraction` from 0 to 1 is done; None while it is not known."""
-    if fraction is None or fraction < _LEAST_FRACTION or elapsed < SURE_AFTER:
+    """Estimate the remaining time [s] after `elapsed` seconds for a `fraction` from 0 to 1; None while unknown."""
+    if fraction is None or fraction < _MIN_ESTIMATE_FRACTION or elapsed < SURE_AFTER:
         return None
     return elapsed * (1.0 - min(fraction, 1.0)) / fraction
 
 
 def remaining_text(seconds: float | None) -> str:
-    """A remaining time as text, empty when it is not known."""
+    """Format a remaining time [s]; empty when it is not known."""
     if seconds is None:
         return ""
     if seconds < 10.0:

@@ -1,4 +1,4 @@
-"""Figures by which the surface of a run in a volume can be judged, as numbers and as text."""
+"""Figures by which to judge the surface of a run in a volume, as text."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ from cpm_app.model.text.language import tr, written
 from cpm_core import Surface
 from cpm_core.numerics.types import Texts
 
-SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler number")
-AREA, VOLUME, SUPPORT = tr("Area"), tr("Volume"), tr("Supported")
+SURFACE = tr("Surface")
+CLOSED = tr("Closed")
+EULER = tr("Euler number")
+AREA = tr("Area")
+VOLUME = tr("Volume")
+SUPPORT = tr("Supported")
 
 
 def figure_texts(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
-    """Label, value and explanation of each figure; dashes while there is no surface.
+    """Return label, value and explanation of each figure; dashes while there is no surface.
 
-    The first time it takes long for a surface of many triangles, which keeps what was measured.
+    It takes long the first time for a surface of many triangles, which caches its measures.
     """
     texts = ("–",) * 6 if found is None else _texts(found)
     tips = (
@@ -52,5 +56,5 @@ def _texts(found: Surface) -> Texts:
 
 
 def _readable(value: float) -> str:
-    """A number with four digits, or in whole units."""
+    """Format a number with four digits, or in whole units."""
     return written(f"{value:,.0f}") if value >= 1000.0 else written(f"{value:.4g}")

@@ -1,4 +1,4 @@
-"""What the program says about itself: version, license, the paper, and the versions of what it works with."""
+"""Facts about the program: version, license, the paper, and the versions of its libraries."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PAPER = tr(
 
 LICENSE = tr("Free software under the MIT license.")
 
-_LIBRARIES = {
+_LIBRARY_NAMES = {
     "PySide6-Essentials": "Qt and PySide6",
     "pyqtgraph": "pyqtgraph",
     "numpy": "NumPy",
@@ -27,15 +27,15 @@ _LIBRARIES = {
     "pillow": "Pillow",
     "tifffile": "tifffile",
 }
-"""Packages with the names that people know."""
+"""Names of the libraries as users know them, by package."""
 
 
 def versions() -> tuple[tuple[str, str], ...]:
-    """Names and versions of the program and of all that it works with."""
+    """Return names and versions of the program, of Python, of its libraries and of the system."""
     from importlib import metadata  # only here, because it takes long to import
 
     used = [("CPM", __version__), ("Python", platform.python_version())]
-    for package, name in _LIBRARIES.items():
+    for package, name in _LIBRARY_NAMES.items():
         try:
             used.append((name, metadata.version(package)))
         except metadata.PackageNotFoundError:  # as in a copy that was put together by hand

@@ -6,16 +6,16 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-_PACKAGE = Path(__file__).resolve().parents[2]
-_PLACES = (_PACKAGE / "assets", _PACKAGE.parents[1] / "assets")
+_PACKAGE_FOLDER = Path(__file__).resolve().parents[2]
+_ASSET_FOLDERS = (_PACKAGE_FOLDER / "assets", _PACKAGE_FOLDER.parents[1] / "assets")
 
 
 def asset(name: str) -> Path:
-    """Path of one of the program's own files, such as ``"icons/run.svg"``.
+    """Return the path of one of the program's own files, such as ``"icons/run.svg"``.
 
     ValueError when it is missing, because the installation is incomplete.
     """
-    for place in _PLACES:
+    for place in _ASSET_FOLDERS:
         path = place / name
         if path.exists():
             return path
@@ -25,23 +25,23 @@ def asset(name: str) -> Path:
 
 
 def folder(name: str) -> Path | None:
-    """Path of an optional folder in the assets; None when it does not exist."""
-    return next((place / name for place in _PLACES if (place / name).is_dir()), None)
+    """Return the path of an optional folder in the assets; None when it does not exist."""
+    return next((place / name for place in _ASSET_FOLDERS if (place / name).is_dir()), None)
 
 
 class Block(NamedTuple):
-    """A heading (``# ``), a step (``1. ``) or a paragraph of the guide, and the file of its picture if any."""
+    """A heading (``# ``), a step (``1. ``) or a paragraph of the guide, with the file of its picture if it has one."""
 
     mark: str
     text: str
     picture: str
 
 
-_BLOCK = re.compile(r"(# |1\. |)(.*?)(?:\n *!\[\]\((.+)\))?", re.DOTALL)
+_BLOCK_PATTERN = re.compile(r"(# |1\. |)(.*?)(?:\n *!\[\]\((.+)\))?", re.DOTALL)
 
 
 def guide_page(name: str) -> list[Block]:
-    """A page of the guide: Markdown, one line a block, in which actions are named in braces."""
+    """Read a page of the guide: Markdown, one line a block, in which braces name actions."""
     text = asset(f"guide/{name}.md").read_text(encoding="utf-8")
-    found = (_BLOCK.fullmatch(block) for block in text.strip().split("\n\n"))
+    found = (_BLOCK_PATTERN.fullmatch(block) for block in text.strip().split("\n\n"))
     return [Block(block[1], block[2], block[3] or "") for block in found if block]

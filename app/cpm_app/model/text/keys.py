@@ -1,11 +1,12 @@
-"""Keys in texts: those of actions in sentences, as the user has set them, and the letters that choose entries of menus.
+"""Keys in texts: shortcuts named in sentences, as the user has set them, and mnemonics of menu entries.
 
 A sentence names a key by its action, as in ``"Press {key:run} to run."`` or ``"Open an image ({key:open})."``, also in
-its translations. `with_keys` puts the keys in; the window fills the table by `use_names`, and again after each change.
+its translations. `insert_keys` puts the keys in; the window fills the table by `use_action_names`, and again after each
+change.
 
-Letters of menus are underlined and written after ``&``: each once in a menu. Translators cannot see which entries end
-up in one menu, and many of them are hidden for one kind of file or another. So each sentence comes with the letter that
-suits it, and where two of a menu come with the same, the later one gets another letter of its own.
+Mnemonics are underlined in menus and written after ``&``; no menu has the same one twice. Translators cannot see which
+entries end up in one menu, and many entries are hidden for some kinds of files. So each sentence comes with the letter
+that suits it, and where two entries of a menu have the same, the later one gets another.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import NamedTuple
 
 
 class Named(NamedTuple):
-    """An action in sentences: its key as people call it here, empty if it has none, and its title."""
+    """Key and title of an action in sentences; the key is as the platform writes it, empty if there is none."""
 
     key: str
     title: str
@@ -25,48 +26,50 @@ class Named(NamedTuple):
 
 _names: Mapping[str, Named] = {}
 
-_IN_PARENTHESES = re.compile(r" \(\{key:(\w+)\}\)")
+_KEY_IN_PARENTHESES = re.compile(r" \(\{key:(\w+)\}\)")
+"""A key that a sentence names in parentheses."""
 
 
 class _Keys:
-    """Is formatted as the key of the action that the format names."""
+    """Placeholder that is formatted as the key of the action that the format names."""
 
     def __format__(self, action: str) -> str:
         return key_of(action)
 
 
 def use_names(names: Mapping[str, Named]) -> None:
-    """Set what actions are called in sentences, by their names in code."""
+    """Set the keys and titles of actions for sentences, by the names of the actions in code."""
     global _names  # noqa: PLW0603  # as the language, it holds for all sentences of the program
     _names = dict(names)
 
 
 def key_of(action: str) -> str:
-    """The key of an action; its title in quotation marks, by which it is found in the menus, if it has no key."""
+    """Return the key of an action or, if it has none, its title in quotation marks, as in the menus."""
     named = _names.get(action, Named("", action))
     return named.key or f"“{named.title}”"
 
 
 def with_keys(said: str, **values: object) -> str:
-    """A sentence with the keys of actions, and with the values of what else is in braces.
+    """Fill in the keys of actions in a sentence, and the values of everything else in braces.
 
-    An action without a key is called by its title; in parentheses, behind its title, it is left out.
+    An action without a key is called by its title; a key in parentheses after the title is then left out.
     """
 
-    def behind(found: re.Match[str]) -> str:
+    def keep_if_assigned(found: re.Match[str]) -> str:
         return found[0] if found[1] in _names and _names[found[1]].key else ""
 
-    return _IN_PARENTHESES.sub(behind, said).format(key=_Keys(), **values)
+    return _KEY_IN_PARENTHESES.sub(keep_if_assigned, said).format(key=_Keys(), **values)
 
 
-_MARK = re.compile(r"&&|&(\w)")
+_MNEMONIC_PATTERN = re.compile(r"&&|&(\w)")
+"""A mnemonic, or an ampersand that is written twice."""
 
-_APART = re.compile(r"\(&\w\)")
-"""A letter behind the text, as in languages that are not written in letters: ``終了(&Q)``."""
+_APPENDED_MNEMONIC = re.compile(r"\(&\w\)")
+"""A mnemonic after the text, as in languages without an alphabet: ``終了(&Q)``."""
 
 
 def distinct(texts: Sequence[str]) -> list[str]:
-    """The texts, with no letter marked in two of them; a text keeps its letter unless one before it has the same.
+    """Return the texts with unique mnemonics; a text keeps its letter unless an earlier one has the same.
 
     Parameters
     ----------
@@ -84,14 +87,14 @@ def distinct(texts: Sequence[str]) -> list[str]:
 
 
 def letter_of(text: str) -> str:
-    """The letter that a text marks, as a capital; empty when there is none."""
-    return next((found[1].upper() for found in _MARK.finditer(text) if found[1]), "")
+    """Return the mnemonic of a text as a capital; empty when it has none."""
+    return next((found[1].upper() for found in _MNEMONIC_PATTERN.finditer(text) if found[1]), "")
 
 
 def _others(text: str) -> Iterator[str]:
-    """The text with other letters marked: first those that begin a word, then the rest."""
-    if _APART.search(text):
-        yield from (_APART.sub(f"(&{letter})", text) for letter in ascii_uppercase)
+    """Yield the text with other letters marked: first those that begin a word, then the rest."""
+    if _APPENDED_MNEMONIC.search(text):
+        yield from (_APPENDED_MNEMONIC.sub(f"(&{letter})", text) for letter in ascii_uppercase)
         return
     bare = _without(text)
     begins = [found.start() for found in re.finditer(r"\b[^\W\d_]", bare)]
@@ -100,6 +103,6 @@ def _others(text: str) -> Iterator[str]:
 
 
 def _without(text: str) -> str:
-    """The text without a mark; ``&&`` is the sign itself and stays."""
-    bare = _APART.sub("", text)
-    return _MARK.sub(lambda found: found[1] or "&&", bare)
+    """Return the text without its mnemonic; ``&&`` is the sign itself and stays."""
+    bare = _APPENDED_MNEMONIC.sub("", text)
+    return _MNEMONIC_PATTERN.sub(lambda found: found[1] or "&&", bare)

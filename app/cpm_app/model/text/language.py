@@ -5,9 +5,9 @@ The source is written in English, and so is all that the command line writes. A 
 English. The preferences choose the language; by default it is that of the environment (``LANGUAGE``, ``LC_ALL``,
 ``LC_MESSAGES``, ``LANG``), or of the system where the environment names none.
 
-Sentences of the window pass through `tr` as literals. `cpm_core` knows of no language: its names of parameters,
-methods, shapes and formats are in the catalogs, and so are the sentences of
-``assets/languages/core_sentences.txt``; `from_core` translates them. Other errors and notes of the core, which hold
+Sentences of the window pass through `tr` as literals. `cpm_core` knows no language: its names of parameters,
+methods, shapes and formats are in the catalogs, as are the sentences of
+``assets/languages/core_sentences.txt``; `translate_core_text` does. Other errors and notes of the core, which hold
 numbers and names, are shown in English.
 
 To add a language, say Dutch:
@@ -32,48 +32,52 @@ from pathlib import Path
 
 from cpm_app.model.text.assets import folder
 
-_DOMAIN = "cpm"
+_CATALOG_DOMAIN = "cpm"
 
 KEY = "language"
 """Key of the preference, which is read before anything else."""
 
-OF_THE_DESKTOP, _SOURCE = "system", "en"
+OF_THE_DESKTOP = "system"
+"""Value of the preference that follows the language of the system."""
 
-_NAMED_BY = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
+_SOURCE_LANGUAGE = "en"
+"""Language that the sentences are written in."""
+
+_LANGUAGE_VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 """Variables of the environment that name a language."""
 
 MOST_SHOWN = 4000
-"""Letters of a text from outside that are shown: of a million letters the layout alone would take minutes."""
+"""Most letters shown of a text from outside: the layout of a million would take minutes."""
 
-_catalog: gettext.NullTranslations = gettext.translation(_DOMAIN, folder("languages"), fallback=True)
+_catalog: gettext.NullTranslations = gettext.translation(_CATALOG_DOMAIN, folder("languages"), fallback=True)
 _marks: dict[int, str] = {}
 
 
 def tr(said: str, /, **values: object) -> str:
-    """The sentence in the language of the window, with values in place of what is in braces, if any are given."""
+    """Translate a sentence into the language of the window, and fill in the values of what is in braces, if any."""
     sentence = _catalog.gettext(said)
     return sentence.format(**values) if values else sentence
 
 
 def from_core(said: str) -> str:
-    """A text that is no literal here, as a name of the core or a paragraph of the guide; unchanged where not known."""
+    """Translate a text that is no literal here, such as a name of the core; return it unchanged if unknown."""
     return _catalog.gettext(said) if said else said
 
 
 def reason(error: Exception) -> str:
-    """What an error reports; for an error with a file, with the name of the file."""
+    """Describe an error in a sentence; for an error with a file, begin with the name of the file."""
     if isinstance(error, OSError) and error.strerror and isinstance(error.filename, str | Path):
         return f"{Path(error.filename).name}: {cause(error)}"
     return from_core(str(error))
 
 
 def cause(error: OSError) -> str:
-    """What the system reports, without the name of a file."""
+    """Return what the system reports, without the name of a file."""
     return from_core(error.strerror or str(error))
 
 
 def shortened(text: str, most: int = MOST_SHOWN) -> str:
-    """A text of at most `most` letters: the middle of a longer one is left out."""
+    """Shorten a text to at most `max_length` letters by leaving out its middle."""
     if len(text) <= most:
         return text
     half = (most - 1) // 2
@@ -81,13 +85,13 @@ def shortened(text: str, most: int = MOST_SHOWN) -> str:
 
 
 def use_marks(decimal: str, group: str) -> None:
-    """Write numbers with a decimal mark, and with a separator of groups of three digits."""
+    """Set the decimal mark, and the separator of groups of three digits, in which numbers are written."""
     global _marks  # noqa: PLW0603  # a language is chosen once, at the start
     _marks = str.maketrans({".": decimal, ",": group})
 
 
 def written(number: str) -> str:
-    """A number that Python has formatted, as the language of the window writes it."""
+    """Replace the marks of a number that Python has formatted by those of the language."""
     return number.translate(_marks)
 
 
@@ -103,28 +107,28 @@ def use_language(name: str, of_the_system: Sequence[str] = ()) -> None:
         environment names none, as on Windows and macOS.
     """
     global _catalog  # noqa: PLW0603  # sentences are translated while modules are imported
-    if name == _SOURCE:
+    if name == _SOURCE_LANGUAGE:
         _catalog = gettext.NullTranslations()
         return
     wanted = [name] if name in languages() else None
-    if wanted is None and not any(map(os.environ.get, _NAMED_BY)):
+    if wanted is None and not any(map(os.environ.get, _LANGUAGE_VARIABLES)):
         exact = [each.replace("-", "_") for each in of_the_system]
         wanted = [part for each in exact for part in (each, each.partition("_")[0])]
-    if wanted is not None and _SOURCE in wanted:  # whoever prefers the language of the source reads nothing else
-        wanted = wanted[: wanted.index(_SOURCE)]
-    _catalog = gettext.translation(_DOMAIN, folder("languages"), wanted, fallback=True)
+    if wanted is not None and _SOURCE_LANGUAGE in wanted:  # those who prefer the source language need no further one
+        wanted = wanted[: wanted.index(_SOURCE_LANGUAGE)]
+    _catalog = gettext.translation(_CATALOG_DOMAIN, folder("languages"), wanted, fallback=True)
 
 
 def language() -> str:
-    """Name of the language in use."""
-    return _catalog.info().get("language", _SOURCE)
+    """Return the name of the language in use."""
+    return _catalog.info().get("language", _SOURCE_LANGUAGE)
 
 
 def languages() -> dict[str, str]:
-    """Names of all languages, such as ``"de"``, and what each is called by those who speak it."""
-    found = {_SOURCE: "English"}
+    """Return the names of all languages, such as ``"de"``, with what their speakers call them."""
+    found = {_SOURCE_LANGUAGE: "English"}
     place = folder("languages")
-    for file in sorted(place.glob(f"*/LC_MESSAGES/{_DOMAIN}.mo")) if place else ():
+    for file in sorted(place.glob(f"*/LC_MESSAGES/{_CATALOG_DOMAIN}.mo")) if place else ():
         name = file.parents[1].name
-        found[name] = gettext.translation(_DOMAIN, place, [name]).gettext("English")
+        found[name] = gettext.translation(_CATALOG_DOMAIN, place, [name]).gettext("English")
     return found

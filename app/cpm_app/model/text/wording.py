@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from cpm_app.model.text.language import tr
 
-_FORCES = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>l</sub> − <i>β</i> <i>v</i>"
+_FORCE_FORMULA = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>l</sub> − <i>β</i> <i>v</i>"
 
 FORMULAS = {
         "reach": tr("at most {law} beyond a junction").format(law="<i>r</i>"),
         "weakest_edge": tr("reached where {law} around the start").format(
             law="<i>f</i> ≥ <i>f</i><sub>first</sub> · median <i>f</i>"),
-        "beta": _FORCES,
+        "beta": _FORCE_FORMULA,
         "ratio": "<i>F</i> = <i>w</i>₂ [(<i>w</i>₁/<i>w</i>₂) <i>F</i><sub>c</sub> + <i>F</i><sub>l</sub>] − <i>β</i> "
                  "<i>v</i>",
-        "w2": _FORCES,
+        "w2": _FORCE_FORMULA,
         "annealing": tr("every step: {after} = {before}").format(
             after="<i>d</i><sub>max</sub>", before="<i>a</i> · <i>d</i><sub>max</sub>"),
         "time_step": "<i>r</i>(<i>t</i> + Δ<i>t</i>) = <i>r</i> + <i>v</i> Δ<i>t</i> + "
@@ -53,6 +53,6 @@ FORMULAS = {
 
 
 def rich(symbol: str) -> str:
-    """A symbol as rich text: what follows its first ``_`` is a subscript."""
+    """Format a symbol as rich text, with what follows its first ``_`` as a subscript."""
     head, _, foot = symbol.partition("_")
     return f"<i>{head}</i><sub>{foot}</sub>" if foot else f"<i>{head}</i>"

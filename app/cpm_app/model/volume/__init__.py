@@ -1,1 +1,1 @@
-"""Volumes in the window: the slices that are shown, and what they show."""
+"""Volumes in the window: the slices that are shown, and their content."""

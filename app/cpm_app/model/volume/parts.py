@@ -1,4 +1,4 @@
-"""Parts of a file that holds several images: how many there are, in words too."""
+"""Parts of a file that holds several images, with their numbers in words."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from cpm_core.formats import ONLY_THESE, Reading, Stack
 from cpm_core.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Sides, Texts, frozen
 
-_WORDS = {
+_PAGE_WORDS = {
     "plane": (tr("{count} planes"), tr("plane {number}")),
     "page": (tr("{count} pages"), tr("page {number}")),
     "frame": (tr("{count} frames"), tr("frame {number}")),
 }
+"""Number of pages, and one of them, in words."""
 
 
 @frozen
 class Parts:
-    """What a file holds.
+    """Content of a file.
 
     Attributes
     ----------
@@ -29,21 +30,21 @@ class Parts:
     series : tuple of str
         Names of all series; empty where a file has none.
     number : int
-        Series that the other numbers are for, from 1.
+        Series that the other values belong to, from 1.
     word : str
-        What a page is called: plane, page or frame.
+        Word for a page: plane, page or frame.
     usual : int
-        The page that is read when nobody chooses, from 1.
+        The page that is read by default, from 1.
     spacing, unit
         Size of a voxel in the file, along (plane, row, col), and its unit; None where it has none.
     deep : bool
-        Whether pages are planes of a volume, as the file says how far apart they are, or by its kind.
+        Whether pages are planes of a volume: the file gives their distance, or its format is one of volumes.
     planes : int
-        How many of the pages make a volume.
+        Number of pages that make a volume.
     doubts : tuple of str
-        What is wrong with the volume that they make, such as missing planes, in the sentences of the core.
+        Sentences of the core on faults of that volume, such as missing planes.
     series_around : Path or None
-        Folder with the slices of a series, of which the file seems to be one.
+        Folder with the slices of a series that the file seems to belong to.
     """
 
     pages: int
@@ -62,9 +63,9 @@ class Parts:
 
     @classmethod
     def of(cls, stack: Stack, paged: bool, series_around: Path | None = None) -> Parts:
-        """The parts of a stack; of a film the frames are its pages. `paged` is whether its pages are most often images.
+        """Return the parts of a stack, or of a film, whose pages are its frames.
 
-        What has a time for each frame and several planes has both.
+        `paged` is whether pages are usually separate images. A stack with several planes at each time has both.
         """
         planes, film = stack.shape[0], stack.shape[0] == 1 and stack.times > 1
         pages, times = (stack.times, 1) if film else (planes, stack.times)
@@ -88,14 +89,14 @@ class Parts:
 
     @property
     def several_volumes(self) -> bool:
-        """Whether there is anything to choose besides the page."""
+        """Whether there is anything to choose apart from the page."""
         return max(self.times, self.channels, len(self.series)) > 1
 
     @property
     def counted(self) -> str:
-        """How many there are of each, in words."""
+        """Number of each kind of part, in words."""
         counts = (
-            (_WORDS[self.word][0], self.pages),
+            (_PAGE_WORDS[self.word][0], self.pages),
             (tr("{count} channels"), self.channels),
             (tr("{count} points in time"), self.times),
             (tr("{count} series"), len(self.series)),
@@ -103,9 +104,9 @@ class Parts:
         return ", ".join(text.format(count=count) for text, count in counts if count > 1)
 
     def taken(self, reading: Reading, as_volume: bool) -> str:
-        """Which of them are open, in words."""
+        """Describe in words which parts are open."""
         numbers = (
-            (_WORDS[self.word][1], self.pages, None if as_volume else reading.page or self.usual),
+            (_PAGE_WORDS[self.word][1], self.pages, None if as_volume else reading.page or self.usual),
             (tr("channel {number}"), self.channels, reading.channel or 1),
             (tr("time {number}"), self.times, reading.time or 1),
         )

@@ -1,4 +1,4 @@
-"""What a slice of a volume shows of a shape, and the lines that show it in space."""
+"""Cuts of shapes by a slice of a volume, and the lines that show shapes in space."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ from cpm_core.shapes import (
 from cpm_core.shapes.path import SMALLEST
 
 NEAR = 1.0
-"""Distance from a slice up to which it shows a point, in sides of the smallest voxel."""
+"""Largest distance of a point that a slice shows, in smallest sides of a voxel."""
 
-_IN = 0.5
-"""Distance from a slice up to which a place lies in it [voxels]."""
+_IN_SLICE_DISTANCE = 0.5
+"""Largest distance of a point that lies in a slice [voxels]."""
 
 
 @frozen
 class StartSection:
-    """Where a slice cuts a start: a line or an area, with the handles and particles that the start has in the slice."""
+    """Cut of a start by a slice: a line or an area, with the handles and particles of the start in the slice."""
 
     line: Ellipse | Polygon | Grid
     held: Line
@@ -61,36 +61,36 @@ class StartSection:
         return self.line.outline
 
     def handles(self) -> Line:
-        """Those of the start that lie in the slice."""
+        """Return the handles of the start in the slice."""
         return self.held
 
     def seeds(self) -> Array:
-        """The particles of the start that lie near the slice, shape (N, 2)."""
+        """Return the particles of the start near the slice, shape (N, 2)."""
         return self.particles
 
     def distance(self, position: Position) -> float:
-        """Distance of a position from the line [px]."""
+        """Return the distance of a position from the line [px]."""
         return self.line.distance(position)
 
     def encloses(self, position: Position) -> bool:
-        """Whether a position lies inside."""
+        """Tell whether a position lies inside."""
         return self.line.encloses(position)
 
 
 @frozen
 class RegionSection(Region):
-    """Where a slice cuts a region of interest; `held` are its handles."""
+    """Cut of a region of interest by a slice."""
 
     held: Line = ()
 
     def handles(self) -> Line:
-        """Those that the shape has in this slice."""
+        """Return the handles of the shape in this slice."""
         return self.held
 
 
 @frozen
 class RegionElsewhere(Region):
-    """A region of interest that a slice does not cut: nothing of the slice lies in it."""
+    """A region of interest that a slice does not cut: nothing in the slice lies inside it."""
 
     points: Line = ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
 
@@ -100,11 +100,11 @@ class RegionElsewhere(Region):
         return np.empty((0, 2))
 
     def handles(self) -> Line:
-        """Empty."""
+        """Return no handles."""
         return ()
 
     def distance(self, position: Position) -> float:
-        """Infinite."""
+        """Return infinity."""
         return math.inf
 
 
@@ -117,11 +117,11 @@ class ChargeSection(WithoutOutline):
     position : tuple of float
         The nearest position in the slice.
     strength : float
-        As that of the charge.
+        Strength of the charge.
     away : float
-        Distance of the charge from the slice, in sides of the smallest voxel.
+        Distance of the charge from the slice, in smallest sides of a voxel.
     sides : tuple of float
-        Sides of a voxel in the slice, in the smallest side of a voxel.
+        Sides of a voxel in the slice, in smallest sides of a voxel.
     """
 
     position: Position
@@ -135,7 +135,7 @@ class ChargeSection(WithoutOutline):
         return self.away <= NEAR
 
     def ring(self, radius: float) -> Array:
-        """Where the slice cuts a sphere around the charge, shape (K, 2); empty where it does not."""
+        """Return the circle in which the slice cuts a sphere around the charge, shape (K, 2); empty if it does not."""
         cut = math.sqrt(max(radius**2 - self.away**2, 0.0))
         if cut < SMALLEST:
             return np.empty((0, 2))
@@ -143,7 +143,7 @@ class ChargeSection(WithoutOutline):
         return Ellipse(self.position, (max(cut / right, SMALLEST), max(cut / down, SMALLEST))).outline
 
     def distance(self, position: Position) -> float:
-        """Distance of a position from the charge [px]; infinite where it is only its effect that the slice shows."""
+        """Return the distance of a position from the charge [px]; infinite where the slice shows only its effect."""
         return math.dist(self.position, position) if self.in_slice else math.inf
 
 
@@ -151,9 +151,10 @@ Section = Shape | StartSection | ChargeSection
 
 
 def sections(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
-    """The sections of a shape by a slice; empty where the slice does not show it.
+    """Cut a shape by a slice; empty where the slice does not show it.
 
-    `sides` are those of a voxel in the smallest of them. Shapes in the plane belong to no volume and are not shown.
+    `sides` are the sides of a voxel in units of the smallest. Shapes in the plane belong to no volume and are not
+    shown.
     """
     found = tuple(_sections(shape, here, sides))
     return (RegionElsewhere(),) if not found and isinstance(shape, Interest) else found
@@ -180,7 +181,7 @@ def _sections(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
             down, right = here.within(sides)
             yield ChargeSection(here.within(shape.position), shape.strength, away, (down, right))
     elif isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
-        if all(abs(place[here.axis] - here.index) <= _IN for place in shape.points):
+        if all(abs(place[here.axis] - here.index) <= _IN_SLICE_DISTANCE for place in shape.points):
             yield replace(shape, points=tuple(map(here.within, shape.points)))
         else:
             yield from _of_particles(shape.seeds(), here)
@@ -195,12 +196,12 @@ def _of_particles(seeds: Array, here: Slice) -> Iterator[Points]:
 
 
 def _near(seeds: Array, here: Slice, reach: float) -> Array:
-    """Particles so many voxels from a slice, as places in it."""
+    """Return the particles within `max_distance` voxels of a slice, as positions in it, shape (N, 2)."""
     return here.flattened(seeds[np.abs(seeds[:, here.axis] - here.index) <= reach])
 
 
 def circle_in(sphere: Sphere, here: Slice) -> Ellipse | None:
-    """The circle in which a slice cuts a sphere; None where it does not."""
+    """Return the circle in which a slice cuts a sphere; None where it does not."""
     square = sphere.radius**2 - ((here.index - sphere.center[here.axis]) * sphere.sides[here.axis]) ** 2
     return _circle(sphere, here, math.sqrt(square)) if square > 0.0 else None
 
@@ -211,7 +212,7 @@ def _circle(sphere: Sphere, here: Slice, radius: float) -> Ellipse:
 
 
 def _of_box(box: Cuboid, here: Slice) -> Iterator[Section]:
-    if not box.first[here.axis] - _IN <= here.index <= box.last[here.axis] + _IN:
+    if not box.first[here.axis] - _IN_SLICE_DISTANCE <= here.index <= box.last[here.axis] + _IN_SLICE_DISTANCE:
         return
     (top, left), (bottom, right) = here.within(box.first), here.within(box.last)
     corners = ((top, left), (top, right), (bottom, right), (bottom, left))
@@ -229,25 +230,25 @@ def _of_box(box: Cuboid, here: Slice) -> Iterator[Section]:
 
 
 def _spread(places: Array) -> Array:
-    """One of the places in each pixel of the slice: more of them would hide each other by their rims."""
+    """Keep one position in each pixel of the slice: more would hide one another by their rims."""
     _, first = np.unique(np.round(places), axis=0, return_index=True)
     return places[np.sort(first)]
 
 
 def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
-    """The line itself in the slices that it was drawn in.
+    """Yield the line itself in the slices that it was drawn in, and its cuts in others.
 
-    In others a strip for each stretch inside what is closed, a line for each place where a line is cut.
+    A closed line gives a strip for each stretch inside, an open one a line at each crossing.
     """
     if here.axis == shape.axis:
-        if shape.first - _IN <= here.index <= shape.last + _IN:
+        if shape.first - _IN_SLICE_DISTANCE <= here.index <= shape.last + _IN_SLICE_DISTANCE:
             flat = shape.flat(shape.points)
             yield RegionSection(flat.points, held=flat.handles()) if isinstance(flat, Region) else flat
         return
     if shape.last <= shape.first:
         return
     other = 3 - here.axis - shape.axis
-    # places along the other axis where the line lies in the slice, in order: a corner in the slice lies on one side of
+    # positions along the other axis where the line crosses the slice, in order; a corner in the slice counts as below
     # it, so that each side of the line is cut once or not at all
     corners = shape.flat(shape.points).outline[:, :: 1 if here.axis < other else -1]
     above = corners[:, 0] >= here.index
@@ -255,32 +256,32 @@ def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     starts, way = corners[:-1][cut], np.diff(corners, axis=0)[cut]
     cuts = sorted((starts[:, 1] + (here.index - starts[:, 0]) / way[:, 0] * way[:, 1]).tolist())
 
-    def turned(*places: Position) -> Line:
-        """Places along the range and the other axis, of which the first one runs down."""
-        return places if shape.axis < other else tuple((right, down) for down, right in places)
+    def order_axes(*positions: Position) -> Line:
+        """Convert positions (range, other axis) to (row, col)."""
+        return positions if shape.axis < other else tuple((right, down) for down, right in positions)
 
     if isinstance(shape, PrismRegion):
         for begin, end in zip(cuts[::2], cuts[1::2], strict=False):
             if end - begin > 1e-6:
                 ends = ((shape.first, begin), (shape.first, end), (shape.last, end), (shape.last, begin))
                 middle = 0.5 * (begin + end)
-                yield RegionSection(turned(*ends), held=turned((shape.first, middle), (shape.last, middle)))
+                yield RegionSection(order_axes(*ends), held=order_axes((shape.first, middle), (shape.last, middle)))
     else:
         for at in cuts:
-            yield Barrier(turned((shape.first, at), (shape.last, at)))
+            yield Barrier(order_axes((shape.first, at), (shape.last, at)))
 
 
-_ARM = 2.0
-"""Half the size of the cross that marks a point, in sides of the smallest voxel."""
+_CROSS_ARM = 2.0
+"""Half the size of the cross that marks a point, in smallest sides of a voxel."""
 
-_MOST_EDGES = 24
-"""Corners of a drawn line that are joined from its first to its last slice."""
+_MAX_EXTRUDED_EDGES = 24
+"""Largest number of edges between the first and the last slice of an extruded line."""
 
 
 def wires(shape: Shape, sides: Sides) -> Array:
-    """The ends of straight lines, shape (N, 2, 3) [voxels]; none for shapes in the plane.
+    """Return the ends of straight lines that show a shape, shape (N, 2, 3) [voxels]; none for shapes in the plane.
 
-    `sides` are those of a voxel, in the smallest of them.
+    `sides` are the sides of a voxel in units of the smallest.
     """
     if isinstance(shape, Sphere | EnclosedRegion | EnclosingWall):
         return _through_middle(shape)
@@ -299,7 +300,7 @@ def wires(shape: Shape, sides: Sides) -> Array:
 
 
 def _through_middle(shape: Sphere | EnclosedRegion | EnclosingWall) -> Array:
-    """The lines in which slices through its middle, one across each axis, cut a shape."""
+    """Return the outlines of three cuts through the middle of a shape, one across each axis."""
     pieces = [np.empty((0, 2, 3))]
     for axis, at in enumerate(shape.center):
         here, place = Slice(axis, round(at)), at if isinstance(shape, Sphere) else round(at)
@@ -309,18 +310,18 @@ def _through_middle(shape: Sphere | EnclosedRegion | EnclosingWall) -> Array:
 
 
 def _pieces_of(path: Array) -> Array:
-    """The pieces of a path, shape (K, 3)."""
+    """Split a path, shape (K, 3), into its segments, shape (K - 1, 2, 3)."""
     return np.stack([path[:-1], path[1:]], axis=1)
 
 
 def _crosses(places: Array, sides: Sides) -> Array:
-    """Three lines at each place, shape (N, 3)."""
-    arms = np.diag(_ARM / np.array(sides))
+    """Return three lines through each position, shape (N, 3)."""
+    arms = np.diag(_CROSS_ARM / np.array(sides))
     return (places[:, None, None] + np.stack([-arms, arms], axis=1)).reshape(-1, 2, 3)
 
 
 def _drawn_through(line: Array, axis: int, first: float, last: float) -> Array:
-    """A line in its first and its last slice, and edges from one to the other."""
+    """Return a line in its first and its last slice, and edges from one to the other."""
     ends = [np.insert(line, axis, at, axis=1) for at in (first, last)]
-    chosen = sorted({*range(0, len(line), -(-len(line) // _MOST_EDGES)), len(line) - 1})
+    chosen = sorted({*range(0, len(line), -(-len(line) // _MAX_EXTRUDED_EDGES)), len(line) - 1})
     return np.concatenate([*map(_pieces_of, ends), np.stack([end[chosen] for end in ends], axis=1)])

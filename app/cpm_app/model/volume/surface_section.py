@@ -1,4 +1,4 @@
-"""The lines in which a slice cuts surfaces, objects, painted ones among them, and center lines."""
+"""Cuts of surfaces, objects (painted ones too) and center lines by a slice."""
 
 from __future__ import annotations
 
@@ -19,18 +19,21 @@ from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects
 
-_MOST, _MOST_OF_OBJECTS = 32, 256
-"""Cuts that are kept: they are asked for again whenever the pointer moves, an edit leaves those of other objects."""
+_CACHED_SURFACE_CUTS = 32
+"""Number of cuts of surfaces that are cached, as every move of the pointer needs them again."""
+
+_CACHED_BODY_CUTS = 256
+"""Number of cuts of objects that are cached: an edit leaves the cuts of other objects valid."""
 
 
-@lru_cache(maxsize=_MOST)
+@lru_cache(maxsize=_CACHED_SURFACE_CUTS)
 def section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
-    """Where a slice cuts a surface: closed contours in the slice, and open ones where the surface has a rim."""
+    """Cut a surface by a slice: closed contours in the slice, and open ones where the surface has a rim."""
     return section_of(surface, cut.axis, cut.index)
 
 
 def unmeasured(contour: Contour, number: int) -> Measures:
-    """Measures of a section, which is shown and not listed: only its number and length are known."""
+    """Return a row for a cut, which is shown but not listed: only its number and length are known."""
     return Measures(
         number=number,
         label=0,
@@ -50,18 +53,18 @@ def unmeasured(contour: Contour, number: int) -> Measures:
     )
 
 
-_NEAR = 1.0
-"""Distance from a slice up to which it shows a click [voxels]."""
+_CLICK_DISTANCE = 1.0
+"""Largest distance of a click that a slice shows [voxels]."""
 
 
 def _closed(surface: Surface, here: Slice) -> tuple[Contour, ...]:
-    """The closed lines in which a slice cuts a surface."""
+    """Return the closed lines in which a slice cuts a surface."""
     return tuple(each for each in section(surface, here) if each.closed and len(each.points) > 2)
 
 
-@lru_cache(maxsize=_MOST_OF_OBJECTS)
+@lru_cache(maxsize=_CACHED_BODY_CUTS)
 def boundary_in(body: PackedBody, here: Slice) -> tuple[Line, ...]:
-    """The closed lines in which a slice cuts a body; around voxels they run halfway to others."""
+    """Return the closed lines in which a slice cuts a body; around voxels they run halfway to their neighbors."""
     return tuple(_lines(body, here))
 
 
@@ -82,7 +85,7 @@ def _lines(body: PackedBody, here: Slice) -> Iterable[Line]:
 
 
 def objects_in(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
-    """The objects that a slice cuts, as objects of an image, and the clicks near it."""
+    """Cut objects by a slice, as objects of an image, with the clicks near it."""
     items = tuple(cut for item in objects.items if (cut := _cut(item, here)) is not None)
     edited = objects.edited if any(item.number == objects.edited for item in items) else 0
     return replace(objects, items=items, clicks=tuple(_near(objects.clicks, here)), edited=edited)
@@ -95,20 +98,20 @@ def _cut(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
 
 def _near(clicks: Iterable[Click], here: Slice) -> Iterable[Click]:
     for click in clicks:
-        places = tuple(here.within(at) for at in click.places if abs(at[here.axis] - here.index) <= _NEAR)
+        places = tuple(here.within(at) for at in click.places if abs(at[here.axis] - here.index) <= _CLICK_DISTANCE)
         if places:
             yield replace(click, places=places)
 
 
 def selection_in(selection: AnySelection, here: Slice) -> Selection:
-    """What a slice shows of a selection: its boundary alone."""
+    """Cut a selection by a slice: only its boundary is given."""
     nowhere = np.empty((0, 2))
     lines = _closed(selection.surface, here) if isinstance(selection, VolumeSelection) else ()
     return Selection(np.zeros((0, 0), bool), lines, (), 1.0, nowhere, nowhere)
 
 
 def holds(item: SegmentedObject, place: Place) -> bool:
-    """Whether a place (row, col) [px], or (plane, row, col), lies in an object."""
+    """Tell whether a position (row, col) [px], or (plane, row, col), lies in an object."""
     if len(place) == 2:
         return bool(item.encloses(np.array([place], float))[0])
     if any(isinstance(body, PackedVoxels) for body in item.surface):
@@ -120,16 +123,16 @@ def holds(item: SegmentedObject, place: Place) -> bool:
 
 
 def size_of(item: SegmentedObject) -> float:
-    """Volume of an object, in the unit of its volume; its area [px²] in an image."""
+    """Return the volume of an object, in the unit of its image; the area [px²] in a plane."""
     return item.surface[0].volume if item.surface else item.area
 
 
-_LINES_NEAR = 1.5
-"""Distance from a slice up to which it shows center lines [voxels]."""
+_CENTERLINE_DISTANCE = 1.5
+"""Largest distance of center lines that a slice shows [voxels]."""
 
 
 def skeleton_in(found: Skeleton, here: Slice) -> Skeleton:
-    """The pieces of center lines near a slice, as those of an image."""
+    """Return the pieces of center lines near a slice, as the skeleton of an image."""
     pieces = [
         piece
         for contour, radii in zip(found.contours, found.radii, strict=True)
@@ -143,8 +146,8 @@ def skeleton_in(found: Skeleton, here: Slice) -> Skeleton:
 
 
 def _pieces(path: Array, radii: Array, here: Slice) -> list[tuple[Array, Array]]:
-    """Stretches of a line near a slice, flattened, with the vertices before and after."""
-    near = np.abs(path[:, here.axis] - here.index) <= _LINES_NEAR
+    """Return the stretches of a line near a slice, projected onto it, with the vertices before and after."""
+    near = np.abs(path[:, here.axis] - here.index) <= _CENTERLINE_DISTANCE
     found = []
     for run in polyline.stretches(scipy.ndimage.binary_dilation(near)):
         flat = here.flattened(path[run])
