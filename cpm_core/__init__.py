@@ -1,77 +1,74 @@
 """CPM: contours by charged particles.
 
-The charged-particle model of Jalba, Wilkinson and Roerdink (2004): arrays in, arrays out, without any window.
+The charged-particle model of Jalba, Wilkinson and Roerdink (2004): arrays in, arrays out, no user interface.
 
 The model on one page
 ---------------------
-1. The image is smoothed by a Gaussian of width sigma; the length of its gradient is the **edge map** f. Every pixel
-   carries a **fixed charge** -f (`field.edge_map`). Automatic smoothing chooses sigma by the noise, and removes heavy
+1. The image is smoothed by a Gaussian of width sigma; the magnitude of its gradient is the **edge map** f. Every pixel
+   carries a **fixed charge** -f (`field.edge_map`). Automatic smoothing derives sigma from the noise, and removes heavy
    noise first (`image.denoising`); the edge of a dark or bright image border can be left out (`image.border`).
 2. The fixed charges make an **electric field**, E(r) = sum_k -f_k (r - R_k) / |r - R_k|^3, eq. (8), which pulls
-   positive charges to edges (`field.electric_field`). Its direction is the **Lorentz force** F_l; across an edge it
-   falls linearly through zero (`field.scale_field`).
+   positive charges to edges (`field.electric_field`). Its direction is the **Lorentz force** F_l, which passes linearly
+   through zero across an edge (`field.scale_field`).
 3. The **particles** all have the same positive charge and repel each other: the **Coulomb force** F_c, eq. (9)
-   (`model.coulomb`), scaled by the local spacing and cut at one. In a run with many particles, near pairs are
-   summed at every step, and a mesh, computed every few steps, carries the rest (`model.plane.repulsion`).
-4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), the last term being the **damping**; one **step** advances
+   (`model.coulomb`), scaled by the local spacing and clipped at one. With many particles, close pairs are summed at
+   every step, and the rest is interpolated from a mesh that is updated every few steps (`model.plane.repulsion`).
+4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), where the last term is the **damping**; one **step** advances
    them by eq. (14)-(15) (`model.equations`, `model.plane.motion`). Particles that leave the image are removed.
 5. A particle has **edge contact** where the Lorentz force is weak and the edge strong enough (`model.plane.motion`).
-   **Insertion**: two neighbors with edge contact, d_min < d <= d_min + d_max apart, get a particle between them if the
-   **ridge** of the edge is free there; a particle whose edge continues without other particles gets one ahead.
-   **Deletion**: of two nearer than d_min / 2 one is deleted. **Annealing**: every step multiplies d_max by a
+   **Insertion**: between two neighbors with edge contact, d_min < d <= d_min + d_max apart, a particle is inserted if
+   the **ridge** of the edge is free there, and ahead of a particle whose edge continues without other particles.
+   **Deletion**: of two closer than d_min / 2, one is deleted. **Annealing**: every step multiplies d_max by a
    (`model.plane.births`, `model.plane.step`).
-6. **Coverage** records the cells in which particles have had edge contact (`model.coverage`). Where no cells are
-   newly covered, repulsion fades and damping grows, more slowly for particles that still move far from all covered
-   cells; a particle that is at rest there is skipped until that changes. A run is in **equilibrium** when eq. (23)
-   holds and hardly any particle has moved, been inserted or been deleted for twenty steps (`model.equations`).
-   **Completion**: before a run ends, **reseeding** puts particles next to the boundaries that have none, of enclosed
-   regions that have been reached on another boundary: the outline around a hole, or a hole in an object
-   (`model.plane.enclosed_regions`). Particles at rest off the edges are then removed.
-7. All this happens on one **scale** of the image after the other, from coarse to fine (`image.pyramid`,
-   `field.scale_space`, `model.plane.step`). Each scale begins with the particles of the coarser one and with
-   the **initialization**: the seeds, drawn or automatic (`model.starts`).
-8. The **reconstruction** moves points to the ridge of the edge and joins them by following the ridge to closed and open
-   **contours** with **junctions**. It leaves out what is weak or has the same gray levels on both sides
-   (`field.region_contrast`), and builds **bridges** across gaps if `max_gap` allows them (`reconstruction.curve`).
+6. **Coverage** records the cells in which particles have had edge contact (`model.coverage`). Where no new cells are
+   covered, repulsion fades and damping grows, more slowly for particles that still move far from all covered cells;
+   a particle at rest there is skipped until that changes. A run is in **equilibrium** when eq. (23) holds and hardly
+   any particle has moved, been inserted or been deleted for twenty steps (`model.equations`). **Completion**: before a
+   run ends, **reseeding** places particles next to boundaries without any, if the enclosed region was reached on
+   another boundary: the outline around a hole, or a hole in an object (`model.plane.enclosed_regions`). Particles at
+   rest off the edges are then removed.
+7. This is repeated at each **scale** of the image, from coarse to fine (`image.pyramid`, `field.scale_space`,
+   `model.plane.step`). Each scale begins with the particles of the coarser one and with the **initialization**: the
+   seeds, drawn or automatic (`model.starts`).
+8. The **reconstruction** moves points to the ridge of the edge and joins them along the ridge into closed and open
+   **contours** with **junctions**. It leaves out contours that are weak or have the same gray levels on both sides
+   (`field.region_contrast`), and **bridges** gaps up to `max_gap` (`reconstruction.curve`).
 9. Particles stay inside the **regions of interest** and on their side of the **barriers** (`image.regions`); at each
    scale no move, insertion, contour or bridge crosses a barrier (`image.barriers`).
-10. **Placed charges** attract or repel the particles around them, as strongly as the edges or up to four times so;
-    their force is added to the Lorentz force (`field.placed_charges`). An **intervention** changes charges, parameters,
-    regions or barriers, or adds or erases particles, at any step; particles at rest that it concerns are reactivated
+10. **Placed charges** attract or repel the particles around them, one to four times as strongly as the edges; their
+    force is added to the Lorentz force (`field.placed_charges`). An **intervention** changes charges, parameters,
+    regions or barriers, or adds or erases particles, at any step; particles at rest that it affects are reactivated
     (`model.interventions`).
-11. The terms of a step can be examined: the **forces** on each particle, by name (`model.measures`), the **potential**
-    of the charges, and the kinetic and potential **energy**, which the damping takes out of a run until it is at rest
-    (`model.measures`).
+11. The terms of a step can be inspected: the **forces** on each particle, by name, the **potential** of the charges,
+    and the kinetic and potential **energy**, which damping dissipates until the run is at rest (`model.measures`).
 
-`Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call, `evolve` the
-same as an iterator over its steps, and `follow` one on each page of a stack, from the contours of the page before
-(`pages`). `contours.measurements` measures each contour and finds which lies in which; `Result.labels` and
-`Result.table` are the pixels inside and their measurements. Where the **ground truth** is known, as a mask or as
-contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`), and in a volume
-`compare_surface` that of the surface.
-`formats` reads and writes files: `export` chooses the format of contours by the suffix, `encoded` returns the same
-without a file; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation`
-shows a run frame by frame; `write_figure` draws image and contours for a publication, and so does ``plot`` of images
-and results, on axes of matplotlib.
+`Engine` composes them step by step (`segmentation.engine`); `segment` is a whole run in one call, `evolve` an iterator
+over its steps, and `follow` runs on each page of a stack, starting from the contours of the previous page (`pages`).
+`contours.measurements` measures each contour and finds its nesting; `Result.labels` and `Result.table` are the enclosed
+pixels and their measurements. Given a **ground truth**, as a mask or as contours, `compare` measures the agreement with
+it (`contours.agreement`, `contours.ground_truth`), and in a volume `compare_surface` that of the surface.
+`formats` reads and writes files: `export` selects the format of contours by the suffix, `encoded` returns the same as
+bytes; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation` shows a run
+frame by frame; `write_figure` draws image and contours for a publication, as does ``plot`` of images and results on
+axes of matplotlib.
 
-The **skeleton** is the middle line of an object with the distance to its boundary, from which the object can be
-reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center lines
-of vessels (`medial_axis.centerlines`). Contours and skeletons both come from a `Method`, which the same loop
-runs step by step.
+The **skeleton** is the medial line of an object with the distance to its boundary, from which the object can be
+reconstructed (`medial_axis`). It needs no seeds. In a volume it consists of the center lines of vessels
+(`medial_axis.centerlines`). Contours and skeletons both come from a `Method`, which the same loop runs step by step.
 
-**Objects** are chosen by places, strokes and boxes, with `select` and `select_all`: they are what a closed contour
-encloses beyond doubt, elsewhere what a prior expects that was learned from outlined images (`objects`). In a
-notebook they are clicked in a `view`.
+**Objects** are selected by points, scribbles and boxes, with `select` and `select_all`: an object is the region that a
+closed contour encloses unambiguously, elsewhere the one predicted by a network trained on outlined images (`objects`).
+In a notebook they are clicked in a `view`.
 
-The **classical methods** that the publication argues against, snakes and level sets, stand beside the charged particles
-in `CONTOUR_METHODS`: from the same image and the same drawn `Start` each gives the states of a run, one after the other
-(`objects.methods`). `METHODS` has all methods by name.
+The **classical methods** to which the publication compares its own, snakes and level sets, are listed with the charged
+particles in `CONTOUR_METHODS`: from the same image and the same drawn `Start`, each yields the states of a run one by
+one (`objects.methods`). `METHODS` has all methods by name.
 
 Words
 -----
 Positions are (row, col) in pixels, pixel centers at integers. *Idle* counts steps without newly covered cells. A
-`State` is a moment of a run, from which the next one follows without any other memory; a `Result` is what a run has
-found; a `ScaleField` holds the fields of one scale.
+`State` is one step of a run and determines the next one without any other memory; a `Result` is the outcome of a run; a
+`ScaleField` holds the fields of one scale.
 """
 
 from collections.abc import Mapping
@@ -152,7 +149,7 @@ from cpm_core.segmentation.method import Method
 __version__ = VERSION
 
 METHODS: Mapping[str, Any] = MappingProxyType({**CONTOUR_METHODS, **RUN_METHODS})
-"""All methods by name: classes that run step by step, each a `Method`, and the others, to compare with them."""
+"""All methods by name: classes that run step by step, each a `Method`, and the classical ones for comparison."""
 
 __all__ = [
     "CONTOUR_METHODS",

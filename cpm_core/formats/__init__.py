@@ -1,4 +1,4 @@
-"""Formats: a module reads or writes one kind of file; `readers` and `writers` choose the module for a file."""
+"""File formats: each module reads or writes one kind of file; `readers` and `writers` choose the module for a file."""
 
 from cpm_core.formats.animation import ANIMATED as ANIMATED
 from cpm_core.formats.animation import check_animation as check_animation

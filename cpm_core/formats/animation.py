@@ -26,16 +26,22 @@ ANIMATED: dict[str, str] = {
 }
 """Suffixes of animations that can be written -> what they are."""
 
-SLOWEST, FASTEST, FASTEST_GIF = 0.1, 120.0, 50.0
-"""Range of frames a second; viewers play a faster GIF slowly."""
+SLOWEST = 0.1
+"""Lowest frame rate [1 / s]."""
 
-_COLORS = "bt709"
+FASTEST = 120.0
+"""Highest frame rate [1 / s]."""
+
+FASTEST_GIF = 50.0
+"""Highest frame rate of a GIF [1 / s]; viewers slow down faster ones."""
+
+_COLOR_STANDARD = "bt709"
 """Standard by which players convert the stored values to red, green and blue."""
 
-_VIDEO = (
+_VIDEO_OPTIONS = (
     *("-crf", "16", "-movflags", "+faststart"),
-    *("-vf", f"scale=out_color_matrix={_COLORS}:out_range=tv"),
-    *("-colorspace", _COLORS, "-color_primaries", _COLORS, "-color_trc", _COLORS, "-f", "mp4"),
+    *("-vf", f"scale=out_color_matrix={_COLOR_STANDARD}:out_range=tv"),
+    *("-colorspace", _COLOR_STANDARD, "-color_primaries", _COLOR_STANDARD, "-color_trc", _COLOR_STANDARD, "-f", "mp4"),
 )
 
 
@@ -51,7 +57,7 @@ def write_animation(
     Parameters
     ----------
     frames : iterable of ndarray of uint8, shape (H, W, 3)
-        Red, green and blue, all of one size; each is requested when the one before has been taken.
+        RGB frames, all of one size; each is requested only after the previous one has been encoded.
     path : path-like
         File to write; see `ANIMATED` for the suffixes. It is replaced atomically at the end.
     frames_per_second : float
@@ -64,7 +70,7 @@ def write_animation(
     Raises
     ------
     ValueError
-        When `check_animation` does, or there are no frames, or they are not such arrays.
+        When `check_animation` raises, there are no frames, or a frame is not such an array.
 
     Examples
     --------
@@ -79,7 +85,7 @@ def write_animation(
             f"frames_per_second is {frames_per_second:g} but must be a number from {SLOWEST:g} to {fastest:g}."
         )
 
-    def checked() -> Iterator[Pixels]:
+    def check_frames() -> Iterator[Pixels]:
         shape: Extent = ()
         for count, frame in enumerate(frames, start=1):
             shape = shape or (*frame.shape[:2], 3)
@@ -92,12 +98,12 @@ def write_animation(
             if progress is not None:
                 progress(count)
 
-    taken = checked()
-    if (first := next(taken, None)) is None:
+    checked = check_frames()
+    if (first := next(checked, None)) is None:
         raise ValueError(f"{file.name} would be an animation without frames: run first.")
     write = _write_video if file.suffix.lower() == ".mp4" else _write_by_pillow
     with drafts_of(file) as (draft,):
-        write(first, taken, draft, file.suffix.lower(), frames_per_second, comment)
+        write(first, checked, draft, file.suffix.lower(), frames_per_second, comment)
 
 
 def check_animation(path: AnyPath) -> None:
@@ -114,13 +120,13 @@ def check_animation(path: AnyPath) -> None:
 
 
 def check_encoder(suffix: str) -> None:
-    """Raise ValueError, saying what to install, when there is no encoder for a format."""
+    """Raise ValueError, saying what to install, when a format has no encoder."""
     if suffix == ".mp4" and importlib.util.find_spec("imageio_ffmpeg") is None:
         raise ValueError(missing("An .mp4 file, unlike .gif and APNG (.png),", "imageio-ffmpeg", "imageio-ffmpeg"))
 
 
 def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:
-    """Write a picture, shape (H, W, 3), as PNG that carries a comment; ValueError when it cannot be written."""
+    """Write a picture, uint8 of shape (H, W, 3), as PNG with a comment; ValueError when it cannot be written."""
     if path.suffix.lower() != ".png":
         raise ValueError(f"{path.name} must end in .png, because pictures are written as PNG.")
     stream, texts = io.BytesIO(), PngInfo()
@@ -132,14 +138,14 @@ def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:
 def _write_by_pillow(
     first: Pixels, rest: Iterable[Pixels], path: Path, suffix: str, frames_per_second: float, comment: str
 ) -> None:
-    """Write an animated GIF or PNG, whose frames are in memory until the last one: Pillow compares them."""
+    """Write an animated GIF or PNG; Pillow compares the frames, so all stay in memory until the end."""
     tick = 10 if suffix == ".gif" else 1
-    """What times are multiples of [ms]."""
+    """Unit of the times in the file [ms]."""
 
     pictures, kept = [], 0
     for number, frame in enumerate(chain([first], rest)):
         picture = PIL.Image.fromarray(np.ascontiguousarray(frame))
-        if suffix == ".gif":  # of all ways this one keeps the rare and vivid colors of overlays
+        if suffix == ".gif":  # unlike the other methods, this one keeps the rare, vivid colors of overlays
             picture = picture.quantize(256, PIL.Image.Quantize.MAXCOVERAGE, dither=PIL.Image.Dither.NONE)
         begin, end = (round(1000.0 / tick * n / frames_per_second) for n in (number, number + 1))
         picture.info["duration"] = tick * (end - begin)  # so that rounding does not add up
@@ -156,7 +162,7 @@ def _write_by_pillow(
 def _write_video(
     first: Pixels, rest: Iterable[Pixels], path: Path, _suffix: str, frames_per_second: float, comment: str
 ) -> None:
-    """Write a video (H.264), which has even numbers of rows and columns: of odd ones the last is repeated."""
+    """Write an H.264 video; it needs even sides, so the last row or column of odd frames is repeated."""
     import imageio_ffmpeg  # optional, and needed only here
 
     rows, columns = first.shape[0], first.shape[1]
@@ -169,10 +175,10 @@ def _write_video(
         quality=None,
         macro_block_size=1,
         ffmpeg_log_level="error",
-        output_params=[*_VIDEO, *(("-metadata", f"comment={comment}") if comment else ())],
+        output_params=[*_VIDEO_OPTIONS, *(("-metadata", f"comment={comment}") if comment else ())],
     )
 
-    def send(frame: Pixels | None) -> None:
+    def send_frame(frame: Pixels | None) -> None:
         try:
             encoder.send(frame)
         except (OSError, RuntimeError, StopIteration) as error:
@@ -181,8 +187,8 @@ def _write_video(
             ) from error
 
     try:
-        send(None)
+        send_frame(None)
         for frame in chain([first], rest):
-            send(np.ascontiguousarray(np.pad(frame, padding, mode="edge")))
+            send_frame(np.ascontiguousarray(np.pad(frame, padding, mode="edge")))
     finally:
         encoder.close()

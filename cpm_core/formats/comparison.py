@@ -15,7 +15,7 @@ from cpm_core.formats.writers import WRITABLE, check_export, encoded, omission, 
 from cpm_core.objects.methods import Facts
 
 TABLE = ".csv"
-"""Suffix of what is written of all methods together; with others, what each method has found is."""
+"""Suffix of the table of all methods; other suffixes give one file of contours per method."""
 
 
 def write_comparison(
@@ -30,18 +30,18 @@ def write_comparison(
     Parameters
     ----------
     rows : sequence of Facts
-        The facts of each run, a row of the table: times in seconds, distances in px, empty where nothing is known.
+        Facts of each run, a row of the table: times in seconds, distances in px, empty if unknown.
     results : sequence of Result
-        What each has found.
+        Result of each run.
     paths : sequence of path-like
-        Where to write; see `files_of`.
+        Targets; see `files_of`.
     warn, refuse : callable
-        Called with a sentence for each file that leaves contours out; with each that would hold none, and why.
+        Called with a sentence for each file that omits contours; with each file that would hold none, and why.
 
     Returns
     -------
     tuple of Path
-        The files that have been written.
+        The written files.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def write_comparison(
 
 
 def files_of(path: Path, methods: Sequence[str]) -> list[Path]:
-    """The files that are written for a path: itself for the table or one method, else one with each name."""
+    """List the files written for a path: itself for the table or a single method, else one per method."""
     if len(methods) < 2 or suffix_of(path) == TABLE:
         return [path]
     suffix = path.name[len(path.name) - len(suffix_of(path)) :]

@@ -1,4 +1,4 @@
-"""Contour files: reads contours of any known format, which the suffix and the content of a file choose."""
+"""Contour files: contours of any known format, recognized by suffix and content."""
 
 from __future__ import annotations
 
@@ -33,23 +33,23 @@ CONTOURS_READABLE: dict[str, str] = {
 """Suffixes of files that contours can be read from -> what they are; images are read as label masks."""
 
 UNKNOWN = Plane()
-"""What is known of an image where there is none."""
+"""Plane without an image: nothing is known of it."""
 
 
 @record
 class ContourFile:
-    """Contours of a file.
+    """Contours read from a file.
 
     Attributes
     ----------
     contours : tuple of Contour
         The contours, in px.
     shape : tuple of int or None
-        Shape of the image that they belong to, where the file gives it.
+        Shape of the image that they belong to, if the file states it.
     places : ndarray of float64, shape (N, 2)
         Single points (row, col) [px].
     notes : tuple of str
-        What was left out, and what was assumed, one sentence each.
+        Omissions and assumptions, one sentence each.
     """
 
     contours: tuple[Contour, ...]
@@ -71,13 +71,13 @@ def load_contours(
     ----------
     path : path-like
         A file with one of the suffixes `CONTOURS_READABLE`, written by `export` or by another program, or a label mask,
-        of which each object gives its outlines. The kind of JSON is recognized by its content.
+        whose objects are outlined. The kind of JSON is recognized by its content.
     image : Image, optional
-        The image that they belong to. A drawing for CAD counts rows from its lower side, and in its unit.
+        The image that they belong to. CAD drawings count rows from its lower side, in its unit.
     page : int, optional
-        Of files of a stack only the contours on this page, from 1.
+        Read only the contours on this page of a stack, from 1.
     warn : callable, optional
-        Called with a sentence for what was left out; by default a warning is logged.
+        Called with a sentence for each omission; by default a warning is logged.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def load_contours(
 
 
 def plane_of(image: Image | None) -> Plane:
-    """What readers have to know of an image; of a volume that of its slices."""
+    """Return the shape and pixel size that readers need; for a volume those of its slices."""
     if image is None:
         return UNKNOWN
     (rows, cols), (height, width) = image.shape[-2:], image.spacing[-2:]
@@ -129,7 +129,7 @@ def read_contours(path: AnyPath, plane: Plane = UNKNOWN, *, page: int | None = N
 
 
 def decode_contours(content: bytes, name: str, plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
-    """The same of the content of a file, or of the clipboard; without a known suffix the content decides its kind."""
+    """Decode contours from the content of a file or the clipboard; without a known suffix the content decides."""
     known = f"{', '.join(CONTOURS_READABLE)}, or a label mask"
     with decoding(name, f"is damaged or holds no contours of a known kind: choose contours as {known}."):
         found = _contents(content, name, plane)
@@ -137,6 +137,7 @@ def decode_contours(content: bytes, name: str, plane: Plane = UNKNOWN, *, page: 
 
 
 def _contents(content: bytes, name: str, plane: Plane) -> Contents:
+    """Parse contours with the reader that suffix and content select."""
     suffix = Path(name).suffix.lower()
     if suffix in (".zip", ".roi") or content.startswith((b"Iout", b"PK")):
         return imagej.read(content)
@@ -157,7 +158,7 @@ def _contents(content: bytes, name: str, plane: Plane) -> Contents:
 
 
 def _checked(found: Contents, name: str, page: int | None) -> ContourFile:
-    """The contents of one page as a file of contours; ValueError when there are none, or vertices are no numbers."""
+    """Keep the contours of one page; ValueError when there are none, or vertices are not finite."""
     pages = {number for number in (*found.pages, *(place[2] for place in found.places)) if number}
     notes = list(found.notes)
     kept = [one for one, number in zip(found.contours, found.pages, strict=True) if page is None or number in (0, page)]
@@ -177,11 +178,12 @@ def _checked(found: Contents, name: str, page: int | None) -> ContourFile:
 
 
 def _without_contours(name: str) -> ValueError:
+    """Return the error for a file without contours."""
     return ValueError(f"{name} holds no contours: choose a file with at least one line or polygon.")
 
 
 def _of_mask(file: Path) -> ContourFile:
-    """The outlines of the objects of a label mask."""
+    """Read the outlines of the objects in a label mask."""
     labels = mask.numbered_colors(file)
     if labels is None:
         labels = labels_of(load_image(file).values, file.name)

@@ -1,4 +1,4 @@
-"""Ground truth from a file: a mask or contours of an image, labels or a surface of a volume."""
+"""Ground truth files: a mask or contours for an image, labels or a surface for a volume."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from cpm_core.formats.images.readers import load_image
 from cpm_core.formats.surface_file import SURFACES_READABLE, labels_like, load_surface, parts_in
 from cpm_core.image.image import Image
 
-_BESIDE = 1.0
-"""Distance that vertices may lie outside the image [px]."""
+_MAX_OVERHANG = 1.0
+"""Largest distance of a vertex outside the image [px]."""
 
 
 def load_truth(
@@ -34,13 +34,12 @@ def load_truth(
     Parameters
     ----------
     path : path-like
-        A mask, which is any image that `load_image` reads: its lowest gray level is the background, each other one an
-        object, and two levels make one class. Or contours, which are any file that `load_contours` reads: closed ones
-        are objects.
+        A mask, any image that `load_image` reads: its lowest gray level is the background, each other level an object,
+        and two levels make one class. Or contours, any file that `load_contours` reads: closed ones are objects.
     shape : sequence of int
         Shape of the image that the truth belongs to, (rows, columns).
     holes : bool
-        For contours: whether one inside another is a hole, and one inside that hole again an object; see
+        For contours: whether a contour inside another is a hole, and one inside that hole an object again; see
         `cpm_core.contours.rasterize.inside`.
     spacing : sequence of float
         Size of a pixel along (row, col), for contours in a unit of length (drawings for CAD).
@@ -81,16 +80,16 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
     Parameters
     ----------
     path : path-like
-        A label volume, which is any that `load_volume` reads: its lowest gray level is the background, each other one
-        an object, and two levels make one class. Or a closed surface, which is any that `load_surface` reads.
+        A label volume, any file that `load_volume` reads: its lowest gray level is the background, each other level an
+        object, and two levels make one class. Or a closed surface, any file that `load_surface` reads.
     volume : Image
         The volume that the truth belongs to.
 
     Returns
     -------
     VolumeTruth
-        With voxels as large as those of the volume. Where both files have a place in space, the labels are turned as
-        the volume is.
+        Truth on the voxels of the volume. If both files state a position in space, the labels are oriented like the
+        volume.
 
     Raises
     ------
@@ -117,13 +116,13 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
 
 
 def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour, ...]:
-    """Contours of a file that fit into an image."""
+    """Read contours; ValueError unless they fit into the image."""
     found, (rows, cols) = read_contours(file, plane), shape
     if not found.contours:
         raise ValueError(f"{file.name} holds single points, and no lines to compare with: choose other contours.")
     _check_size(file.name, found.shape or shape, shape)
     beyond = np.concatenate([contour.points for contour in found.contours])
-    if beyond.min() < -0.5 - _BESIDE or (beyond > np.array([rows, cols]) - 0.5 + _BESIDE).any():
+    if beyond.min() < -0.5 - _MAX_OVERHANG or (beyond > np.array([rows, cols]) - 0.5 + _MAX_OVERHANG).any():
         raise ValueError(
             f"{file.name} has contours that reach out of the image of {rows} x {cols} px: choose the ground truth "
             "of this very image, in pixels of it."
@@ -132,6 +131,7 @@ def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour
 
 
 def _check_size(name: str, found: Sequence[int], wanted: tuple[int, int]) -> None:
+    """Raise ValueError for a ground truth of another size than the image."""
     if tuple(found) != wanted:
         raise ValueError(
             f"{name} is for an image of {found[0]} x {found[1]} px, but this image has {wanted[0]} x {wanted[1]} px: "

@@ -20,24 +20,24 @@ from cpm_core.formats.masks.labels import entries_for_imagej
 from cpm_core.numerics.types import Entries, Extent
 from cpm_core.pages.page import StackResult
 
-_LARGEST_IMAGEJ = 2**32 - 2**25
-"""Size that a TIFF with the entries of ImageJ may have; a larger one needs addresses of 64 bits [bytes]."""
+_MAX_IMAGEJ_SIZE = 2**32 - 2**25
+"""Largest TIFF with the entries of ImageJ; larger ones need 64-bit offsets [bytes]."""
 
-_NO_CHANNEL = -1
-"""What QuPath writes where an annotation belongs to all channels."""
+_ALL_CHANNELS = -1
+"""Channel of an annotation of QuPath that belongs to all channels."""
 
 
 def encode_geojson(found: StackResult) -> bytes:
-    """Write a collection of features, one for each contour of each page, as `geojson.encode` does for an image.
+    """Encode each contour of each page as a feature, as `geojson.encode` does for an image.
 
-    Each has ``page`` (from 1) and ``track`` among its properties, and its geometry the ``plane`` by which QuPath
-    places it: ``z`` or ``t`` counted from 0.
+    Its properties include ``page`` (from 1) and ``track``, and its geometry has the ``plane`` of QuPath: ``z`` or ``t``
+    from 0.
     """
     features: list[Entries] = []
     for page, result in found.results:
         tracks = [contour.number for contour in result.contours if not contour.hole]
         for track, feature in zip(tracks, geojson.features_of(_named(result)), strict=True):
-            feature["geometry"]["plane"] = {"c": _NO_CHANNEL, "z": 0, "t": 0} | {found.axis: page - 1}
+            feature["geometry"]["plane"] = {"c": _ALL_CHANNELS, "z": 0, "t": 0} | {found.axis: page - 1}
             feature["properties"] |= {"page": page, "track": track}
             features.append(feature)
     made = {ENTRY: facts_of(found.results[0][1])} if found.results else {}
@@ -45,15 +45,15 @@ def encode_geojson(found: StackResult) -> bytes:
 
 
 def encode_set(found: StackResult) -> bytes:
-    """Write each contour of each page as a selection, which the ROI manager of ImageJ shows on its page.
+    """Encode each contour of each page as a selection, which the ROI manager of ImageJ shows on its page.
 
-    The name of a selection is its page and its track. ValueError when there is no contour, because ImageJ reports an
+    Selections are named by page and track. ValueError when there is no contour, because ImageJ reports an
     empty archive as damaged.
     """
     if not any(result.contours for _, result in found.results):
         raise ValueError(f"{found.source} has no contours, and ImageJ opens no empty set: continue the run.")
 
-    def selections() -> Iterator[tuple[str, bytes]]:
+    def iterate_rois() -> Iterator[tuple[str, bytes]]:
         digits = len(str(found.count))
         for page, result in found.results:
             place = {"position": page} if found.alone else {f"{found.axis}_position": page}
@@ -63,11 +63,11 @@ def encode_set(found: StackResult) -> bytes:
                 content = imagej.selection(contour, contour.number, track + properties, **place)
                 yield f"page {page:0{digits}d} track {contour.number}", content
 
-    return imagej.set_of(selections())
+    return imagej.set_of(iterate_rois())
 
 
 def _named(result: Result) -> Result:
-    """The result with the tracks as names of the contours that have none."""
+    """Name the contours without a name by their tracks."""
     contours = tuple(replace(one, name=one.name or f"track {one.number}") for one in result.contours)
     return replace(result, contours=contours)
 
@@ -75,8 +75,8 @@ def _named(result: Result) -> Result:
 def write_labels(found: StackResult, target: Path) -> None:
     """Write the label masks of all pages as an uncompressed TIFF, painted one at a time.
 
-    The labels are tracks; pages that were not used, and those without closed contours, are 0. It has the entries of
-    ImageJ where that can read it, else plain ones. ValueError when there is nothing to paint.
+    Labels are tracks; unused pages and those without closed contours are 0. The file has the entries of ImageJ if that
+    can read it, else plain ones. ValueError when there is nothing to paint.
     """
     results = dict(found.results)
     closed = [one.number for result in results.values() for one in result.contours if one.closed]
@@ -90,12 +90,12 @@ def write_labels(found: StackResult, target: Path) -> None:
     shape = tuple(int(side) for side in np.max([result.shape for result in results.values()], axis=0))
     size = found.count * int(np.prod(shape)) * kind.itemsize
     entries: Entries = {"metadata": {"axes": f"{found.axis.upper()}YX"}}
-    if kind == np.uint16 and size < _LARGEST_IMAGEJ:
+    if kind == np.uint16 and size < _MAX_IMAGEJ_SIZE:
         entries = {"imagej": True, "metadata": entries_for_imagej(first, f"{found.axis.upper()}YX")}
     if first.unit:
         entries["resolution"] = (1.0 / first.spacing[1], 1.0 / first.spacing[0])
 
-    def painted() -> Iterator[Labels]:
+    def paint_pages() -> Iterator[Labels]:
         nothing = np.zeros(shape, kind)
         for page in range(1, found.count + 1):
             yield tracks_on(results[page], shape).astype(kind) if page in results else nothing
@@ -104,10 +104,10 @@ def write_labels(found: StackResult, target: Path) -> None:
 
     tifffile.imwrite(
         target,
-        painted(),
+        paint_pages(),
         shape=(found.count, *shape),
         dtype=kind,
-        bigtiff=size >= _LARGEST_IMAGEJ,
+        bigtiff=size >= _MAX_IMAGEJ_SIZE,
         photometric="minisblack",
         software=PROGRAM,
         **entries,
@@ -115,26 +115,29 @@ def write_labels(found: StackResult, target: Path) -> None:
 
 
 def tracks_on(result: Result, shape: Extent) -> Labels:
-    """Paint the insides of closed contours with their tracks."""
+    """Paint the insides of closed contours with their tracks, ints of shape `shape`."""
     numbers = {label: one.number for label, one in zip(contour_labels(result.contours), result.contours, strict=True)}
     return np.array([0, *(numbers[label] for label in range(1, max(numbers) + 1))])[paint(result.contours, shape)]
 
 
-_ENCODERS: dict[str, tuple[str, Callable[[StackResult], bytes]]] = {
+_STACK_ENCODERS: dict[str, tuple[str, Callable[[StackResult], bytes]]] = {
     ".measures.csv": ("a table of the measures of all contours on all pages", contour_csv.encode_measures_of_pages),
     ".csv": ("a table of the vertices of all contours on all pages", contour_csv.encode_pages),
     ".json": ("everything, with tracks and what happens to them", contour_json.encode_pages),
     ".geojson": ("contours as annotations for QuPath, each on its page", encode_geojson),
     ".zip": ("contours as a set of selections of ImageJ and Fiji, each on its page", encode_set),
 }
-_STACKS = dict.fromkeys((".tif", ".tiff"), "a label stack, one page each, tracks as labels")
+"""Suffix -> what is written, and the function that encodes it."""
 
-FOR_STACKS: dict[str, str] = {**_STACKS, **{suffix: text for suffix, (text, _) in _ENCODERS.items()}}
+_LABEL_STACKS = dict.fromkeys((".tif", ".tiff"), "a label stack, one page each, tracks as labels")
+"""Suffixes of label stacks, which are written page by page -> what is written."""
+
+FOR_STACKS: dict[str, str] = {**_LABEL_STACKS, **{suffix: text for suffix, (text, _) in _STACK_ENCODERS.items()}}
 """Suffixes of files of all pages of a stack -> what is written."""
 
 
 def stack_suffix_of(path: AnyPath) -> str:
-    """Suffix of such a file, the longest that fits; empty for others."""
+    """Return the longest suffix of a stack file that fits a path; empty for others."""
     return suffix_among(path, FOR_STACKS)
 
 
@@ -152,7 +155,7 @@ def export_stack(
     *paths : path-like
         Files to write. Existing ones are replaced, each as a whole.
     refused : callable, optional
-        Called with each file that cannot be written, and why in a sentence; by default that is an error.
+        Called with each file that cannot be written and the reason in a sentence; by default that is an error.
 
     Raises
     ------
@@ -164,8 +167,8 @@ def export_stack(
         check_target(file, FOR_STACKS, "for all pages of a stack")
     for file in files:
         try:
-            if (suffix := stack_suffix_of(file)) in _ENCODERS:
-                write_together([(file, _ENCODERS[suffix][1](found))])
+            if (suffix := stack_suffix_of(file)) in _STACK_ENCODERS:
+                write_together([(file, _STACK_ENCODERS[suffix][1](found))])
             else:
                 with drafts_of(file) as (draft,):
                     write_labels(found, draft)

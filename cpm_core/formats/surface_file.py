@@ -1,4 +1,4 @@
-"""Surface files: reads triangles of any known format, which the suffix of a file chooses, and label volumes."""
+"""Surface files: triangles in any known format, selected by the suffix of the file, and label volumes."""
 
 from __future__ import annotations
 
@@ -28,27 +28,28 @@ from cpm_core.numerics.types import Array, Texts
 
 _LOG = logging.getLogger(__name__)
 
-_READERS: dict[str, tuple[str, Callable[[bytes], Triangles]]] = {
+_MESH_READERS: dict[str, tuple[str, Callable[[bytes], Triangles]]] = {
     ".ply": ("triangles of MeshLab, Blender and others", ply.read),
     ".stl": ("triangles for printing", stl.read),
     ".obj": ("triangles of drawing programs", obj.read),
     ".vtk": ("poly data of ParaView and 3D Slicer", vtk.read),
 }
+"""Suffix -> kind of file, and the function that reads it."""
 
-SURFACES_READABLE: dict[str, str] = {suffix: what for suffix, (what, _) in _READERS.items()}
+SURFACES_READABLE: dict[str, str] = {suffix: what for suffix, (what, _) in _MESH_READERS.items()}
 """Suffixes of files that surfaces can be read from -> what they are; volumes are read as labels."""
 
-_HEAD = 4096
-"""Bytes at the beginning of a file that give its coordinates and its unit."""
+_COORDINATE_HEAD_SIZE = 4096
+"""Part of a file in which coordinates and unit are stated, from its beginning [bytes]."""
 
-_ASIDE = 0.5
-"""How far labels may lie from where their volume lies [voxels]."""
+_MAX_MISALIGNMENT = 0.5
+"""Largest displacement of labels from their volume [voxels]."""
 
-_OFF_GRID = 0.2
-"""How far the voxels of a part of a volume may lie from its own [voxels]."""
+_MAX_PART_MISALIGNMENT = 0.2
+"""Largest displacement of labels of a part of a volume from its voxels [voxels]."""
 
-_MOST_LABELS = 100_000
-"""Largest label that is the number of an object."""
+_MAX_OBJECT_LABEL = 100_000
+"""Largest value that counts as the number of an object."""
 
 
 def load_surface(
@@ -66,17 +67,17 @@ def load_surface(
         A file with one of the suffixes `SURFACES_READABLE`, written by `export` or by another program. Or a volume of
         labels, which is 0 outside: the surface runs between its voxels.
     image : Image, optional
-        The volume that the surface belongs to: its vertices come back in voxels of it. Without it a voxel is as large
-        as a unit of the file.
+        The volume that the surface belongs to: vertices are returned in its voxels. Without it a voxel is one unit of
+        the file.
     space : {"LPS", "RAS"}, optional
-        Where x, y and z of the file point; by default as the file says, and LPS where it does not.
+        Directions of x, y and z; by default as stated in the file, else LPS.
     warn : callable, optional
-        Called with a sentence for what was assumed; by default a warning is logged.
+        Called with a sentence for each assumption; by default a warning is logged.
 
     Returns
     -------
     Surface
-        Its triangles, turned outward; `Surface.numbers` are those of the objects where the file has them.
+        Its triangles, oriented outward; `Surface.numbers` are those of the objects if the file has them.
 
     Raises
     ------
@@ -99,7 +100,7 @@ def load_surface(
 
 
 def read_surface(path: AnyPath, image: Image | None = None, space: Convention | None = None) -> tuple[Surface, Texts]:
-    """Read a surface, with what was assumed; see `load_surface`."""
+    """Read a surface, and list what was assumed; see `load_surface`."""
     file = Path(path)
     if file.suffix.lower() not in SURFACES_READABLE:
         return _of_labels(file, image), ()
@@ -109,10 +110,10 @@ def read_surface(path: AnyPath, image: Image | None = None, space: Convention | 
 def decode_surface(
     content: bytes, name: str, image: Image | None = None, space: Convention | None = None
 ) -> tuple[Surface, Texts]:
-    """The same of the content of a file of triangles."""
+    """Decode a surface from the content of a file of triangles, and list what was assumed."""
     with decoding(name, "is damaged, or no surface of this kind: write it again."):
-        found = _READERS[Path(name).suffix.lower()][1](content)
-    place, notes = place_of(content[:_HEAD].decode("latin-1"), image, space)
+        found = _MESH_READERS[Path(name).suffix.lower()][1](content)
+    place, notes = place_of(content[:_COORDINATE_HEAD_SIZE].decode("latin-1"), image, space)
     faces = found.faces[:, ::-1] if place.mirrored else found.faces
     try:
         surface = Surface(place.voxels(found.points), faces, place.spacing, place.unit, numbers=found.numbers)
@@ -132,7 +133,7 @@ def decode_surface(
 
 
 def _of_labels(file: Path, image: Image | None) -> Surface:
-    """The surfaces of the objects of a label volume, halfway between voxels; whole numbers and names are kept."""
+    """Read the surfaces of the objects in a label volume, halfway between voxels; integer labels and names are kept."""
     if parts := parts_in(file):
         if image is None:
             raise ValueError(
@@ -149,7 +150,7 @@ def _of_labels(file: Path, image: Image | None) -> Surface:
     volume = image or load_volume(file)
     values = volume.values if image is None else labels_like(file, image)
     labels = labels_of(values, file.name)
-    if values.min() == 0 and values.max() <= _MOST_LABELS and not (values % 1.0).any():
+    if values.min() == 0 and values.max() <= _MAX_OBJECT_LABEL and not (values % 1.0).any():
         labels = values.astype(np.int32)
     surface = surface_of_labels(labels, volume.spacing, volume.unit)
     known = tuple(one.label for one in nrrd.segments_of(file)) or itk_snap.next_to(file, suffix_among(file, READABLE))
@@ -159,16 +160,16 @@ def _of_labels(file: Path, image: Image | None) -> Surface:
 
 
 def parts_in(file: Path) -> Iterable[tuple[Label, Sequence[Decoded]]]:
-    """Segments of a file that may overlap, as masks that lie anywhere; none in a volume of labels."""
+    """Read the segments of a file that may overlap, as masks with positions of their own; empty for label volumes."""
     with decoding(file.name, "is damaged: get a sound copy of it."):
         return dicom_seg.read(file) or nrrd.overlapping(file, nrrd.segments_of(file)) or ()
 
 
 def labels_like(file: Path, volume: Image) -> Array:
-    """The values of a label volume in the order of the axes of the volume that it belongs to.
+    """Read the values of a label volume in the axis order of the volume that it belongs to.
 
-    Where only a part of it was saved, as programs do around what is not 0, the rest is 0. ValueError when it cannot be
-    read, has another size, or lies elsewhere in space.
+    If only a part of it was saved, as some programs do around nonzero labels, the rest is 0. The values have the shape
+    of `volume`. ValueError when the file cannot be read, has another size, or lies elsewhere in space.
     """
     stack = open_stack(file)
     with decoding(file.name, "is damaged: get a sound copy of it."):
@@ -179,9 +180,9 @@ def labels_like(file: Path, volume: Image) -> Array:
 
 
 def _put(labels: Decoded, name: str, volume: Image, into: Array) -> None:
-    """Add the values of labels to those of a volume, in the order of its axes.
+    """Add the values of labels to those of a volume, in its axis order.
 
-    ValueError when they lie elsewhere in space, or have another size.
+    `into` has the shape of `volume`. ValueError when labels lie elsewhere in space, or have another size.
     """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
@@ -189,22 +190,22 @@ def _put(labels: Decoded, name: str, volume: Image, into: Array) -> None:
     part: tuple[slice, ...] = (slice(None),) * 3
     if labels.geometry is not None and volume.geometry is not None:
         spacing = labels.spacing
-        if len(values) == 1:  # a slice, which is as thick as the volume's
+        if len(values) == 1:  # a slice, as thick as those of the volume
             across = labels.geometry.affine((1.0, 1.0, 1.0), "LPS")[:3, 0]
             thick = np.abs(np.linalg.solve(volume.geometry.affine(volume.spacing, "LPS")[:3, :3], across)).max()
             spacing = (1.0 / float(thick), *spacing[1:])
         measured = labels.unit == volume.unit and np.allclose(sorted(spacing), sorted(volume.spacing), rtol=1e-3)
-        sides = (spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else they were set by hand
+        sides = (spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else spacings were set by hand
         there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
         to_volume = np.linalg.solve(here, there)
         turn = io_orientation(to_volume)
         lies = to_volume @ inv_ornt_aff(turn, values.shape)
-        values, most = apply_orientation(values, turn), _ASIDE
+        values, most = apply_orientation(values, turn), _MAX_MISALIGNMENT
         first = np.rint(lies[:3, 3]).astype(int)
         last = first + values.shape
         if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
             lies[:3, 3] -= first
-            part, most = tuple(map(slice, first, last)), _OFF_GRID
+            part, most = tuple(map(slice, first, last)), _MAX_PART_MISALIGNMENT
         aside = np.abs(lies - np.eye(4))[:3]
         if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > most:
             raise ValueError(

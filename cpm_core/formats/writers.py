@@ -1,6 +1,6 @@
 """Writers of contours, surfaces, skeletons and center lines: each format by the suffix of its files.
 
-A new one is a module of its own with a function that makes the bytes of a file, and an entry of `FORMATS`.
+A new format is a module with a function that encodes a file, and an entry of `FORMATS`.
 """
 
 from __future__ import annotations
@@ -43,6 +43,7 @@ from cpm_core.parameters.quotation import counted, shown
 _LOG = logging.getLogger(__name__)
 
 Found = Outcome | Centerlines
+"""Everything that can be exported."""
 
 
 @frozen
@@ -52,15 +53,15 @@ class Format:
     Attributes
     ----------
     suffix : str
-        What names of its files end in.
+        Suffix of its files.
     encode : callable
-        Makes the bytes of a file; ValueError when the result holds nothing that such a file could show.
+        Encodes a file; ValueError when the result holds nothing that such a file could show.
     contours, branches, volume, lines : str
-        What is written of contours, of a skeleton, of the result of a volume, and of center lines in a volume; empty
-        where a file holds none of it.
+        What is written of contours, of a skeleton, of the result of a volume, and of center lines in a volume; empty if
+        nothing is.
     options : tuple of str
-        What `encode` is given as well: ``outlines``, of masks, ``space``, of files with coordinates of a patient, or
-        ``image``, the file of the image.
+        Options that `encode` takes: ``outlines`` for masks, ``space`` for files in patient coordinates, ``image`` for
+        the file of the image.
     """
 
     suffix: str
@@ -72,19 +73,31 @@ class Format:
     options: Texts = ()
 
 
-_FIGURE = "a figure of the image with {} and a scale bar, "
-_FIGURES = {
-    ".svg": _FIGURE + "whose lines and texts a drawing program can change",
-    ".png": _FIGURE + "as a picture",
-    ".pdf": _FIGURE + "for print",
+_FIGURE_TEXT = "a figure of the image with {} and a scale bar, "
+"""Beginning of the descriptions of figures."""
+
+_FIGURE_TEXTS = {
+    ".svg": _FIGURE_TEXT + "whose lines and texts a drawing program can change",
+    ".png": _FIGURE_TEXT + "as a picture",
+    ".pdf": _FIGURE_TEXT + "for print",
 }
-_LABELS = "insides of closed contours as a label mask"
-_LINES = "branches as lines of a label mask"
-_SIZED = "of 16 or 32 bits, with the size of a pixel"
-_MASK = partial(Format, volume="the objects inside a surface as a label volume", options=("outlines",))
+"""Suffix of a figure -> its description."""
+
+_INSIDES_TEXT = "insides of closed contours as a label mask"
+"""Description of masks of contours."""
+
+_BRANCHES_TEXT = "branches as lines of a label mask"
+"""Description of masks of skeletons."""
+
+_SIZED_TEXT = "of 16 or 32 bits, with the size of a pixel"
+"""Addition for masks in TIFF."""
+
+_MASK_FORMAT = partial(Format, volume="the objects inside a surface as a label volume", options=("outlines",))
+"""Makes the format of a mask that also holds volumes."""
 
 
 def _mesh(suffix: str, encode: Callable[[Mesh], bytes], volume: str) -> Format:
+    """Make the format of a surface file."""
     return Format(suffix, lambda result, space: encode(mesh_of(result, space)), volume=volume, options=("space",))
 
 
@@ -124,12 +137,15 @@ FORMATS: tuple[Format, ...] = (
     Format(".roi", imagej.encode, "the only contour as a selection of ImageJ and Fiji"),
     Format(".labelme.json", labelme.encode, "contours as shapes for labelme", "branches as shapes for labelme"),
     Format(".coco.json", coco.encode, "closed contours as COCO instances"),
-    _MASK(".tif", labels.encode_tiff, f"{_LABELS} {_SIZED}", f"{_LINES} {_SIZED}"),
-    _MASK(".tiff", labels.encode_tiff, f"{_LABELS} {_SIZED}"),
-    _MASK(".nii", nifti.encode, f"{_LABELS} of one slice"),
-    _MASK(".nii.gz", nifti.encode_packed, "the same, compressed"),
-    _MASK(
-        ".nrrd", nrrd.encode, f"{_LABELS} of one slice", volume="the objects inside a surface as segments of 3D Slicer"
+    _MASK_FORMAT(".tif", labels.encode_tiff, f"{_INSIDES_TEXT} {_SIZED_TEXT}", f"{_BRANCHES_TEXT} {_SIZED_TEXT}"),
+    _MASK_FORMAT(".tiff", labels.encode_tiff, f"{_INSIDES_TEXT} {_SIZED_TEXT}"),
+    _MASK_FORMAT(".nii", nifti.encode, f"{_INSIDES_TEXT} of one slice"),
+    _MASK_FORMAT(".nii.gz", nifti.encode_packed, "the same, compressed"),
+    _MASK_FORMAT(
+        ".nrrd",
+        nrrd.encode,
+        f"{_INSIDES_TEXT} of one slice",
+        volume="the objects inside a surface as segments of 3D Slicer",
     ),
     Format(
         ".seg.dcm",
@@ -138,10 +154,10 @@ FORMATS: tuple[Format, ...] = (
         options=("image",),
     ),
     Format(".dxf", dxf.encode, "contours as polylines for CAD", "branches as polylines for CAD"),
-    Format(".png", labels.encode_png, _LABELS, _LINES, options=("outlines",)),
+    Format(".png", labels.encode_png, _INSIDES_TEXT, _BRANCHES_TEXT, options=("outlines",)),
     *(
         Format(f".figure{suffix}", partial(figure.encoded, suffix), text.format("contours"), text.format("branches"))
-        for suffix, text in _FIGURES.items()
+        for suffix, text in _FIGURE_TEXTS.items()
     ),
     _mesh(".ply", ply.encode, "the surface of a volume with its normals"),
     _mesh(".stl", stl.encode, "the triangles of the surface of a volume, for printing"),
@@ -152,12 +168,13 @@ FORMATS: tuple[Format, ...] = (
 )
 
 _SUFFIXES = tuple(one.suffix for one in FORMATS)
+"""Suffixes of all formats."""
 
 WRITABLE: dict[str, str] = {one.suffix: one.contours for one in FORMATS if one.contours}
-"""Suffixes that a result can be exported to, some of two parts -> what is written."""
+"""Suffixes that contours can be exported to, some of two parts -> what is written."""
 
 FOR_SKELETONS: dict[str, str] = {one.suffix: one.branches for one in FORMATS if one.branches}
-"""Suffixes that make sense for a skeleton -> what is written."""
+"""Suffixes that a skeleton can be exported to -> what is written."""
 
 FOR_VOLUMES: dict[str, str] = {one.suffix: one.volume for one in FORMATS if one.volume}
 """Suffixes that the result of a volume can be exported to -> what is written."""
@@ -166,18 +183,18 @@ FOR_CENTERLINES: dict[str, str] = {one.suffix: one.lines for one in FORMATS if o
 """Suffixes that center lines can be exported to -> what is written."""
 
 OUTLINABLE = frozenset(one.suffix for one in FORMATS if "outlines" in one.options)
-"""Suffixes of masks, which hold the insides of closed contours, or lines."""
+"""Suffixes of masks, which hold the insides of closed contours, or contours as lines."""
 
 IN_SPACE = frozenset(one.suffix for one in FORMATS if "space" in one.options and one.volume)
-"""Suffixes of the files of surfaces whose coordinates are in LPS or RAS; see `export`."""
+"""Suffixes of surfaces whose coordinates are in LPS or RAS; see `export`."""
 
 DRAWN = frozenset(suffix for suffix in WRITABLE if suffix.startswith(".figure"))
 """Suffixes of figures, which show the image."""
 
-_DESCRIBED = frozenset({".nii", ".nii.gz"})
-"""Suffixes of masks that contain no names, which a description of ITK-SNAP next to them has."""
+_DESCRIBED_SUFFIXES = frozenset({".nii", ".nii.gz"})
+"""Suffixes of masks without names, which a description of ITK-SNAP next to them holds."""
 
-_CLOSED_ONLY = OUTLINABLE | {".coco.json"}
+_CLOSED_ONLY_SUFFIXES = OUTLINABLE | {".coco.json"}
 """Suffixes of files that hold no open contours."""
 
 
@@ -192,8 +209,8 @@ def export(
 ) -> None:
     """Write contours, a skeleton, or center lines in a volume, in the format that each suffix names.
 
-    Everything is encoded before anything is written, and no incomplete file is ever left behind. Next to label masks in
-    NIfTI whose objects have names or colors these are written as a label description of ITK-SNAP (.txt).
+    Everything is encoded before anything is written, and no incomplete file is ever left behind. Names or colors of
+    objects in a NIfTI label mask are written next to it, as a label description of ITK-SNAP (.txt).
 
     Parameters
     ----------
@@ -202,21 +219,22 @@ def export(
     *paths : path-like
         Files to write; see `WRITABLE`, `FOR_VOLUMES` and `FOR_CENTERLINES` for suffixes. Existing ones are replaced.
     outlines : bool
-        Whether masks hold contours as lines, open ones too, in place of the insides of closed ones.
+        Whether masks hold contours as lines, open ones too, instead of the insides of closed ones.
     image : path-like, optional
         File of the image, or folder of the series, for files that refer to it (labelme, DICOM SEG).
     space : {"LPS", "RAS"}
-        Where x, y and z of surfaces and center lines point, which the files name; see `Geometry`.
+        Directions of x, y and z of surfaces and center lines, which the files state; see `Geometry`.
     warn : callable, optional
-        Called with a sentence for each file that leaves contours out; by default a warning is logged.
+        Called with a sentence for each file that omits contours; by default a warning is logged.
     refused : callable, optional
-        Called with each file that the result holds nothing for, and why in a sentence; by default that is an error.
+        Called with each file for which the result holds nothing, and the reason in a sentence; by default that is an
+        error.
 
     Raises
     ------
     ValueError
-        When a suffix is not known, a file cannot be written there, or the result holds nothing it could show; with
-        `refused`, nothing for any of them. Then nothing is written.
+        When a suffix is unknown, a file cannot be written, or the result holds nothing for it (with `refused`, for any
+        of the files). Then nothing is written.
 
     Examples
     --------
@@ -246,12 +264,12 @@ def export(
 
 
 def descriptions(result: Found, path: Path, *, outlines: bool = False) -> list[tuple[Path, bytes]]:
-    """The file of names that belongs next to a label mask, with its content; none for other files and without names.
+    """Encode the file of names that belongs next to a label mask; empty for other files and without names.
 
     ValueError when there is another file of that name.
     """
     suffix = suffix_of(path)
-    if suffix not in _DESCRIBED or isinstance(result, Centerlines):
+    if suffix not in _DESCRIBED_SUFFIXES or isinstance(result, Centerlines):
         return []
     named = labels.named_labels(result, outlines=outlines)
     beside = path.with_name(path.name[: -len(suffix)] + itk_snap.SUFFIX)
@@ -264,14 +282,18 @@ def descriptions(result: Found, path: Path, *, outlines: bool = False) -> list[t
 
 
 def left_out(result: Found, suffix: str, *, outlines: bool = False) -> int:
-    """Number of contours that a file with this suffix does not hold, because they are open; see `export`."""
-    if isinstance(result, Skeleton | Centerlines) or suffix not in _CLOSED_ONLY or (outlines and suffix in OUTLINABLE):
+    """Count the contours that a file with this suffix omits because they are open; see `export`."""
+    if (
+        isinstance(result, Skeleton | Centerlines)
+        or suffix not in _CLOSED_ONLY_SUFFIXES
+        or (outlines and suffix in OUTLINABLE)
+    ):
         return 0
     return sum(not contour.closed for contour in result.contours)
 
 
 def omission(result: Found, suffix: str, *, outlines: bool = False) -> str:
-    """What a file with this suffix does not hold of a result, in a sentence or two; empty when it holds everything."""
+    """Describe what a file with this suffix omits of a result, in a sentence or two; empty if nothing."""
     sentences = []
     count = left_out(result, suffix, outlines=outlines)
     what = "a mask" if suffix in OUTLINABLE else "a COCO file"
@@ -302,7 +324,7 @@ def encoded(
     outlines : bool
         Whether masks hold contours as lines.
     space : {"LPS", "RAS"}
-        Where x, y and z of surfaces and center lines point; see `export`.
+        Directions of x, y and z of surfaces and center lines; see `export`.
     image : path-like, optional
         File of the image; see `export`.
 
@@ -314,7 +336,7 @@ def encoded(
     Raises
     ------
     ValueError
-        When the suffix is not known, or the result holds nothing such a file could show.
+        When the suffix is unknown, or the result holds nothing such a file could show.
 
     Examples
     --------
@@ -348,10 +370,10 @@ def encoded(
 
 
 def suffix_of(path: AnyPath) -> str:
-    """Suffix of a format that can be written, which a file's name ends in, in lower case; empty when there is none.
+    """Return the suffix of a writable format that a file name ends in, in lower case; empty if there is none.
 
-    Of several the longest counts, so that ``a.coco.json`` is not a plain ``.json``; a name that consists of a suffix
-    only has none.
+    The longest one counts, so that ``a.coco.json`` is not a plain ``.json``; a name that is nothing but a suffix has
+    none.
     """
     return suffix_among(path, _SUFFIXES)
 

@@ -1,4 +1,4 @@
-"""What a user can set: numbers and choices, presets, and the provenance of results."""
+"""Parameters of the model: numbers and choices, presets, and the provenance of results."""
 
 from cpm_core.parameters.choices import CHOICES as CHOICES
 from cpm_core.parameters.choices import Invalidates as Invalidates

@@ -1,4 +1,4 @@
-"""The parameters whose values are names, each defined once."""
+"""Parameters whose values are names, each defined once."""
 
 from __future__ import annotations
 

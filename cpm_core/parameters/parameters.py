@@ -1,8 +1,7 @@
 """The parameters of the charged-particle model, each defined once.
 
 `Parameters` holds the values; `PARAMETERS` describes every field: its symbol, unit, range and meaning, and what a
-change of it makes out of date. The window's sliders, the command line's flags and the error messages are all made from
-it.
+change invalidates. The window's sliders, the command line's flags and the error messages are all derived from it.
 """
 
 from __future__ import annotations
@@ -62,28 +61,29 @@ class Parameters:
     max_gap : float
         Loose ends of contours up to this far apart are joined along the edge map [px]; at 0 gaps stay open.
     min_strength : float
-        Contours of a lower mean edge strength are left out, and such parts of contours with a loose end [gray levels /
-        px].
+        Contours with a lower mean edge strength are left out, as are such parts of contours with a loose end [gray
+        levels / px].
     sure_edge : float
         Contours whose edge strength is below this fraction of the largest stay only if they are connected to a stronger
         one.
     min_contrast : float
-        Contours between regions of a lower contrast are left out, and such parts of contours with a loose end.
+        Contours between regions with a lower contrast are left out, as are such parts of contours with a loose end.
     min_length : float
         Shorter contours are left out [px].
     polarity : float
-        Skeletons are of what is dark if it is below 0, of what is light if it is above; 0 to find out by the image.
+        Below 0, dark structures get a skeleton, above 0 light ones; at 0 the image decides.
     max_width : float
-        Wider parts have no skeleton [px]; 0 for no limit where outlines are closed, else one from the image's widths.
+        Parts wider than this have no skeleton [px]; 0 means no limit if outlines are closed, else a limit derived from
+        the widths in the image.
     pruning : float
         How far a shape may extend beyond the one that its skeleton represents [px].
     edges : {"gradient", "vessels"}
-        What the edges are taken from: the gray levels, or a vessel measure.
+        Source of the edges: the gray levels, or a vessel measure.
     accuracy : {"standard", "exact"}
-        How exactly the field of the fixed charges of a volume is computed: from blocks of two voxels, or from every
-        voxel; that of an image is always exact. `cpm_core.field.electric_field` documents the error of blocks.
+        Accuracy of the field of the fixed charges of a volume: from blocks of two voxels, or from every voxel; in an
+        image the field is always exact. `cpm_core.field.electric_field` documents the error of blocks.
     channel : {"luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"}
-        What gives the gray levels of a color image; of no effect on a gray one.
+        Source of the gray levels of a color image; no effect on a gray one.
 
     Raises
     ------
@@ -150,11 +150,11 @@ class Parameters:
 
     @cached_property
     def steering(self) -> tuple[object, ...]:
-        """Values that the motion of the particles depends on: all but those for the start and the contours."""
+        """Values that affect the motion of the particles: all but those that concern only the start or the contours."""
         return tuple(getattr(self, name) for name in invalidating("nothing", "field"))
 
     def exponent_in(self, dimension: int) -> float:
-        """`exponent` in an image with so many axes."""
+        """Return `exponent` for an image of this many dimensions."""
         return float(dimension) if self.exponent == "auto" else float(self.exponent)
 
     def __repr__(self) -> str:
@@ -179,25 +179,27 @@ def _check(info: ParameterInfo, value: object) -> None:
 
 
 DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICES)}
-"""The default value of every parameter: the paper's."""
+"""Default value of every parameter: the paper's."""
 
-_AUTOMATIC = Parameters(
+_AUTOMATIC_PRESET = Parameters(
     w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
 )
+"""Settings for automatic segmentation, from which other presets are derived."""
+
 PRESETS = {
     "shape": Parameters(reach=2.0, weakest_edge=0.5),
-    "automatic": _AUTOMATIC,
+    "automatic": _AUTOMATIC_PRESET,
     "vessels": Parameters(
         w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.05, max_border=0.08, min_length=30.0, edges="vessels"
     ),
     "noisy": Parameters(smoothing="auto"),
-    "fluorescence": replace(_AUTOMATIC, smoothing=4.0),
-    "angiogram": replace(_AUTOMATIC, gamma=1.0, sure_edge=0.4, edges="vessels"),
-    "ultrasound": replace(_AUTOMATIC, smoothing=6.0, sure_edge=0.7),
+    "fluorescence": replace(_AUTOMATIC_PRESET, smoothing=4.0),
+    "angiogram": replace(_AUTOMATIC_PRESET, gamma=1.0, sure_edge=0.4, edges="vessels"),
+    "ultrasound": replace(_AUTOMATIC_PRESET, smoothing=6.0, sure_edge=0.7),
     "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing="auto", edge_floor=0.16, scales=1),
 }
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images,
 automatic segmentation of kinds of images whose boundaries other settings find better, and volumes (section 5.4)."""
 
 PLANE_PRESETS = {name: preset for name, preset in PRESETS.items() if name != "volume"}
-"""The settings among them that are for images."""
+"""Presets for images: all but the one for volumes."""

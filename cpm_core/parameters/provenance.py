@@ -1,4 +1,4 @@
-"""Provenance: from which image, by which method, with which parameters and from where something has been found."""
+"""Provenance: the image, method, parameters and starting positions behind a result."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from cpm_core.parameters.parameters import Parameters
 
 @dataclass(frozen=True, eq=False)
 class Provenance:
-    """How a result was found; files tell it next to the version of the program and the outcome of the run.
+    """How a result was found; files state it along with the program version and the outcome of the run.
 
     Attributes
     ----------
     method : str
-        Name of the method; "objects" for the boundaries of objects. Empty where it is not known.
+        Name of the method; "objects" for the boundaries of objects. Empty if unknown.
     parameters : mapping
-        The parameters that the method takes, by name.
+        Parameters of the method, by name.
     seeds : int or None
-        Number of the positions that particles started from; None for a method without seeds.
+        Number of positions that particles started from; None for a method without seeds.
     shapes : tuple of mapping
         What was drawn: starts, limits and charges, as plain JSON. Empty where only the seeds are known.
     scale : int or None
@@ -28,9 +28,9 @@ class Provenance:
     steered : bool
         Whether parameters, charges, regions or particles were changed during the run.
     sha256 : str
-        Hash of the image; that of a file as `fingerprint` makes it, empty where it is not known.
+        Hash of the image, for a file as returned by `fingerprint`; empty if unknown.
     of_file : bool
-        Whether that is the hash of the bytes of its file, not of an array; see `Image.sha256`.
+        Whether the hash is of the bytes of a file rather than of an array; see `Image.sha256`.
     """
 
     method: str = ""
@@ -44,5 +44,5 @@ class Provenance:
 
 
 def taken(parameters: Parameters, names: Iterable[str]) -> dict[str, float | str]:
-    """The values of the parameters with some names, for `Provenance.parameters`."""
+    """Select the values of the named parameters, for `Provenance.parameters`."""
     return {name: getattr(parameters, name) for name in names}

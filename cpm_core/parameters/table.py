@@ -1,4 +1,4 @@
-"""Every parameter that is a number: symbol, unit, range, meaning, what a change makes out of date."""
+"""Every numeric parameter: symbol, unit, range, meaning, and what a change invalidates."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ class ParameterInfo:
 
 
 UNLIMITED_REACH = 300.0
-"""`Parameters.reach` at which there is no limit: a front creeps along every edge that is connected to its own [px]."""
+"""`Parameters.reach` at which there is no limit: a front creeps along every connected edge [px]."""
 
-_TABLE = (
+_PARAMETER_TABLE = (
     ParameterInfo(
         "reach", "r", "px", 0.0, UNLIMITED_REACH, 0.0, UNLIMITED_REACH, 1.0, "Reach",
         "How far past a junction particles may follow an edge away from those around the start; "
@@ -211,33 +211,34 @@ _TABLE = (
     ),
 )  # fmt: skip
 
-PARAMETERS = {info.name: info for info in _TABLE}
+PARAMETERS = {info.name: info for info in _PARAMETER_TABLE}
+"""Description of every numeric parameter, by name."""
 
 OF_SKELETONS = ("polarity", "max_width", "pruning")
-"""Parameters that skeletons alone depend on."""
+"""Parameters that only skeletons depend on."""
 
 OF_STARTS = ("reach", "weakest_edge")
-"""Parameters on which nothing without a start depends."""
+"""Parameters that matter only with a start."""
 
 OF_CHARGES = ("exponent", "accuracy")
-"""Parameters on which nothing without particles depends: they act on the field of the fixed charges alone."""
+"""Parameters that matter only with particles: they act on the field of the fixed charges alone."""
 
 OF_PLANES = (
     *("reach", "weakest_edge", "max_border", "max_gap", "min_strength", "sure_edge", "min_contrast", "min_length"),
     "edges",
 )
-"""Parameters that have a meaning in the plane only, and must have their default value in a volume."""
+"""Parameters that are meaningful only in an image; in a volume they must have their default value."""
 
 OF_VOLUMES = ("accuracy",)
-"""Parameters that change nothing in an image."""
+"""Parameters that have no effect on an image."""
 
 AUTOMATIC = ("smoothing", "gamma", "exponent")
-"""Parameters whose value may also be ``"auto"``: it is then chosen from the image."""
+"""Parameters whose value may also be ``"auto"``, which derives it from the image."""
 
 
 @cache
 def invalidating(*kinds: Invalidates) -> tuple[str, ...]:
-    """Names of all parameters, numbers and choices, whose change makes one of `kinds` out of date."""
+    """Return the names of all parameters, numbers and choices, whose change makes one of `kinds` out of date."""
     numbers = [(name, info.invalidates) for name, info in PARAMETERS.items()]
     named = [(name, info.invalidates) for name, info in CHOICES.items()]
     return tuple(name for name, invalid in (*numbers, *named) if invalid in kinds)

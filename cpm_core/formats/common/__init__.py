@@ -1,1 +1,1 @@
-"""What the formats share: provenance, printable text, and the writing of files."""
+"""Code shared by the formats: provenance, printable text, and atomic writing of files."""

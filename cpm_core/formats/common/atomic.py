@@ -15,20 +15,20 @@ from pathlib import Path
 from cpm_core.formats.common.content import AnyPath, placed
 from cpm_core.parameters.quotation import shown
 
-_DRAFT = ".cpm-"
-"""Beginning of the name of a draft."""
+_DRAFT_PREFIX = ".cpm-"
+"""Prefix of the names of drafts."""
 
-_ABANDONED = 600.0
-"""Age of a draft that nobody writes any more [s]: its writer was killed."""
+_ABANDONED_AGE = 600.0
+"""Age beyond which a draft is abandoned: its writer was killed [s]."""
 
 
 def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
-    """Write files that are made in memory, all or none; see `drafts_of`.
+    """Write files whose contents are in memory, all or none; see `drafts_of`.
 
     Parameters
     ----------
     contents : sequence of (Path, bytes)
-        Where to, and what.
+        Targets and their contents.
     """
     with drafts_of(*(path for path, _ in contents)) as drafts:
         for draft, (path, content) in zip(drafts, contents, strict=True):
@@ -38,24 +38,24 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
 
 @contextlib.contextmanager
 def drafts_of(*paths: Path) -> Iterator[list[Path]]:
-    """Give temporary files next to their targets.
+    """Provide temporary files next to their targets.
 
     Parameters
     ----------
     *paths : Path
-        Where to. Files that exist are replaced and keep their rights; through a link, the file that it points to.
+        Targets. Existing files are replaced and keep their permissions; links are followed.
 
     Yields
     ------
     list of Path
-        The files to write. When the block ends without an error all of them are brought to the disk and replace their
-        targets, which an interrupt (Ctrl+C) does not stop halfway; otherwise they are removed.
+        The files to write. When the block ends without an error, all are flushed to disk and replace their targets,
+        which an interrupt (Ctrl+C) cannot stop halfway; otherwise they are removed.
 
     Raises
     ------
     ValueError
-        When one cannot be written, is read-only or not an ordinary file; then no target is changed, unless the move of
-        a later one fails, which the message reports.
+        When one cannot be written, is read-only or is not an ordinary file. Then no target has changed, unless moving a
+        later file failed, which the message reports.
     """
     moves: list[tuple[Path, Path]] = []
     try:
@@ -82,8 +82,8 @@ def drafts_of(*paths: Path) -> Iterator[list[Path]]:
 
 
 def _new_draft(target: Path) -> Path:
-    """A draft of its own for a writer: that of a killed writer of the same target, or another one while that is new."""
-    draft = target.with_name(f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}.part")
+    """Create a draft for a target: under its usual name, or a unique one while another writer uses that."""
+    draft = target.with_name(f"{_DRAFT_PREFIX}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}.part")
     _remove_abandoned(draft)
     try:
         draft.touch(exist_ok=False)
@@ -93,25 +93,25 @@ def _new_draft(target: Path) -> Path:
 
 
 def append(path: Path, content: bytes) -> None:
-    """Append to a file, whose reader ignores an end that is cut short; ValueError when it cannot be written."""
+    """Append to a file whose reader ignores a truncated end; ValueError when it cannot be written."""
     with _failures_told(path), path.open("ab") as stream:
         stream.write(content)
 
 
 def suffix_among(path: AnyPath, known: Iterable[str]) -> str:
-    """The longest of some suffixes that a file's name ends in, in lower case; empty for none, and where it is all."""
+    """Return the longest of the known suffixes that ends a file name, in lower case; empty if none, or if it is all."""
     name = Path(path).name.lower()
     suffix = max((one for one in known if name.endswith(one)), key=len, default="")
     return suffix if len(suffix) < len(name) else ""
 
 
 def check_target(path: AnyPath, known: Iterable[str], what: str = "that can be written") -> None:
-    """Check in advance whether a file could be written to a path, in a format `what` with one of these suffixes.
+    """Check in advance whether a file with one of these suffixes could be written to a path.
 
     Raises
     ------
     ValueError
-        When the suffix is not known, or `check_place` does.
+        When the suffix is unknown, or `check_place` raises.
     """
     file = Path(path)
     if not suffix_among(file, known) and not file.is_dir():
@@ -140,37 +140,38 @@ def check_place(file: Path) -> None:
 
 @contextlib.contextmanager
 def _failures_told(file: Path, more: str = "") -> Iterator[None]:
-    """Let ValueError say in a sentence what the system refuses to do with a file."""
+    """Turn errors of the operating system into a ValueError that explains the failure in a sentence."""
     try:
         yield
-    except (OSError, RuntimeError) as error:  # some releases of Python call links in a circle a RuntimeError
+    except (OSError, RuntimeError) as error:  # some releases of Python raise RuntimeError for circular links
         reason = (error.strerror if isinstance(error, OSError) else "") or error
         raise ValueError(f"{placed(file)} cannot be written: {reason}.{more}") from error
 
 
 def remove_abandoned(folder: Path) -> None:
-    """Remove drafts from a folder whose writers were killed."""
-    for draft in folder.glob(f"{_DRAFT}*.part"):
+    """Remove the drafts of killed writers from a folder."""
+    for draft in folder.glob(f"{_DRAFT_PREFIX}*.part"):
         _remove_abandoned(draft)
 
 
 def _remove_abandoned(draft: Path) -> None:
+    """Remove a draft if it is old enough to be abandoned."""
     with contextlib.suppress(OSError):
-        if draft.stat().st_mtime < time.time() - _ABANDONED:
+        if draft.stat().st_mtime < time.time() - _ABANDONED_AGE:
             draft.unlink()
 
 
 def _check_target(target: Path) -> os.stat_result | None:
-    """What is known of a target that exists; ValueError when it must not be replaced."""
+    """Return the status of an existing target, None for a new one; ValueError when it must not be replaced."""
     try:
         known = target.stat()
     except OSError as error:
-        if error.errno == errno.ELOOP:  # newer releases of Python resolve links in a circle without an error
+        if error.errno == errno.ELOOP:  # newer releases of Python resolve circular links without an error
             raise
         return None
     if not stat.S_ISREG(known.st_mode):
         raise ValueError(f"{placed(target)} is not an ordinary file and is not replaced: name another one.")
-    # the superuser may write everything, but a file that nobody may write is meant to stay
+    # the superuser may write everything, but a file without any write permission should be kept
     if not known.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH) or not os.access(target, os.W_OK):
         raise ValueError(f"{placed(target)} is read-only and is not replaced: make it writable, or name another one.")
     return known

@@ -1,4 +1,4 @@
-"""Content of a file: how it is read, the error when it cannot be, and the hash by which it is known again."""
+"""Content of files: reading, the error when that fails, and hashes that identify a file."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from cpm_core.numerics.types import Callback, Integers
 AnyPath = str | os.PathLike[str]
 
 MOST = 2**29
-"""Most bytes of a file of contours or of a surface."""
+"""Largest size of a file of contours or of a surface [bytes]."""
 
-_PART = 2**20
-"""Bytes that are read at once."""
+_HASH_BLOCK = 2**20
+"""Size of the blocks in which a file is hashed [bytes]."""
 
 _LARGEST = 2**30
-"""Bytes of the largest file that is read as a whole: some seconds."""
+"""Size up to which a whole file is hashed, which takes some seconds [bytes]."""
 
-_SAMPLES = 64
-"""Parts of a larger file that are read."""
+_SAMPLED_BLOCKS = 64
+"""Number of blocks of a larger file that are hashed."""
 
-_LONGEST_FOLDER = 40
-"""Letters of a folder that a sentence shows as a whole."""
+_MAX_FOLDER_LENGTH = 40
+"""Longest path of a folder that a message shows in full [characters]."""
 
 _LOG = logging.getLogger(__name__)
 
 
 def missing(what: str, package: str, install: str) -> str:
-    """One sentence on what cannot be done without a package, and what pip installs it by."""
+    """Return a sentence on what needs a missing package, with the pip requirement that installs it."""
     return f'{what} needs the package {package}, which is not installed: run pip install "{install}".'
 
 
@@ -46,7 +46,7 @@ class UnreadableError(ValueError):
     Attributes
     ----------
     images : tuple of int
-        Which parts of a file with several of them are images or volumes, from 0, where none was chosen; else empty.
+        Indices of the parts of a file that are images or volumes, if there are several and none was chosen; else empty.
     """
 
     def __init__(self, message: str, images: Integers = ()) -> None:
@@ -55,15 +55,15 @@ class UnreadableError(ValueError):
 
 
 def placed(file: Path) -> str:
-    """A file in a sentence: its name first, which is what counts, and its folder, of a long one the end."""
+    """Format a path for a sentence: the file name first, since it matters most, then the end of a long folder."""
     folder = os.path.dirname(file)  # noqa: PTH120 - empty where none is given
-    if len(folder) > _LONGEST_FOLDER:
+    if len(folder) > _MAX_FOLDER_LENGTH:
         folder = f"…{os.sep}{Path(folder).name}"
     return f"{file.name} in {folder.rstrip(os.sep)}{os.sep}" if folder else file.name
 
 
 def content_of(file: Path, most: int = MOST, part: int = -1) -> bytes:
-    """The bytes of a file, or so many of its first; UnreadableError when it cannot be read or is too large."""
+    """Return the bytes of a file, or its first `part` bytes; UnreadableError when it cannot be read or is too large."""
     try:
         known = file.stat()
         if stat.S_ISDIR(known.st_mode):
@@ -86,7 +86,7 @@ def content_of(file: Path, most: int = MOST, part: int = -1) -> bytes:
 
 @contextlib.contextmanager
 def decoding(name: str, otherwise: str) -> Iterator[None]:
-    """Let ValueError say in a sentence why a file of this name cannot be read: `otherwise`, where nobody knows why."""
+    """Turn any decoding error into a ValueError that names the file; unknown causes become the sentence `otherwise`."""
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
@@ -103,24 +103,23 @@ def decoding(name: str, otherwise: str) -> Iterator[None]:
 
 
 def fingerprint(path: Path, go_on: Callback | None = None) -> str:
-    """Hash of a file (SHA-256), 64 hexadecimal digits.
+    """Return the hash of a file: SHA-256 as 64 hexadecimal digits.
 
-    Of a file above 1 GiB it is the hash of its size and of parts of it, the first and the last among them, after
-    "sampled:". `go_on` is called between the parts of a file, and may raise to stop. ValueError when the file cannot be
-    read.
+    Above 1 GiB only the size and some blocks are hashed, the first and the last among them, and the hash begins with
+    "sampled:". `go_on` is called between blocks and may raise to stop. ValueError when the file cannot be read.
     """
     found, kind = hashlib.sha256(), ""
     try:
         with path.open("rb") as stream:
             size = stream.seek(0, os.SEEK_END)
-            starts: Iterable[int] = range(0, size, _PART)
+            starts: Iterable[int] = range(0, size, _HASH_BLOCK)
             if size > _LARGEST:
                 kind = "sampled:"
                 found.update(b"%d\n" % size)
-                starts = (number * (size - _PART) // (_SAMPLES - 1) for number in range(_SAMPLES))
+                starts = (number * (size - _HASH_BLOCK) // (_SAMPLED_BLOCKS - 1) for number in range(_SAMPLED_BLOCKS))
             for start in starts:
                 stream.seek(start)
-                found.update(stream.read(_PART))
+                found.update(stream.read(_HASH_BLOCK))
                 if go_on is not None:
                     go_on()
     except OSError as error:
@@ -129,7 +128,7 @@ def fingerprint(path: Path, go_on: Callback | None = None) -> str:
 
 
 def fingerprint_if_read(path: Path, go_on: Callback | None = None) -> str:
-    """Hash of a file as `fingerprint` makes it; empty when the file cannot be read."""
+    """Return the hash of a file as `fingerprint` does; empty when the file cannot be read."""
     try:
         return fingerprint(path, go_on)
     except ValueError:

@@ -1,7 +1,7 @@
-"""Values as plain JSON and back: frozen dataclasses by the types of their fields, arrays, shapes, limits, parameters.
+"""Values as JSON and back: frozen dataclasses by the types of their fields, arrays, shapes, limits, parameters.
 
-Dataclasses may hold numbers, text, truth values, literals, voxels, tuples and dataclasses, or one of several of these.
-Values that are read are checked against the types; one that does not fit raises ValueError with one sentence.
+Dataclasses may hold numbers, text, booleans, literals, voxels, tuples and dataclasses, or a union of these. Values
+are checked against the types when they are read; a mismatch raises ValueError with a one-sentence message.
 """
 
 from __future__ import annotations
@@ -28,16 +28,17 @@ from cpm_core.shapes import SHAPES, Shape
 T = TypeVar("T")
 
 LARGEST = 1e6
-"""Largest absolute value of a number: far outside of any image, and sums of such numbers do not overflow."""
+"""Largest magnitude of a number: far outside any image, yet sums of such numbers do not overflow."""
 
-_REGIONS: dict[str, type[AnyRegions]] = {"regions": Regions, "volume_regions": VolumeRegions}
-NAMES = tuple(_REGIONS)
-"""Entries that hold the limits of particles in an image, and in a volume."""
+_REGION_TYPES: dict[str, type[AnyRegions]] = {"regions": Regions, "volume_regions": VolumeRegions}
+
+NAMES = tuple(_REGION_TYPES)
+"""Keys of the entries that hold the limits of particles, in an image and in a volume."""
 
 
 @frozen
 class _Packed:
-    """Voxels of a box, eight in a byte."""
+    """Voxels of a box, eight to a byte."""
 
     first: tuple[int, int, int] | None
     shape: tuple[int, int, int]
@@ -45,8 +46,8 @@ class _Packed:
 
 
 def to_plain(value: object) -> Any:
-    """A dataclass, or the value of one of its fields, as plain JSON."""
-    if isinstance(value, tuple | list):  # first, and without a call for each coordinate: most are positions
+    """Convert a dataclass, or the value of one of its fields, to JSON."""
+    if isinstance(value, tuple | list):  # first, and without a call per coordinate, since most values are positions
         return [item if type(item) is float else to_plain(item) for item in value]
     if isinstance(value, PackedVoxels):
         return to_plain(value.voxels)
@@ -60,10 +61,10 @@ def to_plain(value: object) -> Any:
 
 
 def from_plain(kind: type[T], plain: object, where: str) -> T:
-    """A dataclass of type `kind` from a mapping of its fields; those with a default may be missing.
+    """Build a dataclass of type `kind` from a mapping of its fields; fields with a default may be missing.
 
-    ValueError when a field is missing, unknown, or not of its type, or the dataclass rejects a value; `where` names the
-    dataclass in the sentence, as in ``"shape 3"``.
+    ValueError when a field is missing, unknown or of the wrong type, or the dataclass rejects a value; `where` names
+    the dataclass in the message, as in ``"shape 3"``.
     """
     plain = mapping(plain, where)
     hints = get_type_hints(kind, include_extras=True)
@@ -84,13 +85,13 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
 
 
 def shape_to_plain(shape: Shape) -> Entries:
-    """A shape as plain JSON: its kind and the values of its fields."""
+    """Convert a shape to JSON: its kind and the values of its fields."""
     kind = next(name for name, made in SHAPES.items() if type(shape) is made)
     return {"shape": kind, **to_plain(shape)}
 
 
 def shape_from_plain(plain: object, where: str) -> Shape:
-    """A shape from plain JSON; ValueError when it is not a valid shape."""
+    """Build a shape from JSON; ValueError when it is not a valid shape."""
     values = dict(mapping(plain, where))
     kind = values.pop("shape", None)
     if not isinstance(kind, str) or kind not in SHAPES:
@@ -99,7 +100,7 @@ def shape_from_plain(plain: object, where: str) -> Shape:
 
 
 def parameters_from_plain(plain: object) -> tuple[Parameters, Texts]:
-    """Parameters from plain JSON, and the names that are unknown.
+    """Build parameters from JSON, and list the names that are unknown.
 
     Missing parameters have their defaults. ValueError when `plain` is not a mapping, or a value is out of range.
     """
@@ -113,36 +114,38 @@ def parameters_from_plain(plain: object) -> tuple[Parameters, Texts]:
 
 
 def mapping(value: object, where: str) -> Plain:
-    """An object with named values, else ValueError."""
+    """Return a JSON object unchanged; ValueError for anything else."""
     if not isinstance(value, Mapping):
         raise ValueError(f"{where} is {shown(value)} but must be an object with named values.")
     return value
 
 
 def number(value: object, where: str, largest: float = LARGEST) -> float:
-    """A finite number that is not too large, else ValueError."""
+    """Return a finite number within limits as float; ValueError for anything else."""
     if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= largest:
         return float(value)
     raise ValueError(f"{where} is {shown(value)} but must be a number from {-largest:g} to {largest:g}.")
 
 
 def items(value: object, where: str = "runs") -> list[Any]:
-    """A list, else ValueError."""
+    """Return a list unchanged; ValueError for anything else."""
     return _checked(value, list, "a list", where)
 
 
 def text(value: object, where: str) -> str:
-    """Text, else ValueError."""
+    """Return a text unchanged; ValueError for anything else."""
     return _checked(value, str, "text", where)
 
 
 def _checked(value: object, kind: type[T], what: str, where: str) -> T:
+    """Return a value of this type unchanged; ValueError for anything else."""
     if not isinstance(value, kind):
         raise ValueError(f"{where} is {shown(value)} but must be {what}.")
     return value
 
 
 def _whole(value: object, where: str) -> int:
+    """Return a whole number as int; ValueError for anything else."""
     found = int(number(value, where))
     if found != value:
         raise ValueError(f"{where} is {shown(value)} but must be a whole number.")
@@ -150,10 +153,11 @@ def _whole(value: object, where: str) -> int:
 
 
 def _value(hint: Any, plain: object, where: str) -> Any:
+    """Parse a JSON value by the type hint of its field."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin in (Union, UnionType):
         return _one_of(inner, plain, where)
-    if origin is Annotated:  # a tuple of as many numbers as the annotation allows
+    if origin is Annotated:  # a tuple whose possible lengths the annotation lists
         kind, *counts = inner
         found = _value(kind, plain, where)
         if len(found) not in counts:
@@ -170,11 +174,11 @@ def _value(hint: Any, plain: object, where: str) -> Any:
         if plain not in inner or isinstance(plain, bool):
             raise ValueError(f"{where} is {shown(plain)} but must be one of {', '.join(map(shown, inner))}.")
         return plain
-    return _READ[hint](plain, where) if hint in _READ else from_plain(hint, plain, where)
+    return _VALUE_PARSERS[hint](plain, where) if hint in _VALUE_PARSERS else from_plain(hint, plain, where)
 
 
 def _one_of(kinds: tuple[Any, ...], plain: object, where: str) -> Any:
-    """The first of several types that fits."""
+    """Parse a value as the first type of a union that fits."""
     if plain is None and type(None) in kinds:
         return None
     *others, last = (kind for kind in kinds if kind is not type(None))
@@ -185,7 +189,7 @@ def _one_of(kinds: tuple[Any, ...], plain: object, where: str) -> Any:
 
 
 def _voxels(plain: object, where: str) -> Voxels:
-    """Voxels of a box, checked before they take memory."""
+    """Parse the voxels of a box, checking their number before memory is allocated."""
     box = from_plain(_Packed, plain, where)
     count = math.prod(box.shape)
     if min(box.shape) < 1 or count > MOST_VOXELS:
@@ -194,7 +198,7 @@ def _voxels(plain: object, where: str) -> Voxels:
     return Voxels(np.unpackbits(bits, count=count).reshape(box.shape).astype(bool), box.first)
 
 
-_READ: dict[Any, Callable[[object, str], Any]] = {
+_VALUE_PARSERS: dict[Any, Callable[[object, str], Any]] = {
     float: number,
     int: _whole,
     str: text,
@@ -205,12 +209,12 @@ _READ: dict[Any, Callable[[object, str], Any]] = {
 
 
 def array_to_plain(array: Numbers) -> Entries:
-    """An array of numbers as plain JSON, exactly."""
+    """Convert an array of numbers of any shape to JSON, losslessly."""
     return {"shape": list(array.shape), "data": packed(array)}
 
 
 def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, ...], where: str) -> Numbers:
-    """An array of this type and shape, None for any length along an axis; else ValueError, which names `where`."""
+    """Build an array of this dtype and shape, where None allows any length; ValueError, naming `where`, otherwise."""
     given = mapping(plain, where)
     sides = given.get("shape")
     if not (
@@ -225,17 +229,17 @@ def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, .
 
 
 def regions_to_plain(regions: AnyRegions | None) -> Entries:
-    """An entry with the limits; none without any."""
-    return {name: to_plain(regions) for name, kind in _REGIONS.items() if isinstance(regions, kind)}
+    """Convert limits to a JSON object of one entry; empty without limits."""
+    return {name: to_plain(regions) for name, kind in _REGION_TYPES.items() if isinstance(regions, kind)}
 
 
 def regions_from_plain(plain: Plain, where: str) -> AnyRegions | None:
-    """The limits in an entry, None for no limits; ValueError when they cannot be any."""
-    return next((from_plain(kind, plain[name], where) for name, kind in _REGIONS.items() if name in plain), None)
+    """Build the limits in a JSON object; None if it has none, ValueError when they are invalid."""
+    return next((from_plain(kind, plain[name], where) for name, kind in _REGION_TYPES.items() if name in plain), None)
 
 
 def encoded_json(content: Plain) -> bytes:
-    """Encode an object as UTF-8 with a line for each entry of its lists and objects; ValueError for what is no JSON."""
+    """Encode an object as UTF-8, one line per entry of its lists and objects; ValueError for what JSON cannot hold."""
     lines = []
     for key, value in content.items():
         if isinstance(value, list) and value:
@@ -251,5 +255,6 @@ def encoded_json(content: Plain) -> bytes:
 
 
 def _line(value: object) -> str:
-    # Names of files may hold bytes that are not text, which escapes preserve where all is encoded.
+    # File names may hold bytes that are not text; the caller encodes them as escapes.
+    """Dump a value as JSON on one line."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False, default=dict)

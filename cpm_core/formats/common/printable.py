@@ -1,4 +1,4 @@
-"""Names of files, contours and labels: without what a terminal or a spreadsheet would obey, and in what order."""
+"""Names of files, contours and labels: made safe for terminals and spreadsheets, and sorted naturally."""
 
 from __future__ import annotations
 
@@ -6,39 +6,44 @@ import re
 
 from cpm_core.contours.contour import Label
 
-_UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
-"""Control characters, bytes of a name that are no UTF-8, and what XML does not allow."""
+_UNPRINTABLE_CHARACTERS = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+"""Control characters, bytes that are not valid UTF-8, and characters that XML forbids."""
 
-_FORMULA = ("=", "+", "-", "@")
-"""Beginnings of a cell that spreadsheets compute."""
+_FORMULA_STARTS = ("=", "+", "-", "@")
+"""First characters of a cell that a spreadsheet would evaluate."""
 
-_QUOTE = "'"
+_QUOTE_MARK = "'"
+"""Prefix that keeps a spreadsheet from evaluating a cell."""
 
-_NUMBER = re.compile(r"(\d+)")
+_DIGIT_RUN = re.compile(r"(\d+)")
 
 
 def in_natural_order(name: str) -> tuple[list[str | int], str]:
-    """Key by which a2 comes before a10: numbers count by value, letters regardless of case."""
-    parts = _NUMBER.split(name.casefold())
+    """Return a sort key that puts a2 before a10: numbers compare by value, letters regardless of case."""
+    parts = _DIGIT_RUN.split(name.casefold())
     return [int(part) if index % 2 else part for index, part in enumerate(parts)], name
 
 
 def printable(text: str) -> str:
-    """Text in which each character that cannot be shown is a replacement character (U+FFFD)."""
-    return _UNPRINTABLE.sub("\ufffd", text)
+    """Replace each character that cannot be shown by the replacement character (U+FFFD)."""
+    return _UNPRINTABLE_CHARACTERS.sub("\ufffd", text)
 
 
 def label_of(number: int, name: str, color: bytes) -> Label:
-    """A label as a file has it: its name without what cannot be shown, and red, green and blue, or nothing."""
+    """Build a label from a file: its name made printable, and its color from red, green and blue bytes or none."""
     return Label(number, printable(name), f"#{color.hex()}" if color else "")
 
 
 def cell(text: str) -> str:
-    """Text for a cell of a table, quoted where a spreadsheet would take it for a formula; see `text_of_cell`."""
+    """Make text safe for a table cell: quoted if a spreadsheet would take it for a formula; see `text_of_cell`."""
     shown = printable(text)
-    return _QUOTE + shown if shown.lstrip(_QUOTE).startswith(_FORMULA) else shown
+    return _QUOTE_MARK + shown if shown.lstrip(_QUOTE_MARK).startswith(_FORMULA_STARTS) else shown
 
 
 def text_of_cell(content: str) -> str:
-    """The text that `cell` has made a cell of."""
-    return content[1:] if content.startswith(_QUOTE) and content.lstrip(_QUOTE).startswith(_FORMULA) else content
+    """Undo `cell`."""
+    return (
+        content[1:]
+        if content.startswith(_QUOTE_MARK) and content.lstrip(_QUOTE_MARK).startswith(_FORMULA_STARTS)
+        else content
+    )

@@ -1,7 +1,7 @@
-"""Provenance in files: the version of the program, the image and its hash, the method, what it was given, and the end.
+"""Provenance in files: program version, image and hash, method, its inputs, and the outcome.
 
-The same result always gives the same text: no file holds a time. Of the image it holds the name of its file alone,
-never a folder.
+The same result always gives the same text, so no file holds a time. Of the image only the file name is stated, never
+its folder.
 """
 
 from __future__ import annotations
@@ -22,22 +22,23 @@ from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import SHAPES, EnclosedRegion, EnclosingWall, Shape
 
 Outcome = Result | Skeleton
-"""What has been found in an image: contours, or their middle lines."""
+"""Outcome of a run on an image: contours, or a skeleton."""
 
 VERSION = "1.0.0rc1"
 """Version of CPM; the package is built with it."""
 
 PROGRAM = f"CPM {VERSION}"
+"""Name and version of the program, as files state them."""
 
 ENTRY = "provenance"
-"""Name of the entry of files in JSON."""
+"""Key of the provenance in JSON files."""
 
-_MOST_PLACES = 32
-"""Positions of a shape that are listed one by one; of more only the number is."""
+_MAX_LISTED_POSITIONS = 32
+"""Number of positions of a shape up to which they are listed; beyond it only their number is."""
 
 
 def facts_of(result: Outcome) -> Entries:
-    """All that is known of the origin of a result, as plain JSON."""
+    """Describe the provenance of a result as JSON."""
     facts = facts_on(result.source, result.provenance, _limits(result))
     if isinstance(result, Result) and result.provenance.method != "objects":
         facts |= {"steps": result.steps, "stop_reason": result.stop_reason}
@@ -45,7 +46,7 @@ def facts_of(result: Outcome) -> Entries:
 
 
 def facts_on(source: str, made: Provenance, shapes: Iterable[Plain] = ()) -> Entries:
-    """The same for an image by its name; those of `shapes` are added that the provenance does not have already."""
+    """Describe the provenance for an image of this name as JSON, adding those of `shapes` that it lacks."""
     image = {"name": printable(PurePosixPath(PureWindowsPath(source).name).name)}
     if made.sha256:
         image["sha256" if made.of_file else "array_sha256"] = made.sha256
@@ -60,7 +61,7 @@ def facts_on(source: str, made: Provenance, shapes: Iterable[Plain] = ()) -> Ent
     if drawn:
         facts["shapes"] = [
             {
-                name: len(value) if isinstance(value, list | tuple) and len(value) > _MOST_PLACES else value
+                name: len(value) if isinstance(value, list | tuple) and len(value) > _MAX_LISTED_POSITIONS else value
                 for name, value in shape.items()
             }
             for shape in drawn
@@ -73,14 +74,14 @@ def facts_on(source: str, made: Provenance, shapes: Iterable[Plain] = ()) -> Ent
 
 
 def text_of(facts: Plain) -> str:
-    """The facts as JSON in one line of ASCII, for a comment or description in a file."""
+    """Dump a provenance as JSON on one line of ASCII, for a comment or description in a file."""
     return json.dumps(facts, allow_nan=False, separators=(",", ":"))
 
 
 def entries_of(facts: Plain) -> dict[str, str]:
-    """The facts as names and short texts, for files that hold no JSON, such as tables.
+    """Flatten a provenance to names and short texts, for files that hold no JSON, such as tables.
 
-    No text but the name of an image has a comma: many programs that read tables know no quoted cells.
+    Only the name of an image may contain a comma: many programs that read tables do not understand quoted cells.
     """
     image = facts["image"]
     hashes = {f"image_{name}": value for name, value in image.items() if name != "name"}
@@ -96,11 +97,12 @@ def entries_of(facts: Plain) -> dict[str, str]:
 
 
 def _plain(values: Plain) -> str:
-    """Names with their values, of which nested lists are one list."""
+    """Format names with their values, flattening nested lists."""
     return " ".join(f"{name}={' '.join(_flat(value))}" for name, value in values.items())
 
 
 def _flat(value: Any) -> Iterator[str]:
+    """Yield the leaves of nested lists as texts."""
     if isinstance(value, (list, tuple)):
         for part in value:
             yield from _flat(part)
@@ -109,31 +111,31 @@ def _flat(value: Any) -> Iterator[str]:
 
 
 def plain_shapes(shapes: Iterable[Shape]) -> tuple[Entries, ...]:
-    """Shapes for `Provenance.shapes`, with the kinds and fields that session files have."""
+    """Describe shapes for `Provenance.shapes`, with the kinds and fields of session files."""
     kinds = {kind: name for name, kind in SHAPES.items()}
     found = []
     for shape in shapes:
         fields = {}
-        if isinstance(shape, EnclosedRegion | EnclosingWall):  # which may have many thousand triangles
+        if isinstance(shape, EnclosedRegion | EnclosingWall):  # these may have many thousand triangles
             fields = {"triangles": len(shape.surface.surface.faces), "voxels": int(shape.limit.mask.sum())}
         found.append({"shape": kinds[type(shape)], **(fields or asdict(shape))})
     return tuple(found)
 
 
 def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[Plain] = ()) -> Result:
-    """The result of a run whose seeds, limits and charges come from these shapes, and from `more` as plain JSON."""
+    """Record the shapes that seeds, limits and charges of a run come from, and `more` already described as JSON."""
     return replace(result, provenance=replace(result.provenance, shapes=(*plain_shapes(shapes), *more)))
 
 
 def _limits(result: Outcome) -> list[Entries]:
-    """Regions of interest and barriers of a run as shapes."""
+    """Describe the regions of interest and barriers of a run as shapes."""
     known = (result.regions if isinstance(result, Result) else None) or Regions()
     limits = {"region": known.interest, "barrier": known.barriers}
     return [{"shape": shape, **_limit(limit)} for shape, several in limits.items() for limit in several]
 
 
 def _limit(limit: Any) -> Entries:
-    """What a region of interest or a barrier consists of."""
+    """Describe the extent of a region of interest or a barrier."""
     if isinstance(limit, Extrusion):
         return {"points": limit.line, "axis": limit.axis, "first": limit.first, "last": limit.last}
     return {"voxels": int(limit.mask.sum())} if isinstance(limit, Voxels) else {"points": limit}

@@ -1,1 +1,1 @@
-"""Files of contours, a module for each format."""
+"""Files of contours, one module per format."""

@@ -1,4 +1,4 @@
-"""COCO: closed contours as instances, to train and evaluate learned segmentation."""
+"""COCO: closed contours as instances, for training and evaluating learned segmentation."""
 
 from __future__ import annotations
 
@@ -15,21 +15,24 @@ from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, rounded
 from cpm_core.formats.contours.mask import mask_of_runs, outlines
 from cpm_core.numerics.types import Entries
 
-_OBJECT = "object"
+_UNNAMED_CATEGORY = "object"
 """Category of an instance without a name."""
 
-_OUTLINES, _HOLES = "outlines", "holes"
-"""Entries of CPM next to a run-length mask: its curves as polygons, and which of them are holes."""
+_OUTLINES_KEY = "outlines"
+"""Entry of CPM next to a run-length mask: its curves as polygons."""
+
+_HOLES_KEY = "holes"
+"""Entry of CPM next to a run-length mask: whether each of its curves is a hole."""
 
 
 def encode(result: Outcome) -> bytes:
     """Write an instance for each label of the label mask, with its net area and its box.
 
-    Classes, or names, are categories. Coordinates are x, y in px from the corner of the image. An instance without
-    anything inside it is one polygon, or several for an object of several parts. The polygons of this format have no
-    holes: an instance with holes, or with other contours in it, is a run-length mask, which equals its label in the
-    label mask; next to it its ``outlines`` are polygons, and ``holes`` which of them are holes. Its ``gross_area`` is
-    what its contours enclose. Open contours are left out. ValueError when no contour is closed.
+    Classes, or else names, become categories. Coordinates are (x, y) in px from the corner of the image. An instance
+    with nothing inside it is one polygon, or several for an object of several parts. Polygons of this format have no
+    holes: an instance with holes, or with other contours in it, is a run-length mask equal to its label in the label
+    mask, with its ``outlines`` as polygons and ``holes`` marking those that are holes. ``gross_area`` is the area
+    enclosed by its contours. Open contours are left out. ValueError when no contour is closed.
     """
     rows = measure(result.contours, result.spacing, contrast=False)
     parts: dict[int, list[tuple[Contour, Measures]]] = {}
@@ -71,8 +74,8 @@ def encode(result: Outcome) -> bytes:
             changes = np.flatnonzero(np.diff(mask.T.ravel(), prepend=False, append=False))
             counts = np.diff(changes, prepend=0, append=labels.size).tolist()  # down one column after the other
             instance["segmentation"] = {"counts": counts, "size": [height, width]}
-            instance[_OUTLINES] = [*polygons, *map(_polygon, holes)]
-            instance[_HOLES] = [False] * len(polygons) + [True] * len(holes)
+            instance[_OUTLINES_KEY] = [*polygons, *map(_polygon, holes)]
+            instance[_HOLES_KEY] = [False] * len(polygons) + [True] * len(holes)
         instances.append(instance)
     return encoded_json(
         {
@@ -86,17 +89,19 @@ def encode(result: Outcome) -> bytes:
 
 
 def _category(contour: Contour) -> str:
-    return contour.category or contour.name or _OBJECT
+    """Return the category of a contour: its class, else its name."""
+    return contour.category or contour.name or _UNNAMED_CATEGORY
 
 
 def _polygon(contour: Contour) -> list[float]:
+    """Flatten a contour to [x1, y1, x2, y2, ...] from the corner of the image [px]."""
     return rounded((contour.points[:, ::-1] + PIXEL).ravel())
 
 
 def read(content: Entries) -> Contents:
-    """Contours of the instances of one image: the first with any.
+    """Read the contours of the instances of the first image that has any.
 
-    The category is the class of a contour, and its name if it has none. Of run-length masks contours run between
+    The category becomes the class of a contour, and its name if it has none. Contours of run-length masks run between
     pixels, unless CPM has written their outlines next to them.
     """
     found = Contents(own=ENTRY in (content.get("info") or {}))
@@ -114,15 +119,16 @@ def read(content: Entries) -> Contents:
     for entry in content["annotations"]:
         if entry["image_id"] == chosen:
             name = categories.get(entry.get("category_id"), "")
-            _add(found, entry, "" if name == _OBJECT else name)
+            _add(found, entry, "" if name == _UNNAMED_CATEGORY else name)
     return found
 
 
 def _add(found: Contents, entry: Entries, name: str) -> None:
+    """Add the contours of an instance."""
     known: Entries = {"name": entry.get("name") or name, "category": name, "color": entry.get("color")}
     shapes = entry.get("segmentation")
-    if entry.get(_OUTLINES):
-        found.add_object(zip(map(_corners, entry[_OUTLINES]), entry[_HOLES], strict=True), **known)
+    if entry.get(_OUTLINES_KEY):
+        found.add_object(zip(map(_corners, entry[_OUTLINES_KEY]), entry[_HOLES_KEY], strict=True), **known)
     elif isinstance(shapes, dict):
         found.add_object(outlines(mask_of_runs(shapes)), **known)
     elif shapes:
@@ -132,4 +138,5 @@ def _add(found: Contents, entry: Entries, name: str) -> None:
 
 
 def _corners(ring: Any) -> Any:
+    """Parse a ring [x1, y1, x2, y2, ...] as vertices (row, col), shape (K, 2) [px]."""
     return np.array(ring, float).reshape(-1, 2)[:, ::-1] - PIXEL

@@ -1,4 +1,4 @@
-"""What files of contours hold: names and colors as they are written, and contours as a reader collects them."""
+"""Content of contour files: colors and coordinates as they are written, and contours as a reader collects them."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ from cpm_core.contours.contour import Contour, Reached
 from cpm_core.numerics.types import Array, Entries, frozen
 
 DEFAULT = "#d6006c"
-"""Color of contours without one of their own: visible on gray and on white."""
+"""Color of contours that have none of their own: visible on gray and on white."""
 
 PIXEL = 0.5
-"""Where the center of the first pixel lies for formats that count from its corner [px]."""
+"""Center of the first pixel in formats that count from its corner [px]."""
 
 
 def rgb(contour: Contour) -> tuple[int, int, int]:
-    """Red, green and blue of a contour, from 0 to 255."""
+    """Return red, green and blue of a contour, each from 0 to 255."""
     color = contour.color or DEFAULT
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
 
 
 def pairs(points: Array) -> list[list[float]]:
-    """Points (row, col) as pairs [x, y] from the corner of the image, the usual origin in graphics [px]."""
+    """Convert points (row, col), shape (N, 2), to pairs [x, y] from the corner of the image [px]."""
     return rounded(points[:, ::-1] + PIXEL)
 
 
 def rounded(values: Array) -> list[Any]:
-    """Numbers to a ten thousandth of a pixel, in nested lists."""
+    """Round numbers of any shape to four decimals, as nested lists."""
     return list(np.round(values, 4).tolist())
 
 
 @frozen
 class Plane:
-    """What is known of the image that contours belong to: its shape, and the size of a pixel in a unit."""
+    """What is known of the image that contours belong to: its shape, and the size of a pixel and its unit."""
 
     shape: tuple[int, int] | None = None
     spacing: tuple[float, float] = (1.0, 1.0)
@@ -50,7 +50,7 @@ class Plane:
 
 @dataclass(eq=False)
 class Contents:
-    """Contours and points as they are collected.
+    """Contours and points collected by a reader.
 
     Attributes
     ----------
@@ -61,13 +61,13 @@ class Contents:
     places : list of tuple
         Row, column and page of single points.
     left_out : Counter
-        How many entries of each kind were not read.
+        Number of entries of each kind that were not read.
     shape : tuple of int or None
         Shape of the image, where the file gives it.
     notes : list of str
-        What else has to be reported, one sentence each.
+        Further messages, one sentence each.
     own : bool
-        Whether CPM has written the file: what it writes for a contour without a name and color is none.
+        Whether CPM wrote the file: the names and colors it gives to contours without any are then dropped.
     """
 
     contours: list[Contour] = field(default_factory=list)
@@ -80,7 +80,10 @@ class Contents:
     _objects: int = field(default=0, repr=False)
 
     def add(self, points: Any, closed: bool, *, page: int = 0, junctions: Any = (), **properties: Any) -> None:
-        """Add a line of vertices (row, col); a single vertex is a point. Properties are those of a contour."""
+        """Add a line of vertices (row, col), shape (K, 2) [px]; a single vertex is added as a point.
+
+        `properties` are fields of `Contour`. ValueError when `points` are not pairs.
+        """
         vertices = np.array(points, float)
         if vertices.ndim != 2 or vertices.shape[1] != 2:
             raise ValueError("vertices are not pairs")
@@ -102,7 +105,7 @@ class Contents:
         self.pages.append(page)
 
     def add_object(self, curves: Iterable[tuple[Any, bool]], *, page: int = 0, **properties: Any) -> None:
-        """Add closed curves, each with whether it is the boundary of a hole, as the boundaries of one object."""
+        """Add closed curves, each with whether it bounds a hole, as the boundaries of one object."""
         rings = [(points, hole) for points, hole in curves if len(points) > 2]
         group = 0
         if len(rings) > 1:
@@ -113,13 +116,13 @@ class Contents:
             self.add(points, True, page=page, group=group, hole=hole, **own)
 
     def add_place(self, place: Sequence[float] | Array, page: int = 0) -> None:
-        """Add a single point."""
+        """Add a single point (row, col), shape (2,) [px]."""
         row, col = map(float, place)
         self.places.append((row, col, page))
 
 
 def checked(properties: Entries) -> Entries:
-    """Properties of a contour; those that it cannot have are dropped."""
+    """Clean the properties of a contour, dropping values that it cannot have."""
     reached = properties.pop("reached", "")
     return {
         **properties,
@@ -135,12 +138,13 @@ def checked(properties: Entries) -> Entries:
 
 
 def _finite(value: Any) -> float:
+    """Return a number, 0 if it is missing or not finite."""
     number = float(value or 0.0)
     return number if math.isfinite(number) else 0.0
 
 
 def color_of(value: object) -> str:
-    """A color as contours have it: of red, green and blue, of a whole number 0xRRGGBB, or of a name; empty for none."""
+    """Parse a color from red, green and blue, a whole number 0xRRGGBB, or a name; empty if it is none."""
     if isinstance(value, str):
         try:
             value = ImageColor.getrgb(value)

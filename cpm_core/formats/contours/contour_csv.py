@@ -1,7 +1,7 @@
-"""CSV: contours as tables for spreadsheets and statistics, one row a vertex or one row a contour.
+"""CSV: contours as tables for spreadsheets and statistics, one row per vertex or one row per contour.
 
-Provenance (`provenance.entries_of`) is in the last columns: ``program``, ``image``, its hash and so on; a line of its
-own would break programs that read tables.
+Provenance (`provenance.entries_of`) is in the last columns: ``program``, ``image``, its hash and so on; a separate line
+would break programs that read tables.
 """
 
 from __future__ import annotations
@@ -24,27 +24,29 @@ from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.pages.page import StackResult
 
 Row = dict[str, object]
-"""The cells of a row by the names of their columns."""
+"""Cells of a row by column."""
 
-_OWN = {"closed", "row", "col"}
+_REQUIRED_COLUMNS = {"closed", "row", "col"}
+"""Columns that a table of vertices must have besides the number of the contour."""
 
 
 def encode(result: Outcome) -> bytes:
-    """Tabulate the vertices of all contours, one a row.
+    """Tabulate the vertices of all contours, one per row.
 
-    Columns: ``contour`` (the number), ``closed`` (TRUE or FALSE; the first vertex is not repeated), ``label`` (that in
-    the label mask, 0 when open), ``strength`` (mean edge strength [gray levels / px]), ``vertex`` (from 1), ``row`` and
-    ``col`` [px, pixel centers at integers], where the size of a pixel is known, ``x_...`` and ``y_...`` in its unit,
-    from the center of the first pixel along columns and rows, ``contrast`` (mean contrast of both sides, empty where
-    there is no image to measure it in), where any contour has one, ``name``, ``color`` and ``class``, and where any was
-    edited by hand, ``by_hand`` (the length that was drawn by hand [px]). Of a skeleton each branch is a contour, has a
-    label in the branch mask, no contrast, and a column ``radius``: the distance to the boundary [px]. Provenance is in
-    the first row only, because a table may have a hundred thousand.
+    Columns: ``contour`` (number), ``closed`` (TRUE or FALSE; the first vertex is not repeated), ``label`` (in the label
+    mask, 0 when open), ``strength`` (mean edge strength [gray levels / px]), ``vertex`` (from 1), ``row`` and ``col``
+    [px, pixel centers at integers]; if the pixel size is known, ``x_...`` and ``y_...`` in its unit, along columns and
+    rows from the center of the first pixel; ``contrast`` (mean contrast of both sides, empty without an image to
+    measure it in); if any contour has one, ``name``, ``color`` and ``class``; if any was edited by hand, ``by_hand``
+    (length drawn by hand [px]). Each branch of a skeleton is a contour with its label in the branch mask, without
+    contrast, and with a column ``radius``: the distance to the boundary [px]. Provenance is in the first row only,
+    because a table may have a hundred thousand.
     """
     return table(_vertices(result), ("contour", "closed", "label", "strength", "vertex", "row", "col"))
 
 
 def _vertices(result: Outcome) -> list[Row]:
+    """Build the rows of `encode`."""
     radii = result.radii if isinstance(result, Skeleton) else None
     labels = range(1, len(result.contours) + 1) if radii is not None else contour_labels(result.contours)
     has, unit, (high, wide) = _attributes(result), in_ascii(result.unit, ""), result.spacing[-2:]
@@ -75,33 +77,34 @@ def _vertices(result: Outcome) -> list[Row]:
 
 
 def _attributes(result: Outcome) -> set[str]:
-    """Which attributes some contour has, so that there are columns for them."""
+    """Find the attributes that any contour has, which get columns."""
     names = ("name", "color", "category", "by_hand", "group", "gray")
     return {name for name in names for contour in result.contours if getattr(contour, name)}
 
 
 def _truth(value: bool) -> str:
+    """Format a truth value as TRUE or FALSE."""
     return str(value).upper()
 
 
 def encode_measures(result: Outcome) -> bytes:
-    """Tabulate the measures of the contours, one contour a row.
+    """Tabulate the measures of the contours, one contour per row.
 
-    Columns: ``contour`` (the number), ``label`` (that in the label mask, 0 when open), ``name``, ``color``, ``closed``
-    (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
-    none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
-    it in), ``length_px``, ``gross_area_px2`` (all that it encloses), ``net_area_px2`` (without the closed contours
-    in it, as in the label mask; both areas are empty when it is open), the same in the unit of the image where it is
-    known, and where any was edited by hand, ``by_hand_px`` (the length drawn by hand). Where contours are boundaries
-    of objects, also ``class``, ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE; the net area of a hole is
-    0), and ``bridged_px`` (length without an edge that was found). For a skeleton also ``thickness_min_px``,
-    ``thickness_median_px`` and ``thickness_max_px``.
-    Where it is known of any contour, ``reached``: how particles came to it (`Contour.reached`).
+    Columns: ``contour`` (number), ``label`` (in the label mask, 0 when open), ``name``, ``color``, ``closed`` (TRUE or
+    FALSE), ``junctions`` (number of ends on one), ``inside`` (innermost closed contour around it, 0 for none),
+    ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty without an image to measure it in),
+    ``length_px``, ``gross_area_px2`` (enclosed area), ``net_area_px2`` (without the closed contours inside, as in the
+    label mask; both areas are empty when it is open), the same in the unit of the image if it is known, and if any
+    contour was edited by hand, ``by_hand_px`` (length drawn by hand). For boundaries of objects also ``class``,
+    ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE; the net area of a hole is 0), and ``bridged_px``
+    (length without a detected edge). For a skeleton also ``thickness_min_px``, ``thickness_median_px`` and
+    ``thickness_max_px``. If known for any contour, ``reached``: how particles got to it (`Contour.reached`).
     """
     return table(_measures(result), ("contour", "label", "closed", "length_px"))
 
 
 def _measures(result: Outcome) -> list[Row]:
+    """Build the rows of `encode_measures`."""
     has, origin = _attributes(result), provenance_cells(result)
     measures, rows = measure(result.contours, result.spacing), []
     known = any(one.reached for one in measures)
@@ -142,11 +145,11 @@ def _measures(result: Outcome) -> list[Row]:
 
 
 def encode_table(result: Outcome) -> bytes:
-    """Tabulate what closed contours enclose, or the objects in a volume, one object a row.
+    """Tabulate the regions enclosed by closed contours, or the objects in a volume, one per row.
 
-    The columns are those of `Result.table` in the unit of the image, where it is known, with the unit at the end of
-    their names (``area_um2``). Where contours are boundaries of objects, ``object`` is the number and ``class`` the
-    class. Of a skeleton it is what `encode_measures` writes. ValueError when nothing is enclosed.
+    The columns are those of `Result.table`, in the unit of the image if it is known, which ends their names
+    (``area_um2``). For boundaries of objects, ``object`` is the number and ``class`` the class. For a skeleton it is
+    the table of `encode_measures`. ValueError when nothing is enclosed.
     """
     if isinstance(result, Skeleton):
         return encode_measures(result)
@@ -176,33 +179,34 @@ def encode_table(result: Outcome) -> bytes:
 
 
 def encode_pages(found: StackResult) -> bytes:
-    """Tabulate the vertices of the contours on all pages of a stack, one a row.
+    """Tabulate the vertices of the contours on all pages of a stack, one per row.
 
-    Columns: ``page`` (from 1), ``track`` (the number that an object keeps from page to page), and those of `encode` for
-    each page, without ``contour``; ``label`` is that in the label stack, the track, or 0 when open.
+    Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), and those of `encode` except
+    ``contour``; ``label`` is the label in the label stack: the track, or 0 when open.
     """
     return table(_on_pages(found, _vertices), ("page", "track"))
 
 
 def encode_measures_of_pages(found: StackResult) -> bytes:
-    """Tabulate the measures of the contours on all pages of a stack, one contour a row.
+    """Tabulate the measures of the contours on all pages of a stack, one contour per row.
 
-    Columns: ``page``, ``track``, ``centroid_row`` and ``centroid_col`` (the center of the enclosed area, of an open
-    contour that of its length [px]), and those of `encode_measures`, without ``contour``, with ``mean_gray``; ``label``
-    is that in the label stack, and ``inside`` the track of the contour around it.
+    Columns: ``page``, ``track``, ``centroid_row`` and ``centroid_col`` (centroid of the enclosed area, or of the line
+    of an open contour [px]), and those of `encode_measures` except ``contour``, with ``mean_gray``; ``label`` is the
+    label in the label stack, and ``inside`` the track of the contour around it.
     """
 
-    def with_centroids(result: Outcome) -> list[Row]:
+    def build_rows_with_centroids(result: Outcome) -> list[Row]:
         rows = []
         for contour, row in zip(result.contours, _measures(result), strict=True):
             center = centroid(contour)
             rows.append({"centroid_row": f"{center[0]:.4f}", "centroid_col": f"{center[1]:.4f}"} | row)
         return rows
 
-    return table(_on_pages(found, with_centroids), ("page", "track"))
+    return table(_on_pages(found, build_rows_with_centroids), ("page", "track"))
 
 
 def _on_pages(found: StackResult, tabulated: Callable[[Outcome], list[Row]]) -> list[Row]:
+    """Build the rows of all pages, with page and track in front."""
     rows: list[Row] = []
     for page, result in found.results:
         for row in tabulated(result):
@@ -212,12 +216,12 @@ def _on_pages(found: StackResult, tabulated: Callable[[Outcome], list[Row]]) -> 
 
 
 def provenance_cells(result: Outcome) -> Row:
-    """Names and cells of the last columns."""
+    """Build the cells of the provenance, by column."""
     return {name: cell(value) for name, value in entries_of(facts_of(result)).items()}
 
 
 def table(rows: Sequence[Row], empty: Sequence[str] = ()) -> bytes:
-    """A UTF-8 CSV file with a header, which is `empty` without rows, commas, and points as decimal marks."""
+    """Encode rows as a UTF-8 CSV file with a header: commas, decimal points, and `empty` as header without rows."""
     columns: Row = dict.fromkeys(chain.from_iterable(rows) if rows else empty, "")
     stream = io.StringIO(newline="")
     writer = csv.writer(stream, lineterminator="\n")
@@ -227,11 +231,11 @@ def table(rows: Sequence[Row], empty: Sequence[str] = ()) -> bytes:
 
 
 def read(text: str, name: str) -> Contents:
-    """Contours of a table with one vertex in each row."""
+    """Read contours from a table with one vertex per row."""
     rows = list(csv.DictReader(text.splitlines()))
     columns = set(rows[0] if rows else ())
     number = "track" if "track" in columns and "contour" not in columns else "contour"
-    missing = ({number} | _OWN) - columns
+    missing = ({number} | _REQUIRED_COLUMNS) - columns
     if missing:
         raise UnreadableError(
             f"{name} is not a table of contours: it has no column {' or '.join(sorted(missing))}. Choose a table of "

@@ -1,4 +1,4 @@
-"""JSON: everything that a result holds, of an image or of all pages of a stack, for scripts and for resumed runs."""
+"""JSON: everything in a result, of an image or of all pages of a stack, for scripts and for resumed runs."""
 
 from __future__ import annotations
 
@@ -20,33 +20,36 @@ from cpm_core.pages.page import Page, StackResult
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.provenance import Provenance
 
-_OF_IMAGE, _OF_STACK = "cpm-contours", "cpm-pages"
-"""Values of the entry ``format`` of such a file."""
+_IMAGE_FORMAT = "cpm-contours"
+"""Value of the entry ``format`` for the result of an image."""
+
+_STACK_FORMAT = "cpm-pages"
+"""Value of the entry ``format`` for all pages of a stack."""
 
 
 def encode(result: Outcome) -> bytes:
     """Write an object with the image, the run, the contours and the bridges; `load_contours` reads it back.
 
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
-    levels / px. ``gross_area`` is all that a contour encloses, ``net_area`` without the closed contours in it, as in
-    the label mask. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null
-    where there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]; ``reached`` is how
-    particles came to a contour, where it is known. Where the size of a pixel is known, length and areas are given in
-    its unit as well. The boundaries of an object have its number as ``object``, its class as ``class``, and as
-    ``bridged`` the length without an edge that was found. The image has the ``channel`` of its colors in which the
-    contours were found, unless it is the luminance. ``provenance`` is how they were found (`provenance.facts_of`). Of a
-    skeleton the branches are contours with ``radii`` [px], and there is no run.
+    levels / px. ``gross_area`` is the area enclosed by a contour, ``net_area`` excludes the closed contours in it, as
+    in the label mask. ``inside`` is the number of the innermost closed contour around it, 0 for none; ``contrast`` is
+    null without an image to measure it in; ``by_hand`` is the length drawn by hand [px]; ``reached`` is how particles
+    got to a contour, if known. If the pixel size is known, length and areas are given in its unit as well. Boundaries
+    of an object have its number as ``object``, its class as ``class``, and the length without a detected edge as
+    ``bridged``. The image has the ``channel`` in which contours were found, unless it is the luminance.
+    ``provenance`` is described by `provenance.facts_of`. Branches of a skeleton are contours with ``radii`` [px], and
+    there is no run.
     """
-    return encoded_json({"format": _OF_IMAGE, "version": 1, **_result_to_plain(result)})
+    return encoded_json({"format": _IMAGE_FORMAT, "version": 1, **_result_to_plain(result)})
 
 
 def encode_pages(found: StackResult) -> bytes:
     """Write an object with a stack, its tracks and its pages; `page_from_plain` reads a page back.
 
-    ``stack`` has its ``name``, the number of its ``pages``, as ``axis`` z, t or c, and what was ``drawn``. Each of
-    ``tracks`` has its number, its ``pages``, as ``origin`` the track that it split off, 0 for none, and how it
-    ``ends``, null for those that do not. Each of ``pages`` has its number, ``trouble`` where it could not be used,
-    ``events``, and what `encode` writes of an image; the number of a contour is its track.
+    ``stack`` has its ``name``, the number of its ``pages``, the ``axis`` z, t or c, and the ``drawn`` shapes. Each of
+    ``tracks`` has its number, its ``pages``, the track that it split off as ``origin``, 0 for none, and how it
+    ``ends``, null if it does not. Each of ``pages`` has its number, ``trouble`` if it could not be used, ``events``,
+    and the entries that `encode` writes for an image; the number of a contour is its track.
     """
     stack: Entries = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
     stack |= {"drawn": facts_on(found.source, Provenance(), found.drawn).get("shapes", [])}
@@ -55,11 +58,11 @@ def encode_pages(found: StackResult) -> bytes:
         for one in found.tracks
     ]
     pages = list(map(page_to_plain, found.pages))
-    return encoded_json({"format": _OF_STACK, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
+    return encoded_json({"format": _STACK_FORMAT, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
 
 
 def page_to_plain(page: Page) -> Entries:
-    """A page as an entry of ``pages``; see `encode_pages`."""
+    """Convert a page to an entry of ``pages``; see `encode_pages`."""
     plain: Entries = {"page": page.number, "trouble": page.trouble, "events": to_plain(page.events)}
     if page.result is not None:
         plain |= _result_to_plain(page.result)
@@ -69,6 +72,7 @@ def page_to_plain(page: Page) -> Entries:
 
 
 def _result_to_plain(result: Outcome) -> Entries:
+    """Convert a result to JSON; see `encode`."""
     image: Entries = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
@@ -85,6 +89,7 @@ def _result_to_plain(result: Outcome) -> Entries:
 
 
 def _contours_to_plain(result: Outcome) -> list[Entries]:
+    """Convert the contours of a result to JSON; see `encode`."""
     entries: list[Entries] = []
     rows = measure(result.contours, result.spacing)
     for index, (contour, row) in enumerate(zip(result.contours, rows, strict=True)):
@@ -111,14 +116,14 @@ def _contours_to_plain(result: Outcome) -> list[Entries]:
 
 
 def is_own(content: Any) -> bool:
-    """Whether plain JSON is of this format."""
-    return isinstance(content, dict) and content.get("format") in (_OF_IMAGE, _OF_STACK)
+    """Return whether JSON is of this format."""
+    return isinstance(content, dict) and content.get("format") in (_IMAGE_FORMAT, _STACK_FORMAT)
 
 
 def read(content: Entries) -> Contents:
-    """Contours with their numbers, objects and strengths, of a stack with their pages."""
+    """Read contours with their numbers, objects and strengths, and for a stack their pages."""
     found = Contents()
-    for page in content["pages"] if content["format"] == _OF_STACK else [content]:
+    for page in content["pages"] if content["format"] == _STACK_FORMAT else [content]:
         for contour in map(_contour_from, page.get("contours", ())):
             found.shape = _shape_of(page)
             if len(contour.points) > 1:
@@ -130,13 +135,14 @@ def read(content: Entries) -> Contents:
 
 
 def page_from_plain(plain: Plain) -> Page:
-    """The page of an entry; an exception of some kind for one that is damaged."""
+    """Build the page of an entry; a damaged one raises an exception of any kind."""
     events = tuple(from_plain(TrackEvent, event, "event of a page") for event in plain["events"])
     result = _result_from(plain) if "contours" in plain else None
     return Page(int(plain["page"]), result, events, str(plain["trouble"]))
 
 
 def _result_from(plain: Plain) -> Result:
+    """Build the result of a page from JSON."""
     image, run = plain["image"], plain["run"]
     rows, cols = _shape_of(plain)
     height, width = map(float, image["spacing"])
@@ -146,7 +152,7 @@ def _result_from(plain: Plain) -> Result:
         contours.append(contour if contrast is None else replace(contour, sides=partial(float, float(contrast))))
     facts = plain[ENTRY]
     return Result(
-        np.zeros((int(run["particles"]), 2)),  # only their number is in the file
+        np.zeros((int(run["particles"]), 2)),  # the file holds only their number
         tuple(contours),
         None,
         int(run["steps"]),
@@ -168,11 +174,13 @@ def _result_from(plain: Plain) -> Result:
 
 
 def _shape_of(plain: Plain) -> tuple[int, int]:
+    """Parse the shape of the image."""
     rows, cols = plain["image"]["shape"]
     return int(rows), int(cols)
 
 
 def _contour_from(plain: Plain) -> Contour:
+    """Build a contour from JSON."""
     first, last = plain["junctions"]
     known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "reached", "bridged", "gray")}
     properties = checked(
@@ -183,4 +191,5 @@ def _contour_from(plain: Plain) -> Contour:
 
 
 def _points(plain: Plain) -> Array:
+    """Parse the vertices of a contour, shape (K, 2)."""
     return np.array(plain["points"], float).reshape(len(plain["points"]), 2)

@@ -11,59 +11,70 @@ import numpy as np
 
 from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
 from cpm_core.formats.contours.contents import Contents, Plane
+from cpm_core.formats.contours.curves import CURVE_TOLERANCE
 from cpm_core.numerics.types import Array
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.entities.dxfgfx import DXFGraphic
 
-_RELEASE = "R2007"
-"""The first with names in any letters (UTF-8)."""
+_DXF_RELEASE = "R2007"
+"""First release of the format whose names may hold any letters (UTF-8)."""
 
-_LAYERS = {"CLOSED": 4, "OPEN": 30}
-"""Layers of contours without a name, and the numbers of their colors."""
+_LAYER_COLORS = {"CLOSED": 4, "OPEN": 30}
+"""Layers of contours without a name -> numbers of their colors."""
 
-_PLAIN = 7
-_BY_LAYER = (0, 256)
-_SHAPE, _SPACING = "image_shape", "pixel_size"
-"""Names in comments: rows and columns of the image, and the size of a pixel along them."""
+_DEFAULT_COLOR_NUMBER = 7
+"""Number of the usual color: black or white."""
 
-_UNITS = {"nm": 12, "µm": 13, "mm": 4, "cm": 5, "m": 6}
+_COLOR_BY_LAYER = (0, 256)
+"""Color numbers of entities that have the color of their block or layer."""
+
+_SHAPE_COMMENT = "image_shape"
+"""Name of the comment with the numbers of rows and columns of the image."""
+
+_SPACING_COMMENT = "pixel_size"
+"""Name of the comment with the size of a pixel along rows and columns."""
+
+_UNIT_NUMBERS = {"nm": 12, "µm": 13, "mm": 4, "cm": 5, "m": 6}
 """Unit of an image -> its number in the header (``$INSUNITS``)."""
 
-_LONGEST_NAME = 255
-_LONGEST_LINE = 250
-_NOT_IN_NAMES = re.compile(r'[<>/\\":;?*|,=`\x00-\x1f]')
+_MAX_LAYER_NAME = 255
+"""Longest name of a layer [characters]."""
 
-_LINES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
-_NEAR = 0.005
-"""Largest distance of the vertices from a curve [px]; of large curves `_COARSE` of their size."""
+_MAX_COMMENT_LINE = 250
+"""Longest line of a comment [characters]."""
 
-_COARSE = 1e-6
+_FORBIDDEN_IN_NAMES = re.compile(r'[<>/\\":;?*|,=`\x00-\x1f]')
+
+_LINE_ENTITIES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
+"""Entities that become contours."""
+
+_RELATIVE_TOLERANCE = 1e-6
+"""Largest distance of the vertices from a large curve, as a fraction of its size; else it is `CURVE_TOLERANCE` px."""
 
 
 def encode(result: Outcome) -> bytes:
     """Write each contour as a polyline.
 
-    The drawing is the right way up: x runs along columns and y up, from the lower left corner of the image, in the unit
-    of the image where the size of a pixel is known, which the header gives (``$INSUNITS``), else in px. Closed and open
-    contours lie on layers of these names, and one with a name on a layer of that name, with an underscore for what
-    names of layers may not have; a color is its own. A single vertex is a point. How they were found, and the image,
-    are comments at the beginning.
+    The drawing is upright: x runs along columns and y upward, from the lower left corner of the image, in the unit of
+    the image (``$INSUNITS`` in the header) if the pixel size is known, else in px. Unnamed contours lie on the layers
+    CLOSED and OPEN, named ones on a layer of that name, with underscores for forbidden characters; colors belong to
+    the entities. A single vertex is a point. Provenance and image are comments at the beginning.
     """
     import ezdxf
 
     ezdxf.options.write_fixed_meta_data_for_testing = True  # the same result always gives the same bytes
-    drawing = ezdxf.new(_RELEASE)
-    drawing.units = _UNITS.get(result.unit or "", 0)
+    drawing = ezdxf.new(_DXF_RELEASE)
+    drawing.units = _UNIT_NUMBERS.get(result.unit or "", 0)
     model = drawing.modelspace()
     height, width = np.array(result.shape) * result.spacing
     drawing.set_modelspace_vport(height, (0.5 * width, 0.5 * height))
     for contour in result.contours:
-        layer = _NOT_IN_NAMES.sub("_", contour.name).strip()[:_LONGEST_NAME].strip()
+        layer = _FORBIDDEN_IN_NAMES.sub("_", contour.name).strip()[:_MAX_LAYER_NAME].strip()
         layer = layer or ("CLOSED" if contour.closed else "OPEN")
         if not drawing.layers.has_entry(layer):
-            drawing.layers.add(layer, color=_LAYERS.get(layer, _PLAIN))
+            drawing.layers.add(layer, color=_LAYER_COLORS.get(layer, _DEFAULT_COLOR_NUMBER))
         look = {"layer": layer} | ({"true_color": int(contour.color[1:], 16)} if contour.color else {})
         rows, cols = ((contour.points + 0.5) * result.spacing).T
         places = np.column_stack([cols, height - rows])
@@ -74,34 +85,35 @@ def encode(result: Outcome) -> bytes:
             polyline.lwpoints = _Vertices(places.tolist())  # type: ignore[assignment]
     comments = entries_of(facts_of(result))
     comments |= {
-        _SHAPE: " ".join(map(str, result.shape)),
-        _SPACING: " ".join(f"{size:.17g}" for size in result.spacing),
+        _SHAPE_COMMENT: " ".join(map(str, result.shape)),
+        _SPACING_COMMENT: " ".join(f"{size:.17g}" for size in result.spacing),
     }
     stream = io.StringIO()
     for name, value in comments.items():
-        for line in textwrap.wrap(f"{name}: {value}", _LONGEST_LINE, subsequent_indent="  "):
+        for line in textwrap.wrap(f"{name}: {value}", _MAX_COMMENT_LINE, subsequent_indent="  "):
             stream.write(f"999\n{line}\n")
     drawing.write(stream)
     return stream.getvalue().encode()
 
 
 class _Vertices(list[list[float]]):
-    """Vertices (x, y) of a polyline, which ezdxf writes at once; of its own it makes an object for each number."""
+    """Vertices (x, y) of a polyline, written by ezdxf in one go; its own class makes an object per number."""
 
     def dxftags(self) -> list[_Vertices]:
-        """All as one tag."""
+        """Return all vertices as one tag."""
         return [self]
 
     def dxfstr(self) -> str:
-        """The lines of the file."""
+        """Return the lines of the file."""
         return "".join(f" 10\n{x}\n 20\n{y}\n" for x, y in self)
 
 
 def read(content: bytes, plane: Plane) -> Contents:
-    """Contours of the lines of a drawing, whose origin is the lower left corner of the image.
+    """Read contours from the lines of a drawing, whose origin is the lower left corner of the image.
 
-    Where header and image name a unit, lengths are converted to px by the size of a pixel; else the unit of the drawing
-    is 1 px, or one unit of the image. CPM writes the image in comments. The layer is the name of a contour.
+    If header and image both state a unit, lengths are converted to px by the pixel size; otherwise a unit of the
+    drawing is 1 px, or one unit of the image. Files of CPM state the image in comments. The layer of a contour is its
+    name.
     """
     import ezdxf.path
     import ezdxf.recover
@@ -109,15 +121,19 @@ def read(content: bytes, plane: Plane) -> Contents:
     from ezdxf.enums import InsertUnits
 
     drawing, _ = ezdxf.recover.read(io.BytesIO(content))
-    own = dict(re.findall(rf"^999\s+({_SHAPE}|{_SPACING}): ([^\r\n]*)", content.decode("latin-1"), re.MULTILINE))
+    own = dict(
+        re.findall(
+            rf"^999\s+({_SHAPE_COMMENT}|{_SPACING_COMMENT}): ([^\r\n]*)", content.decode("latin-1"), re.MULTILINE
+        )
+    )
     found = Contents()
     shape, spacing, scale = plane.shape, np.ones(2), 1.0
     if own:
-        rows, cols = map(int, own[_SHAPE].split())
+        rows, cols = map(int, own[_SHAPE_COMMENT].split())
         found.shape = shape = rows, cols
-        spacing = np.array(own[_SPACING].split(), float)
+        spacing = np.array(own[_SPACING_COMMENT].split(), float)
     elif drawing.units and plane.unit is not None:
-        units = InsertUnits(drawing.units), InsertUnits(_UNITS[plane.unit])
+        units = InsertUnits(drawing.units), InsertUnits(_UNIT_NUMBERS[plane.unit])
         spacing, scale = np.array(plane.spacing), ezdxf.units.conversion_factor(*units)
     elif drawing.units:
         found.notes.append("The drawing has a unit, but the image has no size of a pixel: one unit is taken for 1 px.")
@@ -126,10 +142,13 @@ def read(content: bytes, plane: Plane) -> Contents:
         closed = False
         if entity.dxftype() == "POINT":
             vertices = [entity.dxf.location]
-        elif entity.dxftype() in _LINES:
+        elif entity.dxftype() in _LINE_ENTITIES:
             path = ezdxf.path.make_path(entity, level=6)  # subdivisions of splines
             size = max((abs(part) for place in path.control_vertices() for part in place.xyz), default=0.0)
-            vertices, closed = list(path.flattening(max(_NEAR * spacing[1] / scale, _COARSE * size))), path.is_closed
+            vertices, closed = (
+                list(path.flattening(max(CURVE_TOLERANCE * spacing[1] / scale, _RELATIVE_TOLERANCE * size))),
+                path.is_closed,
+            )
         else:
             found.left_out[f"entity {entity.dxftype()}"] += 1
             continue
@@ -140,18 +159,20 @@ def read(content: bytes, plane: Plane) -> Contents:
     height = shape[0] if shape else max((places[:, 1].max() for _, places, _ in lines if len(places)), default=0.0)
     for entity, places, closed in lines:
         layer = entity.dxf.layer
-        name = "" if layer in ("0", *_LAYERS) else layer
+        name = "" if layer in ("0", *_LAYER_COLORS) else layer
         points = np.column_stack([height - places[:, 1] - 0.5, places[:, 0] - 0.5])
         found.add(points, closed, name=name, color=_color(entity, drawing, bool(own)))
     return found
 
 
 def _color(entity: DXFGraphic, drawing: Drawing, own: bool) -> tuple[int, int, int] | None:
-    """Color of an entity, by its own or that of its layer; that of the layers of CPM, and the usual one, is none."""
+    """Find the color of an entity, its own or its layer's; None for the layers of CPM and the usual color."""
     import ezdxf.colors
 
     rgb, number = entity.rgb, entity.dxf.color
-    if rgb is None and number in _BY_LAYER and not own and drawing.layers.has_entry(entity.dxf.layer):
+    if rgb is None and number in _COLOR_BY_LAYER and not own and drawing.layers.has_entry(entity.dxf.layer):
         layer = drawing.layers.get(entity.dxf.layer)
         rgb, number = layer.rgb, layer.color
-    return ezdxf.colors.aci2rgb(number) if rgb is None and number not in (_PLAIN, *_BY_LAYER) else rgb
+    return (
+        ezdxf.colors.aci2rgb(number) if rgb is None and number not in (_DEFAULT_COLOR_NUMBER, *_COLOR_BY_LAYER) else rgb
+    )

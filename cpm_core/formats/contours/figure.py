@@ -23,12 +23,12 @@ def write_figure(
 ) -> None:
     """Write a figure: the image with contours and a scale bar, as SVG, PNG or PDF.
 
-    Contours stay lines in SVG and PDF, and texts stay texts in SVG, so that both can be changed in a drawing program.
+    Contours stay lines in SVG and PDF, and text stays text in SVG, so that a drawing program can edit both.
 
     Parameters
     ----------
     result : Result or Skeleton
-        What is drawn; of a volume the surface.
+        Result to draw; for a volume its surface.
     *paths : path-like
         Files to write, with the suffix ``.svg``, ``.png`` or ``.pdf``. Existing ones are replaced.
     image, contours, particles, labels, scale_bar : bool
@@ -53,7 +53,7 @@ def write_figure(
 
 
 def encoded(suffix: str, result: Outcome, **drawn: bool) -> bytes:
-    """What `write_figure` writes, as bytes; `drawn` is what it draws."""
+    """Encode the figure of `write_figure` in the format of a suffix; `drawn` is passed to `Result.plot`."""
     surface = result.surface if isinstance(result, Result) else None
     figure, ax = new_figure(result.shape if surface is None else None, result.spacing)
     if isinstance(result, Skeleton):

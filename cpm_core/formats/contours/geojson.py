@@ -18,17 +18,17 @@ from cpm_core.numerics.types import Array, Entries
 def encode(result: Outcome) -> bytes:
     """Write a collection of features, one for each contour (RFC 7946, with the properties that QuPath uses).
 
-    A closed contour is a polygon whose interior rings are the contours directly inside it, so it covers the pixels of
-    its label in the label mask; each of those is a feature of its own as well, unless it is just a hole in an object.
-    An open one is a line, a single vertex a point. The classification is the class, or the name where there is none.
-    Coordinates are (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5). How they
-    were found is an entry of the collection, a foreign member as the format allows.
+    A closed contour is a polygon whose interior rings are the contours directly inside it, so that it covers the pixels
+    of its label in the label mask; each of these is a feature as well, unless it is just a hole in an object. An open
+    contour is a line, a single vertex a point. The classification is the class, or else the name. Coordinates are
+    (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5). Provenance is an entry of
+    the collection, a foreign member as the format allows.
     """
     return encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
 
 
 def features_of(result: Outcome) -> list[Entries]:
-    """The features of a result; see `encode`."""
+    """Build the features of a result; see `encode`."""
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
     for contour, row in zip(result.contours, rows, strict=True):
@@ -56,7 +56,7 @@ def features_of(result: Outcome) -> list[Entries]:
 
 
 def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str, float]:
-    """Measures under names as QuPath uses them; the net area is that of the polygon with its holes."""
+    """Build the measurements under the names that QuPath uses; the net area is that of the polygon with its holes."""
     found = {"Length px": row.length}
     if unit:
         found[f"Length {unit}"] = row.length_in_units
@@ -75,7 +75,7 @@ def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str
 
 
 def _geometry(contour: Contour, holes: Contours) -> Entries:
-    """A polygon whose rings run counterclockwise in (x, y) outside and clockwise inside, a line, or a point."""
+    """Build a polygon (exterior counterclockwise in (x, y), holes clockwise), a line, or a point."""
     from shapely.geometry import LineString, Point, Polygon, mapping
     from shapely.geometry.polygon import orient
 
@@ -86,10 +86,10 @@ def _geometry(contour: Contour, holes: Contours) -> Entries:
 
 
 def read(content: Any) -> Contents:
-    """Contours of all geometries in px from the corner of the image; interior rings are holes.
+    """Read the contours of all geometries, in px from the corner of the image; interior rings are holes.
 
-    The name of a contour is that of its feature, else that of its class. A contour in another is an interior ring there
-    and, where CPM has written the file, a feature of its own as well: then it is no hole.
+    The name of a contour is that of its feature, else that of its class. In files of CPM a contour inside another is
+    both an interior ring and a feature of its own, and then it is no hole.
     """
     own = isinstance(content, dict) and ENTRY in content
     found = Contents(own=own)
@@ -106,7 +106,7 @@ def read(content: Any) -> Contents:
 
 
 def _geometries(content: Any, feature: Entries, found: Contents) -> Iterator[tuple[str, list[Array], Entries]]:
-    """Kind, lines and feature of each geometry; a point is a line of one vertex."""
+    """Yield kind, rings (row, col) and feature of each geometry; a point is a line of one vertex."""
     import shapely
 
     if isinstance(content, list):
@@ -128,7 +128,7 @@ def _geometries(content: Any, feature: Entries, found: Contents) -> Iterator[tup
 
 
 def _properties(feature: Entries, own: bool) -> Entries:
-    """Name, color and junctions of the contours of a feature; what CPM writes for none is none."""
+    """Parse name, color and junctions of a feature, dropping those that CPM gives to contours without any."""
     properties = feature.get("properties") or {}
     kind = properties.get("classification") or {}
     kind = {"name": kind} if isinstance(kind, str) else kind
@@ -146,7 +146,7 @@ def _properties(feature: Entries, own: bool) -> Entries:
 
 
 def _page(feature: Entries) -> int:
-    """Page of a stack: what CPM has written, else the plane of QuPath where it is not the first one."""
+    """Parse the page of a stack: that written by CPM, else the plane of QuPath; 0 without either."""
     properties = feature.get("properties") or {}
     if "page" in properties:
         return int(properties["page"])
@@ -155,5 +155,5 @@ def _page(feature: Entries) -> int:
 
 
 def _key(points: Array) -> frozenset[tuple[float, ...]]:
-    """Key that is equal for rings which differ only in first point or direction."""
+    """Return a key that is equal for rings that differ only in first point or direction."""
     return frozenset(map(tuple, np.round(points, 3).tolist()))

@@ -1,4 +1,4 @@
-"""ImageJ: contours as selections (ROIs) of ImageJ and Fiji, one in a file of its own or all in a set."""
+"""ImageJ: contours as selections (ROIs) of ImageJ and Fiji, one per file or all in a set."""
 
 from __future__ import annotations
 
@@ -20,27 +20,33 @@ from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
 from cpm_core.numerics.types import Array, Entries
 
 _COUNTS_CHARACTERS = tuple(map(int, roifile.__version__.split(".")[:2])) < (2026, 11)
-"""Whether this release of roifile writes names with their number of characters."""
+"""Whether this release of roifile counts the characters of names, not UTF-16 units."""
 
-_MAGIC = b"Iout"
-_LARGEST = 32767
-"""Largest coordinate of a box."""
+_ROI_MAGIC = b"Iout"
+"""First bytes of a selection."""
 
-_LONGEST = 60
+_MAX_BOX_COORDINATE = 32767
+"""Largest coordinate of the box of a selection [px]."""
+
+_MAX_ROI_FILE_NAME = 60
 """Longest name of a file in the archive [characters]."""
 
 
-_AREAL = (ROI_TYPE.POLYGON, ROI_TYPE.FREEHAND, ROI_TYPE.TRACED, ROI_TYPE.RECT, ROI_TYPE.OVAL)
-_LINES = (ROI_TYPE.LINE, ROI_TYPE.FREELINE, ROI_TYPE.POLYLINE, ROI_TYPE.ANGLE)
-_SHARE = 52
-"""Where a selection has how the axes of an ellipse are related, or how wide a turned rectangle is."""
+_AREA_TYPES = (ROI_TYPE.POLYGON, ROI_TYPE.FREEHAND, ROI_TYPE.TRACED, ROI_TYPE.RECT, ROI_TYPE.OVAL)
+"""Types of selections that enclose an area."""
 
-_PARAMETERS = {0: 2, 1: 2, 2: 4, 3: 6, 4: 0}
-"""Step of a composite path -> numbers that follow it: begin, line, curves of degree two and three, close."""
+_LINE_TYPES = (ROI_TYPE.LINE, ROI_TYPE.FREELINE, ROI_TYPE.POLYLINE, ROI_TYPE.ANGLE)
+"""Types of selections that are lines."""
+
+_ASPECT_OFFSET = 52
+"""Offset of the aspect ratio of an ellipse, or the width of a rotated rectangle, in a selection [bytes]."""
+
+_PATH_ARGUMENT_COUNTS = {0: 2, 1: 2, 2: 4, 3: 6, 4: 0}
+"""Operation of a composite path (move, line, quadratic and cubic curve, close) -> count of numbers that follow."""
 
 
 def encode(result: Outcome) -> bytes:
-    """Write the only contour of a result as a ROI file; ValueError when there are none or several."""
+    """Encode the only contour of a result as a ROI file; ValueError when there are none or several."""
     if len(result.contours) != 1:
         raise ValueError(
             f"{result.source} has {len(result.contours) or 'no'} contours, but a .roi file holds exactly one: "
@@ -51,18 +57,18 @@ def encode(result: Outcome) -> bytes:
 
 
 def encode_set(result: Outcome) -> bytes:
-    """Write each contour as a selection into one archive, which the ROI manager of ImageJ opens.
+    """Encode all contours as selections in one archive, which the ROI manager of ImageJ opens.
 
     The ROI manager shows a selection under the name of its file in the archive: class and name of the contour, with a
-    number appended where several have the same. Its properties are how it was found. The same result always gives
-    the same bytes. ValueError when there is no contour, because ImageJ reports an empty archive as damaged.
+    number appended to duplicates. Its properties state the provenance. The same result always gives the same bytes.
+    ValueError when there is no contour, because ImageJ reports an empty archive as damaged.
     """
     if not result.contours:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: continue the run.")
     properties, taken = properties_of(result), {""}
     found = {}
     for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
-        name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
+        name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_MAX_ROI_FILE_NAME]
         while name.lower() in taken:  # some file systems ignore case
             name = f"{plain}-{number}" if name == plain else f"{name}-"
         taken.add(name.lower())
@@ -71,13 +77,13 @@ def encode_set(result: Outcome) -> bytes:
 
 
 def title(contour: Contour, number: int) -> str:
-    """Name of a contour, or its number, with its class unless the name has it already."""
+    """Return the name of a contour, or its number, preceded by its class unless the name includes it."""
     name = contour.name or f"contour {number}"
     return name if contour.category in name else f"{contour.category} {name}"
 
 
 def set_of(selections: Iterable[tuple[str, bytes]]) -> bytes:
-    """An archive of selections by their names, without a date, because the result has none."""
+    """Zip selections by their names, without a date, so that the same selections give the same bytes."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         for name, content in selections:
@@ -88,19 +94,19 @@ def set_of(selections: Iterable[tuple[str, bytes]]) -> bytes:
 
 
 def selection(contour: Contour, number: int, properties: str, **place: int) -> bytes:
-    """Write a contour as a polygon when it is closed, else as a polyline, or a point.
+    """Encode a contour as a polygon if it is closed, else as a polyline or a point.
 
-    `place` is where it lies in a stack: `position`, or `c_position`, `z_position` and `t_position`.
+    `place` is its position in a stack: `position`, or `c_position`, `z_position` and `t_position`.
 
-    Coordinates have subpixel resolution. ImageJ counts those of a polygon from the corner of a pixel and those of lines
+    Coordinates have subpixel resolution. ImageJ counts those of polygons from the corner of a pixel and those of lines
     and points from its center.
     """
     areal = contour.closed and len(contour.points) > 2
     points = contour.points if areal or not contour.closed else contour.path
     xy = (points[:, ::-1] + (0.5 if areal else 0.0)).astype(np.float32)
     # the corners of the box are stored as 16-bit integers
-    left, top = np.clip(np.floor(xy.min(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
-    right, bottom = np.clip(np.ceil(xy.max(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
+    left, top = np.clip(np.floor(xy.min(axis=0)), -_MAX_BOX_COORDINATE, _MAX_BOX_COORDINATE).astype(int).tolist()
+    right, bottom = np.clip(np.ceil(xy.max(axis=0)), -_MAX_BOX_COORDINATE, _MAX_BOX_COORDINATE).astype(int).tolist()
     name = title(contour, number)
     if _COUNTS_CHARACTERS:  # the file counts UTF-16 units: a zero makes up for each character of two units
         name += "\0" * sum(ord(letter) > 0xFFFF for letter in name)
@@ -113,7 +119,7 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
         right=right,
         bottom=bottom,
         n_coordinates=len(xy),
-        integer_coordinates=np.clip(np.rint(xy - (left, top)), 0, _LARGEST).astype(np.int32),
+        integer_coordinates=np.clip(np.rint(xy - (left, top)), 0, _MAX_BOX_COORDINATE).astype(np.int32),
         subpixel_coordinates=xy,
         stroke_color=bytes((255, *rgb(contour))),
         props=properties,
@@ -124,12 +130,12 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
 
 
 def properties_of(result: Outcome) -> str:
-    """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
+    """Format the provenance of a result as properties of a selection: a key and a value per line, in ASCII."""
     return "".join(f"cpm_{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
 
 
 def read(content: bytes) -> Contents:
-    """Contours of all selections with their names, colors and pages.
+    """Read the contours of all selections, with their names, colors and pages.
 
     ImageJ counts coordinates of areas from the corner of a pixel and those of lines and points from its center.
     """
@@ -145,8 +151,8 @@ def read(content: bytes) -> Contents:
 
 
 def _selections(content: bytes, found: Contents) -> Iterator[tuple[str, bytes]]:
-    """Name and bytes of each selection."""
-    if content.startswith(_MAGIC):
+    """Yield name and bytes of each selection."""
+    if content.startswith(_ROI_MAGIC):
         yield "", content
         return
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
@@ -158,12 +164,13 @@ def _selections(content: bytes, found: Contents) -> Iterator[tuple[str, bytes]]:
 
 
 def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> None:
+    """Add the contours or points of a selection."""
     if roi.multi_coordinates is not None:
         curves = [curve - PIXEL for curve in _composite(roi.multi_coordinates.astype(float))]
         found.add_object(nested(curves), **known)
-    elif roi.roitype in _AREAL:
+    elif roi.roitype in _AREA_TYPES:
         found.add(_area(roi, selection) - PIXEL, True, **known)
-    elif roi.roitype in _LINES:
+    elif roi.roitype in _LINE_TYPES:
         found.add(_rows(roi.coordinates()), False, **known)
     elif roi.roitype == ROI_TYPE.POINT:
         for place in _rows(roi.coordinates()):
@@ -173,13 +180,14 @@ def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> N
 
 
 def _rows(xy: object) -> Array:
+    """Convert (x, y) to (row, col), shape (K, 2)."""
     return np.asarray(xy, float)[:, ::-1]
 
 
 def _area(roi: ImagejRoi, selection: bytes) -> Array:
-    """The line around an area, (row, col) from the corner of the image."""
+    """Outline the area of a selection, as (row, col) from the corner of the image, shape (K, 2)."""
     if roi.subtype in (ROI_SUBTYPE.ELLIPSE, ROI_SUBTYPE.ROTATED_RECT) and roi.roitype == ROI_TYPE.FREEHAND:
-        (share,) = struct.unpack_from(">f", selection, _SHARE)
+        (share,) = struct.unpack_from(">f", selection, _ASPECT_OFFSET)
         one, other = np.array([(roi.y1, roi.x1), (roi.y2, roi.x2)], float)
         half = 0.5 * (other - one)
         across = np.array([half[1], -half[0]])
@@ -199,12 +207,12 @@ def _area(roi: ImagejRoi, selection: bytes) -> Array:
 
 
 def _composite(numbers: Array) -> list[Array]:
-    """The closed curves of a composite selection, (row, col) from the corner of the image."""
+    """Flatten the closed curves of a composite selection, as (row, col) from the corner of the image."""
     curves: list[list[Array]] = []
     at = 0
     while at < len(numbers):
         step = int(numbers[at])
-        count = _PARAMETERS[step]
+        count = _PATH_ARGUMENT_COUNTS[step]
         corners = [corner[::-1].astype(float) for corner in np.reshape(numbers[at + 1 : at + 1 + count], (-1, 2))]
         at += 1 + count
         if step == 0:

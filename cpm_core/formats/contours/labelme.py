@@ -23,30 +23,30 @@ from cpm_core.formats.contours.mask import outlines
 from cpm_core.numerics.polyline import inside
 from cpm_core.numerics.types import Array, Entries, Position
 
-_CONTOUR = "contour"
+_UNNAMED_LABEL = "contour"
 """Label of a contour without a name."""
 
-_VERSION = "5.5.0"
-"""Version of labelme whose format this is; later versions read it."""
+_LABELME_VERSION = "5.5.0"
+"""Version of the format; later versions of labelme read it."""
 
 
 def located(result: Outcome, file: Path, image: Path) -> Outcome:
-    """The result with the path of its image as seen from the folder of a file, so that labelme finds the image."""
+    """Set the source of a result to the path of its image relative to a file, so that labelme finds the image."""
     try:
         path = Path(os.path.relpath(image.resolve(), file.resolve().parent))
-    except ValueError:  # on another drive
+    except ValueError:  # they are on different drives
         path = image.resolve()
     return replace(result, source=path.as_posix())
 
 
 def encode(result: Outcome) -> bytes:
-    """Write a polygon for each closed contour and a strip of lines for each open one.
+    """Encode each closed contour as a polygon and each open one as a line strip.
 
-    The label of a shape is the class of the object, with its name as the description and its number as the group; of a
+    The label of a shape is the class of the object, with its name as the description and its number as the group; for a
     contour without a class it is the name, or "contour". Coordinates are (x, y) in px from the corner of the image. The
     image is referenced by the source of the result (see `located`). Polygons of labelme have no holes: that of an
-    object with holes goes around them by way of slits of no width. Colors are left out, because labelme chooses them by
-    label. How they were found is an entry of the file, which labelme keeps when it writes the file again.
+    object with holes includes them through slits of zero width. Colors are left out, because labelme chooses them by
+    label. Provenance is an entry of the file, which labelme keeps when it saves the file.
     """
     rows, cols = result.shape
     holes: dict[int, list[Array]] = {}
@@ -55,7 +55,7 @@ def encode(result: Outcome) -> bytes:
             holes.setdefault(contour.group, []).append(contour.points)
     shapes: list[Entries] = [
         {
-            "label": contour.category or contour.name or _CONTOUR,
+            "label": contour.category or contour.name or _UNNAMED_LABEL,
             "points": pairs(_around(contour.points, holes.get(contour.group, ()))),
             "group_id": contour.group or None,
             "description": contour.name if contour.category else "",
@@ -68,7 +68,7 @@ def encode(result: Outcome) -> bytes:
     ]
     return encoded_json(
         {
-            "version": _VERSION,
+            "version": _LABELME_VERSION,
             "flags": {},
             "shapes": shapes,
             "imagePath": result.source,
@@ -81,7 +81,7 @@ def encode(result: Outcome) -> bytes:
 
 
 def _around(outline: Array, holes: Sequence[Array]) -> Array:
-    """An outline that goes around the holes inside it, too, the other way, there and back by the shortest slits."""
+    """Connect an outline to the holes in it by the shortest slits, running around them the other way."""
     left = [hole for hole in holes if inside(outline, hole).mean() > 0.5]
     while left:
         apart = [scipy.spatial.distance.cdist(outline, hole) for hole in left]
@@ -95,13 +95,13 @@ def _around(outline: Array, holes: Sequence[Array]) -> Array:
 
 
 def _turns(curve: Array) -> bool:
-    """Which way a closed curve runs around what it encloses."""
+    """Return whether a closed curve runs counterclockwise as displayed, rows downward."""
     row, col = curve.T
     return bool(row @ np.roll(col, -1) > col @ np.roll(row, -1))
 
 
 def _rings(corners: Array) -> list[Array]:
-    """The closed curves of a polygon: one that comes to a corner twice goes around holes by way of slits."""
+    """Split a polygon at corners that it visits twice, where slits lead to holes, into closed curves."""
     rings: list[list[Position]] = []
     way: list[Position] = []
     for row, col in corners.tolist():
@@ -114,15 +114,16 @@ def _rings(corners: Array) -> list[Array]:
 
 
 def _kind(contour: Contour) -> str:
+    """Choose the type of shape for a contour."""
     if contour.closed and len(contour.points) > 2:
         return "polygon"
     return "linestrip" if len(contour.points) > 1 else "point"
 
 
 def read(content: Entries) -> Contents:
-    """Contours of all shapes, whose labels are the classes, and the names where there is no description.
+    """Read the contours of all shapes; labels are the classes, and the names of shapes without a description.
 
-    Shapes of one label and one group are one object, in which a shape in another is a hole.
+    Shapes with the same label and group are one object, in which a shape inside another is a hole.
     """
     found = Contents()
     height, width = content.get("imageHeight"), content.get("imageWidth")
@@ -130,7 +131,7 @@ def read(content: Entries) -> Contents:
     grouped: dict[tuple[Any, str], tuple[Entries, list[Array]]] = {}
     for shape in content["shapes"]:
         kind, label = shape.get("shape_type") or "polygon", str(shape["label"])
-        name = "" if label == _CONTOUR else label
+        name = "" if label == _UNNAMED_LABEL else label
         known: Entries = {"name": shape.get("description") or name, "category": name}
         corners = np.array(shape["points"], float).reshape(-1, 2)[:, ::-1] - PIXEL
         if kind == "mask":
@@ -138,13 +139,13 @@ def read(content: Entries) -> Contents:
         elif kind in ("point", "points"):
             for place in corners:
                 found.add_place(place)
-        elif kind in _CLOSED:
-            curves = _rings(_CLOSED[kind](corners))
+        elif kind in _CLOSED_SHAPES:
+            curves = _rings(_CLOSED_SHAPES[kind](corners))
             if shape.get("group_id") is None:
                 found.add_object(nested(curves), **known)
             else:
                 grouped.setdefault((shape["group_id"], name), (known, []))[1].extend(curves)
-        elif kind in _OPEN:
+        elif kind in _OPEN_SHAPES:
             found.add(corners, False, **known)
         else:
             found.left_out[f"shape of the kind {kind}"] += 1
@@ -154,20 +155,24 @@ def read(content: Entries) -> Contents:
 
 
 def _mask(shape: Entries, corners: Array) -> list[tuple[Array, bool]]:
-    """The outlines of a mask, which is a picture in text, from its box on."""
+    """Decode the outlines of a mask, a PNG in base64 placed at the first corner of its box."""
     with PIL.Image.open(io.BytesIO(base64.b64decode(shape["mask"])), formats=("PNG",)) as picture:
         mask = np.asarray(picture.convert("L")) > 0
     row, col = np.rint(corners[0] + PIXEL).astype(int).tolist()
     return outlines(mask, row, col)
 
 
-_QUARTER = np.array([[0.0, 1.0], [-1.0, 0.0]])
+_QUARTER_TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
+"""Rotation by a right angle."""
 
-_CLOSED: dict[str, Callable[[Array], Array]] = {
-    # variants of the program call an oriented rectangle a rotation
+_CLOSED_SHAPES: dict[str, Callable[[Array], Array]] = {
+    # some variants of the program call an oriented rectangle a rotation
     **dict.fromkeys(("polygon", "oriented_rectangle", "rotation"), lambda corners: corners),
     "rectangle": lambda corners: rectangle(corners[0], corners[-1]) if len(corners) == 2 else corners,
-    # through the second point about the first
-    "circle": lambda corners: ellipse(corners[0], corners[1] - corners[0], (corners[1] - corners[0]) @ _QUARTER),
+    # center, and a point on the circle
+    "circle": lambda corners: ellipse(corners[0], corners[1] - corners[0], (corners[1] - corners[0]) @ _QUARTER_TURN),
 }
-_OPEN = ("line", "linestrip")
+"""Kinds of closed shapes -> their outline by the points of the file, each of shape (K, 2)."""
+
+_OPEN_SHAPES = ("line", "linestrip")
+"""Kinds of open shapes."""

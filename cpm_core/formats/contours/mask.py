@@ -1,4 +1,4 @@
-"""Masks: the outlines of their objects, so that painting them gives the same mask again."""
+"""Masks: outlines of their objects, such that painting them gives the same mask again."""
 
 from __future__ import annotations
 
@@ -16,32 +16,42 @@ from cpm_core.numerics.types import Array, Mask
 
 
 def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tuple[Array, bool]]:
-    """Closed curves around the pixels of a mask, and whether each is the boundary of a hole.
+    """Find the closed curves around the pixels of a mask.
 
-    `row` and `col` are the place of the first pixel. Curves run between the centers of pixels inside and outside.
+    Parameters
+    ----------
+    mask : ndarray, shape (H, W)
+        Nonzero inside.
+    row, col : int
+        Position of the first pixel of the mask in the image.
+
+    Returns
+    -------
+    list of (ndarray of float64, shape (K, 2), bool)
+        Curves (row, col) halfway between the centers of pixels inside and outside [px], and whether each bounds a hole.
     """
     padded = np.pad(np.asarray(mask) != 0, 1).astype(float)
     found = []
     for curve in skimage.measure.find_contours(padded, 0.5, fully_connected="low"):  # type: ignore[no-untyped-call]
         (rows, cols), (below, right) = curve[:-1].T, curve[1:].T
-        hole = bool(rows @ right - below @ cols > 0.0)  # which run the other way around
+        hole = bool(rows @ right - below @ cols > 0.0)  # these run the other way around
         found.append((curve[:-1] + np.array([row - 1.0, col - 1.0]), hole))
     return found
 
 
 def numbered_colors(file: Path) -> NDArray[np.integer] | None:
-    """The numbers of the colors of a PNG that has a table of them; None for other files."""
+    """Read the color indices of a PNG with a color table, int32 of shape (H, W); None for other files."""
     try:
         with Image.open(file, formats=("PNG",)) as picture:
             if picture.mode == "P":
                 return np.array(picture, np.int32)
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
-        return None  # no PNG, or a damaged or large one, of which the reader of images reports
+        return None  # not a PNG, or a damaged or too large one, which the image reader reports
     return None
 
 
 def objects(labels: NDArray[np.integer]) -> Iterator[tuple[int, list[tuple[Array, bool]]]]:
-    """Each label of a mask with its `outlines`; 0 is the background."""
+    """Yield each label of a mask of shape (H, W) with its `outlines`; 0 is the background."""
     for number, window in enumerate(scipy.ndimage.find_objects(labels), start=1):
         if window is not None:
             rows, cols = window
@@ -49,7 +59,7 @@ def objects(labels: NDArray[np.integer]) -> Iterator[tuple[int, list[tuple[Array
 
 
 def mask_of_runs(plain: Any) -> Mask:
-    """The mask of run lengths of COCO with ``size`` and ``counts``, plain or as text; ValueError when it is none."""
+    """Decode a run-length mask of COCO with ``size`` and ``counts``, a list or text, to bool of shape (H, W)."""
     height, width = (int(side) for side in plain["size"])
     counts = plain["counts"]
     lengths = _unpacked(counts) if isinstance(counts, str) else np.array(counts, np.int64).reshape(-1)
@@ -58,10 +68,10 @@ def mask_of_runs(plain: Any) -> Mask:
 
 
 def _unpacked(text: str) -> np.ndarray[Any, np.dtype[np.int64]]:
-    """Lengths of the runs of compressed text.
+    """Decode the lengths of runs from compressed text.
 
-    A letter holds five bits, the lowest first, and whether another follows; from the fourth length on, each is given
-    by how much it differs from the one before the last.
+    A character holds five bits, the lowest first, and a flag for whether another follows; from the fourth length on,
+    each is stored as its difference from the length before the previous one.
     """
     lengths: list[int] = []
     value = shift = 0

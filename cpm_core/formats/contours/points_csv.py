@@ -1,4 +1,4 @@
-"""Points: a table of positions that particles start from, or of the particles of a run in a volume."""
+"""Points: a table of starting positions of particles, or of the particles of a run in a volume."""
 
 from __future__ import annotations
 
@@ -14,18 +14,20 @@ from cpm_core.formats.contours.contour_csv import Row, provenance_cells, table
 from cpm_core.numerics.types import Array, Integers
 from cpm_core.parameters.quotation import shown
 
-_NAMES = ("plane", "row", "col")
+_AXIS_COLUMNS = ("plane", "row", "col")
+"""Columns of the coordinates."""
 
 
 def encode(result: Outcome) -> bytes:
-    """Positions ``plane,row,col`` in voxels, below a header; ValueError for what has no particles in a volume.
+    """Tabulate particles as ``plane,row,col`` in voxels; ValueError unless there are particles in a volume.
 
-    Provenance (`provenance.entries_of`) is in the last columns, in the first line alone.
+    Provenance (`provenance.entries_of`) is in the last columns of the first row.
     """
     if not isinstance(result, Result) or result.particles.shape[1] != 3 or not len(result.particles):
         raise ValueError("There are no particles in a volume to write: run in a volume first.")
     rows: list[Row] = [
-        {name: f"{at:.7g}" for name, at in zip(_NAMES, place, strict=True)} for place in result.particles.tolist()
+        {name: f"{at:.7g}" for name, at in zip(_AXIS_COLUMNS, place, strict=True)}
+        for place in result.particles.tolist()
     ]
     rows[0] |= provenance_cells(result)
     return table(rows)
@@ -37,7 +39,7 @@ def load_points(path: AnyPath, axes: int = 2) -> Array:
     Parameters
     ----------
     path : path-like
-        A text file with one point a line, row and column in px, separated by a comma. With a header that names the
+        A text file with one point per line, row and column in px, separated by a comma. With a header that names the
         columns ``row`` and ``col``, these are used in any order, so an exported contour table can be read back.
     axes : int
         With 3, points of a volume are read: plane, row and column, named ``plane``, ``row`` and ``col``.
@@ -71,7 +73,7 @@ def load_points(path: AnyPath, axes: int = 2) -> Array:
         for number, cells in enumerate(csv.reader(text.splitlines()), start=1)
         if any(cell.strip() for cell in cells)
     ]
-    columns, wanted = tuple(range(axes)), _NAMES[-axes:]
+    columns, wanted = tuple(range(axes)), _AXIS_COLUMNS[-axes:]
     if lines:
         names = [cell.lower() for cell in lines[0][1]]
         if all(name in names for name in wanted):
@@ -83,6 +85,7 @@ def load_points(path: AnyPath, axes: int = 2) -> Array:
 
 
 def _point(name: str, number: int, cells: list[str], columns: Integers) -> tuple[float, ...]:
+    """Parse the coordinates of a point; ValueError, naming the line, unless they are finite numbers."""
     try:
         place = tuple(float(cells[column]) for column in columns)
     except (ValueError, IndexError):

@@ -20,30 +20,40 @@ from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array, Entries
 
-_PER_INCH = 96.0
-_SHAPES = ("path", "polygon", "polyline", "line", "rect", "circle", "ellipse")
-_GEOMETRY = ("d", "points", "x", "y", "x1", "y1", "x2", "y2", "width", "height", "rx", "ry", "r", "cx", "cy")
-_NOT_DRAWN = {
+_PIXELS_PER_INCH = 96.0
+"""Resolution of CSS."""
+
+_SHAPE_TAGS = ("path", "polygon", "polyline", "line", "rect", "circle", "ellipse")
+"""Elements that become contours."""
+
+_GEOMETRY_ATTRIBUTES = ("d", "points", "x", "y", "x1", "y1", "x2", "y2", "width", "height", "rx", "ry", "r", "cx", "cy")
+"""Attributes that describe the geometry of a shape."""
+
+_UNDRAWN_TAGS = {
     *("defs", "symbol", "clipPath", "mask", "pattern", "marker", "linearGradient", "radialGradient", "filter"),
     *("style", "script", "title", "desc", "metadata", "namedview", "foreignObject"),
 }
-_LEFT_OUT = {"text": "text", "image": "picture", "use": "copy of another element"}
-_SAME_ASPECT = 0.01
-"""Largest relative difference between the sides of a drawing and those of the image, up to which it is scaled to it."""
+"""Elements that are not drawn in place."""
 
-_SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell would be invisible
+_SKIPPED_TAGS = {"text": "text", "image": "picture", "use": "copy of another element"}
+"""Drawn elements that are not read -> their names in notes."""
+
+_ASPECT_TOLERANCE = 0.01
+"""Largest difference of the logarithms of scale along x and y for a drawing to be scaled to the image."""
+
+_MIN_PAGE_SIDE = 10.0
+"""Smallest side of a page of true size [mm]: a page of the size of a cell would be invisible."""
 
 
 def encode(result: Outcome) -> bytes:
     """Draw the contours of a result.
 
-    User units are pixels of the image, x along columns and y along rows, pixel centers at integers: the image
-    covers the view box. Every contour is one path without a fill. Its data attributes give whether it is closed,
-    its mean edge strength [gray levels / px], its length [px], its contrast where that can be measured, the length
-    that was drawn by hand [px] where that is not zero, and its label in the label mask (0 when open). A name
-    becomes the title, a color the stroke. The page has the object's true size where that is known and large enough
-    to see, else one CSS pixel per pixel. Of a skeleton each branch is such a path, with the distance to the
-    boundary of all its vertices [px]. The metadata are how they were found, as JSON.
+    User units are pixels of the image, x along columns and y along rows, pixel centers at integers: the image covers
+    the view box. Every contour is one path without a fill. Its data attributes state whether it is closed, its mean
+    edge strength [gray levels / px], its length [px], its contrast if it can be measured, the length drawn by hand [px]
+    if it is not zero, and its label in the label mask (0 when open). A name becomes the title, a color the stroke. The
+    page has true size if that is known and large enough to see, else one CSS pixel per pixel. Each branch of a skeleton
+    is such a path, with the distance of its vertices to the boundary [px]. The metadata are the provenance as JSON.
     """
     rows, cols = result.shape
     width, height = _page(result)
@@ -70,6 +80,7 @@ def encode(result: Outcome) -> bytes:
 
 
 def _path(contour: Contour, label: int, radii: Array | None = None) -> str:
+    """Format a contour as a path, with the radii of its vertices, shape (K,), if it is a branch."""
     vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # a single vertex: a dot
     points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
@@ -86,20 +97,20 @@ def _path(contour: Contour, label: int, radii: Array | None = None) -> str:
 
 
 def _page(result: Outcome) -> tuple[str, str]:
-    """Width and height of the drawing as SVG lengths."""
+    """Return width and height of the drawing as SVG lengths."""
     size = np.array(result.shape) * result.spacing
     millimeters = size * resolution.factor(result.unit, "mm")
-    if millimeters.min() >= _SMALLEST_PAGE:
+    if millimeters.min() >= _MIN_PAGE_SIDE:
         return f"{millimeters[1]:.6g}mm", f"{millimeters[0]:.6g}mm"
     pixels = size / min(result.spacing)
     return f"{pixels[1]:.6g}", f"{pixels[0]:.6g}"
 
 
 def read(text: str, plane: Plane) -> Contents:
-    """Contours of all paths and shapes, in px.
+    """Read contours from all paths and shapes, in px.
 
-    The view box begins at the corner of the image; one of another size but of the same shape as the image is scaled to
-    it. Title, label or identifier is the name of a contour, its stroke or else its fill the color.
+    The view box begins at the corner of the image; one of another size but the same shape as the image is scaled to it.
+    Title, label or identifier is the name of a contour, its stroke or else its fill the color.
     """
     root = ET.fromstring(text)
     if _tag(root) != "svg":
@@ -115,18 +126,18 @@ def read(text: str, plane: Plane) -> Contents:
 
 
 def _frame(root: ET.Element, plane: Plane, own: bool) -> tuple[Any, tuple[float, float], tuple[int, int] | None]:
-    """Matrix from the coordinates of a drawing to (x, y) in px, its width and height, and the shape of its image."""
+    """Parse the matrix from drawing coordinates to (x, y) in px, width and height, and the shape of the image."""
     from svgelements import Length, Matrix
 
     box = [float(part) for part in re.split(r"[\s,]+", root.get("viewBox", "").strip()) if part]
     if len(box) != 4:
-        sides = (Length(root.get(side, "0")).value(ppi=_PER_INCH) for side in ("width", "height"))
+        sides = (Length(root.get(side, "0")).value(ppi=_PIXELS_PER_INCH) for side in ("width", "height"))
         box = [0.0, 0.0, *(side if isinstance(side, float) else 0.0 for side in sides)]
     x, y, width, height = box
     across = down = 1.0
     if plane.shape is not None and not own and min(width, height) > 0.0:
         scales = plane.shape[1] / width, plane.shape[0] / height
-        if abs(math.log(scales[0] / scales[1])) <= _SAME_ASPECT:
+        if abs(math.log(scales[0] / scales[1])) <= _ASPECT_TOLERANCE:
             across, down = scales
     matrix = Matrix(across, 0.0, 0.0, down, -across * x - 0.5, -down * y - 0.5)
     return matrix, (width, height), (round(height), round(width)) if own else None
@@ -135,17 +146,17 @@ def _frame(root: ET.Element, plane: Plane, own: bool) -> tuple[Any, tuple[float,
 def _elements(
     parent: ET.Element, matrix: Any, look: dict[str, str], found: Contents
 ) -> Iterator[tuple[ET.Element, Any, dict[str, str]]]:
-    """Elements that are drawn, with the matrix from their coordinates to px and what they inherit."""
+    """Yield drawn elements with the matrix from their coordinates to px and the style that they inherit."""
     from svgelements import Matrix
 
     for element in parent:
         tag = _tag(element)
         parts = (part.partition(":") for part in element.get("style", "").split(";"))
         style = element.attrib | {name.strip(): value.strip() for name, _, value in parts if value}
-        if tag in _NOT_DRAWN or style.get("display") == "none":
+        if tag in _UNDRAWN_TAGS or style.get("display") == "none":
             continue
-        if tag in _LEFT_OUT:
-            found.left_out[_LEFT_OUT[tag]] += 1
+        if tag in _SKIPPED_TAGS:
+            found.left_out[_SKIPPED_TAGS[tag]] += 1
             continue
         placed = Matrix(element.get("transform", "")) * matrix
         inherited = look | {name: value for name, value in style.items() if name in ("stroke", "fill")}
@@ -156,12 +167,13 @@ def _elements(
 
 
 def _tag(element: ET.Element) -> str:
+    """Return the tag of an element without its namespace; empty for comments."""
     tag: Any = element.tag
     return tag.rpartition("}")[2] if isinstance(tag, str) else ""  # a comment has a function for a tag
 
 
 def _known(element: ET.Element, look: dict[str, str], own: bool) -> Entries:
-    """Name, color and, in drawings of CPM, number and strength."""
+    """Parse name, color and, in drawings of CPM, number and strength."""
     title = element.find("{*}title")
     label = next((value for key, value in element.attrib.items() if key.endswith("}label")), "")
     name = (title.text or "" if title is not None else "") or label or ("" if own else element.get("id", ""))
@@ -176,20 +188,20 @@ def _known(element: ET.Element, look: dict[str, str], own: bool) -> Entries:
 
 
 def _lines_of(element: ET.Element, matrix: Any, size: tuple[float, float]) -> Iterator[tuple[Array, bool]]:
-    """The lines of an element (x, y) in px, and whether each is closed; none of one that is no shape."""
+    """Flatten the lines of an element, (x, y) of shape (K, 2) in px, each with whether it is closed."""
     import svgelements
 
     tag = _tag(element)
-    if tag not in _SHAPES:
+    if tag not in _SHAPE_TAGS:
         return
     make = getattr(svgelements, "SimpleLine" if tag == "line" else tag.capitalize())
-    shape = make({name: value for name, value in element.attrib.items() if name in _GEOMETRY})
+    shape = make({name: value for name, value in element.attrib.items() if name in _GEOMETRY_ATTRIBUTES})
     if tag != "path":
-        shape.render(ppi=_PER_INCH, width=size[0], height=size[1])
+        shape.render(ppi=_PIXELS_PER_INCH, width=size[0], height=size[1])
     path = svgelements.Path(shape)
     path.approximate_arcs_with_cubics()
     for part in abs(path * matrix).as_subpaths():
-        # what follows a closed line begins where that did
+        # a line after a closed one begins where that one began
         points = [] if isinstance(part[0], svgelements.Move) else [part[0].start]
         closed = False
         for segment in part:

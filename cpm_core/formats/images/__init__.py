@@ -1,1 +1,1 @@
-"""Files of images that can be read."""
+"""Readers of image files, one module per format."""

@@ -1,4 +1,4 @@
-"""Decoded: the pixels of a file before they become an `Image`, upright and reduced to gray levels."""
+"""Decoded images: pixels of a file before they become an `Image`, upright and reduced to gray levels."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.numerics.types import Numbers, Sides, Texts, record
 
 MAXIMUM_PIXELS = 2**26
-"""Most pixels of an image; the field of a larger one exceeds the memory of a common computer."""
+"""Largest number of pixels of an image; the field of a larger one exceeds the memory of a common computer."""
 
 ORIENTATION_TAG = 274
 """Number of the orientation tag of EXIF and TIFF, which cameras and scanners write."""
@@ -22,7 +22,7 @@ ORIENTATION_TAG = 274
 
 @record
 class Decoded:
-    """Gray levels of a file, not yet checked.
+    """Gray levels of a file, not checked yet.
 
     Attributes
     ----------
@@ -33,13 +33,13 @@ class Decoded:
     unit : str or None
         Unit of `spacing`; None when the file does not give it.
     notes : tuple of str
-        What was changed while reading.
+        Changes made while reading.
     colors : Colors or None
-        Red, green and blue of each pixel; None where the file is gray.
+        Red, green and blue of each pixel; None for a gray file.
     hounsfield : bool or None
-        Whether gray levels are Hounsfield units; None where the file does not say.
+        Whether gray levels are Hounsfield units; None if the file does not state it.
     geometry : Geometry or None
-        Where it lies in space; None when the file does not state.
+        Position in space; None when the file does not state it.
     finer : tuple
         As in `Image.finer`.
     """
@@ -55,7 +55,7 @@ class Decoded:
 
 
 def check_size(name: str, rows: int, columns: int) -> None:
-    """Raise UnreadableError for an image of more than `MAXIMUM_PIXELS` pixels, before they are unpacked."""
+    """Raise UnreadableError for an image of more than `MAXIMUM_PIXELS` pixels, before it is unpacked."""
     if rows * columns > MAXIMUM_PIXELS:
         side = math.isqrt(MAXIMUM_PIXELS)
         raise UnreadableError(
@@ -66,9 +66,23 @@ def check_size(name: str, rows: int, columns: int) -> None:
 def from_samples(
     samples: Numbers, alpha: Numbers | None = None, notes: Texts = (), white: float | None = None
 ) -> Decoded:
-    """Reduce the samples of each pixel, along the last axis, to its gray level, and keep its colors; see `reduced`.
+    """Reduce samples to gray levels and keep their colors; see `reduced`.
 
-    `notes` lists what was changed before.
+    Parameters
+    ----------
+    samples : ndarray, shape (..., W, C)
+        Samples of each pixel along the last axis.
+    alpha : ndarray, shape (..., W), optional
+        Opacity from 0 to the full scale of its type.
+    notes : tuple of str
+        Changes made before.
+    white : float, optional
+        Level of white; by default that of the type.
+
+    Returns
+    -------
+    Decoded
+        Gray levels of shape (..., W), colors, and notes.
     """
     *shape, width, count = samples.shape
     values, colors, said = reduced(
@@ -79,22 +93,22 @@ def from_samples(
 
 
 def from_bands(samples: Numbers) -> Decoded:
-    """Gray levels of samples of which the last axis is red, green, blue and, if it has four, opacity."""
+    """Reduce samples of shape (..., 3) or (..., 4), red, green, blue and perhaps opacity, to gray levels."""
     return from_samples(samples[..., :3], samples[..., 3] if samples.shape[-1] == 4 else None)
 
 
 def upright(decoded: Decoded, orientation: int) -> Decoded:
-    """Rotate and mirror `decoded` by its orientation tag (1 to 8); unknown values leave it unchanged."""
+    """Rotate and mirror an image by its orientation tag (1 to 8); unknown tags leave it unchanged."""
     if orientation not in range(2, 9):
         return decoded
     swap, turn = orientation > 4, (orientation - 1) % 4  # rows and columns are swapped first
     flip_rows, flip_columns = turn in (2, 3), turn in (1, 2)
     spacing = decoded.spacing[::-1] if swap else decoded.spacing
 
-    def turned(pixels: Numbers) -> Numbers:
+    def rotate_pixels(pixels: Numbers) -> Numbers:
         pixels = pixels.swapaxes(0, 1) if swap else pixels
         return np.ascontiguousarray(pixels[:: -1 if flip_rows else 1, :: -1 if flip_columns else 1])
 
-    colors = decoded.colors and replace(decoded.colors, samples=turned(decoded.colors.samples))
+    colors = decoded.colors and replace(decoded.colors, samples=rotate_pixels(decoded.colors.samples))
     notes = (*decoded.notes, "It was turned upright by its orientation tag.")
-    return replace(decoded, values=turned(decoded.values), spacing=spacing, notes=notes, colors=colors)
+    return replace(decoded, values=rotate_pixels(decoded.values), spacing=spacing, notes=notes, colors=colors)

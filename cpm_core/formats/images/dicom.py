@@ -25,49 +25,59 @@ from cpm_core.parameters.quotation import shown
 
 READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
 
-_MARK, _PLACE = b"DICM", 128
-_GROUPS = (b"\x08\x00", b"\x02\x00")
-_LONGEST_FIRST = 64
-"""Most bytes of the first entry of a file that has no kinds of entries."""
+_DICOM_MARK = b"DICM"
+"""Mark of a DICOM file."""
 
-_JPEG = "1.2.840.10008.1.2.4."
-_CODECS = {
+_DICOM_MARK_OFFSET = 128
+"""Offset of the mark [bytes]."""
+
+_FIRST_GROUPS = (b"\x08\x00", b"\x02\x00")
+"""Groups that the first entry of a file without the mark may belong to."""
+
+_MAX_FIRST_ENTRY = 64
+"""Largest first entry of a file whose entries do not state their type [bytes]."""
+
+_JPEG_SYNTAX_PREFIX = "1.2.840.10008.1.2.4."
+"""Prefix of the transfer syntaxes of the JPEG family."""
+
+_JPEG_DECODERS = {
     **dict.fromkeys(("50", "51", "57", "70"), "jpeg_decode"),
     **dict.fromkeys(("80", "81"), "jpegls_decode"),
     **dict.fromkeys(("90", "91", "201", "202", "203"), "jpeg2k_decode"),
 }
-"""End of the name of a packing -> function of imagecodecs."""
+"""Rest of the transfer syntax -> function of imagecodecs."""
 
-_PIXELS = ("PixelData", "FloatPixelData", "DoubleFloatPixelData")
+_PIXEL_ENTRIES = ("PixelData", "FloatPixelData", "DoubleFloatPixelData")
+"""Entries that may hold the pixels."""
 
 # pydicom logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("pydicom").addHandler(logging.NullHandler())
 
 
 def reads(head: bytes, _path: Path) -> bool:
-    """Whether the first bytes of a file are those of DICOM; old files begin with an entry, without its mark."""
-    if head.startswith(_MARK, _PLACE):
+    """Return whether a file begins like DICOM: with its mark, or for old files with an entry."""
+    if head.startswith(_DICOM_MARK, _DICOM_MARK_OFFSET):
         return True
-    if head[:2] not in _GROUPS or len(head) < _PLACE or head[3:4] != b"\0":
+    if head[:2] not in _FIRST_GROUPS or len(head) < _DICOM_MARK_OFFSET or head[3:4] != b"\0":
         return False
     short = int.from_bytes(head[4:8], "little")
     return (head[4:6].isalpha() and head[4:6].isupper()) or (
-        short % 2 == 0 and 0 < short <= _LONGEST_FIRST and head[8 + short :][:2] in _GROUPS
+        short % 2 == 0 and 0 < short <= _MAX_FIRST_ENTRY and head[8 + short :][:2] in _FIRST_GROUPS
     )
 
 
 def is_series(folder: Path) -> bool:
-    """Whether a folder holds a DICOM file, by the first bytes of its files."""
+    """Return whether a folder holds a DICOM file, by the first bytes of its files."""
     return bool(_files(folder, most=1))
 
 
 def dicom_files_beside(path: Path, most: int) -> list[Path]:
-    """So many DICOM files at most in the folder of a DICOM file; none for another file or a folder."""
+    """List up to `most` DICOM files in the folder of a DICOM file; none for other files or folders."""
     return _files(path.parent, most) if is_dicom(path) else []
 
 
 def _files(folder: Path, most: int | None = None) -> list[Path]:
-    """DICOM files of a folder by their first bytes, in the order of their names, so many at most."""
+    """List the DICOM files of a folder by their first bytes, sorted by name, `most` at most."""
     try:
         paths = sorted(folder.iterdir())
     except OSError:
@@ -76,7 +86,7 @@ def _files(folder: Path, most: int | None = None) -> list[Path]:
 
 
 def is_dicom(path: Path) -> bool:
-    """Whether a file is one of DICOM, by its first bytes; False for a folder."""
+    """Return whether a file is DICOM, by its first bytes; False for a folder."""
     try:
         return reads(content_of(path, part=512), path)
     except UnreadableError:
@@ -84,7 +94,7 @@ def is_dicom(path: Path) -> bool:
 
 
 def stack(path: Path, reading: Reading) -> Stack:
-    """Open a file, or the series of a folder that is chosen: by default that with the most images.
+    """Open a file, or the selected series of a folder, by default the one with the most images.
 
     Raises
     ------
@@ -114,7 +124,7 @@ def stack(path: Path, reading: Reading) -> Stack:
 
 
 def frames_in(path: Path) -> tuple[list[Frame], int]:
-    """The frames of a file, or of all files of a folder, and how many of these are damaged."""
+    """Read the frames of a file, or of all files of a folder, and count the damaged files."""
     import pydicom  # only here, because it takes long to import
 
     frames: list[Frame] = []
@@ -130,7 +140,7 @@ def frames_in(path: Path) -> tuple[list[Frame], int]:
 
 
 def decoded(name: str, frames: Sequence[Frame]) -> Decoded:
-    """The pixels of frames, which become planes; `name` is that of their file or folder for the user."""
+    """Decode the pixels of frames as planes; `name` is that of their file or folder in messages."""
     opened: tuple[Path | None, Any] = (None, None)
     found = []
     for frame in frames:
@@ -141,10 +151,11 @@ def decoded(name: str, frames: Sequence[Frame]) -> Decoded:
 
 
 def _dataset(path: Path) -> Any:
+    """Read a file, completing the transfer syntax of old files."""
     import pydicom
 
     dataset = pydicom.dcmread(path, force=True)
-    if "TransferSyntaxUID" not in dataset.file_meta:  # of an old file without a mark
+    if "TransferSyntaxUID" not in dataset.file_meta:  # an old file without the mark
         implicit, _ = dataset.original_encoding
         kinds = pydicom.uid.ImplicitVRLittleEndian if implicit else pydicom.uid.ExplicitVRLittleEndian
         dataset.file_meta.TransferSyntaxUID = kinds
@@ -152,7 +163,7 @@ def _dataset(path: Path) -> Any:
 
 
 def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
-    """One image of a file: values in the unit of the file, bright where they are to be shown bright."""
+    """Decode one image of a file: values in the unit of the file, bright where they should appear bright."""
     check_size(name, *frame.shape)
     stored = _unpacked(dataset, frame, name)
     if stored.shape[:2] != frame.shape:
@@ -178,7 +189,7 @@ def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
 
 
 def _without_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:
-    """Values with `NO_DATA` where a pixel is there but to fill the rectangle, as beyond the circle of a scanner."""
+    """Set pixels that only fill the rectangle, as outside the circle of a scanner, to `NO_DATA`."""
     names = ("PixelPaddingValue", "FloatPixelPaddingValue", "DoubleFloatPixelPaddingValue")
     given = next((dataset.get(name) for name in names if dataset.get(name) is not None), None)
     try:
@@ -193,17 +204,21 @@ def _without_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:
 
 
 def _unpacked(dataset: Any, frame: Frame, name: str) -> Numbers:
-    """Stored values of an image, shape (rows, columns) or (rows, columns, 3)."""
+    """Unpack the stored values of an image, shape (rows, columns) or (rows, columns, 3)."""
     from pydicom import encaps
     from pydicom.pixels.utils import pixel_array
 
-    if not any(kind in dataset for kind in _PIXELS):
+    if not any(kind in dataset for kind in _PIXEL_ENTRIES):
         raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
     try:
         return np.asarray(pixel_array(dataset, index=frame.index))
-    except Exception as error:  # of any kind, as decoders do; perhaps another package unpacks it
+    except Exception as error:  # decoders raise exceptions of any kind; another package may be able to decode it
         syntax = dataset.file_meta.TransferSyntaxUID
-        codec = _CODECS.get(str(syntax).removeprefix(_JPEG)) if str(syntax).startswith(_JPEG) else None
+        codec = (
+            _JPEG_DECODERS.get(str(syntax).removeprefix(_JPEG_SYNTAX_PREFIX))
+            if str(syntax).startswith(_JPEG_SYNTAX_PREFIX)
+            else None
+        )
         if codec is None and "missing dependencies" in str(error):
             raise UnreadableError(
                 f"{name} is packed as {printable(str(syntax.name))[:80]}, which is not read: save it without packing."

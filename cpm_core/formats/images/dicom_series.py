@@ -1,4 +1,4 @@
-"""Frames and series of DICOM: single images of files, and those that belong together, ordered by their places."""
+"""Frames and series of DICOM: single images of files, grouped and ordered by their positions."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Array, Texts, record
 
-_ORDER = ("TemporalPositionIdentifier", "AcquisitionNumber", "EchoNumbers", "TriggerTime", "InstanceNumber")
-"""What orders images of one place."""
+_ORDERING_TAGS = ("TemporalPositionIdentifier", "AcquisitionNumber", "EchoNumbers", "TriggerTime", "InstanceNumber")
+"""Tags that order the images at one position."""
 
-_TAGS = (
-    *("SeriesInstanceUID", "SeriesNumber", "SeriesDescription", "Modality", *_ORDER),
+_HEADER_TAGS = (
+    *("SeriesInstanceUID", "SeriesNumber", "SeriesDescription", "Modality", *_ORDERING_TAGS),
     *("Rows", "Columns", "NumberOfFrames", "SamplesPerPixel", "BitsAllocated"),
     *("PixelSpacing", "ImagerPixelSpacing", "NominalScannedPixelSpacing", "SequenceOfUltrasoundRegions"),
     *("SliceThickness", "SpacingBetweenSlices", "ImagePositionPatient", "ImageOrientationPatient"),
     *("SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence", "GridFrameOffsetVector"),
     *("RescaleSlope", "RescaleIntercept", "RescaleType", "FrameTime", "FrameIncrementPointer"),
 )
-"""What is read of a header; the rest of a folder of thousand files is not waited for."""
+"""Tags that are read from a header; reading all would take long for a folder of a thousand files."""
 
-_CENTIMETERS = 3
-"""Unit of the sizes of a pixel in ultrasound."""
+_UNIT_CENTIMETER = 3
+"""Code of the unit of pixel sizes in ultrasound."""
 
-_ONE_PLACE = 1e-3
-"""Slices nearer than this lie in one place [mm]."""
+_SAME_SLICE_DISTANCE = 1e-3
+"""Distance below which slices are at the same position [mm]."""
 
-_UNEVEN = 0.02
-"""By how much distances of slices may differ, as a fraction: positions are often rounded."""
+_MAX_UNEVENNESS = 0.02
+"""Largest relative difference of slice distances in an even stack: positions are often rounded."""
 
-_ASIDE = 0.5
-"""How far slices may lie beside the line through the first and the last of them [smallest sides of a pixel]."""
+_MAX_SLICE_SHIFT = 0.5
+"""Largest distance of slices from the line through the first and the last one [smallest side of a pixel]."""
 
-_ALIKE = 4
-"""Decimals by which directions and sizes of a pixel are compared: some programs write six digits, some all."""
+_COMPARED_DECIMALS = 4
+"""Decimals to which directions and pixel sizes are compared: some programs write six digits, some all."""
 
 
 @record
@@ -55,11 +55,11 @@ class Frame:
     path : Path
         The file.
     index : int
-        Number of the image in it, from 0.
+        Index of the image in the file, from 0.
     series, title : str
-        Identifier of its series, and what it is called.
+        Identifier and name of its series.
     number : tuple of float
-        What orders images of one place: time, echo, number.
+        Sort key of the images at one position: time, echo, number.
     shape : tuple of int
         Rows and columns.
     each : float
@@ -73,15 +73,15 @@ class Frame:
     unit : str or None
         Unit of length.
     thickness : float or None
-        How far slices are apart where they have no position [mm]: their distance if it is given, or their thickness.
+        Distance of slices without a position [mm]: as stated, or else their thickness.
     notes : tuple of str
-        What is to be said of the size of a pixel.
+        Notes on the size of a pixel.
     slope, intercept : float
-        What turns stored values into those that are meant.
+        Rescaling of stored values: slope * stored + intercept.
     in_time : bool
-        Whether the images of the file follow in time.
+        Whether the images of the file are a time series.
     hounsfield : bool
-        Whether these values are Hounsfield units.
+        Whether the rescaled values are Hounsfield units.
     """
 
     path: Path
@@ -104,17 +104,17 @@ class Frame:
 
     @property
     def acquisition(self) -> float:
-        """Number of its acquisition; 0 where that is not known."""
-        return self.number[_ORDER.index("AcquisitionNumber")]
+        """Number of its acquisition; 0 if unknown."""
+        return self.number[_ORDERING_TAGS.index("AcquisitionNumber")]
 
 
 Decode = Callable[[Sequence[Frame]], Decoded]
-"""Reads the pixels of frames, which become planes."""
+"""Reads the pixels of frames as planes."""
 
 
 def frames_of(pydicom: Any, path: Path) -> list[Frame]:
-    """The frames of a file; ValueError, or anything, when it is damaged, and none when it has no pixels."""
-    header = pydicom.dcmread(path, stop_before_pixels=True, force=True, specific_tags=list(_TAGS))
+    """Read the frames of a file, none if it has no pixels; a damaged file raises ValueError or any other exception."""
+    header = pydicom.dcmread(path, stop_before_pixels=True, force=True, specific_tags=list(_HEADER_TAGS))
     if "Rows" not in header or "Columns" not in header:
         return []
     count = int(header.get("NumberOfFrames", 1) or 1)
@@ -123,30 +123,31 @@ def frames_of(pydicom: Any, path: Path) -> list[Frame]:
 
 
 def _frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> Frame:
+    """Build a frame from the header and its own functional group."""
     groups = [*own, *(header.get("SharedFunctionalGroupsSequence") or [])[:1]]
 
-    def value(name: str, sequence: str) -> Any:
-        """An entry of the image, of all images, or of the file."""
+    def find_value(name: str, sequence: str) -> Any:
+        """Find an entry of the frame, of all frames, or of the file."""
         items = ((group.get(sequence) or [None])[0] for group in groups)
         found = (item.get(name) for item in items if item is not None and item.get(name) is not None)
         return next(found, header.get(name))
 
-    spacing, unit, notes = _spacing(header, value("PixelSpacing", "PixelMeasuresSequence"))
-    origin = _numbers(value("ImagePositionPatient", "PlanePositionSequence"), 3)
-    along = _along(_numbers(value("ImageOrientationPatient", "PlaneOrientationSequence"), 6))
-    if count > 1 and not own:  # a grid of doses lists the distances of its images from the first one
+    spacing, unit, notes = _spacing(header, find_value("PixelSpacing", "PixelMeasuresSequence"))
+    origin = _numbers(find_value("ImagePositionPatient", "PlanePositionSequence"), 3)
+    along = _along(_numbers(find_value("ImageOrientationPatient", "PlaneOrientationSequence"), 6))
+    if count > 1 and not own:  # dose grids list the offsets of their images from the first one
         offsets = _numbers(header.get("GridFrameOffsetVector"), count)
         if origin is not None and along is not None and offsets is not None:
             origin = origin + (offsets[index] - offsets[0]) * np.cross(*along)
         else:
             origin = None
-    apart = (value(name, "PixelMeasuresSequence") for name in ("SpacingBetweenSlices", "SliceThickness"))
+    apart = (find_value(name, "PixelMeasuresSequence") for name in ("SpacingBetweenSlices", "SliceThickness"))
     return Frame(
         path,
         index,
         str(header.get("SeriesInstanceUID", "")),
         str(header.get("SeriesDescription", "") or header.get("SeriesNumber", "") or header.get("Modality", "")),
-        (*(_number(header.get(name)) for name in _ORDER), float(index)),
+        (*(_number(header.get(name)) for name in _ORDERING_TAGS), float(index)),
         (int(header.Rows), int(header.Columns)),
         float(header.get("SamplesPerPixel", 1) or 1) * float(header.get("BitsAllocated", 16) or 16) / 8.0,
         origin,
@@ -155,17 +156,17 @@ def _frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> F
         unit,
         next((size for size in (abs(_number(one)) for one in apart) if size), None),
         notes,
-        _number(value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
-        _number(value("RescaleIntercept", "PixelValueTransformationSequence")),
+        _number(find_value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
+        _number(find_value("RescaleIntercept", "PixelValueTransformationSequence")),
         count > 1 and not own and origin is None and ("FrameTime" in header or "FrameIncrementPointer" in header),
         header.get("Modality") == "CT"
-        and value("RescaleIntercept", "PixelValueTransformationSequence") is not None
-        and value("RescaleType", "PixelValueTransformationSequence") in (None, "", "HU"),
+        and find_value("RescaleIntercept", "PixelValueTransformationSequence") is not None
+        and find_value("RescaleType", "PixelValueTransformationSequence") in (None, "", "HU"),
     )
 
 
 def _spacing(header: Any, given: Any) -> tuple[tuple[float, float] | None, str | None, Texts]:
-    """Size of a pixel along (row, col), its unit, and what is to be said of it."""
+    """Parse the size of a pixel along (row, col), its unit, and notes on it."""
     on_detector, nominal = header.get("ImagerPixelSpacing"), header.get("NominalScannedPixelSpacing")
     for sides in (given, on_detector, nominal):
         found = _numbers(sides, 2)
@@ -176,13 +177,13 @@ def _spacing(header: Any, given: Any) -> tuple[tuple[float, float] | None, str |
     for region in header.get("SequenceOfUltrasoundRegions") or []:
         row, col = (abs(_number(region.get(f"PhysicalDelta{axis}"))) for axis in "YX")
         units = {region.get(f"PhysicalUnits{axis}Direction") for axis in "YX"}
-        if units == {_CENTIMETERS} and min(row, col) > 0.0:
+        if units == {_UNIT_CENTIMETER} and min(row, col) > 0.0:
             regions.add((row, col))
     return (regions.pop(), "cm", ()) if len(regions) == 1 else (None, None, ())
 
 
 def _along(turn: Array | None) -> Array | None:
-    """Directions of columns and rows; None when they are not at right angles, as where nobody filled them in."""
+    """Parse the directions of columns and rows, shape (2, 3); None unless perpendicular, as when left unset."""
     if turn is None:
         return None
     lengths = np.linalg.norm(turn.reshape(2, 3), axis=1)
@@ -192,7 +193,7 @@ def _along(turn: Array | None) -> Array | None:
 
 
 def _numbers(given: Any, count: int) -> Array | None:
-    """So many finite numbers; None for anything else."""
+    """Parse this many finite numbers, shape (count,); None for anything else."""
     try:
         found = np.array([float(number) for number in given])
     except (TypeError, ValueError):
@@ -201,21 +202,21 @@ def _numbers(given: Any, count: int) -> Array | None:
 
 
 def _number(given: Any) -> float:
-    """A finite number, of several the first; 0 for anything else."""
+    """Parse a finite number, the first of several; 0 for anything else."""
     found = _numbers(given[:1] if hasattr(given, "append") else [given], 1)
     return 0.0 if found is None else float(found[0])
 
 
 def all_series(frames: Sequence[Frame], name: str, decode: Decode) -> list[list[Stack]]:
-    """The series among the frames of a file or folder, each with what else of it makes a volume.
+    """Group the frames of a file or folder into series, each with its evenly spaced parts.
 
-    Frames of a series have one size, direction and size of a pixel. Besides its longest part that is evenly spaced, all
-    other such parts are offered.
+    Frames of a series share image size, orientation and pixel size. Its longest evenly spaced part comes first,
+    followed by all other such parts.
     """
     groups: dict[tuple[object, ...], list[Frame]] = {}
     for frame in frames:
-        along = None if frame.along is None else tuple(np.round(frame.along.ravel(), _ALIKE - 1).tolist())
-        spacing = None if frame.spacing is None else tuple(round(side, _ALIKE) for side in frame.spacing)
+        along = None if frame.along is None else tuple(np.round(frame.along.ravel(), _COMPARED_DECIMALS - 1).tolist())
+        spacing = None if frame.spacing is None else tuple(round(side, _COMPARED_DECIMALS) for side in frame.spacing)
         kind = (frame.series, frame.shape, along, spacing, frame.origin is None)
         groups.setdefault(kind, []).append(frame)
     found = []
@@ -229,7 +230,7 @@ def all_series(frames: Sequence[Frame], name: str, decode: Decode) -> list[list[
 
 
 def _apart(frames: list[Frame]) -> list[list[Frame]]:
-    """The acquisitions of a series as series of their own, where their slices lie between one another unevenly."""
+    """Split a series by acquisition if their slices interleave unevenly."""
     heights, places = _places(frames)
     if not _interleaved(places) or _is_even(np.diff(heights)):
         return [frames]
@@ -241,24 +242,24 @@ def _apart(frames: list[Frame]) -> list[list[Frame]]:
 
 
 def _interleaved(places: list[list[Frame]]) -> bool:
-    """Whether slices of several acquisitions lie between one another, not one acquisition behind the other."""
+    """Return whether slices of several acquisitions interleave rather than follow one another."""
     owners = [frozenset(frame.acquisition for frame in place) for place in places]
     changes = sum(one.isdisjoint(other) for one, other in itertools.pairwise(owners))
     return changes >= max(2, len(frozenset[float]().union(*owners)))
 
 
 def _is_even(gaps: Array) -> bool:
-    """Whether slices are about as far apart as one another."""
-    return not len(gaps) or bool(np.ptp(gaps) <= _UNEVEN * np.median(gaps))
+    """Return whether the distances of slices, shape (N,), are about equal."""
+    return not len(gaps) or bool(np.ptp(gaps) <= _MAX_UNEVENNESS * np.median(gaps))
 
 
 def _places(frames: list[Frame]) -> tuple[list[float], list[list[Frame]]]:
-    """The heights of slices along their normal, in order, and the frames at each of them."""
+    """Return the heights of slices along their normal, in order, and the frames at each height."""
     assert frames[0].along is not None
     normal = np.cross(*frames[0].along)
     heights, places = list[float](), list[list[Frame]]()
     for height, frame in sorted(((float(normal @ one.origin), one) for one in frames), key=lambda pair: pair[0]):
-        if heights and height - heights[-1] < _ONE_PLACE:
+        if heights and height - heights[-1] < _SAME_SLICE_DISTANCE:
             places[-1].append(frame)
         else:
             places.append([frame])
@@ -267,7 +268,7 @@ def _places(frames: list[Frame]) -> tuple[list[float], list[list[Frame]]]:
 
 
 def _without_places(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
-    """A series whose files do not give its places: images in time, or slices in the order of their numbers."""
+    """Yield a series without positions: images in time, or slices in the order of their numbers."""
     first = frames[0]
     if first.in_time or len(frames) == 1:
         yield _stack(first.title, [[frame] for frame in frames], first.thickness, name, decode)
@@ -278,7 +279,7 @@ def _without_places(frames: list[Frame], name: str, decode: Decode) -> Iterator[
 
 
 def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
-    """A series by the positions of its slices along their normal, and the other parts that are evenly spaced."""
+    """Yield a series ordered along the normal of its slices, then its other evenly spaced parts."""
     first, (heights, places) = frames[0], _places(frames)
     assert first.along is not None
     normal = np.cross(*first.along)
@@ -309,7 +310,7 @@ def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
         line = origins[shift] + np.arange(count + 1)[:, None] * step
         aside = float(np.linalg.norm(origins[shift : shift + count + 1] - line, axis=1).max())
         doubts: Texts = mixed if _interleaved(places[begin : last + 1]) else ()
-        if aside > _ASIDE * min(first.spacing or (1.0,)):
+        if aside > _MAX_SLICE_SHIFT * min(first.spacing or (1.0,)):
             doubts += (f"Its slices are shifted sideways by up to {aside:.3g} mm; they were taken as if in line.",)
         found = replace(_stack(title, kept, depth, name, decode), of_volume=doubts)
         if found.unit == "mm":
@@ -325,10 +326,10 @@ def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
 
 
 def _stack(title: str, frames: list[list[Frame]], depth: float | None, name: str, decode: Decode) -> Stack:
-    """Frames by their times and places."""
+    """Build a stack from frames by time and position."""
     first, planes = frames[0][0], len(frames[0])
     row, col = first.spacing or (1.0, 1.0)
-    # millimeters of a depth next to centimeters of a pixel occur in ultrasound alone, which has no slices
+    # depth in millimeters with pixels in centimeters occurs only in ultrasound, which has no slices
     between = depth if depth and first.unit == "mm" else row
     return Stack(
         name,
@@ -347,13 +348,13 @@ def _stack(title: str, frames: list[list[Frame]], depth: float | None, name: str
 
 
 def _gap(gaps: Array, begin: int, last: int) -> tuple[str, str]:
-    """What is wrong next to the longest part that is evenly spaced, from one slice to another, and which part it is."""
+    """Describe the irregularity next to the longest even part, and which slices that part has."""
     usual = float(np.median(gaps[begin:last]))
     odd = begin - 1 if begin > 0 else last
     ratio = float(gaps[odd]) / usual
     missing = round(ratio) - 1
     wrong = f"Its slices are from {gaps.min():.4g} to {gaps.max():.4g} mm apart."
-    if missing >= 1 and math.isclose(ratio, missing + 1, rel_tol=_UNEVEN):
+    if missing >= 1 and math.isclose(ratio, missing + 1, rel_tol=_MAX_UNEVENNESS):
         lack = "1 slice is missing" if missing == 1 else f"{missing} slices are missing"
         wrong = f"Between slices {odd + 1} and {odd + 2} lie {gaps[odd]:.4g} mm, elsewhere {usual:.4g} mm: {lack}."
     part = f"The longest even part has {last - begin + 1} slices, {begin + 1} to {last + 1}, {usual:.4g} mm apart."

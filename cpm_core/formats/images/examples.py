@@ -1,4 +1,4 @@
-"""Small drawn images, to try things on."""
+"""Small synthetic images for trying things out."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Numbers
 from cpm_core.parameters.quotation import shown
 
-_BRIGHT = 200.0
+_BRIGHT_LEVEL = 200.0
+"""Gray level of the drawn objects."""
 
 
 def example(name: str = "disk") -> Image:
-    """Draw a small image to try things on.
+    """Draw a small image for trying things out.
 
     Parameters
     ----------
     name : {"disk", "ring", "disks", "gap", "colors", "ball"}
-        What is drawn, with smooth edges: a disk of radius 20 around (32, 32), a ring of radii 10 and 24 there, two
+        Image to draw, with smooth edges: a disk of radius 20 around (32, 32), a ring of radii 10 and 24 there, two
         disks of radius 10 around (32, 18) and (32, 46), a disk with fog over its right edge, a red disk on a green
-        ground; and a volume with a ball of radius 9 around (15, 15, 15).
+        background; and a volume with a ball of radius 9 around (15, 15, 15).
 
     Returns
     -------
@@ -39,14 +40,14 @@ def example(name: str = "disk") -> Image:
     (31, 31, 31)
     """
     disk, fog = _disk(32, 32, 20.0), np.exp(-0.5 * (_around(32, 52) / 6.0) ** 2)
-    red = disk / _BRIGHT
+    red = disk / _BRIGHT_LEVEL
     drawn: dict[str, Numbers] = {
         "disk": disk,
         "ring": _disk(32, 32, 24.0) - _disk(32, 32, 10.0),
         "disks": _disk(32, 18, 10.0) + _disk(32, 46, 10.0),
-        "gap": disk * (1.0 - fog) + 0.5 * _BRIGHT * fog,
+        "gap": disk * (1.0 - fog) + 0.5 * _BRIGHT_LEVEL * fog,
         "colors": np.stack([40 + 180 * red, 140 - 90 * red, 60 + 0 * red], axis=-1).astype(np.uint8),
-        "ball": _BRIGHT * _within(np.linalg.norm(np.indices((31, 31, 31)) - 15.0, axis=0), 9.0),
+        "ball": _BRIGHT_LEVEL * _within(np.linalg.norm(np.indices((31, 31, 31)) - 15.0, axis=0), 9.0),
     }
     if not isinstance(name, str) or name not in drawn:
         raise ValueError(f"there is no example {shown(name)}: choose one of {', '.join(drawn)}.")
@@ -56,14 +57,15 @@ def example(name: str = "disk") -> Image:
 
 
 def _within(distance: Array, radius: float) -> Array:
-    """1 inside a radius, 0 outside, and between them on a width of one pixel."""
+    """Return 1 inside a radius and 0 outside, with a ramp one pixel wide, by distances of any shape."""
     return np.clip(radius + 0.5 - distance, 0.0, 1.0)
 
 
 def _around(row: float, col: float) -> Array:
-    """Distance of each pixel from a place."""
+    """Return the distance of each pixel from a position, shape (64, 64)."""
     return np.hypot(*(np.indices((64, 64)) - np.array([row, col])[:, None, None]))
 
 
 def _disk(row: float, col: float, radius: float) -> Array:
-    return _BRIGHT * _within(_around(row, col), radius)
+    """Draw a disk, shape (64, 64)."""
+    return _BRIGHT_LEVEL * _within(_around(row, col), radius)

@@ -18,18 +18,23 @@ from cpm_core.numerics.types import Entries, Numbers
 
 READS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
 
-_BEGINNINGS = (b"ObjectType", b"NDims", b"ObjectSubType", b"Comment")
-_LONGEST_HEADER = 2**16
-_SIZES = {"CHAR": 1, "SHORT": 2, "INT": 4, "LONG": 4, "LONG_LONG": 8, "FLOAT": 4, "DOUBLE": 8}
+_HEADER_BEGINNINGS = (b"ObjectType", b"NDims", b"ObjectSubType", b"Comment")
+"""Entries that a header may begin with."""
+
+_MAX_HEADER_SIZE = 2**16
+"""Largest size of a header [bytes]."""
+
+_ELEMENT_SIZES = {"CHAR": 1, "SHORT": 2, "INT": 4, "LONG": 4, "LONG_LONG": 8, "FLOAT": 4, "DOUBLE": 8}
+"""Type of an element, without its sign -> its size [bytes]."""
 
 
 def reads(head: bytes, _path: Path) -> bool:
-    """Whether the first bytes of a file are those of a header of MetaImage."""
-    return head.startswith(_BEGINNINGS) and b"=" in head[:40]
+    """Return whether a file begins like a header of MetaImage."""
+    return head.startswith(_HEADER_BEGINNINGS) and b"=" in head[:40]
 
 
 def stack(path: Path, _reading: Reading) -> Stack:
-    """Open a volume; its columns are the first axis of the file, its planes the third, times a fourth."""
+    """Open a volume: the axes of the file are columns, rows, planes and times."""
     name = printable(path.name)
     entries, begin = _header(path)
     sizes = [int(size) for size in entries["dimsize"].split()]
@@ -40,31 +45,31 @@ def stack(path: Path, _reading: Reading) -> Stack:
     msb_first = _is_true(entries.get("binarydatabyteordermsb", entries.get("elementbyteordermsb", "")))
     named = entries["elementtype"].removeprefix("MET_").removesuffix("_ARRAY")
     letter = "f" if named in ("FLOAT", "DOUBLE") else "u" if named.startswith("U") else "i"
-    kind = np.dtype(f"{'>' if msb_first else '<'}{letter}{_SIZES[named.removeprefix('U')]}")
+    kind = np.dtype(f"{'>' if msb_first else '<'}{letter}{_ELEMENT_SIZES[named.removeprefix('U')]}")
     packed = _is_true(entries.get("compresseddata", ""))
     file = path
     if entries["elementdatafile"].upper() != "LOCAL":
         file, begin = file_beside(path, entries["elementdatafile"]), int(entries.get("headersize", "0"))
 
-    def values() -> Numbers:
+    def read_values() -> Numbers:
         if packed:
             check_memory(shape, kind.itemsize, name)
-            content = zlib.decompress(file.read_bytes()[max(begin, 0) :], zlib.MAX_WBITS | 32)  # of zlib or of gzip
+            content = zlib.decompress(file.read_bytes()[max(begin, 0) :], zlib.MAX_WBITS | 32)  # zlib or gzip
             return np.ndarray(shape, kind, content, order="F")
         size = math.prod(shape) * kind.itemsize
         return np.memmap(file, kind, "r", begin if begin >= 0 else file.stat().st_size - size, shape, "F")
 
     color = bands in (3, 4) and kind.kind == "u"
     kinds = ["rgb-color" if color else "vector", *3 * ["domain"], "time"]
-    return stack_of(name, {"sizes": shape, "kinds": kinds, **_place(entries, len(sizes))}, kind.itemsize, values)
+    return stack_of(name, {"sizes": shape, "kinds": kinds, **_place(entries, len(sizes))}, kind.itemsize, read_values)
 
 
 def _header(path: Path) -> tuple[dict[str, str], int]:
-    """Entries by name, in lower case, and where the header ends: the entry on the place of the values is its last."""
+    """Read the entries by name, in lower case, and the offset of their end; the location of the values is the last."""
     entries: dict[str, str] = {}
     with path.open("rb") as stream:
-        while stream.tell() < _LONGEST_HEADER:
-            line = stream.readline(_LONGEST_HEADER)
+        while stream.tell() < _MAX_HEADER_SIZE:
+            line = stream.readline(_MAX_HEADER_SIZE)
             name, equals, value = line.decode("latin-1").partition("=")
             if not equals:
                 break
@@ -75,18 +80,20 @@ def _header(path: Path) -> tuple[dict[str, str], int]:
 
 
 def _is_true(text: str) -> bool:
+    """Return whether an entry is true."""
     return text.lower() in ("true", "1", "yes")
 
 
 def _place(entries: dict[str, str], axes: int) -> Entries:
-    """The entries of NRRD on the sizes of voxels and on where they lie."""
+    """Convert the entries on voxel size and position to those of NRRD."""
 
-    def numbers(*names: str) -> Any:
+    def parse_numbers(*names: str) -> Any:
         found = next((entries[name] for name in names if name in entries), None)
         return None if found is None else np.array(found.split(), float)
 
-    sides = numbers("elementspacing", "elementsize")
-    origin, matrix = numbers("offset", "position", "origin"), numbers("transformmatrix", "rotation", "orientation")
+    sides = parse_numbers("elementspacing", "elementsize")
+    origin = parse_numbers("offset", "position", "origin")
+    matrix = parse_numbers("transformmatrix", "rotation", "orientation")
     count = min(axes, 3)
     spacing, along, first = np.ones(3), np.eye(3), np.zeros(3)
     if sides is not None:

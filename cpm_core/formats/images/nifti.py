@@ -1,4 +1,4 @@
-"""NIfTI: volumes of the brain and of other parts of the body, read by nibabel."""
+"""NIfTI: volumes of the brain and other parts of the body, read by nibabel."""
 
 from __future__ import annotations
 
@@ -23,25 +23,27 @@ from cpm_core.parameters.quotation import shown
 
 READS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
 
-_GZIP = b"\x1f\x8b"
-_KINDS = {
+_GZIP_MAGIC = b"\x1f\x8b"
+"""First bytes of a gzip file."""
+
+_READER_CLASSES = {
     (344, b"n+1\0"): "Nifti1Image",
     (344, b"ni1\0"): "Nifti1Pair",
     (4, b"n+2\0\r\n\x1a\n"): "Nifti2Image",
     (4, b"ni2\0\r\n\x1a\n"): "Nifti2Pair",
 }
-"""Mark of a header and its place -> class of nibabel that reads such a file; a pair has its values in another file."""
+"""Offset and mark of a header -> class of nibabel that reads such a file; a pair keeps its values in another file."""
 
 # nibabel prints a line for everything unusual in a header; the user gets one sentence on what matters instead.
 logging.getLogger("nibabel.global").setLevel(logging.CRITICAL + 1)
 
-_PART = 2**20
-"""Bytes that are unpacked at once."""
+_GZIP_BLOCK = 2**20
+"""Size of the blocks in which a file is unpacked [bytes]."""
 
 
 def reads(head: bytes, path: Path) -> bool:
-    """Whether the first bytes of a file, unpacked if they are packed, are those of a NIfTI volume."""
-    if not head.startswith(_GZIP):
+    """Return whether a file, unpacked if it is compressed, begins like a NIfTI volume."""
+    if not head.startswith(_GZIP_MAGIC):
         return _kind(head) is not None
     try:
         with gzip.open(path) as stream:
@@ -51,7 +53,7 @@ def reads(head: bytes, path: Path) -> bool:
 
 
 def stack(path: Path, _reading: Reading) -> Stack:
-    """Open a volume; its planes are the third axis of the file, its rows the second.
+    """Open a volume: the first axes of the file are columns, rows and planes.
 
     Raises
     ------
@@ -73,12 +75,14 @@ def stack(path: Path, _reading: Reading) -> Stack:
         if unit is None:
             notes = ("It names no unit of length; millimeters were taken.", *notes)
 
-    def take(time: int, channel: int, first: int, end: int) -> Decoded:
+    def read_planes(time: int, channel: int, first: int, end: int) -> Decoded:
         at = (slice(None), slice(None), slice(first, end), time, channel)
         with _opened(path) as volume:
             part = np.asanyarray(volume.dataobj[at[: len(sizes)]]).reshape(columns, rows, end - first).T
             stream = volume.file_map["image"].fileobj
-            while isinstance(stream, gzip.GzipFile) and stream.read(_PART):  # the sum at its end is checked
+            while isinstance(stream, gzip.GzipFile) and stream.read(
+                _GZIP_BLOCK
+            ):  # to the end, where the checksum is verified
                 pass
         if part.dtype.fields is None:
             return Decoded(part)
@@ -87,7 +91,7 @@ def stack(path: Path, _reading: Reading) -> Stack:
     return Stack(
         name,
         (planes, rows, columns),
-        take,
+        read_planes,
         stored.itemsize + (8.0 if stored.fields is None else 0.0),
         times,
         channels,
@@ -99,17 +103,17 @@ def stack(path: Path, _reading: Reading) -> Stack:
 
 
 def _kind(head: bytes) -> str | None:
-    """The class of nibabel for the first bytes of a file; None for other files."""
-    return next((kind for (place, mark), kind in _KINDS.items() if head.startswith(mark, place)), None)
+    """Find the class of nibabel by the first bytes of a file; None for other files."""
+    return next((kind for (place, mark), kind in _READER_CLASSES.items() if head.startswith(mark, place)), None)
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    """The volume, of which nothing but the header has been read; its content decides on its kind, not its name."""
+    """Open a volume, reading only its header; the content decides its kind, not the name."""
     import nibabel  # only here, because it takes long to import
 
     with path.open("rb") as raw:
-        stream: Any = gzip.GzipFile(fileobj=raw) if raw.read(2) == _GZIP else raw
+        stream: Any = gzip.GzipFile(fileobj=raw) if raw.read(2) == _GZIP_MAGIC else raw
         raw.seek(0)
         kind = _kind(stream.read(352))
         stream.seek(0)

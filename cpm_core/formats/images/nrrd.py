@@ -1,4 +1,4 @@
-"""NRRD: volumes of 3D Slicer and others, read by pynrrd."""
+"""NRRD: volumes of 3D Slicer and other programs, read by pynrrd."""
 
 from __future__ import annotations
 
@@ -20,18 +20,33 @@ from cpm_core.parameters.quotation import shown
 
 READS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
 
-_ROLES = ("time", "channel", "plane", "row", "col", "color")
-_IN_SPACE, _COLORS, _TIME = ("domain", "space"), ("rgb-color", "rgba-color"), "time"
-_SPACES = {"left-posterior-superior": "LPS", "right-anterior-superior": "RAS", "left-anterior-superior": "LAS"}
+_AXIS_ROLES = ("time", "channel", "plane", "row", "col", "color")
+"""Roles that an axis of a file may have, in our order."""
+
+_SPACE_KINDS = ("domain", "space")
+"""Kinds of spatial axes."""
+
+_COLOR_KINDS = ("rgb-color", "rgba-color")
+"""Kinds of color axes."""
+
+_TIME_KIND = "time"
+"""Kind of the axis of time."""
+
+_SPACE_CONVENTIONS = {
+    "left-posterior-superior": "LPS",
+    "right-anterior-superior": "RAS",
+    "left-anterior-superior": "LAS",
+}
+"""Names of spaces -> their conventions."""
 
 
 def reads(head: bytes, _path: Path) -> bool:
-    """Whether the first bytes of a file are those of an NRRD volume."""
+    """Return whether a file begins like an NRRD volume."""
     return head.startswith(b"NRRD000")
 
 
 def stack(path: Path, _reading: Reading) -> Stack:
-    """Open a volume; its columns are the first axis of the file that lies in space, its planes the third."""
+    """Open a volume: the spatial axes of the file are columns, rows and planes."""
     import nrrd  # only here, because it takes long to import
 
     name = printable(path.name)
@@ -43,17 +58,17 @@ def stack(path: Path, _reading: Reading) -> Stack:
     if named is not None:
         header[named] = str(file_beside(path, str(header[named])))
 
-    def values() -> Numbers:
+    def read_values() -> Numbers:
         check_memory(tuple(map(int, header["sizes"])), itemsize, name)
         with path.open("rb") as stream:
             stream.seek(begin)
             return np.asarray(nrrd.read_data(header, stream, str(path)))
 
-    return stack_of(name, header, itemsize, values)
+    return stack_of(name, header, itemsize, read_values)
 
 
 def stack_of(name: str, header: Any, itemsize: int, values: Callable[[], Numbers]) -> Stack:
-    """A volume by a header of NRRD; `values` reads all, shaped by ``sizes``, each of `itemsize` bytes.
+    """Build a stack from a header of NRRD; `values` reads all, of shape ``sizes``, each of `itemsize` bytes.
 
     Raises
     ------
@@ -66,17 +81,17 @@ def stack_of(name: str, header: Any, itemsize: int, values: Callable[[], Numbers
     roles = _roles(header, sizes, name)
     spacing, unit, geometry, notes = _position(header, roles)
     size = {role: sizes[axis] for role, axis in roles.items()}
-    shape = tuple(size.get(role, 1) for role in _ROLES)
-    order = [roles[role] for role in _ROLES if role in roles]
+    shape = tuple(size.get(role, 1) for role in _AXIS_ROLES)
+    order = [roles[role] for role in _AXIS_ROLES if role in roles]
 
-    def take(time: int, channel: int, first: int, end: int) -> Decoded:
+    def read_planes(time: int, channel: int, first: int, end: int) -> Decoded:
         part = np.array(values().transpose(order).reshape(shape)[time, channel, first:end])
         return Decoded(part[..., 0]) if shape[-1] == 1 else from_bands(part)
 
     return Stack(
         name,
         (shape[2], shape[3], shape[4]),
-        take,
+        read_planes,
         float(itemsize * shape[-1]),
         shape[0],
         shape[1],
@@ -88,25 +103,25 @@ def stack_of(name: str, header: Any, itemsize: int, values: Callable[[], Numbers
 
 
 def _roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
-    """Which axis of the file is which of ours; the axes that lie in space are columns, rows, planes in this order."""
+    """Assign roles to the axes of a file; spatial axes are columns, rows and planes, in this order."""
     kinds = [str(kind).lower() for kind in header.get("kinds", ["???"] * len(sizes))]
     vectors = header.get("space directions")
     if vectors is not None:
         in_space = [vector is not None and bool(np.isfinite(vector).all()) for vector in vectors]
-    elif any(kind in _IN_SPACE for kind in kinds):
-        in_space = [kind in _IN_SPACE for kind in kinds]
+    elif any(kind in _SPACE_KINDS for kind in kinds):
+        in_space = [kind in _SPACE_KINDS for kind in kinds]
     else:
-        named = [kind == _TIME or kind in _COLORS or kind.endswith(("list", "vector")) for kind in kinds]
+        named = [kind == _TIME_KIND or kind in _COLOR_KINDS or kind.endswith(("list", "vector")) for kind in kinds]
         in_space = [not other and sum(not o for o in named[:axis]) < 3 for axis, other in enumerate(named)]
-    if sum(in_space) == 4 and in_space[-1]:  # ITK writes times as a fourth axis of space
-        in_space[-1], kinds[-1] = False, _TIME
+    if sum(in_space) == 4 and in_space[-1]:  # ITK writes time as a fourth spatial axis
+        in_space[-1], kinds[-1] = False, _TIME_KIND
     if not 2 <= sum(in_space) <= 3 or len(in_space) != len(sizes):
         raise UnreadableError(f"{name} has {sum(in_space)} axes in space, but a volume has two or three.")
     roles = dict(zip(("col", "row", "plane"), [axis for axis, lies in enumerate(in_space) if lies], strict=False))
     for axis in (axis for axis, lies in enumerate(in_space) if not lies):
-        color = kinds[axis] in _COLORS and sizes[axis] in (3, 4)
+        color = kinds[axis] in _COLOR_KINDS and sizes[axis] in (3, 4)
         last = axis == len(sizes) - 1 and kinds[axis] == "???"
-        wanted = "color" if color else "time" if kinds[axis] == _TIME or last else "channel"
+        wanted = "color" if color else "time" if kinds[axis] == _TIME_KIND or last else "channel"
         role = next((one for one in (wanted, "channel", "time") if one not in roles), None)
         if role is None:
             raise UnreadableError(f"{name} has the axes {shown(tuple(sizes))}: save one volume of it.")
@@ -115,6 +130,7 @@ def _roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
 
 
 def _position(header: Any, roles: dict[str, int]) -> Position:
+    """Parse voxel size and position from a header."""
     axes = [roles[role] for role in ("col", "row", "plane") if role in roles]
     vectors, own = header.get("space directions"), list(header.get("units", []))
     named = [*(own[axis] for axis in axes if axis < len(own) and vectors is None), *header.get("space units", [])]
@@ -129,8 +145,8 @@ def _position(header: Any, roles: dict[str, int]) -> Position:
         return (1.0, 1.0, 1.0), None, None, ()
     col, row, plane = (*sides, 1.0)[:3]
     space = str(header.get("space", "")).lower().removesuffix("-time")
-    space = _SPACES.get(space, space.upper())
-    if vectors is None or along.shape != (3, 3) or space not in _SPACES.values():
+    space = _SPACE_CONVENTIONS.get(space, space.upper())
+    if vectors is None or along.shape != (3, 3) or space not in _SPACE_CONVENTIONS.values():
         return (plane, row, col), unit, None, ()
     affine = np.eye(4)
     affine[:3, :3], affine[:3, 3] = along.T, np.array(header.get("space origin", np.zeros(3)), float)[:3]

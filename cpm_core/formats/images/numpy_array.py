@@ -19,28 +19,31 @@ from cpm_core.numerics.types import Extent, Numbers, Texts
 
 READS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
 
-_ARCHIVE = b"PK\x03\x04"
-_SUFFIX = ".npy"
+_ZIP_MAGIC = b"PK\x03\x04"
+"""First bytes of a ZIP archive."""
+
+_ARRAY_SUFFIX = ".npy"
+"""Suffix of the arrays in an archive."""
 
 
 def reads(head: bytes, path: Path) -> bool:
-    """Whether the first bytes of a file are those of a NumPy array, or of an archive that holds one."""
+    """Return whether a file begins like a NumPy array, or is an archive that holds one."""
     if head.startswith(b"\x93NUMPY"):
         return True
-    if not head.startswith(_ARCHIVE):
+    if not head.startswith(_ZIP_MAGIC):
         return False
     try:
         with zipfile.ZipFile(path) as archive:
-            return any(name.endswith(_SUFFIX) for name in archive.namelist())
+            return any(name.endswith(_ARRAY_SUFFIX) for name in archive.namelist())
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
         return path.suffix.lower() == ".npz"
 
 
 def stack(path: Path, reading: Reading) -> Stack:
-    """Open an array of two or three axes, with colors as a last one of 3 or 4; of an archive the one that is chosen."""
+    """Open an array of two or three axes, perhaps with colors along a last one; from an archive the selected array."""
     name = printable(path.name)
     shape, kind, names, number = _header(path, reading, name)
-    member = names[number] + _SUFFIX if names else ""
+    member = names[number] + _ARRAY_SUFFIX if names else ""
     if kind.kind not in "buif":
         raise UnreadableError(f"{name} holds values of type {str(kind)[:80]}, but gray levels must be real numbers.")
     count = len(shape)
@@ -54,7 +57,7 @@ def stack(path: Path, reading: Reading) -> Stack:
     if planes == 1:
         check_size(name, rows, columns)
 
-    def take(_time: int, _channel: int, first: int, end: int) -> Decoded:
+    def read_planes(_time: int, _channel: int, first: int, end: int) -> Decoded:
         stored = _values(path, member)
         whole = stored.reshape(planes, rows, columns, *shape[count - color :])
         part = np.array(whole[first:end])
@@ -63,17 +66,17 @@ def stack(path: Path, reading: Reading) -> Stack:
     each = float(kind.itemsize * (shape[-1] if color else 1))
     if member:
         check_memory(tuple(shape), kind.itemsize, name)
-    return Stack(name, (planes, rows, columns), take, each, series=names, number=number)
+    return Stack(name, (planes, rows, columns), read_planes, each, series=names, number=number)
 
 
 def _header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[Any], Texts, int]:
-    """Shape and type of the array that is meant, and of an archive the names of all arrays and which of them it is."""
+    """Read shape and type of the selected array, and for an archive the names of all arrays and its index."""
     with path.open("rb") as stream:
-        if stream.read(4) != _ARCHIVE:
+        if stream.read(4) != _ZIP_MAGIC:
             stored: Numbers = np.load(path, mmap_mode="r", allow_pickle=False)
             return stored.shape, stored.dtype, (), 0
     with zipfile.ZipFile(path) as archive:
-        members = [info for info in archive.infolist() if info.filename.endswith(_SUFFIX)]
+        members = [info for info in archive.infolist() if info.filename.endswith(_ARRAY_SUFFIX)]
         headers = []
         for info in members:
             with archive.open(info) as stream:
@@ -81,7 +84,7 @@ def _header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[A
                 read_header = array_format.read_array_header_1_0 if old else array_format.read_array_header_2_0
                 shape, _, kind = read_header(stream)
                 headers.append((shape, kind))
-    names = tuple(info.filename.removesuffix(_SUFFIX) for info in members)
+    names = tuple(info.filename.removesuffix(_ARRAY_SUFFIX) for info in members)
     images = [at for at, (shape, kind) in enumerate(headers) if _is_image(shape, kind)]
     if reading.series is None and len(images) != 1:
         raise UnreadableError(
@@ -95,12 +98,12 @@ def _header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[A
 
 
 def _is_image(shape: Extent, kind: np.dtype[Any]) -> bool:
-    """Whether an array of an archive may be an image; others are its labels, sizes and the like."""
+    """Return whether an array of an archive may be an image, unlike labels, sizes and the like."""
     return kind.kind in "buif" and len(shape) in (2, 3, 4) and min(shape[:2]) >= MINIMUM_SIDE
 
 
 def _values(path: Path, member: str) -> Numbers:
-    """An array, of which a file of its own is read where it is used."""
+    """Read an array; one in a file of its own is memory-mapped."""
     if not member:
         return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))
     with zipfile.ZipFile(path) as archive, archive.open(member) as stream:

@@ -1,4 +1,4 @@
-"""OME-Zarr: images in levels of resolution, of which any part is read or written by itself (OME-NGFF 0.4 and 0.5)."""
+"""OME-Zarr: multiscale images, any part of which can be read or written by itself (OME-NGFF 0.4 and 0.5)."""
 
 from __future__ import annotations
 
@@ -22,44 +22,47 @@ from cpm_core.parameters.quotation import sized
 
 READS = {".zarr": "OME-Zarr image"}
 
-_MARKS = ("zarr.json", ".zgroup", ".zarray")
-"""Files of which a folder of Zarr has one."""
+_ZARR_MARKERS = ("zarr.json", ".zgroup", ".zarray")
+"""Files one of which marks a Zarr folder."""
 
 _TILE = 256
-"""Side of the tiles that are written [px], a quarter of it in volumes; each file holds those of a shard."""
+"""Side of the tiles that are written, a quarter of it in volumes [px]; a file holds the tiles of a shard."""
 
-_LEAST = 512
-"""Longest side of the coarsest level that is written, at most [px], likewise."""
+_MAX_COARSEST_SIDE = 512
+"""Largest side of the coarsest level that is written, a quarter of it in volumes [px]."""
 
-_VERSION = "0.5"
-_AXES = "tczyx"
+_OME_VERSION = "0.5"
+"""Version of OME-NGFF that is written."""
+
+_AXIS_LETTERS = "tczyx"
+"""Axes that an image may have, in their order."""
 
 
 def is_zarr(folder: Path) -> bool:
-    """Whether a folder is a Zarr array or group."""
-    return any((folder / mark).is_file() for mark in _MARKS)
+    """Return whether a folder is a Zarr array or group."""
+    return any((folder / mark).is_file() for mark in _ZARR_MARKERS)
 
 
 @record
 class Levels:
-    """An image in levels of resolution, none of which has been read.
+    """An image at several resolutions, none of which has been read.
 
     Attributes
     ----------
     name : str
-        Of the file.
+        Name of the file.
     arrays : tuple of zarr.Array
-        The levels, the finest first.
+        The levels, finest first.
     axes : str
         One letter for each axis of the arrays: t, c, z, y, x.
     spacing : tuple of float
         Size of a voxel of the finest level along (plane, row, col), in `unit`.
     unit : str or None
-        Unit of length; None when it is not known.
+        Unit of length; None if unknown.
     series : tuple of str
-        Names of all images of the file; empty where it holds one.
+        Names of all images of the file; empty if it holds only one.
     number : int
-        Which of them this is, from 0.
+        Index of this image among them, from 0.
     """
 
     name: str
@@ -71,7 +74,7 @@ class Levels:
     number: int = 0
 
     def count(self, axis: str, level: int = 0) -> int:
-        """Length of an axis, by its letter; 1 where there is none such."""
+        """Return the length of an axis given by its letter; 1 if there is none."""
         return int(self.arrays[level].shape[self.axes.index(axis)]) if axis in self.axes else 1
 
     @property
@@ -80,13 +83,13 @@ class Levels:
         return self.count("y"), self.count("x")
 
     def planes(self, level: int, time: int, channel: int, planes: slice, window: Window) -> NDArray[Any]:
-        """Part of a level at a time and in a channel, shape (planes, rows, columns)."""
+        """Read part of a level at a time and in a channel, shape (planes, rows, columns)."""
         chosen: dict[str, int | slice] = {"t": time, "c": channel, "z": planes, "y": window[0], "x": window[1]}
         found: NDArray[Any] = np.asarray(self.arrays[level][tuple(chosen[axis] for axis in self.axes)])
         return found if "z" in self.axes else found[None]
 
     def finer(self, level: int, time: int, channel: int, plane: int) -> tuple[FinerPlane, ...]:
-        """A plane in the levels before one, the finest first, as far as each has twice as many rows as the next."""
+        """Find a plane in the levels before one, finest first, as long as each has twice as many rows as the next."""
         found: list[FinerPlane] = []
         while level > 0 and abs(self.count("y", level - 1) - 2 * self.count("y", level)) <= 1:
             level -= 1
@@ -94,7 +97,7 @@ class Levels:
         return tuple(found)
 
     def part(self, window: Window, reading: Reading) -> NDArray[Any]:
-        """A window of the finest level, of all planes or of the one that is chosen, by default the first."""
+        """Read a window of the finest level, shape of the window: of all planes, or the selected or first one."""
         chosen = (("time", reading.time, "t"), ("channel", reading.channel, "c"), ("page", reading.page, "z"))
         time, channel, plane = (index_of(what, given, self.count(at), 0, self.name) for what, given, at in chosen)
         if len(window) == 3:
@@ -104,7 +107,7 @@ class Levels:
 
 @record
 class FinerPlane:
-    """A plane of a level, parts of which are read as they are asked for."""
+    """A plane of a level, parts of which are read on demand."""
 
     levels: Levels
     level: int
@@ -114,17 +117,17 @@ class FinerPlane:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
+        """Numbers of rows and columns."""
         return self.levels.count("y", self.level), self.levels.count("x", self.level)
 
     def __getitem__(self, window: Window) -> NDArray[Any]:
-        """The gray levels of a window."""
+        """Read the gray levels of a window."""
         plane = slice(self.plane, self.plane + 1)
         return self.levels.planes(self.level, self.time, self.channel, plane, window)[0]
 
 
 def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B008 - a frozen value
-    """Open an image of a folder of Zarr; UnreadableError when it holds none, or the package zarr is missing."""
+    """Open an image in a Zarr folder; UnreadableError when it holds none, or the package zarr is missing."""
     try:
         import zarr
     except ImportError:
@@ -132,9 +135,9 @@ def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B0
     name = printable(path.name)
     found = zarr.open(path, mode="r")
     if isinstance(found, zarr.Array):
-        if found.ndim not in range(2, len(_AXES) + 1):
+        if found.ndim not in range(2, len(_AXIS_LETTERS) + 1):
             raise UnreadableError(f"{name} has {found.ndim} axes, but an image has two to five.")
-        return Levels(name, (found,), _AXES[-found.ndim :])
+        return Levels(name, (found,), _AXIS_LETTERS[-found.ndim :])
     series = (
         () if _scales_of(found) else tuple(sorted((key for key, _ in found.groups()), key=lambda key: (len(key), key)))
     )
@@ -143,9 +146,9 @@ def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B0
     scales = _scales_of(group)
     if not scales:
         raise UnreadableError(f"{name} is a folder of Zarr without an image: name the one in it that has levels.")
-    axes = [one if isinstance(one, dict) else {"name": one} for one in scales.get("axes", _AXES)]
+    axes = [one if isinstance(one, dict) else {"name": one} for one in scales.get("axes", _AXIS_LETTERS)]
     letters = "".join(one["name"] for one in axes)
-    if not set("yx") <= set(letters) <= set(_AXES):
+    if not set("yx") <= set(letters) <= set(_AXIS_LETTERS):
         raise UnreadableError(f"{name} has the axes {letters}, but an image has rows and columns, y and x.")
     levels = tuple(group[one["path"]] for one in scales["datasets"])
     sizes = dict(zip(letters, _scale(scales["datasets"][0]) * _scale(scales), strict=True)) if "axes" in scales else {}
@@ -157,27 +160,27 @@ def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B0
 
 
 def _scales_of(group: Any) -> Entries:
-    """The first entry of a group on levels of resolution; empty where it has none."""
+    """Find the first entry on resolution levels in a group; empty if it has none."""
     known = dict(group.attrs)
     found: Sequence[Entries] = known.get("ome", known).get("multiscales", ())
     return dict(found[0]) if found else {}
 
 
 def _scale(entry: Mapping[str, Any]) -> NDArray[np.float64]:
-    """Factors of the transformations of an entry, for each axis; 1 where there are none."""
+    """Multiply the scale transformations of an entry, for each axis; 1 without any."""
     scales = [one["scale"] for one in entry.get("coordinateTransformations", ()) if one["type"] == "scale"]
-    return np.prod(np.array(scales, dtype=float), axis=0)  # of none it is 1
+    return np.prod(np.array(scales, dtype=float), axis=0)  # 1 for an empty product
 
 
 def stack(path: Path, reading: Reading) -> Stack:
-    """Open an image, in the finest level that has a moderate number of pixels."""
+    """Open an image at the finest level with a moderate number of pixels."""
     levels = open_levels(path, reading)
     planes = levels.count("z")
     fitting = (k for k in range(len(levels.arrays)) if math.prod(levels.count(a, k) for a in "zyx") <= MAXIMUM_PIXELS)
     level = next(fitting, len(levels.arrays) - 1)
     shape = (levels.count("z", level), levels.count("y", level), levels.count("x", level))
 
-    def take(time: int, channel: int, first: int, end: int) -> Decoded:
+    def read_planes(time: int, channel: int, first: int, end: int) -> Decoded:
         values = levels.planes(level, time, channel, slice(first, end), (slice(None), slice(None)))
         same = planes == shape[0] and end == first + 1
         return Decoded(values, finer=levels.finer(level, time, channel, first) if same else ())
@@ -193,7 +196,7 @@ def stack(path: Path, reading: Reading) -> Stack:
     return Stack(
         levels.name,
         shape,
-        take,
+        read_planes,
         float(levels.arrays[level].dtype.itemsize),
         levels.count("t"),
         levels.count("c"),
@@ -214,17 +217,17 @@ def create_levels(
     unit: str | None = None,
     more: Mapping[str, Any] = {},
 ) -> int:
-    """Create an image or a volume of zeros with levels of half the size each, and give their number.
+    """Create an image or volume of zeros with levels of half the size each, and return their number.
 
-    Windows of `side` px, a multiple of 256, can be written at the same time. Pixels of a level have their centers on
-    those of every second plane, row and column of the level before. `more` is added to the metadata.
+    Windows of `side` px, a multiple of 256, can be written concurrently. Pixel centers of a level coincide with those
+    of every second plane, row and column of the previous level. `more` is added to the metadata.
     """
     import zarr
 
     group = zarr.open_group(path, mode="w")
-    axes, part = _AXES[-len(shape) :], 1 if len(shape) == 2 else 4
+    axes, part = _AXIS_LETTERS[-len(shape) :], 1 if len(shape) == 2 else 4
     tile, shard = (_TILE // part,) * len(shape), (side,) * len(shape)
-    count = 1 + max(math.ceil(math.log2(max(shape) * part / _LEAST)), 0)
+    count = 1 + max(math.ceil(math.log2(max(shape) * part / _MAX_COARSEST_SIDE)), 0)
     for level in range(count):
         size = tuple(-(-n // 2**level) for n in shape)
         group.create_array(str(level), shape=size, dtype=dtype, chunks=tile, shards=shard)
@@ -239,19 +242,19 @@ def create_levels(
     ]
     named = [{"name": name, "type": "space", **units} for name in axes]
     scales = [{"name": path.stem, "axes": named, "datasets": levels}]
-    group.attrs["ome"] = {"version": _VERSION, "multiscales": scales, **more}
+    group.attrs["ome"] = {"version": _OME_VERSION, "multiscales": scales, **more}
     return count
 
 
 def write_part(path: Path, level: int, window: Window, values: NDArray[Any]) -> None:
-    """Write a window of a level."""
+    """Write a window of a level; `values` has the shape of the window."""
     import zarr
 
     zarr.open_group(path, mode="r+")[str(level)][window] = values
 
 
 def halve_part(path: Path, level: int, window: Window) -> None:
-    """Make a window of a level of every second pixel of the level before along each axis."""
+    """Fill a window of a level with every second pixel of the previous level along each axis."""
     import zarr
 
     group = zarr.open_group(path, mode="r+")

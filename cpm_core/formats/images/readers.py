@@ -1,8 +1,6 @@
 """Readers of images and volumes: the content of a file selects its reader, not its suffix.
 
-A new reader is a module with an entry in `_READERS`, and with ``READS``, suffix -> what such a file is; ``reads(head,
-path)``, whether the file is of this format, by its first 512 bytes (all of a shorter file) and its path; and
-``stack(path, reading)``, which opens a file of one or several planes, and may raise anything for a damaged one.
+A new reader is a module with the members of `ImageReader` and an entry in `_IMAGE_READERS`.
 """
 
 from __future__ import annotations
@@ -13,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,12 +28,27 @@ from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Callback, Entries
 
-# dicom comes first, because a DICOM file may begin as a TIFF does; the last one takes what no other reads
-_READERS: tuple[Any, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)
-_HEAD = 512
-"""Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
 
-_FOREIGN: tuple[tuple[int, bytes, str], ...] = (
+class ImageReader(Protocol):
+    """A module that reads one format of images."""
+
+    READS: dict[str, str]
+    """Suffix -> kind of file."""
+
+    def reads(self, head: bytes, path: Path, /) -> bool:
+        """Return whether a file is of this format, by its first 512 bytes (all of a shorter file) and its path."""
+
+    def stack(self, path: Path, reading: Reading, /) -> Stack:
+        """Open a file of one or several planes; a damaged one may raise any exception."""
+
+
+_IMAGE_READERS: tuple[ImageReader, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)
+"""Readers in the order they are tried: DICOM files may begin like TIFF, and the last one takes what no other reads."""
+
+_SIGNATURE_SIZE = 512
+"""Bytes that identify a format; signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
+
+_FOREIGN_SIGNATURES: tuple[tuple[int, bytes, str], ...] = (
     (0, b"ZISRAWFILE", "a CZI file of Zeiss"),
     (0, b"\xda\xce\xbe\x0a", "an ND2 file of Nikon"),
     (0, b"p\0\0\0", "a LIF file of Leica"),
@@ -51,10 +64,12 @@ _FOREIGN: tuple[tuple[int, bytes, str], ...] = (
     (0, b"8BPS", "a Photoshop picture"),
     (0, b"<", "an SVG drawing or another XML file"),
 )
-"""Place of a signature in a file, the signature, and what the file is: kinds that are known but not read."""
+"""Offset, signature and description of kinds of files that are known but not read."""
 
-READABLE: dict[str, str] = {suffix: text for reader in (*_READERS, ome_zarr) for suffix, text in reader.READS.items()}
-"""Suffixes of the images that can be read -> what they are. The content of a file decides, not its suffix."""
+READABLE: dict[str, str] = {
+    suffix: text for reader in (*_IMAGE_READERS, ome_zarr) for suffix, text in reader.READS.items()
+}
+"""Suffixes of readable images -> what they are; the content of a file decides, not its suffix."""
 
 
 def load_image(
@@ -69,7 +84,7 @@ def load_image(
     spacing: ArrayLike | None = None,
     unit: str | None = None,
 ) -> Image:
-    """Read an image file, of a file of several planes one of them.
+    """Read an image file, one plane of a file of several.
 
     Parameters
     ----------
@@ -78,24 +93,24 @@ def load_image(
     go_on : callable, optional
         Called between the parts of a long file while it is hashed; it may raise to stop.
     page : int, optional
-        Which plane, page or frame, from 1; by default the first page or frame, and the middle plane of a volume.
+        Plane, page or frame, from 1; by default the first page or frame, or the middle plane of a volume.
     channel, time : int, optional
-        Which channel and which point in time, from 1; by default the first.
+        Channel and point in time, from 1; by default the first.
     series : int or str, optional
-        Which series of a TIFF or of a folder, which array of an archive, by number from 1 or by name.
+        Series of a TIFF or of a folder, or array of an archive, by number from 1 or by name.
     color : {"luminance", "red", "green", "blue", "contrast"}, optional
-        What gray levels are made of color: how bright it is to the eye, one of its channels, or the channel whose gray
-        levels vary the most.
+        Gray levels of color images: the brightness to the eye, one of the channels, or the channel whose gray levels
+        vary the most.
     spacing : float or sequence of float, optional
-        Size of a pixel, or along (row, col), in place of what the file states.
+        Size of a pixel, one number or along (row, col), shape (2,), overriding that of the file.
     unit : str, optional
         Unit of `spacing`: nm, µm, mm, cm or m.
 
     Returns
     -------
     Image
-        Its gray levels in the range of the file, the size of a pixel and its place in space where the file gives them,
-        the hash of the file, and in ``notes`` what was changed and what else the file holds.
+        Gray levels in the range of the file, shape (H, W), pixel size and position in space if the file states them,
+        the hash of the file, and ``notes`` on changes and on further contents of the file.
 
     Raises
     ------
@@ -133,13 +148,13 @@ def load_volume(
     go_on, channel, time, series, color, unit
         As for `load_image`.
     spacing : float or sequence of float, optional
-        Size of a voxel, or along (plane, row, col), in place of what the file states.
+        Size of a voxel, one number or along (plane, row, col), shape (3,), overriding that of the file.
 
     Returns
     -------
     Image
-        With three axes (plane, row, col): in medical files rows run along the second axis of the file, and planes along
-        the third. In ``notes`` it says what else the file holds.
+        Gray levels of shape (P, H, W): in medical files rows run along the second axis of the file, and planes along
+        the third. ``notes`` list further contents of the file.
 
     Raises
     ------
@@ -177,13 +192,13 @@ def load_pages(
     Returns
     -------
     Pages
-        A sequence of `Image`, each read when it is asked for, and none kept: the planes at one time, of one plane the
-        points in time, and where there are only channels, these. A picture that stands still has one page.
+        A sequence of `Image`, each read on demand and none kept: the planes at one time, the points in time of a single
+        plane, or else the channels. A still picture has one page.
 
     Raises
     ------
     ValueError
-        When there is no such file, or it cannot be used; a page that cannot be used raises it when it is asked for.
+        When there is no such file, or it cannot be used; an unusable page raises it when it is read.
 
     Examples
     --------
@@ -203,7 +218,7 @@ def load_pages(
     )
     name, axis, count = next((one for one in axes if one[2] > 1), axes[0])
 
-    def page(number: int) -> Image:
+    def read_page(number: int) -> Image:
         chosen: Entries = {name: number}
         one = replace(reading, **chosen)
         with _decoding(file):
@@ -213,7 +228,7 @@ def load_pages(
     return Pages(
         printable(file.name),
         count,
-        page,
+        read_page,
         "frame" if stack.word == "frame" else "page",
         axis,
         sum(length > 1 for length in (stack.shape[0], stack.times, stack.channels)) < 2,
@@ -222,12 +237,12 @@ def load_pages(
 
 
 def holds_volume(path: AnyPath, series: int | str | None = None) -> bool:
-    """Whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
+    """Return whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
     return open_stack(path, series).shape[0] >= MINIMUM_SIDE
 
 
 def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
-    """What a file holds, of whose planes none has been read yet.
+    """Open a file without reading any of its planes.
 
     Parameters
     ----------
@@ -237,7 +252,7 @@ def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
     Returns
     -------
     Stack
-        How many planes, channels and points in time there are, the names of its series, and the size of a voxel.
+        Numbers of planes, channels and points in time, names of the series, and voxel size.
 
     Raises
     ------
@@ -250,11 +265,12 @@ def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
 
 
 def _sides(spacing: ArrayLike | None) -> tuple[float, ...] | None:
+    """Parse the spacing of an argument."""
     return None if spacing is None else tuple(np.ravel(real_numbers(spacing)).tolist())
 
 
 def _image(file: Path, reading: Reading, part: Callable[[Stack, Reading], Decoded], go_on: Callback | None) -> Image:
-    """A part of a file as an image."""
+    """Load a part of a file as an image, hashing the file meanwhile."""
     with ThreadPoolExecutor(1) as other, _decoding(file):
         stack = _opened(file, reading)
         sha256 = other.submit(_hash, file, go_on)
@@ -263,7 +279,7 @@ def _image(file: Path, reading: Reading, part: Callable[[Stack, Reading], Decode
 
 
 def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Image:
-    """The image of what was read, in the gray levels and with the size of a pixel that were chosen."""
+    """Build the image, with the gray levels and the pixel size that were requested."""
     values, notes, colors = decoded.values, decoded.notes, decoded.colors
     spacing, unit, geometry = decoded.spacing, decoded.unit, decoded.geometry
     if reading.color != LUMINANCE and colors is not None:
@@ -274,7 +290,7 @@ def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Im
         spacing, unit = given * values.ndim if len(given) == 1 else given, checked_unit(reading.unit)
         if geometry is not None and unit and decoded.unit:
             geometry = geometry.scaled(resolution.factor(decoded.unit, unit))
-    if values.dtype == np.float64 and np.all(values == NO_DATA):  # a plane beyond what was recorded
+    if values.dtype == np.float64 and np.all(values == NO_DATA):  # a plane outside the recorded range
         notes = (*notes, no_data_note(values.size))
         values = np.zeros(values.shape)
     name, known = printable(file.name), decoded.hounsfield
@@ -282,11 +298,12 @@ def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Im
 
 
 def _hash(file: Path, go_on: Callback | None) -> str:
-    """Hash of a file; none of a folder."""
+    """Return the hash of a file; empty for a folder."""
     return "" if os.path.isdir(file) else fingerprint(file, go_on)  # noqa: PTH112 - raises nothing
 
 
 def _decoding(file: Path) -> AbstractContextManager[None]:
+    """Explain decoding errors of a file in a sentence."""
     return decoding(
         printable(file.name),
         "is damaged, cut short or of an unknown kind: get a sound copy of it, or save it again as PNG or TIFF.",
@@ -294,16 +311,16 @@ def _decoding(file: Path) -> AbstractContextManager[None]:
 
 
 def _opened(file: Path, reading: Reading) -> Stack:
-    """What a file holds, opened by its reader."""
+    """Open a file with the reader for its content."""
     if dicom.is_series(file):
         return dicom.stack(file, reading)
     if ome_zarr.is_zarr(file):
         return ome_zarr.stack(file, reading)
-    head = content_of(file, part=_HEAD)
+    head = content_of(file, part=_SIGNATURE_SIZE)
     if not head:
         raise UnreadableError(f"{file.name} is empty: get a sound copy of it.")
-    reader = next(reader for reader in _READERS if reader.reads(head, file))
-    kind = next((kind for place, mark, kind in _FOREIGN if head.startswith(mark, place)), None)
+    reader = next(reader for reader in _IMAGE_READERS if reader.reads(head, file))
+    kind = next((kind for place, mark, kind in _FOREIGN_SIGNATURES if head.startswith(mark, place)), None)
     if reader is raster and kind is not None:
         raise UnreadableError(
             f"{file.name} is {kind}, and CPM does not read those: save the image or volume that you want as TIFF, "

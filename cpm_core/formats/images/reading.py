@@ -1,4 +1,4 @@
-"""Reading: how a file is read: which part of it, by numbers from 1, and what was given by hand."""
+"""Reading options: the part of a file to read, by numbers from 1, and values that override those of the file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cpm_core.parameters.quotation import shown
 
 
 def checked_unit(given: object) -> str | None:
-    """A unit of length by one of its names, None for None; ValueError for any other."""
+    """Return the unit of length with this name, None for None; ValueError for any other name."""
     known = None if given is None else resolution.known_unit(str(given))
     if given is not None and known is None:
         raise ValueError(f"unit is {shown(given)} but must be nm, µm, mm, cm or m.")
@@ -25,27 +25,27 @@ def checked_unit(given: object) -> str | None:
 
 @frozen
 class Reading:
-    """How a file is read, by the arguments of `load_image` and `load_volume`; what is None is left to the reader.
+    """Options of `load_image` and `load_volume`; those that are None are left to the reader.
 
     Attributes
     ----------
     page : int or None
-        Plane, page or frame, of what is read as an image.
+        Plane, page or frame to read as an image.
     channel, time : int or None
         Channel and point in time.
     series : int, str or None
-        Series, by its number or its name; in an archive of arrays the array.
+        Series, by number or name; in an archive the array.
     color : str
         One of `COLORS`.
     spacing : tuple of float or None
-        Size of a pixel along each axis, in place of what the file states.
+        Size of a pixel along each axis, overriding that of the file.
     unit : str or None
         Unit of `spacing`.
 
     Raises
     ------
     ValueError
-        When one of them is no such thing.
+        When one of them is invalid.
     """
 
     page: int | None = None
@@ -75,19 +75,22 @@ class Reading:
 
     @property
     def arguments(self) -> Entries:
-        """What is chosen, by name."""
+        """Options that differ from the default, by name."""
         fields = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        return {name: given for name, given in fields.items() if given is not None and given != _DEFAULTS[name]}
+        return {
+            name: given for name, given in fields.items() if given is not None and given != _DEFAULT_ARGUMENTS[name]
+        }
 
 
 DEFAULT = Reading()
-"""All is left to the reader."""
+"""Leaves everything to the reader."""
 
-_DEFAULTS = {field.name: field.default for field in dataclasses.fields(Reading)}
+_DEFAULT_ARGUMENTS = {field.name: field.default for field in dataclasses.fields(Reading)}
+"""Default of every argument, by name."""
 
 
 def index_of(what: str, wanted: int | None, count: int, otherwise: int, name: str) -> int:
-    """Index, from 0, of what is wanted among so many; UnreadableError when there are fewer."""
+    """Return the index, from 0, of part number `wanted`, or `otherwise` for None; UnreadableError beyond `count`."""
     if wanted is None:
         return otherwise
     if wanted > count:
@@ -97,7 +100,7 @@ def index_of(what: str, wanted: int | None, count: int, otherwise: int, name: st
 
 
 def series_of(wanted: int | str | None, names: Texts, otherwise: int, file: str) -> int:
-    """Index of the series that is wanted, by number or name; UnreadableError when there is none such."""
+    """Return the index of a series given by number or name; UnreadableError if there is none."""
     if isinstance(wanted, str):
         if wanted in names:
             return names.index(wanted)

@@ -1,4 +1,4 @@
-"""Resolution: the size of a pixel, where a file gives a plausible one."""
+"""Resolution: the size of a pixel, if a file states a plausible one."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import math
 MICROMETER = "µm"
 
 PRINT_LIMIT = 10.0
-"""Largest pixel size that is accepted from a plain resolution tag [µm]; see `from_density`."""
+"""Upper bound of a pixel size from a plain resolution tag [µm]; see `from_density`."""
 
-_NAMES = {
+_UNIT_NAMES = {
     "um": MICROMETER,
     "\u00b5m": MICROMETER,
     "\u03bcm": MICROMETER,
@@ -26,15 +26,20 @@ _NAMES = {
     "m": "m",
     "meter": "m",
 }
+"""Names of units -> units."""
 
-_METERS = {"nm": 1e-9, MICROMETER: 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
+_METERS_PER_UNIT = {"nm": 1e-9, MICROMETER: 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
+"""Length of each unit [m]."""
 
 Spacing = tuple[tuple[float, float], str | None]
+"""Size of a pixel along (row, col), and its unit."""
+
 UNKNOWN: Spacing = ((1.0, 1.0), None)
+"""Spacing of an image whose pixel size is unknown."""
 
 
 def from_sizes(row: float, col: float, unit: str) -> Spacing:
-    """Spacing from the size of a pixel in a named unit; unknown when a size or the unit is not valid."""
+    """Return the spacing of pixel sizes in a named unit; unknown if a size or the unit is invalid."""
     name = known_unit(unit)
     if name is None or not all(math.isfinite(size) and size > 0 for size in (row, col)):
         return UNKNOWN
@@ -42,30 +47,30 @@ def from_sizes(row: float, col: float, unit: str) -> Spacing:
 
 
 def factor(unit: str | None, other: str) -> float:
-    """How many of another known unit one unit is; 0 where it is not known."""
-    return _METERS.get(unit or "", 0.0) / _METERS[other]
+    """Return the factor that converts a unit to another known one; 0 for an unknown unit."""
+    return _METERS_PER_UNIT.get(unit or "", 0.0) / _METERS_PER_UNIT[other]
 
 
 def in_ascii(unit: str | None, otherwise: str) -> str:
-    """A unit of length for files, as many programs take other letters for a wrong encoding."""
+    """Return a unit in ASCII, because many programs misread other letters in files."""
     return "um" if unit == MICROMETER else unit or otherwise
 
 
 def known_unit(name: str) -> str | None:
-    """The unit of length that is meant by a name; None for others."""
-    return _NAMES.get(name.replace("\\u00B5", "\u00b5").strip().lower())
+    """Return the unit of length with this name; None if there is none."""
+    return _UNIT_NAMES.get(name.replace("\\u00B5", "\u00b5").strip().lower())
 
 
 def long_name(unit: str) -> str:
-    """The name of a known unit of length without a short form, such as "micrometer"."""
-    return next(name for name, known in _NAMES.items() if known == unit and name.endswith("meter"))
+    """Return the long name of a unit of length, such as "micrometer"."""
+    return next(name for name, known in _UNIT_NAMES.items() if known == unit and name.endswith("meter"))
 
 
 def from_density(rows_per_meter: float, columns_per_meter: float) -> Spacing:
-    """Spacing from a plain resolution tag, in pixels a meter.
+    """Return the spacing of a plain resolution tag, in pixels per meter.
 
-    Cameras, screens and printers write 72, 96 or 300 dots an inch, regardless of the content of the picture. Only a
-    finer resolution, a pixel below `PRINT_LIMIT`, is taken for the size of a pixel on the specimen.
+    Cameras, screens and printers write 72, 96 or 300 dots per inch regardless of the content. Only a finer resolution,
+    with pixels below `PRINT_LIMIT`, is taken for the pixel size on the specimen.
     """
     if not (rows_per_meter > 0 and columns_per_meter > 0):
         return UNKNOWN

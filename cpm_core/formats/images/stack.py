@@ -1,4 +1,4 @@
-"""Stack: what a file of several planes holds, before a part of it is read, and the parts: a plane, a volume, pages."""
+"""Stacks: contents of a file before any part is read, and the parts: a plane, a volume, pages."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.types import Array, Extent, Texts, record
 from cpm_core.parameters.quotation import counted, described, shown
 
-_BYTES_OF_GRAY = 16
-"""Memory of a voxel besides its own while it is read: its gray level, and that once more as it is copied [bytes]."""
+_GRAY_LEVEL_MEMORY = 16
+"""Memory for a voxel besides its stored value while it is read: its gray level and a copy of it [bytes]."""
 
-_SLANTED = 0.5
-"""Angle by which axes may be off right ones without a note [degrees]."""
+_MAX_SILENT_SLANT = 0.5
+"""Largest deviation of axes from right angles without a note [degrees]."""
 
 Position = tuple[Triple, str | None, Geometry | None, Texts]
-"""Size of a voxel, its unit, where the volume lies, where the file gives them, and notes on them."""
+"""Voxel size, its unit and the position of the volume, if the file states them, and notes on them."""
 
 ONLY_THESE = "Only these were taken."
-"""What follows the sentence on the longest even part of a file."""
+"""Note after the one on the longest even part of a file."""
 
 
 @record
 class Stack:
-    """What a file of several planes holds.
+    """Contents of a file of one or several planes.
 
     Attributes
     ----------
@@ -44,34 +44,34 @@ class Stack:
     shape : tuple of int
         Number of planes, rows and columns.
     take : callable
-        Reads the planes from one to before another, at a time and in a channel, all from 0: gray levels of shape
-        (planes, rows, columns), with colors if there are any, and notes on them.
+        Called with time, channel, first plane and the plane after the last, all from 0: reads gray levels of shape
+        (planes, rows, columns), colors if there are any, and notes.
     each : float
-        Memory of a voxel as it is stored [bytes].
+        Size of a voxel as it is stored [bytes].
     times, channels : int
-        How many there are.
+        Number of each.
     spacing : tuple of float
         Size of a voxel along (plane, row, col), in `unit`.
     unit : str or None
         Unit of length; None when the file does not give it.
     geometry : Geometry or None
-        Where the volume lies in space.
+        Position of the volume in space.
     places : tuple of Geometry
-        Where each plane lies, when that does not follow from `geometry`.
+        Position of each plane, if it does not follow from `geometry`.
     stretch : tuple of int or None
-        First plane and the one after the last that make a volume, as a file may lack some.
+        Range of planes that make a volume, if the file lacks others.
     notes, of_volume : tuple of str
-        What is true of all that is read, and of a volume only.
+        Notes on everything that is read, and on volumes only.
     word : str
-        What a plane is called: plane, page or frame.
+        Name of a plane: plane, page or frame.
     series : tuple of str
-        Names of all series of the file, or of all arrays of an archive; empty where it has none.
+        Names of all series of the file, or arrays of the archive; empty if it has none.
     number : int
-        Which of them this is, from 0.
+        Index of this one among them, from 0.
     deep : bool
-        Whether the file states how far apart its planes are: they are then those of a volume.
+        Whether the file states the distance of its planes, which are then those of a volume.
     hounsfield : bool or None
-        Whether gray levels are Hounsfield units; None where the file does not say.
+        Whether gray levels are Hounsfield units; None if the file does not state it.
     """
 
     name: str
@@ -95,12 +95,12 @@ class Stack:
 
     @property
     def otherwise(self) -> int:
-        """Index of the plane that is read when nobody chooses: of a volume the one in the middle."""
+        """Index of the plane that is read by default: the middle one of a volume."""
         return self.shape[0] // 2 if self.word == "plane" else 0
 
 
 def plane_of(stack: Stack, reading: Reading) -> Decoded:
-    """One plane of a stack; of frames, which are points in time, the page is one of them.
+    """Read one plane of a stack; for frames, which are points in time, one of these.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def plane_of(stack: Stack, reading: Reading) -> Decoded:
 
 
 def volume_of(stack: Stack, reading: Reading) -> Decoded:
-    """All planes of a stack, at one time and in one channel; frames become planes.
+    """Read all planes of a stack at one time and in one channel; frames become planes.
 
     Raises
     ------
@@ -153,7 +153,7 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
         )
     if stack.stretch is not None:
         notes.append(ONLY_THESE)
-    check_memory((count, rows, columns), stack.each + _BYTES_OF_GRAY, stack.name)
+    check_memory((count, rows, columns), stack.each + _GRAY_LEVEL_MEMORY, stack.name)
     channel = _chosen(stack, "channel", reading.channel, stack.channels, notes)
     if frames:
         notes.append(f"Its {count} {stack.word}s, which are points in time, were taken as planes.")
@@ -163,7 +163,7 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
     geometry = stack.geometry
     if geometry is not None and first:
         geometry = geometry.moved((first, 0, 0), stack.spacing)
-    if geometry is not None and geometry.slant > _SLANTED:
+    if geometry is not None and geometry.slant > _MAX_SILENT_SLANT:
         notes.append(
             f"Its axes are {geometry.slant:.1f}° off right angles; lengths were taken as if they were at right angles."
         )
@@ -171,7 +171,7 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
 
 
 def _of_stack(found: Decoded, stack: Stack, place: Geometry | None, notes: list[str]) -> Decoded:
-    """What was read with all that the file says of it; notes on each plane once."""
+    """Add what the file states to the pixels that were read; notes on planes are merged."""
     said, spacing = dict.fromkeys(found.notes), stack.spacing[-found.values.ndim :]
     return replace(
         found, spacing=spacing, unit=stack.unit, geometry=place, hounsfield=stack.hounsfield, notes=(*notes, *said)
@@ -179,7 +179,7 @@ def _of_stack(found: Decoded, stack: Stack, place: Geometry | None, notes: list[
 
 
 def joined(planes: Sequence[Decoded]) -> Decoded:
-    """Images as the planes of one volume; gray ones among colored ones get the colors of gray."""
+    """Stack images of shape (1, H, W) or (H, W) as planes; gray ones among colored ones get gray colors."""
     values = planes[0].values[np.newaxis] if len(planes) == 1 else np.stack([plane.values for plane in planes])
     notes = tuple(dict.fromkeys(note for plane in planes for note in plane.notes))
     white = next((plane.colors.white for plane in planes if plane.colors is not None), None)
@@ -196,15 +196,29 @@ def joined(planes: Sequence[Decoded]) -> Decoded:
 
 
 def _first_plane(found: Decoded) -> Decoded:
-    """The first plane of a volume."""
+    """Select the first plane of a volume."""
     colors = found.colors and replace(found.colors, samples=found.colors.samples[0])
     return replace(found, values=found.values[0], colors=colors)
 
 
 def position_of(affine: Array, convention: Convention, sides: Sequence[float], unit: str) -> Position:
-    """The position of a volume by the matrix of a file, from (col, row, plane, 1) to (x, y, z, 1).
+    """Return the position of a volume by the affine matrix of a file.
 
-    Where that is not valid, only the size of a voxel (plane, row, col) is known.
+    Parameters
+    ----------
+    affine : ndarray, shape (4, 4)
+        Maps (col, row, plane, 1) to (x, y, z, 1).
+    convention : {"LPS", "RAS"}
+        Orientation of x, y and z.
+    sides : sequence of float
+        Size of a voxel along (plane, row, col), used if the matrix is invalid.
+    unit : str
+        Unit of length.
+
+    Returns
+    -------
+    Position
+        Voxel size, unit, geometry, and notes.
     """
     try:
         geometry, spacing = from_affine(affine, convention)
@@ -215,7 +229,7 @@ def position_of(affine: Array, convention: Convention, sides: Sequence[float], u
 
 
 def check_memory(shape: Extent, each: float, name: str) -> None:
-    """Raise UnreadableError, which names a size that fits, where there is no memory for so many bytes a voxel."""
+    """Raise UnreadableError, naming a size that fits, if memory cannot hold `each` bytes per voxel."""
     try:
         check_room(shape, each, name)
     except ValueError as error:
@@ -223,7 +237,7 @@ def check_memory(shape: Extent, each: float, name: str) -> None:
 
 
 def file_beside(header: Path, named: str) -> Path:
-    """The file beside a header that it names; UnreadableError for files elsewhere, several of them, and for no file."""
+    """Find the data file that a header names; UnreadableError unless it is a single file in the same folder."""
     place = Path(named)
     data = header.parent / place
     if "\0" in named or place.is_absolute() or ".." in place.parts or not data.is_file():
@@ -235,7 +249,7 @@ def file_beside(header: Path, named: str) -> Path:
 
 
 def _chosen(stack: Stack, what: str, wanted: int | None, count: int, notes: list[str]) -> int:
-    """Index of a channel or a point in time, by default the first, which is noted."""
+    """Return the index of a channel or a point in time, by default the first, which is noted."""
     if wanted is None and count > 1:
         words = "points in time" if what == "time" else "channels"
         notes.append(f"Only the first of its {count} {words} was taken.")
@@ -248,22 +262,22 @@ Axis = Literal["z", "t", "c"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pages(Sequence[Image]):
-    """The pages of a file; none is kept, so that a long stack takes no more memory than one of its pages.
+    """Pages of a file; none is kept in memory, so a long stack takes no more than one page.
 
     Attributes
     ----------
     name : str
-        The file.
+        Name of the file.
     length : int
-        How many pages there are.
+        Number of pages.
     read : callable
-        Reads the page with a number from 1; ValueError when it cannot be used.
+        Reads a page by its number from 1; ValueError when it cannot be used.
     word : str
-        What a page is called: page or frame.
+        Name of a page: page or frame.
     axis : {"z", "t", "c"}
-        What the pages are: planes, points in time, channels.
+        Axis of the pages: planes, points in time, channels.
     alone : bool
-        Whether the file has no further axis, of which one part is read.
+        Whether the file has no further axis, along which one part is selected.
     sha256 : str
         Hash of the file.
     """
@@ -286,7 +300,7 @@ class Pages(Sequence[Image]):
     def __getitem__(self, index: slice) -> Pages: ...
 
     def __getitem__(self, index: int | slice) -> Image | Pages:
-        """Read a page, counted from 0 here; of a slice the pages are read when they are asked for."""
+        """Read a page by its index from 0; the pages of a slice are read on demand."""
         places = range(self.length)[index]
         if isinstance(places, range):
             return replace(self, length=len(places), read=lambda number: self.read(places[number - 1] + 1))

@@ -1,4 +1,4 @@
-"""TIFF: images and stacks of any depth, hyperstacks of ImageJ and OME with channels and times among their pages."""
+"""TIFF: images and stacks of any depth, hyperstacks of ImageJ and OME with channels and times as pages."""
 
 from __future__ import annotations
 
@@ -29,31 +29,53 @@ logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
 READS = {".tif": "TIFF image or stack", ".tiff": "TIFF image or stack"}
 
-_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+_TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+"""First bytes of TIFF and BigTIFF of either byte order."""
 
+_PHOTOMETRIC_WHITE_IS_ZERO = 0
+"""Tag for gray levels that count from white."""
 
-_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE, _INKS, _YCBCR = 0, 1, 2, 3, 5, 6
-_JPEG = 7
-_PREMULTIPLIED = 1
-_METER = 1
-"""What tifffile calls the unit of a resolution in pixels a meter."""
+_PHOTOMETRIC_BLACK_IS_ZERO = 1
+"""Tag for gray levels that count from black."""
+
+_PHOTOMETRIC_RGB = 2
+"""Tag for red, green and blue."""
+
+_PHOTOMETRIC_PALETTE = 3
+"""Tag for indices into a color table."""
+
+_PHOTOMETRIC_INKS = 5
+"""Tag for amounts of ink (CMYK)."""
+
+_PHOTOMETRIC_YCBCR = 6
+"""Tag for luminance and chrominance."""
+
+_JPEG_COMPRESSION = 7
+"""Tag for compression by JPEG."""
+
+_PREMULTIPLIED_ALPHA = 1
+"""Tag for colors that are multiplied by their opacity."""
+
+_PER_METER_UNIT = 1
+"""Code of tifffile for a resolution in pixels per meter."""
 
 _PIXEL_AXES = "YXS"
+"""Axes within a page: rows, columns, samples."""
 
 
 def reads(head: bytes, _path: Path) -> bool:
-    """Whether the first bytes of a file are those of a TIFF."""
-    return head.startswith(_MAGIC)
+    """Return whether a file begins like a TIFF."""
+    return head.startswith(_TIFF_MAGIC)
 
 
 def stack(path: Path, reading: Reading) -> Stack:
-    """Open a stack: a series of pages of one size.
+    """Open a stack: a series of pages of the same size.
 
     Raises
     ------
     UnreadableError
-        When it has more axes than times, channels, planes, rows and columns, or parts of it are in other files that
-        are missing.
+        When it has axes besides times, channels, planes, rows and columns, or parts of it are in other files, which are
+        missing.
     """
     import tifffile  # only here, because it takes long to import
 
@@ -76,14 +98,14 @@ def stack(path: Path, reading: Reading) -> Stack:
     notes = () if reading.series or len(names) == 1 else (f"Only the first of its {len(names)} series was taken.",)
     untold = ("The distance of its planes is not given; that of its rows was taken.",)
 
-    def take(time: int, channel: int, first: int, end: int) -> Decoded:
+    def read_planes(time: int, channel: int, first: int, end: int) -> Decoded:
         with tifffile.TiffFile(path) as file:
             return _taken(_series(file)[number], pages[time, channel, first:end], name)
 
     return Stack(
         name,
         (pages.shape[2], *sides),
-        take,
+        read_planes,
         series.dtype.itemsize * float(size.get("S", 1)),
         pages.shape[0],
         pages.shape[1],
@@ -99,14 +121,14 @@ def stack(path: Path, reading: Reading) -> Stack:
 
 
 def _series(file: tifffile.TiffFile) -> list[tifffile.TiffPageSeries]:
-    """The series of a file, whose pages are counted first: of a damaged one they may follow each other in a circle."""
+    """List the series of a file; its pages are counted first, since those of a damaged file may form a loop."""
     if not len(file.pages):
         raise ValueError("it has no pages")
     return list(file.series)
 
 
 def _pages_of(series: tifffile.TiffPageSeries, name: str) -> Index:
-    """Index of each page by (time, channel, plane); other axes count as planes, or as times next to planes."""
+    """Return the page index by (time, channel, plane), shape (T, C, P); other axes count as planes, or as times."""
     if not {"Y", "X"} <= set(series.axes):
         raise UnreadableError(f"{name} has the axes {series.axes}: save one volume or plane of it.")
     axes = [axis for axis in series.axes if axis not in _PIXEL_AXES]
@@ -126,7 +148,7 @@ def _pages_of(series: tifffile.TiffPageSeries, name: str) -> Index:
 
 
 def _taken(series: tifffile.TiffPageSeries, numbers: Index, name: str) -> Decoded:
-    """Pages of a series: one by one, or by their place where one directory stands for all."""
+    """Decode pages of a series: one by one, or by their offset if one directory stands for all."""
     import tifffile
 
     pages, keyframe = series.pages, series.keyframe
@@ -142,15 +164,15 @@ def _taken(series: tifffile.TiffPageSeries, numbers: Index, name: str) -> Decode
 
 
 def _raw(page: tifffile.TiffPage, name: str) -> Numbers:
-    """Pixels as they are stored; an error, before memory is taken, for more of them than the file can hold."""
+    """Read pixels as stored, shape (H, W) or (H, W, C), checking their number before memory is allocated."""
     check_size(name, int(page.imagelength), int(page.imagewidth))
-    if page.bitspersample == 24:  # whose order tifffile gets wrong
+    if page.bitspersample == 24:  # tifffile gets their order wrong
         raise _uncommon(page, name)
     return np.asarray(page.asarray(maxworkers=1))
 
 
 def _decoded(page: tifffile.TiffPage, raw: Numbers, name: str) -> Decoded:
-    """Gray levels of the samples of a page, upright."""
+    """Decode the samples of a page to upright gray levels."""
     if page.axes == "SYX":
         raw = np.moveaxis(raw, 0, -1)
     stored = samples = raw if raw.ndim == 3 else raw[..., np.newaxis]
@@ -159,40 +181,40 @@ def _decoded(page: tifffile.TiffPage, raw: Numbers, name: str) -> Decoded:
     if samples.dtype == np.bool_:
         samples, bits = samples.astype(np.uint8) * np.uint8(255), 8
         notes.append("Black and white were read as 0 and 255.")
-    if colors == _PALETTE:
+    if colors == _PHOTOMETRIC_PALETTE:
         table = np.asarray(page.colormap, float)
         table = table if table.max() < 256.0 else table / 257.0  # old programs write eight bits in sixteen
         samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
-    elif colors == _INKS:
+    elif colors == _PHOTOMETRIC_INKS:
         if page.tags.valueof("InkSet", default=1) != 1 or samples.shape[-1] < 4:
             raise _uncommon(page, name)
         white = _white(bits, samples)
         light = (white - samples[..., :3]) * (1.0 - samples[..., 3:4] / white)
         samples = np.concatenate([light.astype(samples.dtype), samples[..., 4:]], axis=-1)
-    elif colors not in (_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB) and not (
-        colors == _YCBCR and page.compression == _JPEG  # which unpacking turns into red, green and blue
+    elif colors not in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO, _PHOTOMETRIC_RGB) and not (
+        colors == _PHOTOMETRIC_YCBCR and page.compression == _JPEG_COMPRESSION  # unpacked to red, green and blue
     ):
         raise _uncommon(page, name)
     white = _white(bits, samples)
-    count = 1 if colors in (_WHITE_IS_ZERO, _BLACK_IS_ZERO) else 3
+    count = 1 if colors in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO) else 3
     extra = samples[..., count:]
     has_alpha = extra.shape[-1] > 0 and bool(page.extrasamples) and int(page.extrasamples[0]) in (1, 2)
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
     shown, opacity = samples[..., :count], extra[..., 0] / _white(bits, extra[..., 0]) if has_alpha else None
-    if colors == _WHITE_IS_ZERO:
+    if colors == _PHOTOMETRIC_WHITE_IS_ZERO:
         shown = white - shown
         notes.append("It counts from white to black and was inverted.")
-    if opacity is not None and int(page.extrasamples[0]) == _PREMULTIPLIED:
+    if opacity is not None and int(page.extrasamples[0]) == _PREMULTIPLIED_ALPHA:
         share = opacity[..., np.newaxis]
         shown = np.divide(shown, share, out=np.zeros(shown.shape), where=share > 0.0)
     found = from_samples(shown, opacity, tuple(notes), white)
-    given = stored[..., : 1 if colors == _PALETTE else count]
+    given = stored[..., : 1 if colors == _PHOTOMETRIC_PALETTE else count]
     return upright(replace(found, values=_without_no_data(page, found.values, given)), _orientation(page))
 
 
 def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
-    """The error for a page with numbers or colors that are not read."""
+    """Return the error for a page with an unsupported type of numbers or colors."""
     kind = getattr(page.photometric, "name", page.photometric)
     return UnreadableError(
         f"{name} is a TIFF of an uncommon kind ({page.bitspersample} bits, {kind}): save it again in gray, or in red, "
@@ -201,7 +223,7 @@ def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
 
 
 def _without_no_data(page: tifffile.TiffPage, gray: Numbers, stored: Numbers) -> Numbers:
-    """Gray levels with `NO_DATA` where all samples are the value that a geographic program gives as no data."""
+    """Set pixels whose samples all equal the no-data value of geographic programs to `NO_DATA`."""
     try:
         absent_value = float(page.tags.valueof("GDAL_NODATA"))
     except (TypeError, ValueError):
@@ -211,11 +233,12 @@ def _without_no_data(page: tifffile.TiffPage, gray: Numbers, stored: Numbers) ->
 
 
 def _white(bits: object, samples: Numbers) -> float:
-    """Level of white, of pixels with fewer bits than their type too."""
+    """Return the level of white, also for pixels with fewer bits than their type."""
     return 2.0**bits - 1.0 if isinstance(bits, int) and samples.dtype.kind == "u" else full_scale(samples)
 
 
 def _orientation(page: tifffile.TiffPage) -> int:
+    """Return the orientation tag of a page."""
     found = page.tags.valueof("Orientation", default=1)
     return found if isinstance(found, int) else 1
 
@@ -223,9 +246,9 @@ def _orientation(page: tifffile.TiffPage) -> int:
 def _voxel(
     file: tifffile.TiffFile, page: tifffile.TiffPage, series: int
 ) -> tuple[float | None, tuple[float, float], str | None]:
-    """Distance of neighboring planes, where it is given, the size of a pixel on the specimen, and the unit of both.
+    """Read the distance of planes, if stated, the pixel size on the specimen, and the unit of both.
 
-    They are those of OME or ImageJ; else the size is that of the resolution tag, when it is plausible.
+    They come from OME or ImageJ, else from the resolution tag if it is plausible.
     """
     hyperstack = file.imagej_metadata or {}
     if file.ome_metadata:
@@ -238,7 +261,7 @@ def _voxel(
         sizes = [hyperstack.get("spacing", 0.0), 1.0 / rows if rows else 0.0, 1.0 / columns if columns else 0.0]
         units = 3 * [str(hyperstack.get("unit"))]
         if "unit" not in hyperstack:
-            columns, rows = page.get_resolution(_METER)
+            columns, rows = page.get_resolution(_PER_METER_UNIT)
             return None, *resolution.from_density(rows, columns)
     pixel, unit = resolution.from_sizes(float(sizes[1]), float(sizes[2]), units[1] if units[1] == units[2] else "")
     try:

@@ -1,1 +1,1 @@
-"""Files of label masks, a module for each format."""
+"""Files of label masks, one module per format."""

@@ -1,4 +1,4 @@
-"""DICOM SEG: objects in a series as segments that refer to its images, written by highdicom and read by pydicom."""
+"""DICOM SEG: objects as segments that refer to the images of a series, by highdicom and pydicom."""
 
 from __future__ import annotations
 
@@ -22,27 +22,33 @@ from cpm_core.formats.masks.labels import labels_of, named_labels
 from cpm_core.formats.masks.nifti import placed
 from cpm_core.image.geometry import Geometry
 
-_STORAGE = "1.2.840.10008.5.1.4.1.1.66.4"
-_LABELMAP = "1.2.840.10008.5.1.4.1.1.66.7"
-_NEAR = 0.01
-"""How far a slice may lie from its place [mm]."""
+_SEGMENTATION_CLASS = "1.2.840.10008.5.1.4.1.1.66.4"
+"""Class of files whose frames are binary or fractional segments."""
 
-_TISSUE = ("85756007", "SCT", "Tissue")
-_EDGES = ("123103", "DCM", "Edge Detection")
-"""What segments are, and how they were found, by codes of the standard."""
+_LABELMAP_CLASS = "1.2.840.10008.5.1.4.1.1.66.7"
+"""Class of files whose frames are label maps."""
 
-_MOST_OF_LABEL = 64
-"""Letters that the label of a segment may have."""
+_MAX_SLICE_OFFSET = 0.01
+"""Largest distance of a slice from its expected position [mm]; also largest difference of unit vectors."""
 
-_LAB = np.array([[0.0, -128.0, -128.0], [100.0, 127.0, 127.0]])
-"""What 0 and 65535 mean in the color of a segment, in CIELab with the white of D65, as DCMTK writes it."""
+_TISSUE_CODE = ("85756007", "SCT", "Tissue")
+"""Code of the standard for the kind of the segments."""
+
+_EDGE_DETECTION_CODE = ("123103", "DCM", "Edge Detection")
+"""Code of the standard for the method that found them."""
+
+_MAX_LABEL_LENGTH = 64
+"""Longest label of a segment [characters]."""
+
+_LAB_RANGE = np.array([[0.0, -128.0, -128.0], [100.0, 127.0, 127.0]])
+"""Colors of 0 and 65535 in the color of a segment: CIELab with white point D65, as DCMTK writes it."""
 
 
 def encode(result: Result, image: Path | None = None) -> bytes:
-    """Make a segmentation of the objects of a result in the series of a file or folder, each a segment with its name.
+    """Encode the objects of a result as a segmentation of the series in a file or folder, one named segment each.
 
-    Segments are numbered from 1 without gaps, as highdicom demands. ValueError without highdicom, when there is nothing
-    to paint, and when the result does not lie in a DICOM series.
+    Segments are numbered from 1 without gaps, as highdicom requires. ValueError without highdicom, when there is
+    nothing to paint, and when the result does not lie in a DICOM series.
     """
     try:
         import highdicom
@@ -57,7 +63,7 @@ def encode(result: Result, image: Path | None = None) -> bytes:
     frames = _source(result, image)
     sources = [pydicom.dcmread(path, stop_before_pixels=True) for path in dict.fromkeys(frame.path for frame in frames)]
     order = np.argsort([frame.index for frame in frames], kind="stable")
-    algorithm = highdicom.AlgorithmIdentificationSequence("CPM", Code(*_EDGES), VERSION)
+    algorithm = highdicom.AlgorithmIdentificationSequence("CPM", Code(*_EDGE_DETECTION_CODE), VERSION)
     segments = []
     for number, old in enumerate(numbers, start=1):
         label = names.get(old, Label(old))
@@ -65,9 +71,9 @@ def encode(result: Result, image: Path | None = None) -> bytes:
         segments.append(
             highdicom.seg.SegmentDescription(
                 number,
-                (label.name or f"Segment {old}")[:_MOST_OF_LABEL],
-                Code(*_TISSUE),
-                Code(*_TISSUE),
+                (label.name or f"Segment {old}")[:_MAX_LABEL_LENGTH],
+                Code(*_TISSUE_CODE),
+                Code(*_TISSUE_CODE),
                 "SEMIAUTOMATIC",
                 algorithm,
                 display_color=highdicom.color.CIELabColor(*lab.tolist()) if label.color else None,
@@ -75,7 +81,7 @@ def encode(result: Result, image: Path | None = None) -> bytes:
         )
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of what is unusual in the header of the series
+            warnings.simplefilter("ignore")  # about oddities in the headers of the series
             made = highdicom.seg.Segmentation(
                 sources,
                 np.searchsorted([0, *numbers], mask)[order].astype(np.uint16),
@@ -98,7 +104,7 @@ def encode(result: Result, image: Path | None = None) -> bytes:
 
 
 def _source(result: Result, image: Path | None) -> list[Frame]:
-    """The images of the series that a result lies in, one for each plane; ValueError where there is none."""
+    """Find the images of the series that a result lies in, one per plane; ValueError if there is none."""
     affine, unit, _ = placed(result, "LPS")
     refused = ValueError(
         f"{result.source} is no DICOM series with positions, but a segmentation refers to one: choose .nii.gz or .nrrd."
@@ -112,30 +118,30 @@ def _source(result: Result, image: Path | None) -> list[Frame]:
     for frame in sorted(frames_in(image)[0], key=lambda frame: frame.number):
         if frame.shape != result.shape[1:] or frame.origin is None or frame.along is None:
             continue
-        if np.abs(frame.along.T - along).max() < _NEAR:
+        if np.abs(frame.along.T - along).max() < _MAX_SLICE_OFFSET:
             series.setdefault(frame.series, []).append(frame)
     found = []
     for frames in series.values():
         away = np.linalg.norm(wanted[:, None] - [frame.origin for frame in frames], axis=-1)
-        if away.min(axis=1).max() < _NEAR:
+        if away.min(axis=1).max() < _MAX_SLICE_OFFSET:
             found.append([frames[index] for index in away.argmin(axis=1)])
     middle = len(planes) // 2
-    for frames in found:  # several may lie at one place, such as those before and after a contrast agent
+    for frames in found:  # several may share a position, such as those before and after a contrast agent
         if len(found) == 1 or np.array_equal(decoded("", frames[middle:][:1]).values[0], result.image.values[middle]):
             return frames
     raise refused
 
 
 def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
-    """The segments of a file, each with the images in which it has pixels, as masks that know where they lie.
+    """Read the segments of a file, each with the images in which it has pixels, as masks with their position.
 
-    There are none in files of another kind.
+    Empty for files of another kind.
     """
     import pydicom
 
     dataset: Any = pydicom.dcmread(path) if is_dicom(path) else {}
     kind = dataset.get("SOPClassUID")
-    if kind not in (_STORAGE, _LABELMAP):
+    if kind not in (_SEGMENTATION_CLASS, _LABELMAP_CLASS):
         return []
     frames, _ = frames_in(path)
     pixels = dataset.pixel_array.reshape((-1, *frames[0].shape))
@@ -150,7 +156,7 @@ def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
         if frame.origin is None or frame.along is None or frame.spacing is None:
             raise UnreadableError(f"{path.name} does not state where its segments lie: save it again.")
         masks = {number: values == number for number in np.unique(values[values > 0]).tolist()}
-        if kind == _STORAGE:
+        if kind == _SEGMENTATION_CLASS:
             group = own if "SegmentIdentificationSequence" in own else dataset.SharedFunctionalGroupsSequence[0]
             masks = {int(group.SegmentIdentificationSequence[0].ReferencedSegmentNumber): values > 0}
         axes = (np.cross(*frame.along), frame.along[1], frame.along[0])
@@ -161,8 +167,8 @@ def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
 
 
 def _color(stored: Any) -> bytes:
-    """Red, green and blue of a segment; nothing where it has no color."""
+    """Decode red, green and blue of a segment; empty without a color."""
     if stored is None or len(stored) != 3:
         return b""
-    lab = _LAB[0] + np.array(stored, float) / 65535.0 * (_LAB[1] - _LAB[0])
+    lab = _LAB_RANGE[0] + np.array(stored, float) / 65535.0 * (_LAB_RANGE[1] - _LAB_RANGE[0])
     return bytes(np.rint(255.0 * np.clip(skimage.color.lab2rgb(lab), 0.0, 1.0)).astype(np.uint8))

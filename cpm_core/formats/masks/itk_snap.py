@@ -1,4 +1,4 @@
-"""Label descriptions of ITK-SNAP: a text next to a label volume with the name and the color of each label."""
+"""Label descriptions of ITK-SNAP: a text file next to a label volume with name and color of each label."""
 
 from __future__ import annotations
 
@@ -11,30 +11,36 @@ from cpm_core.formats.common.content import content_of
 from cpm_core.formats.common.printable import label_of
 
 SUFFIX = ".txt"
-_SUFFIXES = (SUFFIX, ".label")
-"""Suffixes by which ITK-SNAP saves descriptions."""
+"""Suffix of the descriptions that are written."""
 
-_HEAD = "# labels for ITK-SNAP: number, red, green, blue, opacity, shown in slices, shown in space, name\n"
-_LINE = re.compile(r'\s*(\d+)\s+(\d+)\s+(\d+)\s+(\d+)\s+[\d.eE+-]+\s+[01]\s+[01]\s+"(.*)"\s*')
-_LARGEST = 2**22
-"""Most bytes of a file that is read."""
+_DESCRIPTION_SUFFIXES = (SUFFIX, ".label")
+"""Suffixes of the descriptions that ITK-SNAP saves."""
+
+_HEADER_LINE = "# labels for ITK-SNAP: number, red, green, blue, opacity, shown in slices, shown in space, name\n"
+"""First line of a description."""
+
+_LABEL_LINE = re.compile(r'\s*(\d+)\s+(\d+)\s+(\d+)\s+(\d+)\s+[\d.eE+-]+\s+[01]\s+[01]\s+"(.*)"\s*')
+"""Line of a label: number, red, green, blue, opacity, two visibilities, name."""
+
+_MAX_DESCRIPTION_SIZE = 2**22
+"""Size up to which a file is read [bytes]."""
 
 
 def encode(labels: Sequence[Label]) -> bytes:
-    """Describe labels, which all have a color; label 0 is what lies outside."""
+    """Encode a description of labels, which all have a color; label 0 is the background."""
     lines = [f'{0:5d}{0:6d}{0:5d}{0:5d}{0:9d}{0:3d}{0:3d}    "Clear Label"\n']
     for label in labels:
         red, green, blue = bytes.fromhex(label.color[1:])
         name = (label.name or f"Label {label.number}").replace('"', "'")  # which would end the name
         lines.append(f'{label.number:5d}{red:6d}{green:5d}{blue:5d}{1:9d}{1:3d}{1:3d}    "{name}"\n')
-    return "".join([_HEAD, *lines]).encode()
+    return "".join([_HEADER_LINE, *lines]).encode()
 
 
 def read(path: Path) -> tuple[Label, ...]:
-    """The labels that a file describes; none where it is of another kind, or there is no such file."""
-    text = content_of(path, part=_LARGEST).decode("utf-8", "replace") if path.is_file() else ""
+    """Read the labels of a description; empty for other files, or if there is no such file."""
+    text = content_of(path, part=_MAX_DESCRIPTION_SIZE).decode("utf-8", "replace") if path.is_file() else ""
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    found = [match for line in lines if (match := _LINE.fullmatch(line))]
+    found = [match for line in lines if (match := _LABEL_LINE.fullmatch(line))]
     if len(found) < len(lines):
         return ()
     return tuple(
@@ -45,6 +51,6 @@ def read(path: Path) -> tuple[Label, ...]:
 
 
 def next_to(path: Path, suffix: str) -> tuple[Label, ...]:
-    """The labels of a volume, whose name ends in a suffix, by the description next to it; none without one."""
+    """Read the labels of a volume, whose name ends in a suffix, from the description next to it; empty without one."""
     stem = path.name[: len(path.name) - len(suffix)]
-    return next((found for other in _SUFFIXES if (found := read(path.with_name(stem + other)))), ())
+    return next((found for other in _DESCRIPTION_SUFFIXES if (found := read(path.with_name(stem + other)))), ())

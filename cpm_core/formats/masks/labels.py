@@ -22,8 +22,14 @@ from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Entries, Extent, Pixels
 
-_GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
-"""Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
+_HUE_STEP = 0.6180339887
+"""Step of hue from one label to the next: the golden ratio spreads its multiples evenly."""
+
+_SATURATION_STEP = 0.7548776662
+"""Step of saturation from one label to the next: the plastic ratio."""
+
+_BRIGHTNESS_STEP = 0.4142135624
+"""Step of brightness from one label to the next: the silver ratio."""
 
 
 def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsignedinteger]:
@@ -32,15 +38,15 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
     Parameters
     ----------
     result : Result or Skeleton
-        What is painted.
+        Result to paint.
     outlines : bool
-        Whether contours, open ones too, are painted as lines one pixel wide that carry their numbers.
+        Whether contours, open ones too, are painted as lines one pixel wide with their numbers as labels.
 
     Returns
     -------
     ndarray of uint16 or uint32, shape `result.shape`
-        Labels, 0 outside; 32 bits where there are more than 65535. Of a volume the objects inside the surface, the
-        largest first. Branches are lines one pixel wide, the longest first, and on top where they meet.
+        Labels, 0 outside; 32 bits for more than 65535. In a volume the objects inside the surface, the largest first.
+        Branches are lines one pixel wide, the longest first and on top where they meet.
 
     Raises
     ------
@@ -60,7 +66,7 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
 
 
 def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...]:
-    """What the labels that `labels_of` paints are called, each with a color; none where none has a name or a color."""
+    """Return the labels that `labels_of` paints, each with a color; empty if none has a name or a color."""
     if isinstance(result, Result) and result.surface is not None:
         labels = result.surface.labels
     else:
@@ -76,7 +82,7 @@ def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...
 
 
 def paint_lines(contours: Contours, labels: Sequence[int], shape: Extent) -> NDArray[np.unsignedinteger]:
-    """Draw each contour as a line one pixel wide with its label; where they meet, the first one is on top."""
+    """Draw contours as lines one pixel wide with their labels, shape `shape`; the first is on top where they meet."""
     mask = np.zeros(shape, label_type(max(labels, default=0)))
     last = np.array(shape) - 1
     for contour, label in reversed(list(zip(contours, labels, strict=True))):
@@ -89,11 +95,11 @@ def paint_lines(contours: Contours, labels: Sequence[int], shape: Extent) -> NDA
 
 
 def encode_png(result: Outcome, *, outlines: bool = False) -> bytes:
-    """Make a PNG file of the labels: of 8 bits and in colors up to label 255, and of 16 bits and gray above.
+    """Encode the labels as PNG: 8 bits with a color table up to label 255, else 16 bits in gray.
 
-    Each label is the index of its color, so that every viewer shows the labels apart, and a program that reads the
-    indices, as Pillow does, has the labels. How they were found is a text in it. ValueError when
-    there is nothing to paint, or more than 65535 labels.
+    Each label is the index of its color, so that viewers show labels in different colors, and programs that read the
+    indices, such as Pillow, get the labels. Provenance is a text chunk. ValueError when there is nothing to paint, or
+    more than 65535 labels.
     """
     count = _count(result, outlines)
     if count > MOST_LABELS:
@@ -114,11 +120,11 @@ def encode_png(result: Outcome, *, outlines: bool = False) -> bytes:
 
 
 def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
-    """Make an uncompressed gray TIFF of 16 bits with the entries of ImageJ, which then shows lengths in the unit.
+    """Encode the labels as uncompressed gray TIFF of 16 bits with the entries of ImageJ, which give it the pixel size.
 
-    It has 32 bits where there are more than 65535 labels; ImageJ would interpret them as real numbers, so its entries
-    are left out. How the labels were found is the info of ImageJ (Image > Show Info), or of 32 bits the description.
-    ValueError when there is nothing to paint.
+    It has 32 bits for more than 65535 labels; ImageJ would interpret them as real numbers, so its entries are left out.
+    Provenance is the info of ImageJ (Image > Show Info), or with 32 bits the description. ValueError when there is
+    nothing to paint.
     """
     facts = facts_of(result)
     mask = labels_of(result, outlines=outlines)
@@ -143,20 +149,25 @@ def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
 
 
 def entries_for_imagej(result: Outcome, axes: str) -> Entries:
-    """What ImageJ reads of a TIFF: its axes, the unit of its resolution, and how the labels were found."""
+    """Build the entries that ImageJ reads from a TIFF: axes, unit of the resolution, and provenance."""
     info = "".join(f"{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
     return {"axes": axes, "unit": resolution.in_ascii(result.unit, "pixel"), "Info": info}
 
 
 def palette(count: int) -> Pixels:
-    """Colors of the labels up to `count`, shape (count + 1, 3): black for 0, then bright ones, neighbors far apart.
+    """Return the colors of labels up to `count`, uint8 of shape (count + 1, 3): black for 0, then bright distinct ones.
 
-    No two have the same luminance, so that labels stay apart in programs that turn colors into gray.
+    No two have the same luminance, so that labels differ in programs that turn colors into gray.
     """
     colors, taken, index = [(0, 0, 0)], {0.0}, 0
     while len(colors) <= count:
-        saturation, value = 0.45 + 0.5 * (index * _PLASTIC % 1.0), 0.75 + 0.25 * (index * _SILVER % 1.0)
-        red, green, blue = (round(255 * part) for part in colorsys.hsv_to_rgb(index * _GOLDEN % 1.0, saturation, value))
+        saturation, value = (
+            0.45 + 0.5 * (index * _SATURATION_STEP % 1.0),
+            0.75 + 0.25 * (index * _BRIGHTNESS_STEP % 1.0),
+        )
+        red, green, blue = (
+            round(255 * part) for part in colorsys.hsv_to_rgb(index * _HUE_STEP % 1.0, saturation, value)
+        )
         luminance = round(0.299 * red + 0.587 * green + 0.114 * blue, 3)
         if luminance not in taken:
             colors.append((red, green, blue))
@@ -166,7 +177,7 @@ def palette(count: int) -> Pixels:
 
 
 def _count(result: Outcome, outlines: bool = False) -> int:
-    """Largest label; ValueError when there are none."""
+    """Return the largest label; ValueError without labels."""
     if isinstance(result, Skeleton):
         count = len(result.contours)
         nothing = f"{result.source} has no skeleton, so its picture would be empty: take less smoothing"

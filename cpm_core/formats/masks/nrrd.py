@@ -1,4 +1,4 @@
-"""NRRD: the label mask for 3D Slicer and other programs of radiology, with the entries of Slicer for its segments."""
+"""NRRD: the label mask for 3D Slicer and other programs of radiology, with the entries of Slicer for segments."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from cpm_core.numerics.types import Array
 
 
 def encode(result: Outcome, *, outlines: bool = False) -> bytes:
-    """Make a packed NRRD file, columns first, from the label mask of a result or a skeleton: one slice, or a volume.
+    """Encode the label mask of a result or a skeleton as compressed NRRD, columns first: one slice, or a volume.
 
-    It lies where its image lies, as that of NIfTI; see `nifti.placed`. How the labels were found is a key of it. Where
-    they have names or colors, each is a segment of Slicer. The same result always gives the same bytes. ValueError when
-    there is nothing to paint.
+    Its position is that of the image, as for NIfTI; see `nifti.placed`. Provenance is a key of the header. Labels with
+    names or colors are segments of Slicer. The same result always gives the same bytes. ValueError when there is
+    nothing to paint.
     """
     mask = labels_of(result, outlines=outlines)
     affine, unit, _ = placed(result, "LPS")
@@ -56,11 +56,12 @@ def encode(result: Outcome, *, outlines: bool = False) -> bytes:
 
 
 def _vector(values: Array) -> str:
+    """Format a vector of shape (3,)."""
     return f"({','.join(map(repr, values.tolist()))})"
 
 
 def _segments(mask: NDArray[np.unsignedinteger], labels: Sequence[Label]) -> dict[str, str]:
-    """The entries by which Slicer knows the segments of a mask; extents are those of columns, rows and planes."""
+    """Describe the segments of a mask, shape (H, W) or (P, H, W), in entries of Slicer; extents begin with columns."""
     if not labels:
         return {}
     keys = {
@@ -87,30 +88,33 @@ def _segments(mask: NDArray[np.unsignedinteger], labels: Sequence[Label]) -> dic
 
 
 class Segment(NamedTuple):
-    """A segment of Slicer: its label, the value of its voxels, and in which of the volumes of the file it is."""
+    """A segment of Slicer: its label, the value of its voxels, and the index of its volume in the file."""
 
     label: Label
     value: int
     layer: int
 
 
-_LONGEST_HEAD = 2**22
-_SEGMENT = re.compile(r"Segment(\d+)_(\w+):=(.*)")
+_MAX_SEGMENT_HEADER = 2**22
+"""Size up to which a header is searched for segments [bytes]."""
+
+_SEGMENT_ENTRY = re.compile(r"Segment(\d+)_(\w+):=(.*)")
+"""Entry of a segment: its index, key and value."""
 
 
 def segments_of(path: Path) -> tuple[Segment, ...]:
-    """The segments that the header of a file names, none for other files."""
-    content = content_of(path, part=_LONGEST_HEAD) if path.is_file() else b""
+    """Read the segments that the header of a file names; empty for other files."""
+    content = content_of(path, part=_MAX_SEGMENT_HEADER) if path.is_file() else b""
     if not content.startswith(b"NRRD"):
         return ()
     head = content.replace(b"\r\n", b"\n").partition(b"\n\n")[0]
     entries: dict[int, dict[str, str]] = {}
-    for match in map(_SEGMENT.fullmatch, head.decode("utf-8", "replace").splitlines()):
+    for match in map(_SEGMENT_ENTRY.fullmatch, head.decode("utf-8", "replace").splitlines()):
         if match is not None:
             entries.setdefault(int(match[1]), {})[match[2]] = match[3]
     found = []
     for index, known in sorted(entries.items()):
-        # files of before 2020 have a volume for each segment
+        # files written before 2020 have a volume for each segment
         value, layer = (int(known.get(name, usual)) for name, usual in (("LabelValue", 1), ("Layer", index)))
         parts = [round(255 * min(max(float(part), 0.0), 1.0)) for part in known.get("Color", "").split()]
         name = known.get("Name", "").replace("\\\\", "\\")
@@ -119,14 +123,14 @@ def segments_of(path: Path) -> tuple[Segment, ...]:
 
 
 def overlapping(path: Path, segments: Sequence[Segment]) -> Iterator[tuple[Label, list[Decoded]]] | None:
-    """Segments of several volumes with their masks, numbered in their order; None where there is but one volume."""
+    """Read segments in several volumes with their masks, numbered in order; None if there is only one volume."""
     if len({one.layer for one in segments}) < 2:
         return None
     stack = open_stack(path)
 
-    def masks() -> Iterator[tuple[Label, list[Decoded]]]:
+    def iterate_masks() -> Iterator[tuple[Label, list[Decoded]]]:
         for number, one in enumerate(segments, start=1):
             layer = volume_of(stack, Reading(channel=one.layer + 1))
             yield replace(one.label, number=number), [replace(layer, values=layer.values == one.value)]
 
-    return masks()
+    return iterate_masks()

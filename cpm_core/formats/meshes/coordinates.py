@@ -1,9 +1,9 @@
 """Surfaces in the coordinates of files: positions (x, y, z) of a patient, in a unit of length.
 
-These are LPS, as in ITK: x grows to the patient's left, y to the back and z to the head; or RAS by choice, where x
-grows to the right and y to the front. A volume whose position is not known begins at zero, with its columns along x,
-its rows along y and its planes along z of LPS. The label volume of the same result (`formats/masks/nifti.py`) lies at
-the same place. Files say so by ``SPACE=LPS`` or ``SPACE=RAS``, as 3D Slicer does.
+These are LPS by default, as in ITK: x increases to the patient's left, y to the back and z to the head; or RAS, where x
+increases to the right and y to the front. A volume of unknown position begins at zero, with its columns along x, its
+rows along y and its planes along z of LPS, like the label volume of the same result (`formats/masks/nifti.py`). Files
+state ``SPACE=LPS`` or ``SPACE=RAS``, as in 3D Slicer.
 """
 
 from __future__ import annotations
@@ -23,11 +23,14 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Sides, Single, Texts, frozen
 from cpm_core.parameters import DEFAULTS
 
-_FINE = 1e-3
-"""How far a position in a file may be from where it is [smallest sides of a voxel]."""
+_POSITION_TOLERANCE = 1e-3
+"""Largest rounding error of a position in a file [smallest side of a voxel]."""
 
-_SPACE = re.compile(r"\bSPACE\s*[=:]\s*(LPS|RAS)\b")
-_UNIT = re.compile(r"\bUNIT\s*[=:]\s*([^\s;]+)")
+_SPACE_PATTERN = re.compile(r"\bSPACE\s*[=:]\s*(LPS|RAS)\b")
+"""Statement of a file on the directions of x, y and z."""
+
+_UNIT_PATTERN = re.compile(r"\bUNIT\s*[=:]\s*([^\s;]+)")
+"""Statement of a file on its unit."""
 
 
 class Mesh(NamedTuple):
@@ -36,20 +39,20 @@ class Mesh(NamedTuple):
     Attributes
     ----------
     points : ndarray of float32 or float64, shape (N, 3)
-        Positions (x, y, z); of double precision where a volume is so far from zero that single precision is coarse.
+        Positions (x, y, z); float64 if single precision is too coarse so far from zero.
     normals : ndarray of float32, shape (N, 3)
-        Unit vectors outward.
+        Outward unit normals.
     faces : ndarray of int32, shape (F, 3)
-        Corners, counter-clockwise as seen from outside.
+        Corners, counterclockwise as seen from outside.
     notes : tuple of str
-        Lines of ASCII: program, coordinates, unit, and how the surface was found.
+        Lines of ASCII: program, coordinates, unit, and provenance.
     title : str
-        The same in few letters, for files with little room: with the hash of the image, and the parameters that differ
-        from the defaults.
+        The same in short, for files with little room: with the hash of the image, and the parameters that differ from
+        the defaults.
     numbers : ndarray of int32, shape (F,), or None
-        Number of the object that each triangle bounds, where objects have their own.
+        Number of the object that each triangle bounds, if objects are numbered.
     decimals : int
-        Decimals that a text of positions needs.
+        Decimals needed to write positions as text.
     """
 
     points: NDArray[np.floating]
@@ -62,7 +65,7 @@ class Mesh(NamedTuple):
 
 
 def mesh_of(result: Outcome, space: Convention = "LPS") -> Mesh:
-    """The surface of a result in LPS or RAS; ValueError when it has none."""
+    """Build the mesh of a result in LPS or RAS; ValueError when it has no surface."""
     surface = result.surface if isinstance(result, Result) else None
     if surface is None or not len(surface.faces):
         raise ValueError(f"{result.source} has no surface: only runs on volumes find one.")
@@ -73,12 +76,12 @@ def mesh_of(result: Outcome, space: Convention = "LPS") -> Mesh:
     known |= {name: value for name, value in parameters.items() if DEFAULTS.get(name) != value}
     title = [*notes[:3], *(f"{name}={value}" for name, value in known.items() if value != "")]
     matrix = (result.geometry or Geometry()).affine(surface.spacing, space)[:3, :3]
-    # normals stay normal to what has been sheared, too; a mirrored volume reverses the sense of rotation
+    # the inverse transpose keeps normals perpendicular under shear; a mirrored volume reverses the orientation of faces
     turned = (surface.normals * surface.spacing) @ np.linalg.inv(matrix)
     lengths = np.linalg.norm(turned, axis=1, keepdims=True)
     faces = surface.faces if np.linalg.det(matrix) > 0.0 else surface.faces[:, ::-1]
     points = positions(surface.vertices, surface.spacing, result.geometry, space)
-    coarse = np.abs(points).max() * np.finfo(np.float32).eps > _FINE * min(surface.spacing)
+    coarse = np.abs(points).max() * np.finfo(np.float32).eps > _POSITION_TOLERANCE * min(surface.spacing)
     return Mesh(
         points if coarse else points.astype(np.float32),
         (turned / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32),
@@ -91,19 +94,36 @@ def mesh_of(result: Outcome, space: Convention = "LPS") -> Mesh:
 
 
 def decimals_for(spacing: Sides) -> int:
-    """How many decimals place a vertex to less than a thousandth of a voxel."""
-    return max(0, math.ceil(-math.log10(_FINE * min(spacing))))
+    """Return the number of decimals that place a vertex to less than a thousandth of a voxel."""
+    return max(0, math.ceil(-math.log10(_POSITION_TOLERANCE * min(spacing))))
 
 
 def positions(places: Array, spacing: Sides, geometry: Geometry | None, space: Convention = "LPS") -> Array:
-    """Places (plane, row, col) in voxels as (x, y, z) in LPS or RAS."""
+    """Convert positions in voxels to the coordinates of files.
+
+    Parameters
+    ----------
+    places : ndarray, shape (N, 3)
+        Positions (plane, row, col) [voxels].
+    spacing : tuple of float
+        Size of a voxel along (plane, row, col).
+    geometry : Geometry or None
+        Position of the volume.
+    space : {"LPS", "RAS"}
+        Directions of x, y and z.
+
+    Returns
+    -------
+    ndarray, shape (N, 3)
+        Positions (x, y, z) in the unit of `spacing`.
+    """
     matrix = (geometry or Geometry()).affine(spacing, space)
     return places @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 @frozen
 class Place:
-    """How positions of a file become voxels.
+    """Transformation between positions of a file and voxels.
 
     Attributes
     ----------
@@ -114,7 +134,7 @@ class Place:
     matrix : ndarray, shape (4, 4)
         From voxels (plane, row, col, 1) to positions (x, y, z, 1), in the unit of the file.
     scale : float
-        How many units of `spacing` one unit of the file is.
+        Units of `spacing` per unit of the file.
     """
 
     spacing: Sides
@@ -124,27 +144,27 @@ class Place:
 
     @property
     def mirrored(self) -> bool:
-        """Whether a triangle that turns to the left in the file turns to the right in voxels."""
+        """Whether a triangle that is counterclockwise in the file is clockwise in voxels."""
         return bool(np.linalg.det(self.matrix[:3, :3]) < 0.0)
 
     def voxels(self, positions: Array) -> Array:
-        """Positions (x, y, z) as places (plane, row, col) [voxels]."""
+        """Convert positions (x, y, z), shape (N, 3), to (plane, row, col) [voxels]."""
         return np.asarray(np.linalg.solve(self.matrix[:3, :3], (positions - self.matrix[:3, 3]).T).T)
 
 
 def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[Place, Texts]:
-    """How positions of a file become voxels, by the beginning of the file and by the volume, and what was assumed.
+    """Find the transformation from positions of a file to voxels, and list what was assumed.
 
-    What the file says of LPS and RAS is overruled by `space`. Without a volume voxels have sides of one unit of the
-    file.
+    `head` is the beginning of the file; `space` overrides its statement on LPS and RAS. Without a volume, voxel sides
+    are one unit of the file.
     """
     notes = []
     if space is None:
-        if named := _SPACE.search(head):
+        if named := _SPACE_PATTERN.search(head):
             space = "LPS" if named[1] == "LPS" else "RAS"
         else:
             notes.append("It does not state where x, y and z point: LPS is taken; the other choice is RAS.")
-    named = _UNIT.search(head)
+    named = _UNIT_PATTERN.search(head)
     unit = known_unit(named[1]) if named else None
     spacing: Sides = (1.0, 1.0, 1.0)
     geometry, own = Geometry(), unit

@@ -9,12 +9,12 @@ import numpy as np
 from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import Triangles, split
 
-_GROUP = "object_"
-"""What the names of groups begin with that are objects; their number follows."""
+_GROUP_PREFIX = "object_"
+"""Prefix of the names of groups that are objects; their number follows."""
 
 
 def encode(mesh: Mesh) -> bytes:
-    """Make an OBJ file of a surface with its normals."""
+    """Encode a surface with its normals as OBJ."""
     stream = io.BytesIO()
     stream.write("".join(f"# {note}\n" for note in mesh.notes).encode())
     np.savetxt(stream, mesh.points, "v" + 3 * f" %.{mesh.decimals}f")
@@ -22,14 +22,14 @@ def encode(mesh: Mesh) -> bytes:
     for number in (None,) if mesh.numbers is None else np.unique(mesh.numbers):
         faces = mesh.faces
         if mesh.numbers is not None:
-            stream.write(f"g {_GROUP}{number}\n".encode())
+            stream.write(f"g {_GROUP_PREFIX}{number}\n".encode())
             faces = mesh.faces[mesh.numbers == number]
         np.savetxt(stream, np.repeat(faces + 1, 2, axis=1), "f %d//%d %d//%d %d//%d")
     return stream.getvalue()
 
 
 def read(content: bytes) -> Triangles:
-    """Triangles of a file; UnreadableError when it has none. Lines and points are passed over."""
+    """Read the triangles of a file, skipping lines and points; UnreadableError when it has none."""
     points: list[list[str]] = []
     counts: list[int] = []
     corners: list[int] = []
@@ -45,7 +45,7 @@ def read(content: bytes) -> Triangles:
                 numbers.append(number)
             case ["g", *words]:
                 name = " ".join(words)
-                number = int(name[len(_GROUP) :]) if name.startswith(_GROUP) else 0
+                number = int(name[len(_GROUP_PREFIX) :]) if name.startswith(_GROUP_PREFIX) else 0
     faces, polygon = split(counts, corners)
     objects = np.array(numbers, np.int64)[polygon] if min(numbers) > 0 else None
     return Triangles(np.array(points, float).reshape(-1, 3), faces, objects)

@@ -11,14 +11,15 @@ from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import KINDS, Triangles, split
 from cpm_core.numerics.types import Entries, Texts
 
-_OBJECT = "object"
+_OBJECT_PROPERTY = "object"
 """Property of a triangle: the number of its object."""
 
-_ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
+_BYTE_ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
+"""Format of a file -> byte order of NumPy."""
 
 
 def encode(mesh: Mesh) -> bytes:
-    """Make a binary PLY file of a surface with its normals."""
+    """Encode a surface with its normals as binary PLY."""
     precise = mesh.points.dtype == np.float64
     head = header(mesh.notes, len(mesh.points), len(mesh.faces), "nx ny nz", precise, mesh.numbers is not None)
     vertices = np.empty(len(mesh.points), [("place", "<f8" if precise else "<f4", 3), ("normal", "<f4", 3)])
@@ -29,7 +30,7 @@ def encode(mesh: Mesh) -> bytes:
 def header(
     notes: Texts, vertices: int, faces: int, normals: str = "", precise: bool = False, numbered: bool = False
 ) -> bytes:
-    """The beginning of a file with so many vertices, which have these normals, and triangles."""
+    """Format the header of a file with these numbers of vertices and triangles, and these properties of normals."""
     properties = "".join(f"property {'double' if precise else 'float'} {name}\n" for name in ("x", "y", "z"))
     properties += "".join(f"property float {name}\n" for name in normals.split())
     return (
@@ -37,23 +38,36 @@ def header(
         + "".join(f"comment {note}\n" for note in notes)
         + f"element vertex {vertices}\n{properties}"
         + f"element face {faces}\nproperty list uchar int vertex_indices\n"
-        + (f"property int {_OBJECT}\n" if numbered else "")
+        + (f"property int {_OBJECT_PROPERTY}\n" if numbered else "")
         + "end_header\n"
     ).encode()
 
 
 def triangles(corners: NDArray[Any], numbers: NDArray[Any] | None) -> bytes:
-    """Triangles by the numbers of their vertices, with those of their objects where they have some."""
+    """Encode triangles.
+
+    Parameters
+    ----------
+    corners : ndarray of int, shape (F, 3)
+        Vertices of each triangle.
+    numbers : ndarray of int, shape (F,), or None
+        Number of the object of each triangle.
+
+    Returns
+    -------
+    bytes
+        Rows of the element ``face``.
+    """
     fields: list[Any] = [("count", "u1"), ("corners", "<i4", 3)]
-    rows = np.empty(len(corners), fields if numbers is None else [*fields, (_OBJECT, "<i4")])
+    rows = np.empty(len(corners), fields if numbers is None else [*fields, (_OBJECT_PROPERTY, "<i4")])
     rows["count"], rows["corners"] = 3, corners
     if numbers is not None:
-        rows[_OBJECT] = numbers
+        rows[_OBJECT_PROPERTY] = numbers
     return rows.tobytes()
 
 
 class _Property(NamedTuple):
-    """A number of each row of an element, or a list of numbers whose count is of the kind `counts`."""
+    """A number in each row of an element, or a list of numbers whose length has the type `counts`."""
 
     name: str
     kind: str
@@ -61,7 +75,7 @@ class _Property(NamedTuple):
 
 
 def read(content: bytes) -> Triangles:
-    """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
+    """Read the triangles of a text or binary file; UnreadableError when it has none."""
     head, _, body = content.partition(b"end_header")
     body = body.partition(b"\n")[2]
     form = order = ""
@@ -70,14 +84,14 @@ def read(content: bytes) -> Triangles:
     for line in head.decode("latin-1").splitlines():
         match line.split():
             case ["format", form, *_]:
-                order = _ORDERS[form]
+                order = _BYTE_ORDERS[form]
             case ["element", element, count]:
                 rows[element], properties[element] = int(count), []
             case ["property", "list", counts, kind, name]:
                 properties[element].append(_Property(name, order + KINDS[kind], order + KINDS[counts]))
             case ["property", kind, name]:
                 properties[element].append(_Property(name, order + KINDS[kind]))
-    if form == "ascii":  # which is read as a binary file of double precision
+    if form == "ascii":  # converted to a binary file of double precision
         body = np.array(body.split(), float).astype("<f8").tobytes()
         for element, known in properties.items():
             properties[element] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
@@ -88,12 +102,12 @@ def read(content: bytes) -> Triangles:
     corners = polygons["vertex_indices"] if "vertex_indices" in polygons else polygons["vertex_index"]
     points = np.stack([vertices[axis] for axis in "xyz"], axis=1).astype(float)
     faces, polygon = split(*corners)
-    numbers = np.asarray(polygons[_OBJECT], np.int64)[polygon] if _OBJECT in polygons else None
+    numbers = np.asarray(polygons[_OBJECT_PROPERTY], np.int64)[polygon] if _OBJECT_PROPERTY in polygons else None
     return Triangles(points, faces, numbers)
 
 
 def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[Entries, bytes]:
-    """The numbers of an element by the names of its properties, of a list its counts and all entries; and the rest."""
+    """Read the columns of an element by property, for a list its lengths and all entries; return the rest as well."""
     fields: list[Any] = []
     for one in properties:
         fields += [(f"count {one.name}", one.counts), (one.name, one.kind, 3)] if one.counts else [(one.name, one.kind)]

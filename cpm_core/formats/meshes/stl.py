@@ -1,4 +1,4 @@
-"""STL: surfaces of programs for printing; equal corners of triangles become one vertex."""
+"""STL: surfaces of printing programs; equal corners of triangles become one vertex."""
 
 from __future__ import annotations
 
@@ -11,32 +11,39 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import Triangles
 
-_HEADER = 80
-_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
+_HEADER_SIZE = 80
+"""Size of the header of a binary file [bytes]."""
+
+_TRIANGLE_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+"""Record of a triangle in a binary file."""
+
+_VERTEX_LINE = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
+"""Line of a corner in a text file."""
 
 
 def encode(mesh: Mesh) -> bytes:
-    """Make a binary STL file of a surface.
+    """Encode a surface as binary STL.
 
-    Its header has room for the program, the coordinates, the unit and the beginning of the hash of the image.
+    The header holds program, coordinates, unit and the beginning of the hash of the image.
     """
-    triangles = np.zeros(len(mesh.faces), _TRIANGLE)
+    triangles = np.zeros(len(mesh.faces), _TRIANGLE_TYPE)
     corners = mesh.points[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     triangles["normal"], triangles["corners"] = normals / np.maximum(lengths, 1e-30), corners
-    header = mesh.title.encode()[:_HEADER].ljust(_HEADER)
+    header = mesh.title.encode()[:_HEADER_SIZE].ljust(_HEADER_SIZE)
     return header + struct.pack("<I", len(triangles)) + triangles.tobytes()
 
 
 def read(content: bytes) -> Triangles:
-    """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
-    count = int.from_bytes(content[_HEADER : _HEADER + 4], "little")
-    if count and len(content) >= _HEADER + 4 + count * _TRIANGLE.itemsize:
-        corners = np.frombuffer(content, _TRIANGLE, count, _HEADER + 4)["corners"].reshape(-1, 3).astype(float)
+    """Read the triangles of a text or binary file; UnreadableError when it has none."""
+    count = int.from_bytes(content[_HEADER_SIZE : _HEADER_SIZE + 4], "little")
+    if count and len(content) >= _HEADER_SIZE + 4 + count * _TRIANGLE_TYPE.itemsize:
+        corners = (
+            np.frombuffer(content, _TRIANGLE_TYPE, count, _HEADER_SIZE + 4)["corners"].reshape(-1, 3).astype(float)
+        )
     elif content.lstrip()[:5].lower() == b"solid":
-        corners = np.array(_VERTEX.findall(content), float).reshape(-1, 3)
+        corners = np.array(_VERTEX_LINE.findall(content), float).reshape(-1, 3)
         corners = corners[: len(corners) // 3 * 3]
     else:
         raise UnreadableError("It has no triangles: write it again.")

@@ -24,21 +24,21 @@ from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
 
-_COLUMNS = 7
-"""Number, kind, x, y, z, radius, number of the parent."""
+_COLUMN_COUNT = 7
+"""Number of columns: number, kind, x, y, z, radius, number of the parent."""
 
-_SAME = 1e-3
-"""Distance up to which the end of a branch is the same point as another [smallest sides of a voxel]."""
+_SAME_POINT_DISTANCE = 1e-3
+"""Distance up to which the end of a branch coincides with another point [smallest side of a voxel]."""
 
-_UNDEFINED = 0
-"""Type of a point of no known structure."""
+_UNDEFINED_TYPE = 0
+"""Type of a point whose structure is unknown."""
 
 
 def encode(lines: Centerlines, space: Convention = "LPS") -> bytes:
-    """Make an SWC file: a line of text for each point, with x, y, z and radius in the unit of the spacing, and parent.
+    """Encode center lines as SWC: a line per point, with x, y, z and radius in the unit of the spacing, and parent.
 
-    The coordinates are those of surfaces, in a volume with the geometry of the lines. SWC holds trees
-    alone: a loop is cut at the end of one of its branches, where a point is written twice.
+    The coordinates are those of surfaces, in a volume with the geometry of the lines. SWC holds only trees: a loop is
+    cut at the end of one of its branches, where a point is written twice.
     """
     rows: list[tuple[int, float, float, float, float, int]] = []
     number: dict[int, int] = {}
@@ -68,7 +68,7 @@ def encode(lines: Centerlines, space: Convention = "LPS") -> bytes:
             waiting.extend((*at_node[begin], *at_node[end]))
     facts = text_of(facts_on(lines.source, lines.provenance))
     head = (PROGRAM, f"SPACE={space}", f"UNIT={in_ascii(lines.unit, 'voxel')}", facts, "id type x y z radius parent")
-    form = f"{{}} {_UNDEFINED}" + 4 * f" {{:.{decimals_for(lines.spacing)}f}}" + " {}\n"
+    form = f"{{}} {_UNDEFINED_TYPE}" + 4 * f" {{:.{decimals_for(lines.spacing)}f}}" + " {}\n"
     text = "".join(form.format(*row) for row in rows)
     return ("".join(f"# {line}\n" for line in head) + text).encode()
 
@@ -87,18 +87,18 @@ def load_centerlines(
     path : path-like
         A file of SWC.
     image : Image, optional
-        The volume that they belong to: their vertices come back in voxels of it. Without it a voxel is as large as a
-        unit of the file.
+        The volume that they belong to: vertices are returned in its voxels. Without it a voxel is one unit of the
+        file.
     space : {"LPS", "RAS"}, optional
-        Where x, y and z of the file point; by default as the file says, and LPS where it does not.
+        Directions of x, y and z; by default as stated in the file, else LPS.
     warn : callable, optional
-        Called with a sentence for what was left out or assumed; by default a warning is logged.
+        Called with a sentence for each omission or assumption; by default a warning is logged.
 
     Returns
     -------
     Centerlines
-        Branches between ends and junctions, the longest first. A branch that ends where another one passes ends at a
-        junction there, so that loops come back.
+        Branches between ends and junctions, the longest first. A branch that ends on another one ends at a junction
+        there, which restores loops.
 
     Raises
     ------
@@ -128,8 +128,11 @@ def load_centerlines(
         )
     links = [(index[parent], k) for k, parent in enumerate(parents) if parent >= 0]
     degree = np.bincount(np.array(links, np.int64).reshape(-1), minlength=len(rows))
-    same, physical = np.arange(len(rows)), points * place.spacing  # an end that lies at another point is that point
-    near, reach = scipy.spatial.KDTree(physical), _SAME * min(place.spacing)
+    same, physical = (
+        np.arange(len(rows)),
+        points * place.spacing,
+    )  # an end at the position of another point is merged with it
+    near, reach = scipy.spatial.KDTree(physical), _SAME_POINT_DISTANCE * min(place.spacing)
     for k in np.flatnonzero(degree == 1).tolist():
         others = [other for other in near.query_ball_point(physical[k], reach) if other != k and same[other] == other]
         if others:
@@ -144,11 +147,11 @@ def load_centerlines(
 
 
 def _rows(text: str, name: str) -> Array:
-    """The numbers of all points, shape (N, 7); ValueError when a line does not hold as many."""
+    """Parse the numbers of all points, shape (N, 7); ValueError for a line with fewer."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of a file without lines, which is refused below
-            rows = np.loadtxt(io.StringIO(text.replace(",", " ")), usecols=range(_COLUMNS), ndmin=2)
+            warnings.simplefilter("ignore")  # about a file without lines, which is refused below
+            rows = np.loadtxt(io.StringIO(text.replace(",", " ")), usecols=range(_COLUMN_COUNT), ndmin=2)
     except (ValueError, OverflowError) as error:
         raise ValueError(
             f"{name} has a line that is not seven numbers (number, kind, x, y, z, radius, parent), "
@@ -160,7 +163,7 @@ def _rows(text: str, name: str) -> Array:
 
 
 def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[Branch]:
-    """Chains of links between points at which not just two meet; rings without any such point begin anywhere."""
+    """Trace the chains of links between points where other than two meet; rings begin at any point."""
     neighbors: dict[int, list[int]] = {}
     for a, b in links:
         neighbors.setdefault(a, []).append(b)

@@ -1,4 +1,4 @@
-"""What a file of a surface holds, as a reader finds it."""
+"""Content of a surface file as a reader finds it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ KINDS = {
     **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
     **{"float32": "f4", "float64": "f8"},
 }
-"""Kinds of numbers by the names that PLY and VTK have for them."""
+"""Names of number types in PLY and VTK -> types of NumPy."""
 
 
 class Triangles(NamedTuple):
@@ -40,9 +40,26 @@ class Triangles(NamedTuple):
 
 
 def split(counts: ArrayLike, corners: ArrayLike) -> tuple[Index, Index]:
-    """Polygons as triangles around their first corner, and which polygon each triangle is a part of.
+    """Split polygons into triangles around their first corner.
 
-    `counts` are the numbers of corners of the polygons, and `corners` the corners of all of them, one after the other.
+    Parameters
+    ----------
+    counts : array_like of int, shape (M,)
+        Number of corners of each polygon.
+    corners : array_like of int, shape (sum of `counts`,)
+        Corners of all polygons, one after the other.
+
+    Returns
+    -------
+    faces : ndarray of int64, shape (F, 3)
+        Corners of each triangle.
+    polygon : ndarray of int64, shape (F,)
+        Polygon that each triangle is part of.
+
+    Raises
+    ------
+    UnreadableError
+        When there are no polygons.
     """
     sizes, ends = np.asarray(counts, np.int64), np.asarray(corners, np.int64)
     if not len(sizes):

@@ -1,4 +1,4 @@
-"""VTK: surfaces as poly data of ParaView, 3D Slicer and ITK-SNAP, in files of the older kind."""
+"""VTK: surfaces as poly data of ParaView, 3D Slicer and ITK-SNAP, in legacy files."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import KINDS, Triangles, split
 from cpm_core.numerics.types import Index, Numbers
 
-_TITLE = 255
-"""Most characters of the title."""
+_MAX_TITLE_LENGTH = 255
+"""Longest title [characters]."""
 
-_OBJECT = "object"
-"""Name of the numbers of the objects that triangles bound."""
+_OBJECT_ARRAY = "object"
+"""Name of the array with the object of each triangle."""
 
 
 def encode(mesh: Mesh) -> bytes:
-    """Make a binary file, version 3.0, of a surface with its normals."""
+    """Encode a surface with its normals as a binary file of version 3.0."""
     count, faces = len(mesh.points), len(mesh.faces)
     polygons = np.hstack([np.full((faces, 1), 3), mesh.faces]).astype(">i4")
     kind, points = ("double", ">f8") if mesh.points.dtype == np.float64 else ("float", ">f4")
     numbers = b""
     if mesh.numbers is not None:
-        head = f"\nCELL_DATA {faces}\nSCALARS {_OBJECT} int 1\nLOOKUP_TABLE default\n"
+        head = f"\nCELL_DATA {faces}\nSCALARS {_OBJECT_ARRAY} int 1\nLOOKUP_TABLE default\n"
         numbers = head.encode() + mesh.numbers.astype(">i4").tobytes()
     return b"".join(
         (
-            f"# vtk DataFile Version 3.0\n{mesh.title[:_TITLE]}\nBINARY\nDATASET POLYDATA\n".encode(),
+            f"# vtk DataFile Version 3.0\n{mesh.title[:_MAX_TITLE_LENGTH]}\nBINARY\nDATASET POLYDATA\n".encode(),
             f"POINTS {count} {kind}\n".encode(),
             mesh.points.astype(points).tobytes(),
             f"\nPOLYGONS {faces} {polygons.size}\n".encode(),
@@ -41,13 +41,13 @@ def encode(mesh: Mesh) -> bytes:
 
 
 class _Stream:
-    """The content of a file, line by line and number by number."""
+    """Content of a file, read line by line or number by number."""
 
     def __init__(self, content: bytes, binary: bool) -> None:
         self._rest, self._binary = content, binary
 
     def line(self) -> list[str]:
-        """The words of the next line that has any; none at the end."""
+        """Return the words of the next line that has any; empty at the end."""
         while self._rest:
             line, _, self._rest = self._rest.partition(b"\n")
             if words := line.decode("latin-1").split():
@@ -55,7 +55,7 @@ class _Stream:
         return []
 
     def numbers(self, count: int, kind: str) -> Numbers:
-        """The next numbers of a kind."""
+        """Read the next numbers of a type, shape (count,)."""
         if self._binary:
             numbers = np.frombuffer(self._rest, ">" + KINDS[kind.lower()], count)
             self._rest = self._rest[numbers.nbytes :]
@@ -66,7 +66,7 @@ class _Stream:
 
 
 def read(content: bytes) -> Triangles:
-    """Triangles of a file of version 2 to 5, as text or as binary numbers; UnreadableError when it has none."""
+    """Read the triangles of a text or binary file of version 2 to 5; UnreadableError when it has none."""
     head, _, coding, dataset, rest = content.split(b"\n", 4)
     if not head.startswith(b"# vtk DataFile") or dataset.split() != [b"DATASET", b"POLYDATA"]:
         raise UnreadableError("It is no poly data of VTK: write it as such.")
@@ -82,8 +82,8 @@ def read(content: bytes) -> Triangles:
                 _cells(stream, int(first), int(second), modern)
             case ["POLYGONS", first, second]:
                 counts, corners = _cells(stream, int(first), int(second), modern)
-            case ["SCALARS", name, kind, *_] if name == _OBJECT:
-                stream.line()  # the table of colors
+            case ["SCALARS", name, kind, *_] if name == _OBJECT_ARRAY:
+                stream.line()  # skip the color table
                 numbers = stream.numbers(len(counts), kind).astype(np.int64)
             case ["POINT_DATA", *_]:
                 break
@@ -92,7 +92,7 @@ def read(content: bytes) -> Triangles:
 
 
 def _cells(stream: _Stream, first: int, second: int, modern: bool) -> tuple[Index, Index]:
-    """Numbers of corners of cells, and all corners."""
+    """Read the number of corners of each cell, shape (M,), and all corners."""
     if modern:
         ends = stream.numbers(first, stream.line()[1]).astype(np.int64)
         return np.diff(ends), stream.numbers(second, stream.line()[1]).astype(np.int64)

@@ -1,6 +1,6 @@
-"""A state of a run as plain JSON: exactly as it was, and checked when it is read, for compiled loops trust it.
+"""A state of a run as JSON: lossless, and checked when it is read, because compiled loops trust it.
 
-What the actions of the run tell, its parameters, regions and charges, is not repeated here.
+Parameters, regions and charges follow from the actions of the run and are not repeated here.
 """
 
 from __future__ import annotations
@@ -21,13 +21,16 @@ from cpm_core.model.starts import inside_image
 from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State, SurfaceContact
 from cpm_core.numerics.types import Entries, Extent, Numbers, Sides
 
-_SCALARS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
-_MOST = 2**40
+_SCALAR_FIELDS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
+"""Fields of a state that are single values -> their type."""
+
+_MAX_STATE_NUMBER = 2**40
+"""Largest magnitude of such a value."""
 
 
 def state_to_plain(state: State) -> Entries:
-    """A state as plain JSON; what is no number is null."""
-    known = {name: kind(getattr(state, name)) for name, kind in _SCALARS.items()}
+    """Convert a state to JSON; values that are not finite become null."""
+    known = {name: kind(getattr(state, name)) for name, kind in _SCALAR_FIELDS.items()}
     plain = {name: None if isinstance(one, float) and not math.isfinite(one) else one for name, one in known.items()}
     particles, contact, space, mesh = state.particles, state.particles.contact, state.space, state.mesh
     arrays: dict[str, Numbers] = {"start": state.start}
@@ -47,17 +50,17 @@ def state_to_plain(state: State) -> Entries:
 
 
 def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides = ()) -> State:
-    """The state of a run on an image of this shape with so many scales; ValueError when it cannot be one.
+    """Build the state of a run on an image of this shape and number of scales; ValueError when it is invalid.
 
-    `spacing` has the sides of a voxel of a volume; without it they are equal.
+    `spacing` is the voxel size of a volume; without it voxels are cubes.
     """
     given = mapping(plain, "state")
-    values = {name: _scalar(kind, given.get(name), f"{name} of state") for name, kind in _SCALARS.items()}
+    values = {name: _scalar(kind, given.get(name), f"{name} of state") for name, kind in _SCALAR_FIELDS.items()}
     if not values["scale"] < scales:
         raise ValueError(f"scale of state is {values['scale']} but must be from 0 to {scales - 1}.")
     size, axes = shape_of_scale(shape, values["scale"]), len(shape)
 
-    def array(name: str, dtype: DTypeLike, *sides: int | None) -> Numbers:
+    def read_array(name: str, dtype: DTypeLike, *sides: int | None) -> Numbers:
         found = array_from_plain(given.get(name), dtype, sides, f"{name} of state")
         if np.isinf(found).any() or (name != "distance" and np.isnan(found).any()):
             raise ValueError(f"{name} of state holds a value that is not a number.")
@@ -65,50 +68,53 @@ def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides =
 
     window = None
     if "window" in given:
-        first, end = array("window", np.int64, axes, 2).T
+        first, end = read_array("window", np.int64, axes, 2).T
         if (first < 0).any() or (first % CELL != 0).any() or (end <= first).any() or (end > size).any():
             raise ValueError("window of state is no part of the image.")
         window, size = tuple(map(slice, first.tolist(), end.tolist())), tuple((end - first).tolist())
-    identity = array("identity", np.int64, None)
+    identity = read_array("identity", np.int64, None)
     count = len(identity)
-    position, start = array("position", float, count, axes), array("start", float, None, axes)
-    velocity, force = array("velocity", float, count, axes), array("force", float, count, 2, axes)
-    particles = Particles(position, velocity, force, array("distance", float, count, MEMORY), identity)
+    position, start = read_array("position", float, count, axes), read_array("start", float, None, axes)
+    velocity, force = read_array("velocity", float, count, axes), read_array("force", float, count, 2, axes)
+    particles = Particles(position, velocity, force, read_array("distance", float, count, MEMORY), identity)
     pitch = pitch_of(spacing or (1.0,) * axes) if axes == 3 else None
     for name, places, within in (("position", position / (pitch or 1.0), size), ("start", start, shape)):
         if not inside_image(places, within).all():
             raise ValueError(f"{name} of state holds a place outside the image.")
     coverage, space, mesh = no_coverage(size), None, None
     if pitch is not None:
-        normal, seated = array("normal", float, count, 3), array("seated", np.int32, count)
-        contact = SurfaceContact(normal, seated != 0, array("strength", float, count), array("woken", np.int64, count))
-        cells, side = array("covered", np.int64, None), number(given.get("side"), "side of state")
+        normal, seated = read_array("normal", float, count, 3), read_array("seated", np.int32, count)
+        contact = SurfaceContact(
+            normal, seated != 0, read_array("strength", float, count), read_array("woken", np.int64, count)
+        )
+        cells, side = read_array("covered", np.int64, None), number(given.get("side"), "side of state")
         if not side > 0.0:
             raise ValueError(f"side of state is {side} but must be above 0.")
         particles = replace(particles, contact=contact)
         space = SpaceState(pitch, SurfaceCoverage(cells, side))
     else:
-        found, latest = (array(name, np.int32, *coverage.found.shape) for name in ("found", "latest"))
+        found, latest = (read_array(name, np.int32, *coverage.found.shape) for name in ("found", "latest"))
         coverage = Coverage(found, latest, int(np.count_nonzero(found != NEVER)))
         mesh = _mesh(given["mesh"], size) if "mesh" in given else None
     return State(particles, start, shape, coverage=coverage, mesh=mesh, space=space, window=window, **values)
 
 
 def _scalar(kind: type, plain: object, where: str) -> Any:
+    """Parse a single value of a state."""
     if kind is bool:
         return plain is True
     if kind is str:
         return text(plain, where)
     if kind is float and plain is None:
         return math.nan
-    found = number(plain, where, float(_MOST))
+    found = number(plain, where, float(_MAX_STATE_NUMBER))
     if kind is int and found < 0.0:
         raise ValueError(f"{where} is {found:g} but cannot be less than nothing.")
     return kind(found)
 
 
 def _mesh(plain: object, size: Extent) -> MeshForce:
-    """The force on a mesh, whose nodes follow from the size of the image and the reach."""
+    """Parse the force on a mesh, whose nodes follow from image size and reach."""
     given = mapping(plain, "mesh of state")
     if not given:
         return NO_MESH

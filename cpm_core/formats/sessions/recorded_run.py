@@ -1,4 +1,4 @@
-"""A run in a session file: written as one that the window shows with its contours, and the state that one shows."""
+"""Runs in session files: recorded for the window to show with their contours, and the state shown is restored."""
 
 from __future__ import annotations
 
@@ -26,26 +26,26 @@ from cpm_core.numerics.types import Entries
 from cpm_core.parameters import Parameters
 from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
 
-_BRANCH = 1
-"""Number of the only branch of a run that is written."""
+_ONLY_BRANCH = 1
+"""Number of the only branch of a written run."""
 
 
 @dataclass
 class Recorder:
-    """Keeps the last state of a run and where its scales begin; called with each state."""
+    """Recorder of the last state of a run and of the steps at which its scales begin; called with each state."""
 
     state: State | None = None
     scales: list[tuple[int, int]] = field(default_factory=list)
 
     def __call__(self, state: State) -> None:
-        """Take a state."""
+        """Record a state."""
         if not self.scales or self.scales[-1][1] != state.scale:
             self.scales.append((state.step if self.scales else 0, state.scale))
         self.state = state
 
 
 def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> SessionFile:
-    """The session with the run that its own shapes and parameters have made, at its end."""
+    """Add the run made by the shapes and parameters of a session, at its end."""
     state = recorder.state
     if state is None:
         return session
@@ -54,7 +54,7 @@ def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> S
     action |= regions_to_plain(regions)
     bare = replace(session, image=None, marks=(), view={}, extra={}, hand_edits=(), runs={}, truth=None)
     branch = {
-        "identity": _BRANCH,
+        "identity": _ONLY_BRANCH,
         "name": name,
         "parent": None,
         "first": 0,
@@ -68,13 +68,13 @@ def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> S
         "actions": [action],
         "branches": [branch],
     }
-    kept = {"branch": _BRANCH, "step": state.step, "state": state_to_plain(state)}
-    runs = {"here": [_BRANCH, state.step], "runs": [run], "states": [kept], "numbers": []}
+    kept = {"branch": _ONLY_BRANCH, "step": state.step, "state": state_to_plain(state)}
+    runs = {"here": [_ONLY_BRANCH, state.step], "runs": [run], "states": [kept], "numbers": []}
     return replace(session, runs=runs)
 
 
 def shown_state(session: SessionFile, image: Image) -> tuple[State, Parameters] | None:
-    """The state of the runs of a session that the window shows, with its parameters; None where it was not kept."""
+    """Restore the state of a run that the window shows, with its parameters; None if it was not kept."""
     runs = session.runs
     try:
         number, step = runs["here"]

@@ -1,4 +1,4 @@
-"""Session files: everything that is needed to continue work, or to repeat it without a window.
+"""Session files: everything needed to continue work, or to repeat it without a window.
 
 A session file is JSON that can be read and edited by hand: the image file, the shapes drawn on it, the parameters, the
 review of the contours, and the view. The image stays in its own file; a hash shows whether it has changed.
@@ -43,13 +43,17 @@ from cpm_core.shapes.document_shapes import check_axes
 
 T = TypeVar("T")
 
-MARK, VERSION = "cpm-session", 1
-"""Entry that distinguishes a session file from other JSON, and its value."""
+MARK = "cpm-session"
+"""Key that distinguishes a session file from other JSON."""
+
+VERSION = 1
+"""Version of the format: value of this entry."""
 
 SUFFIX = ".cpm"
-"""Ending of the name of a session file."""
+"""Suffix of session files."""
 
-_LARGEST = 64 * 2**20
+_MAX_SESSION_SIZE = 64 * 2**20
+"""Largest size of a session file [bytes]."""
 
 
 @frozen
@@ -61,13 +65,13 @@ class ImageFile:
     path : str
         Its file; a relative path starts at the folder of the session file.
     sha256 : str
-        Hash of that file, as `fingerprint` makes it; empty where it is not known.
+        Hash of that file, as returned by `fingerprint`; empty if unknown.
     shape : tuple of int
-        (rows, cols), or (planes, rows, cols); empty where it is not known.
+        (rows, cols), or (planes, rows, cols); empty if unknown.
     absolute : str
         Another path where it may be.
     reading : Reading
-        Which part of the file it is, and the size of a pixel where it was said by hand.
+        Part of the file, and the pixel size if it was entered by hand.
     """
 
     path: str
@@ -106,7 +110,7 @@ class SessionFile:
     Attributes
     ----------
     image : ImageFile or None
-        The image; None for a session that is for any image.
+        The image; None for a session that applies to any image.
     shapes : tuple of Shape
         Starts, regions of interest, barriers and placed charges.
     parameters : Parameters
@@ -118,21 +122,21 @@ class SessionFile:
     objects : SegmentedObjects
         The objects that have been selected, with their classes.
     outlined : Outlined
-        What has a skeleton in place of what is found in the image.
+        Outlines that have a skeleton in place of structures found in the image.
     view : mapping
-        View of the window, as plain JSON; without effect on a run.
+        View of the window, as JSON; no effect on a run.
     extra : mapping
         Entries of other versions, kept when the file is written again.
     notes : tuple of str
         Messages from reading, one sentence each.
     hand_edits : tuple of HandEdit
-        Edits of the contours by hand, in the order in which they were made.
+        Edits of the contours by hand, in chronological order.
     runs : mapping
-        Recorded runs of the window, as plain JSON; without effect on a run.
+        Recorded runs of the window, as JSON; no effect on a run.
     truth : TruthFile or None
         The ground truth that contours are compared with.
     pages : mapping
-        The other pages of a stack, as plain JSON of the window; without effect on a run.
+        The other pages of a stack, as JSON of the window; no effect on a run.
     comparison : Compared
         The methods that are compared.
     """
@@ -154,7 +158,8 @@ class SessionFile:
     comparison: Compared = field(default_factory=Compared)
 
 
-_KNOWN = {MARK, "program", *(one.name for one in fields(SessionFile))} - {"extra", "notes"}
+_KNOWN_ENTRIES = {MARK, "program", *(one.name for one in fields(SessionFile))} - {"extra", "notes"}
+"""Keys that this version knows; others are kept in `SessionFile.extra`."""
 
 
 def save_session(session: SessionFile, path: Path) -> None:
@@ -163,8 +168,8 @@ def save_session(session: SessionFile, path: Path) -> None:
     Parameters
     ----------
     session : SessionFile
-        Content. The path of its image is written as an absolute path, and relative to the file when it is in the folder
-        of the file or below.
+        Content. The path of its image is written as an absolute path, and also relative to the file if it is in or
+        below the folder of the file.
     path : Path
         Target; an existing file is replaced.
 
@@ -176,16 +181,16 @@ def save_session(session: SessionFile, path: Path) -> None:
     path = Path(path)
     check_place(path)
     content = encode(session, path.parent)
-    if len(content) > _LARGEST:
+    if len(content) > _MAX_SESSION_SIZE:
         raise ValueError(
-            f"{path.name} would take {len(content) >> 20} MB, but at most {_LARGEST >> 20} MB can be read again: "
-            "delete runs or objects, and save it then."
+            f"{path.name} would take {len(content) >> 20} MB, but at most {_MAX_SESSION_SIZE >> 20} MB can be read "
+            "again: delete runs or objects, and save it then."
         )
     write_together([(path, content)])
 
 
 def encode(session: SessionFile, folder: Path) -> bytes:
-    """The bytes of a session file that lies in a folder; ValueError for shapes that could not be read again."""
+    """Encode a session file in a folder; ValueError for shapes that could not be read again."""
     check_axes(session.shapes, session.image.shape if session.image else ())
     plain: Entries = {MARK: VERSION, "program": PROGRAM}
     if session.image is not None:
@@ -224,7 +229,7 @@ def load_session(path: Path) -> SessionFile:
     Returns
     -------
     SessionFile
-        Its content, checked; the path of its image is not looked up yet, see `find_image`.
+        Its content, checked; the image is not located yet, see `find_image`.
 
     Raises
     ------
@@ -232,23 +237,23 @@ def load_session(path: Path) -> SessionFile:
         When there is no such file, or it is not a valid session file; one sentence that says what is wrong.
     """
     path = Path(path)
-    return decode(content_of(path, _LARGEST), path.name)
+    return decode(content_of(path, _MAX_SESSION_SIZE), path.name)
 
 
 def decode(content: bytes, name: str) -> SessionFile:
-    """Content of the bytes of a session file; `name` is its name in error messages."""
+    """Decode a session file; `name` is its name in messages."""
     plain = _parsed(content, name)
     notes: list[str] = []
 
-    def optional(key: str, words: str, read: Callable[[Any], T], otherwise: T) -> T:
-        """An entry without which the rest is of use: where it is damaged, a note says that it was left out."""
+    def read_optional(key: str, words: str, read: Callable[[Any], T], otherwise: T) -> T:
+        """Read an optional entry; if it is damaged, it is left out with a note."""
         try:
             return read(plain[key]) if plain.get(key) is not None else otherwise
         except (ValueError, TypeError, KeyError) as error:
             notes.append(f"The {words} left out: {error}")
             return otherwise
 
-    def listed(key: str, what: str, read: Callable[[object, str], T]) -> tuple[T, ...]:
+    def read_list(key: str, what: str, read: Callable[[object, str], T]) -> tuple[T, ...]:
         return tuple(read(one, f"{what} {at}") for at, one in enumerate(items(plain.get(key, []), key), start=1))
 
     try:
@@ -256,23 +261,23 @@ def decode(content: bytes, name: str) -> SessionFile:
         if unknown:
             notes.append(f"Parameters that are not known here were left out: {shown(', '.join(unknown))}.")
         image = None if plain.get("image") is None else from_plain(ImageFile, plain["image"], "image")
-        shapes = listed("shapes", "shape", shape_from_plain)
+        shapes = read_list("shapes", "shape", shape_from_plain)
         check_axes(shapes, image.shape if image else ())
         return SessionFile(
             image=image,
             shapes=shapes,
             parameters=parameters,
-            marks=listed("marks", "mark", partial(from_plain, Mark)),
+            marks=read_list("marks", "mark", partial(from_plain, Mark)),
             mode=text(plain.get("mode", ""), "mode"),
             objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
             outlined=from_plain(Outlined, plain.get("outlined", {}), "outlined"),
             view=mapping(plain.get("view", {}), "view"),
-            extra={key: value for key, value in plain.items() if key not in _KNOWN},
-            runs=optional("runs", "recorded runs were", partial(mapping, where="runs"), {}),
-            truth=optional("truth", "ground truth was", partial(from_plain, TruthFile, where="truth"), None),
-            pages=optional("pages", "other pages of the stack were", partial(mapping, where="pages"), {}),
-            comparison=optional("comparison", "comparison of methods was", _compared, Compared()),
-            hand_edits=listed("hand_edits", "edit by hand", partial(from_plain, HandEdit)),
+            extra={key: value for key, value in plain.items() if key not in _KNOWN_ENTRIES},
+            runs=read_optional("runs", "recorded runs were", partial(mapping, where="runs"), {}),
+            truth=read_optional("truth", "ground truth was", partial(from_plain, TruthFile, where="truth"), None),
+            pages=read_optional("pages", "other pages of the stack were", partial(mapping, where="pages"), {}),
+            comparison=read_optional("comparison", "comparison of methods was", _compared, Compared()),
+            hand_edits=read_list("hand_edits", "edit by hand", partial(from_plain, HandEdit)),
             notes=tuple(notes),
         )
     except ValueError as error:
@@ -280,7 +285,7 @@ def decode(content: bytes, name: str) -> SessionFile:
 
 
 def _compared(plain: object) -> Compared:
-    """The comparison of methods; ValueError for methods and settings that are not known here."""
+    """Parse the comparison of methods; ValueError for unknown methods and settings."""
     given = mapping(plain, "comparison")
     methods = [text(name, "methods of comparison") for name in items(given.get("methods", []), "methods")]
     chosen = {}
@@ -305,7 +310,7 @@ def find_image(image: ImageFile, folder: Path, go_on: Callback = lambda: None) -
     folder : Path
         Folder of the session file.
     go_on : callable, optional
-        Called while the image is compared with the one that the session knows; raises to stop.
+        Called while the image is hashed to compare it with that of the session; raises to stop.
 
     Returns
     -------
@@ -333,7 +338,7 @@ def find_image(image: ImageFile, folder: Path, go_on: Callback = lambda: None) -
 
 
 def _place_to_plain(place: str, folder: Path) -> Entries:
-    """A path relative to a folder if it lies there, with the absolute one, else as it is."""
+    """Convert a path to JSON: relative to a folder if it is in or below it, and absolute; else as it is."""
     path, folder = Path(place), folder.resolve()
     if path.is_absolute() and path.is_relative_to(folder):
         return {"path": path.relative_to(folder).as_posix(), "absolute": str(path)}
@@ -341,7 +346,7 @@ def _place_to_plain(place: str, folder: Path) -> Entries:
 
 
 def _parsed(content: bytes, name: str) -> Plain:
-    """The JSON of a session file; ValueError, with `name`, when it is damaged or of an unknown kind or version."""
+    """Parse the JSON of a session file; ValueError when it is damaged, of another kind, or of an unknown version."""
     try:
         plain = json.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
@@ -359,10 +364,10 @@ def _parsed(content: bytes, name: str) -> Plain:
 
 
 def part_for(path: Path, reading: Reading) -> Entries:
-    """What `load_image` needs besides the path to read another file as a session reads its own.
+    """Return the arguments of `load_image` that read another file as a session reads its own.
 
-    Page, channel and point in time are chosen of a file that holds several. The size of a pixel that was set by hand
-    holds where a file has none.
+    Page, channel and point in time are selected in a file that holds several. A pixel size set by hand applies if the
+    file has none.
 
     Raises
     ------
