@@ -41,7 +41,7 @@ class Graph:
         self._near[one, slot] = other
         self.degrees = np.bincount(one, minlength=len(points))
         """Number of edges at each vertex, shape (N,)."""
-        self._ways: Ways | None = None
+        self._paths: Ways | None = None
 
     def link(self, a: int, b: int) -> None:
         """Join two vertices."""
@@ -54,7 +54,7 @@ class Graph:
                 near.append(-1)
             self._near[one, near.index(-1)] = other
             self.degrees[one] += 1
-        self._ways = None
+        self._paths = None
 
     def insert(self, a: int, between: Array, b: int) -> None:
         """Join two vertices through new ones at positions of shape (K, 2)."""
@@ -72,7 +72,7 @@ class Graph:
         for one, other in (pairs.T, pairs.T[::-1]):
             self._near[one, np.argmax(self._near[one] == other[:, None], axis=1)] = -1
         np.subtract.at(self.degrees, pairs.ravel(), 1)
-        self._ways = None
+        self._paths = None
 
     def drop(self, path: Index) -> None:
         """Remove the edges along a path."""
@@ -107,15 +107,15 @@ class Graph:
         They begin at the ends and junctions, then at the other vertices, in the order of their numbers, toward the
         neighbor with the lowest number.
         """
-        if self._ways is None:
+        if self._paths is None:
             total = self.degrees.sum()  # each edge twice: room for its two vertices
             vertices, start = np.empty(total, np.int64), np.zeros(total // 2 + 1, np.int64)
             closed = np.zeros(total // 2, bool)
             near = np.sort(self._near, axis=1)
             count = _walk_all(near, self.degrees, np.zeros(near.shape, bool), vertices, start, closed)
             start, closed = start[: count + 1], closed[:count]
-            self._ways = Ways(self.points, vertices[: start[-1]], start, closed)
-        return self._ways
+            self._paths = Ways(self.points, vertices[: start[-1]], start, closed)
+        return self._paths
 
     def parts(self) -> Index:
         """Label the connected parts of the graph; return the part of each path, shape (W,)."""

@@ -55,12 +55,12 @@ class Triangles:
 
     @cached_property
     def centers(self) -> Array:
-        """Their centers of mass, shape (N, 3)."""
+        """Centers of mass of the triangles, shape (N, 3)."""
         return self.corners.mean(axis=1)
 
     @cached_property
     def areas(self) -> Array:
-        """Their areas, shape (N,)."""
+        """Areas of the triangles, shape (N,)."""
         a, b, c = (self.corners[:, corner] for corner in range(3))
         return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 

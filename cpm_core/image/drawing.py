@@ -73,7 +73,7 @@ class Curve(Protocol):
 
     @property
     def color(self) -> str:
-        """Its color, ``"#rrggbb"``; empty for the usual one."""
+        """Color, ``"#rrggbb"``; empty for the default one."""
 
 
 def color_of(curve: Curve) -> str:

@@ -27,7 +27,7 @@ _CACHED_POLYGONS = 8
 
 @frozen
 class Regions:
-    """Where particles may be.
+    """Part of an image in which particles may be.
 
     They stay inside the union of the regions of interest, and never cross a barrier. Outside the regions of interest
     pixels carry no fixed charge and do not count in the statistics of the edge strength.

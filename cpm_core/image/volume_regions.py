@@ -246,7 +246,7 @@ Limit = Pair | Voxels | Extrusion
 
 @frozen
 class VolumeRegions:
-    """Where particles may be in a volume: inside the regions of interest, and on their side of every barrier.
+    """Part of a volume in which particles may be: the regions of interest, cut by barriers.
 
     Outside the regions of interest voxels carry no fixed charge and do not count in the statistics of the edge
     strength.

@@ -137,6 +137,7 @@ def join(height: Single, begin: Index, surroundings: Surroundings) -> list[Index
     passable, every = (height <= 0.0) & (height > -DEEPEST), np.ones(parts.count, bool)
 
     def is_neck(way: Index, saddle: Index) -> bool:
+        """Return whether a path, shape (K, 3), leads through a neck at its saddle, shape (3,)."""
         depth = -float(height[tuple(saddle)])
         there = way + begin, saddle + begin
         return surroundings.on_a_ridge(*there) or (
