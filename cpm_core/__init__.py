@@ -113,7 +113,7 @@ from cpm_core.model.coulomb import coulomb_force
 from cpm_core.model.measures import Energies, Forces
 from cpm_core.model.starts import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.model.state import Particles, State
-from cpm_core.model.volume.starts import at_centers, box, everywhere, in_slice, on_strong_edges, sphere
+from cpm_core.model.volume.starts import seeds_at_centers, seeds_on_box, seeds_everywhere, seeds_in_slice, seeds_on_strong_edges, sphere
 from cpm_core.objects import (
     Partition,
     Selection,
@@ -142,8 +142,8 @@ from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.evolve import Evolution, Evolved, evolve, segment
-from cpm_core.segmentation.method import METHODS as RUN_METHODS
+from cpm_core.segmentation.evolve import Evolution, RunState, evolve, segment
+from cpm_core.segmentation.method import RUN_METHODS as RUN_METHODS
 from cpm_core.segmentation.method import Method
 
 __version__ = VERSION

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from cpm_core.contours.result import Result
-from cpm_core.field.edge_map import gradient, gradient_within
+from cpm_core.field.edge_map import smoothed_gradient, gradient_in_window
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.field.scale_field import build_scale_field, limited_to
+from cpm_core.field.scale_field import build_scale_field, limit_field_to
 from cpm_core.image.denoising import clean
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.model.coverage import cover, no_coverage
+from cpm_core.model.coverage import mark_covered, no_coverage
 from cpm_core.model.plane import motion
 from cpm_core.model.plane.repulsion import mesh_force
 from cpm_core.model.starts import circle
@@ -30,7 +30,7 @@ from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.finer_scale import marked_edges
+from cpm_core.segmentation.finer_scale import find_unexplained_edges
 
 _ROW, _COL = np.indices((32, 32))
 _IMAGE = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
@@ -49,7 +49,7 @@ _MOST_STEPS = 60
 
 def step_once() -> None:
     """Run the kernels of the steps of a run, and of its energy."""
-    gradient(_TALL, 1.0)
+    smoothed_gradient(_TALL, 1.0)
     engine = Engine(_IMAGE, _PARAMETERS)
     state = engine.start(circle((15.5, 15.5), 5.0))
     for _ in range(_MOST_STEPS):
@@ -61,8 +61,8 @@ def contours_once() -> None:
     """Run the kernels of the reconstruction, of a start everywhere, and of forces and coverage of many particles."""
     places, coverage = circle((15.5, 15.5), 5.0), no_coverage(_IMAGE.shape)
     mesh_force(places, _IMAGE.shape, 4.0)  # which more particles than these would need
-    cover(coverage, places, np.ones(len(places), bool), 1)
-    marked_edges(build_scale_field(_IMAGE, 1.0, 0.0), places, coverage.found.shape)
+    mark_covered(coverage, places, np.ones(len(places), bool), 1)
+    find_unexplained_edges(build_scale_field(_IMAGE, 1.0, 0.0), places, coverage.found.shape)
     _contours()
 
 
@@ -90,10 +90,10 @@ def extras_once() -> None:
 
 def large_once() -> None:
     """Run the kernels of a large image: its fields are in single precision, and made for windows of it."""
-    slopes = partial(gradient_within, _IMAGE, 1.0)
-    gradient(_TALL, 1.0, np.float32)
-    part = build_scale_field(_IMAGE, 1.0, 0.0, slopes=slopes).part((slice(0, 32), slice(0, 31)))
-    find_contours(circle((15.5, 15.5), 9.0), limited_to(part, part.edge_map > part.floor), _PARAMETERS)
+    slopes = partial(gradient_in_window, _IMAGE, 1.0)
+    smoothed_gradient(_TALL, 1.0, np.float32)
+    part = build_scale_field(_IMAGE, 1.0, 0.0, slopes=slopes).crop((slice(0, 32), slice(0, 31)))
+    find_contours(circle((15.5, 15.5), 9.0), limit_field_to(part, part.edge_map > part.floor), _PARAMETERS)
 
 
 def volume_once() -> None:
@@ -165,6 +165,6 @@ def warm_up_volumes(
 
 def is_compiled() -> bool:
     """Whether the kernels of a run are in Numba's cache, so that nothing has to be compiled."""
-    kernel: Any = motion._move
+    kernel: Any = motion._move_sorted
     folder = kernel.stats.cache_path
     return folder is not None and any(Path(folder).glob(f"*.{kernel.__name__}-*.nbi"))

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import HealthCheck, settings
 
-from cpm_core.numerics.parallel import cores
+from cpm_core.numerics.parallel import count_cores
 from cpm_core.warm_up import is_compiled, warm_up
 
 _MOST_WORKERS = 4
@@ -38,7 +38,7 @@ settings.load_profile(os.environ.get("CPM_EXAMPLES", "ordinary"))
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """One process for each core; none beside the first for single files, which begin sooner without."""
     few = all((config.invocation_params.dir / name.partition("::")[0]).is_file() for name in config.args)
-    return 0 if few or cores() == 1 else min(cores(), _MOST_WORKERS)
+    return 0 if few or count_cores() == 1 else min(count_cores(), _MOST_WORKERS)
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.chunked.grid import Chunk, Source, touches
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.numerics.grids import Window, around, ends, relative
+from cpm_core.numerics.grids import Window, expand_window, true_bounds, relative_window
 from cpm_core.numerics.types import Array
 from cpm_core.objects.everywhere import Parts, found_among
 from cpm_core.objects.partition import Frame, Partition
@@ -37,7 +37,7 @@ def objects_in(
     Yields the box, shape (2, 2), and the closed contours of each object, in px of the image.
     """
     for margin in MARGINS:
-        window = around(chunk.core, margin, frame.shape)
+        window = expand_window(chunk.core, margin, frame.shape)
         low, high = np.array([[side.start, side.stop] for side in window]).T
         first, end = (
             np.where(low > 0, low + _CLEAR_MARGIN, -1),
@@ -57,10 +57,10 @@ def objects_in(
         )
         here = replace(frame, corner=tuple(low.tolist()))
         parts = Parts.of(Partition(Image(source.gray(window)), seen, frame=here))
-        if parts.settled(relative(chunk.core, window)):
+        if parts.settled(relative_window(chunk.core, window)):
             break
     for mask, _, _ in found_among(parts):
-        box = low + ends(mask)
+        box = low + true_bounds(mask)
         if chunk.may_own(box.mean(axis=0)):
             found = (one.contour for one in parts.partition.outlines(mask))
             yield box, [Contour(one.points + low, True, one.strength, hole=one.hole) for one in found]

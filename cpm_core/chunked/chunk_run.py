@@ -9,7 +9,7 @@ from cpm_core.chunked.survey import Whole
 from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
-from cpm_core.model.starts import STRONG, above, uniform_grid
+from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above, uniform_grid
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.engine import Engine
@@ -58,5 +58,5 @@ def _seeds(field: ScaleField, kind: str) -> Array:
         return np.empty((0, 2))
     if kind == "grid":
         return uniform_grid(field.shape)
-    seeds = above(strength, STRONG, field.strongest)
+    seeds = pixels_above(strength, STRONG_EDGE_FRACTION, field.strongest)
     return seeds[(seeds % _SEED_SPACING == 0.0).all(axis=1)]

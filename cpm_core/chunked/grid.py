@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.images.ome_zarr import Levels, open_levels
 from cpm_core.formats.images.reading import Reading
-from cpm_core.numerics.grids import Window, around, tiles
+from cpm_core.numerics.grids import Window, expand_window, split_into_tiles
 from cpm_core.numerics.types import Array, Extent, frozen
 from cpm_core.parameters import Parameters
 
@@ -126,8 +126,8 @@ class Grid:
     @property
     def chunks(self) -> tuple[Chunk, ...]:
         """All chunks."""
-        cores = tiles(self.shape, self.side)
-        return tuple(Chunk(n, core, around(core, self.overlap, self.shape)) for n, core in enumerate(cores))
+        cores = split_into_tiles(self.shape, self.side)
+        return tuple(Chunk(n, core, expand_window(core, self.overlap, self.shape)) for n, core in enumerate(cores))
 
     @property
     def counts(self) -> Extent:
@@ -161,7 +161,7 @@ class Grid:
 
     def near(self, window: Window) -> list[int]:
         """Find the chunks that may own a contour with pixels in a window, if they see all of it."""
-        wide = around(window, math.ceil(0.5 * self.whole + UNSURE) + 1, self.shape)
+        wide = expand_window(window, math.ceil(0.5 * self.whole + UNSURE) + 1, self.shape)
         return [number for number, _ in self.within(wide)]
 
 

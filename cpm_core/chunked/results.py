@@ -25,7 +25,7 @@ from cpm_core.formats.common.provenance import ENTRY, facts_of, plain_shapes
 from cpm_core.formats.contours.geojson import features_of
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
 from cpm_core.formats.images.resolution import in_ascii
-from cpm_core.numerics.grids import Window, around, sides_of, tiles
+from cpm_core.numerics.grids import Window, expand_window, window_shape, split_into_tiles
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import counted
@@ -78,14 +78,14 @@ def label_image(source: Source, grid: Grid, path: Path, paint: Callable[[Chunk],
     _done(compute(paint, grid.chunks, "labels"))
     for level in range(1, count):
         shape = tuple(-(-n // 2**level) for n in grid.shape)
-        _done(compute(partial(halve_part, path, level), tiles(shape, grid.side), "levels of labels"))
+        _done(compute(partial(halve_part, path, level), split_into_tiles(shape, grid.side), "levels of labels"))
 
 
 def _paint(found: Found, path: Path, chunk: Chunk) -> None:
     """Write the labels in the core of a chunk, which are the numbers of the contours, or of objects."""
     contours = [one for one in found.near(chunk.core) if one.closed]
     if contours:
-        labels = paint(_moved(contours, chunk.core), sides_of(chunk.core))
+        labels = paint(_moved(contours, chunk.core), window_shape(chunk.core))
         write_part(path, 0, chunk.core, np.array([0, *_numbers(contours)], np.uint32)[labels])
 
 
@@ -127,7 +127,7 @@ def _with_inner(found: Found, chunk: Chunk, own: Sequence[Contour]) -> list[Cont
 
 def _window(found: Found, chunk: Chunk, contours: Sequence[Contour]) -> Window:
     """Find the pixels around contours of a chunk, as far as it has neighbors."""
-    boxes, limits = np.array([one.box for one in contours]), around(chunk.core, found.grid.side, found.grid.shape)
+    boxes, limits = np.array([one.box for one in contours]), expand_window(chunk.core, found.grid.side, found.grid.shape)
     low, high = np.floor(boxes[:, 0].min(axis=0)).astype(int), np.ceil(boxes[:, 1].max(axis=0)).astype(int) + 1
     ends = zip(low.tolist(), high.tolist(), limits, strict=True)
     return tuple(slice(max(first, side.start), min(last, side.stop)) for first, last, side in ends)
@@ -184,7 +184,7 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
         if some and some is short:
             window = _window(found, chunk, some)
             contours = [one for one in _with_inner(found, chunk, some) if one.closed]
-            labels, gray = paint(_moved(contours, window), sides_of(window)), source.gray(window)
+            labels, gray = paint(_moved(contours, window), window_shape(window)), source.gray(window)
         table = region_table(contours, labels, gray, levels.spacing[1:], levels.unit)
         for name in dict.fromkeys((*table, *_GRAY_COLUMNS)):
             if name not in ("label", "name"):

@@ -18,7 +18,7 @@ from cpm_core.chunked.store import Piece, Store, packed, unpacked
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, Entries, Integers, frozen
+from cpm_core.numerics.types import Array, JsonDict, Integers, frozen
 from cpm_core.objects.partition import Frame
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.hysteresis import shortest
@@ -65,7 +65,7 @@ class Task:
     objects: bool = False
 
     @property
-    def settings(self) -> Entries:
+    def settings(self) -> JsonDict:
         """All settings that the result depends on, besides the image."""
         return {"image": str(self.source.path.absolute()), "reading": asdict(self.source.reading), "start": self.kind,
                 "parameters": asdict(self.parameters), "steps": self.max_steps, "objects": self.objects,

@@ -13,7 +13,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.numerics.types import Entries, frozen, record
+from cpm_core.numerics.types import JsonDict, frozen, record
 
 _SETTINGS_FILE = "settings.json"
 
@@ -40,7 +40,7 @@ class Store:
 
     folder: Path
 
-    def begin(self, settings: Entries) -> bool:
+    def begin(self, settings: JsonDict) -> bool:
         """Prepare the folder for a run, and return whether it holds files of a run with the same settings."""
         known = self.folder / _SETTINGS_FILE
         text = json.dumps(settings, sort_keys=True).encode()
@@ -62,7 +62,7 @@ class Store:
         np.savez(content, **arrays)
         write_together([(self.folder / name, content.getvalue())])
 
-    def load(self, name: str, *keys: str) -> Entries:
+    def load(self, name: str, *keys: str) -> JsonDict:
         """Read arrays, all or those of some names."""
         with np.load(self.folder / name, allow_pickle=False) as known:
             return {key: known[key] for key in keys or known.files}
@@ -72,7 +72,7 @@ class Store:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def packed(pieces: Sequence[Piece]) -> Entries:
+def packed(pieces: Sequence[Piece]) -> JsonDict:
     """Pack pieces into arrays."""
     contours = [piece.contour for piece in pieces]
     return {
@@ -86,7 +86,7 @@ def packed(pieces: Sequence[Piece]) -> Entries:
     }
 
 
-def unpacked(arrays: Entries, prefix: str = "") -> list[Piece]:
+def unpacked(arrays: JsonDict, prefix: str = "") -> list[Piece]:
     """Unpack the pieces of arrays whose names have a prefix."""
     known = {key.removeprefix(prefix): values for key, values in arrays.items() if key.startswith(prefix)}
     points = np.split(known["points"], np.cumsum(known["counts"])[:-1]) if len(known["counts"]) else []

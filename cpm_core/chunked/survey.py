@@ -11,17 +11,17 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.chunked.grid import Chunk, Grid, Source
-from cpm_core.field.edge_map import automatic_smoothing, gradient, magnitude
-from cpm_core.field.scale_field import LARGE, ScaleField, packed_force, weakest_edge
+from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
+from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, pack_force, weakest_edge
 from cpm_core.image.border import inside_border, within
 from cpm_core.image.gray_levels import automatic_gamma, on_power_scale
 from cpm_core.image.pyramid import pyramid
-from cpm_core.numerics.grids import relative, whole_window
+from cpm_core.numerics.grids import relative_window, whole_window
 from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
 from cpm_core.objects.partition import Frame
 from cpm_core.objects.prior.windows import gray_range, sample_step
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.large_images import strongest_part
+from cpm_core.segmentation.large_images import strongest_edge_window
 
 _STATISTICS_SAMPLES = 2**22
 """Number of pixels of the whole image whose gray levels and edge strengths are sampled."""
@@ -134,7 +134,7 @@ class Whole:
             strength = np.where(within(inside, _EDGE_MAP_MARGIN), strength, strength.dtype.type(0))
         return replace(
             field,
-            force=cache(partial(packed_force, field.exponent, charged, field.slopes, strength, strongest, cut)),
+            force=cache(partial(pack_force, field.exponent, charged, field.slopes, strength, strongest, cut)),
             edge_map=strength,
             strongest=strongest,
             fixed_charges=charged,
@@ -183,8 +183,8 @@ def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: 
     if smoothing == "auto":
         smoothing = _automatic(source, coarse, Tone(low, high, exponent, 0.0, (0, 0, 0, 0)))
     sigma = max(float(smoothing) / side, 1.0 if side > 1 else 0.0)
-    slopes = gradient(Tone(low, high, exponent, sigma, (0, 0, 0, 0)).apply(coarse), sigma)
-    inside = inside_border(lambda part: slopes[(slice(None), *part)], magnitude(slopes), sigma, parameters.max_border)
+    slopes = smoothed_gradient(Tone(low, high, exponent, sigma, (0, 0, 0, 0)).apply(coarse), sigma)
+    inside = inside_border(lambda part: slopes[(slice(None), *part)], vector_magnitudes(slopes), sigma, parameters.max_border)
     ends = []
     for axis, n in enumerate(grid.shape):
         free = np.flatnonzero(inside.any(axis=1 - axis))
@@ -210,8 +210,8 @@ def _coarse(grid: Grid, seen: Sequence[GrayLevels]) -> Array:
 def _automatic(source: Source, coarse: Array, tone: Tone) -> float:
     """Find the smoothing that suits an image; a large one is measured around its strongest edge only."""
     shape = source.shape
-    large = math.prod(shape) > LARGE
-    part = strongest_part(coarse, block_of(shape), shape) if large else whole_window(shape)
+    large = math.prod(shape) > LARGE_IMAGE_PIXELS
+    part = strongest_edge_window(coarse, block_of(shape), shape) if large else whole_window(shape)
     return automatic_smoothing(tone.apply(source.gray(part)))
 
 
@@ -225,9 +225,9 @@ def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> E
     )
     strongest, samples = [], []
     for scale, values in enumerate(pyramid(tone.apply(source.gray(chunk.padded)), parameters.scales)):
-        strength = magnitude(gradient(values, tone.smoothing))
+        strength = vector_magnitudes(smoothed_gradient(values, tone.smoothing))
         size = 2**scale
-        part = strength[tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative(core, chunk.padded))]
+        part = strength[tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative_window(core, chunk.padded))]
         strongest.append(float(part.max(initial=0.0)))
         samples.append(part[:: max(step // size, 1), :: max(step // size, 1)].ravel())
     return Edges(tuple(strongest), tuple(samples))

@@ -12,21 +12,21 @@ from cpm_core.chunked.grid import Chunk, Grid, disturbed
 from cpm_core.chunked.run import WHOLE, Compute, Task, in_each, in_order, of_chunk
 from cpm_core.chunked.survey import Edges, Tone, Whole, step_of
 from cpm_core.field.scale_field import WEAKEST_EDGE
-from cpm_core.field.volume_edges import Slopes
+from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import (
-    EVERY,
-    Smoothed,
+    BACKGROUND_STRIDE,
+    SmoothedVolume,
     automatic_edges,
-    background_of,
+    noise_strength,
     pitch_of,
-    smoothed_volume,
-    weakest_edge_of,
+    smooth_volume,
+    weakest_volume_edge,
 )
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import pyramid
-from cpm_core.model.starts import STRONG, above
-from cpm_core.model.volume.starts import everywhere
-from cpm_core.numerics.grids import relative
+from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above
+from cpm_core.model.volume.starts import seeds_everywhere
+from cpm_core.numerics.grids import relative_window
 from cpm_core.numerics.types import Array, Index, Single, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.surface.components import distances_between
@@ -73,7 +73,7 @@ class Volume:
 
     def smoothed(self, chunk: Chunk) -> Single:
         """Smooth what a chunk sees of the volume, shape (P, R, C)."""
-        return smoothed_volume(self.task.source.values(chunk.padded), (self.whole.tone.smoothing / self.size).tolist())
+        return smooth_volume(self.task.source.values(chunk.padded), (self.whole.tone.smoothing / self.size).tolist())
 
     def particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[Levels, Array]:
         """Load the particles of a chunk and its neighbors within limits, each of shape (3,) [voxels].
@@ -112,20 +112,20 @@ def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
         return Volume(task, _grid_for(task, whole.tone.smoothing, side), whole), known["in_core"]
     looked: dict[float, list[Edges]] = {}
 
-    def measure_edges(sigma: float, scale: int = 0) -> Smoothed:
+    def measure_edges(sigma: float, scale: int = 0) -> SmoothedVolume:
         if sigma not in looked:
             work = partial(_edges, task, sigma)
             looked[sigma] = in_order(compute(work, _grid_for(task, sigma, side).chunks, "edges"))
-        background = background_of(np.concatenate([one.samples[scale] for one in looked[sigma]]))
+        background = noise_strength(np.concatenate([one.samples[scale] for one in looked[sigma]]))
         strongest = max(one.strongest[scale] for one in looked[sigma])
-        return Smoothed(sigma, np.empty((0, 0, 0), np.float32), strongest, background)
+        return SmoothedVolume(sigma, np.empty((0, 0, 0), np.float32), strongest, background)
 
     smoothing = parameters.smoothing
     sigma = automatic_edges(measure_edges).sigma if smoothing == "auto" else float(smoothing)
     scales = [measure_edges(sigma, scale) for scale in range(parameters.scales)]
     if not scales[0].strongest:
         raise ValueError("The volume is the same everywhere and has no edges: open a volume with objects.")
-    floors = [weakest_edge_of(one.strongest, one.background, parameters.edge_floor)[0] for one in scales]
+    floors = [weakest_volume_edge(one.strongest, one.background, parameters.edge_floor)[0] for one in scales]
     whole = Whole(Tone(0.0, 0.0, 1.0, sigma, ()), tuple(one.strongest for one in scales), tuple(floors))
     in_core = np.array([one.strongest[0] for one in looked[sigma]])
     task.store.save(WHOLE, in_core=in_core, **whole.numbers)
@@ -141,11 +141,11 @@ def _grid_for(task: Task, smoothing: float, side: int) -> Grid:
 def _edges(task: Task, sigma: float, chunk: Chunk) -> Edges:
     """Measure the edges in the core of a chunk at each scale, after a Gaussian."""
     pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
-    step = EVERY * -(-step_of(shape) // EVERY)
+    step = BACKGROUND_STRIDE * -(-step_of(shape) // BACKGROUND_STRIDE)
     for scale, values in enumerate(pyramid(task.source.values(chunk.padded), task.parameters.scales)):
-        strength = Slopes.of(smoothed_volume(values, [sigma / side for side in pitch]), pitch).strengths()
+        strength = VolumeSlopes.from_volume(smooth_volume(values, [sigma / side for side in pitch]), pitch).edge_strengths()
         size = 2**scale
-        own = relative(chunk.core, chunk.padded)
+        own = relative_window(chunk.core, chunk.padded)
         core = strength[tuple(slice(-(-at.start // size), -(-at.stop // size)) for at in own)]
         strongest.append(float(core.max(initial=0.0)))
         some = core[tuple(slice(-(at.start // size) % step, None, step) for at in chunk.core)]
@@ -188,14 +188,14 @@ def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
 
     engine = Engine(image, own, measured=impose_statistics)
     field: Any = engine.scale_field(own)
-    seeds = everywhere(image) if task.kind == "grid" else above(field.edge_map, STRONG, whole.strongest[0])
+    seeds = seeds_everywhere(image) if task.kind == "grid" else pixels_above(field.edge_map, STRONG_EDGE_FRACTION, whole.strongest[0])
     if not len(seeds):
         return nothing
     run = Evolution(engine, engine.start(seeds), own, task.max_steps)
     for _ in run:
         pass
     state = run.moment.state
-    points = state.position[state.particles.on_surface.seated]
+    points = state.position[state.particles.surface_contact.on_surface]
     if not len(points):
         return nothing
     levels, normals = levels_of(field.smoothed, field.edges, points, volume.size, field.smoothing)

@@ -23,8 +23,8 @@ from cpm_core.chunked.survey import Whole
 from cpm_core.chunked.volume_run import SIDE, Volume, run_particles
 from cpm_core.formats.images.ome_zarr import create_levels, write_part
 from cpm_core.formats.images.reading import Reading
-from cpm_core.numerics.grids import Window, join_corners, parts_joined, parts_of, relative, sides_of, zero_surface
-from cpm_core.numerics.types import Array, Entries, Index, Mask, Single, frozen, record
+from cpm_core.numerics.grids import Window, bridge_corner_contacts, label_joined_pairs, find_connected_parts, relative_window, window_shape, zero_surface
+from cpm_core.numerics.types import Array, JsonDict, Index, Mask, Single, frozen, record
 from cpm_core.reconstruction.surface.components import FAR, is_borne_out, support, unknown_regions
 from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
 from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
@@ -66,13 +66,13 @@ class _Regions:
         """Read what has been written in a window."""
         return Source(self.path, Reading(), "zyx").values(window)
 
-    def load(self, number: int, *names: str) -> Entries:
+    def load(self, number: int, *names: str) -> JsonDict:
         """Load what has been stored of a chunk, all arrays or some."""
         return self.volume.task.store.load(of_chunk(self.name, number), *names)
 
     def save(self, chunk: Chunk, values: NDArray[Any], **arrays: Any) -> None:
         """Write values in the core of a chunk, and store those one voxel beyond with other arrays."""
-        write_part(self.path, 0, chunk.core, values[tuple(slice(n) for n in sides_of(chunk.core))])
+        write_part(self.path, 0, chunk.core, values[tuple(slice(n) for n in window_shape(chunk.core))])
         layers = {f"layer_{axis}": values.take(-1, axis) for axis, _ in _layers(self.volume, chunk)}
         self.volume.task.store.save(of_chunk(self.name, chunk.number), **layers, **arrays)
 
@@ -95,10 +95,10 @@ class _Regions:
                 theirs = number_of(self.read(window)).reshape(mine.shape)
                 both = (mine >= 0) & (theirs >= 0)
                 for number, part in self.volume.grid.within(window):
-                    inner = tuple(side for k, side in enumerate(relative(part, window)) if k != axis)
+                    inner = tuple(side for k, side in enumerate(relative_window(part, window)) if k != axis)
                     theirs[inner] += first[number]
                 pairs.append(np.unique((mine[both] + first[chunk.number]) * first[-1] + theirs[both]))
-        return parts_joined(np.stack(np.divmod(np.concatenate(pairs), first[-1])), int(first[-1]))
+        return label_joined_pairs(np.stack(np.divmod(np.concatenate(pairs), first[-1])), int(first[-1]))
 
 
 def _beyond(volume: Volume, chunk: Chunk) -> Window:
@@ -146,7 +146,7 @@ class Heights:
         inner = tuple(slice(max(side.start, 0), min(side.stop, n)) for side, n in zip(window, grid.shape, strict=True))
         found: Single = self.regions.read(inner)
         for number, part in grid.within(inner):
-            values = found[relative(part, inner)]
+            values = found[relative_window(part, inner)]
             region = _region_of(values)
             unknown = region >= 0
             values[unknown] = self.of_region[self.first[number] + region[unknown]]
@@ -199,17 +199,17 @@ def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
     width, band = width_and_band(apart)
     levels, _ = _particles_near(volume, chunk, beyond, max(_GAUSSIAN_REACH * width, band) + _PARTICLE_MARGIN)
     if len(levels.points):
-        begin = np.array([side.start - 1 for side in relative(beyond, chunk.padded)])
-        box = Box(begin, tuple(n + 2 for n in sides_of(beyond)))  # type: ignore[arg-type]
+        begin = np.array([side.start - 1 for side in relative_window(beyond, chunk.padded)])
+        box = Box(begin, tuple(n + 2 for n in window_shape(beyond)))  # type: ignore[arg-type]
         found = height(volume.smoothed(chunk), box, levels, volume.size, width, band)
         np.clip(found, -_MAX_HEIGHT, _MAX_HEIGHT, out=found)
         found[found == 0.0] = -np.finfo(np.float32).tiny
         parts, votes = unknown_regions(found)
-        parts.fill(_REGION_OFFSET + 1 + np.arange(parts.count, dtype=np.float32), found)
+        parts.fill_voxels(_REGION_OFFSET + 1 + np.arange(parts.count, dtype=np.float32), found)
         inner, votes = found[1:-1, 1:-1, 1:-1], np.append(0, votes)
     else:
-        inner, votes = np.zeros(sides_of(beyond), np.float32), np.zeros(1, np.int64)
-    border = _at_border(volume, chunk, inner[tuple(slice(n) for n in sides_of(chunk.core))])
+        inner, votes = np.zeros(window_shape(beyond), np.float32), np.zeros(1, np.int64)
+    border = _at_border(volume, chunk, inner[tuple(slice(n) for n in window_shape(chunk.core))])
     region = _region_of(border)
     at_border = np.bincount(region[region >= 0], minlength=len(votes))
     bright = np.count_nonzero(border[region < 0] > 0.0)
@@ -261,7 +261,7 @@ class Bodies:
     """
 
     volume: Volume
-    table: Entries
+    table: JsonDict
     first: Index
     of_part: Index
     kind = "bodies"
@@ -332,7 +332,7 @@ def find_bodies(heights: Heights, compute: Compute) -> Bodies:
     local = np.concatenate([group[one["pairs"] + start] for one, start in zip(known, first, strict=False)])
     pairs, pair = np.unique(local.reshape(-1, 2), axis=0, return_inverse=True)
     pair = pair.ravel()
-    sums: Entries = {name: np.zeros((len(pairs), 3) if name == "moments" else len(pairs)) for name in _PAIR_SUMS}
+    sums: JsonDict = {name: np.zeros((len(pairs), 3) if name == "moments" else len(pairs)) for name in _PAIR_SUMS}
     for name, total in sums.items():
         np.add.at(total, pair, np.concatenate([one[name] for one in known]))
     kept = is_borne_out(sums["particles"], sums["supported"] / np.maximum(sums["corners"], 1))
@@ -382,12 +382,12 @@ def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
         voxels = store.load(of_chunk(_NECKS_KIND, at))["raised"] - corner
         raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
         found[raised] = np.maximum(found[raised], RAISED)
-    join_corners(found, RAISED)
+    bridge_corner_contacts(found, RAISED)
     found = np.ascontiguousarray(found[1:-1, 1:-1, 1:-1])
-    inner, outside = parts_of(found > 0.0, corners=True), parts_of(found <= 0.0, corners=False)
+    inner, outside = find_connected_parts(found > 0.0, corners=True), find_connected_parts(found <= 0.0, corners=False)
     labels = inner.labels - 1
-    outside.fill(np.arange(inner.count, inner.count + outside.count, dtype=np.int32), labels)
-    beyond = relative(_beyond(volume, chunk), window)
+    outside.fill_voxels(np.arange(inner.count, inner.count + outside.count, dtype=np.int32), labels)
+    beyond = relative_window(_beyond(volume, chunk), window)
     surface = _surface_in(heights, chunk, found, labels, window)
     files.save(
         chunk,
@@ -398,7 +398,7 @@ def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
     )
 
 
-def _surface_in(heights: Heights, chunk: Chunk, found: Single, labels: NDArray[np.int32], window: Window) -> Entries:
+def _surface_in(heights: Heights, chunk: Chunk, found: Single, labels: NDArray[np.int32], window: Window) -> JsonDict:
     """Triangulate the surface in a chunk: triangles, the vertices that it owns, and sums for each pair of parts."""
     volume = heights.volume
     corner, sides = np.array([side.start for side in window]), np.array(volume.task.source.levels.spacing)

@@ -15,7 +15,7 @@ from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
 from cpm_core.image.colors import CONTRAST, LUMINANCE
 from cpm_core.image.geometry import CONVENTIONS
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import JsonDict
 from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.quotation import shown
@@ -61,7 +61,7 @@ def places_in(numbers: Sequence[float], axes: int) -> tuple[tuple[float, ...], .
     return tuple(zip(*(numbers[axis::axes] for axis in range(axes)), strict=True))
 
 
-_SHARED_OPTIONS: dict[str, Entries] = {
+_SHARED_OPTIONS: dict[str, JsonDict] = {
     "image": {"metavar": "IMAGE", "help": f"image ({', '.join(READABLE)})"},
     "images": {
         "metavar": "IMAGE",
@@ -125,14 +125,14 @@ _PIXEL_SIZE_PATTERN = re.compile(rf"({_NUMBER_PATTERN}(?:x{_NUMBER_PATTERN}){{0,
 """One to three sizes of a pixel, and their unit."""
 
 
-def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool = True) -> Entries:
+def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool = True) -> JsonDict:
     """Return the keyword arguments of `load_image` or `load_volume`, and settle which channel a run takes.
 
     A channel given by its number, or as the one of the largest contrast, is selected on reading. A named one is a
     parameter of a run on an image; for a volume, or where the command `runs` nothing, it is selected on reading too.
     """
     given = {name: getattr(arguments, name) for name in ("page", "time", "series")}
-    part: Entries = {name: as_number(text) for name, text in given.items() if text is not None}
+    part: JsonDict = {name: as_number(text) for name, text in given.items() if text is not None}
     if volume and "page" in part:
         raise ValueError(f"--page is {part['page']}, but a volume uses all pages of {arguments.image}: leave it out.")
     channel, in_reading = arguments.channel, volume or not runs

@@ -21,7 +21,7 @@ from cpm_core.formats.common.atomic import append, drafts_of, remove_abandoned, 
 from cpm_core.formats.common.content import fingerprint, fingerprint_if_read
 from cpm_core.formats.common.printable import cell, printable, text_of_cell
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
-from cpm_core.numerics.types import Entries, Texts
+from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, shown
 from cpm_core.shapes.document_shapes import starts_of
@@ -312,7 +312,7 @@ def _rows(path: Path) -> list[Row]:
 
 
 def _row(line: Mapping[str, str]) -> Row:
-    values: Entries = {name: line[name] for name in _TEXT_COLUMNS}
+    values: JsonDict = {name: line[name] for name in _TEXT_COLUMNS}
     values |= {name: tuple(filter(None, line[name].split(_LIST_SEPARATOR))) for name in _LIST_COLUMNS}
     return Row(facts={name: read(line[name]) for name, read in _FACT_COLUMNS.items() if line[name]}, **values)
 

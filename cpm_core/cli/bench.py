@@ -15,7 +15,7 @@ import numpy as np
 
 from cpm_core.cli.output import print_json
 from cpm_core.model.starts import circle, uniform_grid
-from cpm_core.numerics.types import Array, Callback, Entries
+from cpm_core.numerics.types import Array, Callback, JsonDict
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import segment
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> None:
         **{name: version(name) for name in ("numpy", "scipy", "scikit-image", "numba")},
     }
     values, repeats = _scene(2 if arguments.quick else 6), 1 if arguments.quick else 5
-    rows: list[Entries] = []
+    rows: list[JsonDict] = []
     for what, work in _tasks(values):
         work()  # compiles
         rows.append({"what": what, "value": 1e3 * median(repeat(work, number=1, repeat=repeats)), "unit": "ms"})

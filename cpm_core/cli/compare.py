@@ -29,7 +29,7 @@ from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Entries, Texts
+from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
@@ -175,7 +175,7 @@ def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequenc
 
 def _settings(
     arguments: argparse.Namespace, methods: Sequence[str], session: SessionFile, compared: Compared
-) -> Entries:
+) -> JsonDict:
     """Return the settings of each method: those of the comparison of a session, changed as the arguments ask.
 
     Raises
@@ -184,10 +184,10 @@ def _settings(
         When a setting is of another form, of a method that is not compared, unknown, or out of its range.
     """
     ours = PRESETS[arguments.preset] if arguments.preset else session.parameters if arguments.session else None
-    found: Entries = {
+    found: JsonDict = {
         name: ours if ours is not None and name in _PARTICLE_METHODS else compared.settings_of(name) for name in methods
     }
-    changes: dict[str, Entries] = {}
+    changes: dict[str, JsonDict] = {}
     for text in arguments.set:
         place, equals, value = text.partition("=")
         method, dot, name = place.partition(".")

@@ -41,7 +41,7 @@ from cpm_core.formats.sessions.recorded_run import shown_state
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
-from cpm_core.numerics.types import Entries, Extent
+from cpm_core.numerics.types import JsonDict, Extent
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted
 from cpm_core.segmentation.engine import Engine
@@ -93,9 +93,9 @@ def run(arguments: argparse.Namespace) -> int:
     return report(arguments, {"source": str(source), "left_out": missing, **said}, [line], files)
 
 
-def _on_result(result: Result | Centerlines, source: Path) -> tuple[Entries, str]:
+def _on_result(result: Result | Centerlines, source: Path) -> tuple[JsonDict, str]:
     """Describe a result, as plain JSON and as a line."""
-    facts: Entries = {"contours": len(result.contours), "closed": sum(one.closed for one in result.contours)}
+    facts: JsonDict = {"contours": len(result.contours), "closed": sum(one.closed for one in result.contours)}
     if isinstance(result, Centerlines):
         facts[ENTRY] = facts_on(result.source, result.provenance)
         return facts, f"{source.name}: {contours_of(result, 'center line')}"

@@ -8,7 +8,7 @@ from pathlib import Path
 from cpm_core.cli.arguments import PART, add, part_of
 from cpm_core.cli.output import IN_PART, facts_on_place, lines_on_place, print_json, say
 from cpm_core.formats import holds_volume, load_image, load_volume
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import JsonDict
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,7 +21,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Show the properties of images or volumes; of several, each that cannot be read is reported."""
     part = part_of(arguments, runs=False)
     single = len(arguments.images) == 1
-    facts: list[Entries] = []
+    facts: list[JsonDict] = []
     for path in arguments.images:
         try:
             volume = arguments.volume or ("page" not in part and holds_volume(path, part.get("series")))

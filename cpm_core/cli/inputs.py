@@ -29,7 +29,7 @@ from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Entries, Texts
+from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.pages.follow import fitting
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
@@ -94,7 +94,7 @@ def in_volume(session: SessionFile) -> bool:
     return session.image is not None and len(session.image.shape) == 3
 
 
-def image_of(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, Entries]:
+def image_of(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, JsonDict]:
     """Return the path of the named image, or else of the image of the session, and how to read it."""
     if source is not None:
         say_notes(Path(source).name, session.notes)

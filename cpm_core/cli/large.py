@@ -17,12 +17,12 @@ from cpm_core.chunked.volume_surface import run_volume
 from cpm_core.cli.arguments import as_number, check_targets, refuse
 from cpm_core.cli.output import Files, StatusLine, announce_compilation, report, say_notes
 from cpm_core.cli.workers import cluster, finished, on_one_core
-from cpm_core.field.volume_field import check_parameters
+from cpm_core.field.volume_field import check_volume_parameters
 from cpm_core.formats.common.atomic import suffix_among
 from cpm_core.formats.images.ome_zarr import is_zarr, open_levels
 from cpm_core.formats.images.reading import Reading
 from cpm_core.image.colors import LUMINANCE
-from cpm_core.numerics.types import Plain
+from cpm_core.numerics.types import JsonObject
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, sized
 from cpm_core.segmentation.reach.reach_map import is_limited
@@ -49,7 +49,7 @@ def is_large_volume(arguments: argparse.Namespace) -> bool:
 
 
 def run_large(
-    arguments: argparse.Namespace, path: Path, part: Plain, parameters: Parameters, *, volume: bool = False
+    arguments: argparse.Namespace, path: Path, part: JsonObject, parameters: Parameters, *, volume: bool = False
 ) -> int:
     """Find contours, or in a volume bodies, chunk by chunk; the same command continues an interrupted run."""
     drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
@@ -57,7 +57,7 @@ def run_large(
     files_of: Any = volume_results if volume else results
     _check(arguments, path, parameters, files_of.WRITABLE)
     if volume:
-        check_parameters(parameters)
+        check_volume_parameters(parameters)
         if parameters.gamma != 1.0:
             raise ValueError("--gamma looks at the whole volume at once: leave it at 1, or run a smaller volume.")
     source = grid.Source(path, Reading(**part), "zyx" if volume else "yx")

@@ -21,7 +21,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Plain
+from cpm_core.numerics.types import JsonObject
 from cpm_core.parameters.quotation import counted
 from cpm_core.warm_up import FIRST, is_compiled, warm_up
 
@@ -129,12 +129,12 @@ class Files:
         self.written += [path for path in dict.fromkeys(paths) if str(Path(path)) not in known]
 
 
-def print_json(arguments: argparse.Namespace, facts: Plain) -> None:
+def print_json(arguments: argparse.Namespace, facts: JsonObject) -> None:
     """Print the outcome of a command as one JSON object."""
     print(json.dumps({"command": arguments.name, "schema": SCHEMA, "version": VERSION, **facts}))
 
 
-def report(arguments: argparse.Namespace, facts: Plain, lines: Iterable[str], files: Files, advice: str = "") -> int:
+def report(arguments: argparse.Namespace, facts: JsonObject, lines: Iterable[str], files: Files, advice: str = "") -> int:
     """Print the outcome of a command as JSON, or as sentences with the files that were written; return the exit status.
 
     Files that are not written come first, with `advice`. ValueError when none is written.

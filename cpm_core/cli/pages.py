@@ -28,7 +28,7 @@ from cpm_core.formats import load_pages
 from cpm_core.formats.stack_files import export_stack
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.types import Array, Entries, Plain
+from cpm_core.numerics.types import Array, JsonDict, JsonObject
 from cpm_core.pages.follow import fitting, follow
 from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
@@ -40,12 +40,12 @@ from cpm_core.segmentation.evolve import segment
 def run_pages(
     arguments: argparse.Namespace,
     path: Path,
-    part: Plain,
+    part: JsonObject,
     parameters: Parameters,
     seeds: Callable[[Image], Array],
     *,
     places: Sequence[Sequence[tuple[float, ...]]],
-    drawn: tuple[Plain, ...],
+    drawn: tuple[JsonObject, ...],
     regions: AnyRegions | None,
     charges: Sequence[PlacedCharge],
 ) -> int:
@@ -74,7 +74,7 @@ def run_pages(
     announce_compilation()
     began = time.perf_counter()
     found: list[Page] = []
-    limits: Entries = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
+    limits: JsonDict = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
 
     def segment_page(image: Image) -> Result:
         return segment(image, seeds(image), fitting(parameters, image.shape), **limits)
@@ -127,11 +127,11 @@ def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
 
 
 def _report(arguments: argparse.Namespace, found: StackResult, files: Files, seconds: float) -> int:
-    plain: list[Entries] = []
+    plain: list[JsonDict] = []
     lines: list[str] = []
     said: list[str] = []
     for page in found.pages:
-        facts: Entries = {}
+        facts: JsonDict = {}
         if page.result is not None:
             facts = facts_of_run(page.result, 0.0)
             del facts["seconds"]  # the time of one page is not known

@@ -72,7 +72,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Entries, Plain
+from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.objects import Selection, objects_result, partition, select_all
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, sized
@@ -211,7 +211,7 @@ def _run_image(
     arguments: argparse.Namespace,
     session: SessionFile,
     path: Path,
-    part: Plain,
+    part: JsonObject,
     parameters: Parameters,
     drawn: Drawn,
 ) -> int:
@@ -349,7 +349,7 @@ def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
     return VolumeRegions((*before.interest, *boxes), (*before.barriers, *planes))
 
 
-def _files_drawn(arguments: argparse.Namespace) -> list[Entries]:
+def _files_drawn(arguments: argparse.Namespace) -> list[JsonDict]:
     """Return the files whose contours a run starts from, as session files hold shapes."""
     return [{"shape": "points", "file": Path(path).name} for path in arguments.start]
 
@@ -364,9 +364,9 @@ def _surface(found: Result, drawn: Drawn) -> Result:
     return replace(found, surface=chosen.surface)
 
 
-def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[Entries, list[str]]:
+def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe contours, as values by name and as sentences."""
-    facts: Entries = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
+    facts: JsonDict = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
     lines = [f"{result.source}: {contours_of(result)}"]
     lines += longest(
         [
@@ -398,11 +398,11 @@ def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) ->
     return facts, [*lines, *_on_run(result, seconds)]
 
 
-def _on_surface(result: Result, seconds: float) -> tuple[Entries, list[str]]:
+def _on_surface(result: Result, seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe a surface, as values by name and as sentences."""
     surface = result.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
-    facts: Entries = {
+    facts: JsonDict = {
         **facts_of_run(result, seconds),
         "vertices": vertices,
         "faces": faces,
@@ -422,7 +422,7 @@ def _on_run(result: Result, seconds: float) -> Iterator[str]:
     yield f"Stopped: {result.stop_reason}"
 
 
-def _agreement(result: Result, truth: Truth | VolumeTruth) -> tuple[Entries, str]:
+def _agreement(result: Result, truth: Truth | VolumeTruth) -> tuple[JsonDict, str]:
     """Measure how well contours, or a surface, agree with a ground truth: values by name, and a sentence."""
     found: Any
     measures, of, unit = ["dice", "jaccard", "precision", "recall", "f", "hausdorff"], {}, "px"

@@ -21,7 +21,7 @@ from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import JsonDict
 from cpm_core.parameters import PRESETS
 
 _SKELETON_PARAMETERS = (
@@ -87,11 +87,11 @@ def run(arguments: argparse.Namespace) -> int:
     return report(arguments, *_outcome(found, seconds), files)
 
 
-def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[Entries, list[str]]:
+def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe a skeleton, or center lines in a volume, as values by name and as sentences."""
     if isinstance(found, Centerlines):
         lengths, unit = found.lengths.tolist(), found.unit or "voxels"
-        facts: Entries = {"unit": found.unit, ENTRY: facts_on(found.source, found.provenance)}
+        facts: JsonDict = {"unit": found.unit, ENTRY: facts_on(found.source, found.provenance)}
         first = contours_of(found, "center line")
     else:
         lengths, unit = [contour.length for contour in found.contours], "px"

@@ -26,7 +26,7 @@ from cpm_core.formats.common.content import fingerprint_if_read, missing
 from cpm_core.formats.common.provenance import VERSION, with_shapes
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.formats.sessions.session_file import SessionFile, part_for
-from cpm_core.numerics.parallel import at_most, cores
+from cpm_core.numerics.parallel import limit_cores, count_cores
 from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.warm_up import is_compiled, warm_up
@@ -141,10 +141,10 @@ def here(
     `check_cancelled`: it is called several times a second, and an exception from it ends all processes. When a process
     dies, the jobs in progress are repeated at the end, each in a process of its own.
     """
-    count = min(workers or cores(), len(jobs))
-    each = 1 if workers else max(1, cores() // max(1, count))  # if there are more cores than jobs
+    count = min(workers or count_cores(), len(jobs))
+    each = 1 if workers else max(1, count_cores() // max(1, count))  # if there are more cores than jobs
     if count <= 1 and go_on is None:
-        with at_most(each):
+        with limit_cores(each):
             yield from ((job, do(job)) for job in jobs)
         return
     if not is_compiled():  # once, instead of in every process
@@ -198,7 +198,7 @@ def _in_processes(
 def _begin(use: int) -> None:
     """Let a new process use `core_count` cores, and exit when its parent is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends it
-    at_most(use).__enter__()
+    limit_cores(use).__enter__()
     parent = multiprocessing.parent_process()
 
     def end_with_parent() -> None:
@@ -246,7 +246,7 @@ def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
         try:
             local = address or stack.enter_context(
                 LocalCluster(
-                    n_workers=workers or cores(),
+                    n_workers=workers or count_cores(),
                     threads_per_worker=1,
                     memory_limit=0,
                     dashboard_address=":0",
@@ -287,7 +287,7 @@ def on_one_core(function: Callable[[Any], Any], job: Any) -> Any:
     if not gc.get_freeze_count():
         gc.freeze()  # the collector need not visit modules after each job
     try:
-        with at_most(1):
+        with limit_cores(1):
             return function(job)
     finally:
         gc.collect()  # fields and their caches refer to one another

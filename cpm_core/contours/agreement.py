@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contours, sampled, vertices_of
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.rasterize import inside, paint
-from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Arrays, Index, Mask, frozen, record
 from cpm_core.parameters.quotation import described
@@ -200,15 +200,15 @@ def compare(contours: Contours, truth: Truth, tolerance: float = TOLERANCE, *, h
         **_boundaries(a, b, tolerance),
         dice=dice,
         jaccard=jaccard,
-        distances=tuple(np.split(b.tree.distances(vertices_of(contours)), starts)) if contours else (),
-        missing=b.samples[a.tree.distances(b.samples) > tolerance],
+        distances=tuple(np.split(b.tree.distances_to(vertices_of(contours)), starts)) if contours else (),
+        missing=b.samples[a.tree.distances_to(b.samples) > tolerance],
         objects=object_counts(pixels_in_common(truth.objects, paint(contours, truth.shape))),
     )
 
 
 def distance_to(points: Array, contours: Contours) -> Array:
     """Measure the distance of points, shape (N, 2), from the nearest line of contours, shape (N,) [px]; inf if none."""
-    return _Boundary(contours).tree.distances(np.asarray(points, float))
+    return _Boundary(contours).tree.distances_to(np.asarray(points, float))
 
 
 class _Boundary:
@@ -236,8 +236,8 @@ def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
 
 def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float]:
     """Compute the attributes of `Agreement`."""
-    there, back = b.tree.distances(a.samples), a.tree.distances(b.samples)
-    corners = max(b.tree.distances(a.vertices).max(initial=0.0), a.tree.distances(b.vertices).max(initial=0.0))
+    there, back = b.tree.distances_to(a.samples), a.tree.distances_to(b.samples)
+    corners = max(b.tree.distances_to(a.vertices).max(initial=0.0), a.tree.distances_to(b.vertices).max(initial=0.0))
     return boundary_figures((there, np.ones(len(there))), (back, np.ones(len(back))), float(corners), tolerance)
 
 
@@ -272,7 +272,7 @@ def boundary_figures(
 
 
 def _check(tolerance: float) -> None:
-    checked_number("tolerance", tolerance, lambda distance: distance > 0.0, "a number of px above 0")
+    check_finite_number("tolerance", tolerance, lambda distance: distance > 0.0, "a number of px above 0")
 
 
 def overlap(common: int, both: int) -> tuple[float, float]:

@@ -150,17 +150,17 @@ class Contour(Curve):
     @cached_property
     def length(self) -> float:
         """Length along the curve [px]."""
-        return polyline.length(self.path)
+        return polyline.path_length(self.path)
 
     @property
     def length_by_hand(self) -> float:
         """Length of the stretches drawn by hand [px]."""
-        return sum(polyline.length(stretch) for stretch in self.by_hand)
+        return sum(polyline.path_length(stretch) for stretch in self.by_hand)
 
     @property
     def area(self) -> float:
         """Enclosed area [px²]; 0 for an open curve, and for one in a volume."""
-        return polyline.area(self.points) if self.closed and self.points.shape[1] == 2 else 0.0
+        return polyline.enclosed_area(self.points) if self.closed and self.points.shape[1] == 2 else 0.0
 
     def __repr__(self) -> str:
         kind = "hole" if self.hole else "closed" if self.closed else "open"
@@ -218,7 +218,7 @@ def vertices_of(contours: Contours) -> Array:
 
 def sampled(contours: Contours) -> Array:
     """Sample contours every `SAMPLE_SPACING`, shape (N, 2) [px], for averages over their length."""
-    return np.concatenate([np.empty((0, 2)), *(polyline.sampled(contour.path, SAMPLING) for contour in contours)])
+    return np.concatenate([np.empty((0, 2)), *(polyline.sample_path(contour.path, SAMPLING) for contour in contours)])
 
 
 def neighborhood(contours: Contours) -> PathTree:
@@ -235,5 +235,5 @@ def bridges_on(bridges: Sequence[Bridge], contours: Contours) -> tuple[Bridge, .
     if not bridges or not contours:
         return ()
     middles = np.array([bridge.points[len(bridge.points) // 2] for bridge in bridges])
-    there = set(neighborhood(contours).pairs(middles, _BRIDGE_ON_CONTOUR)[0].tolist())
+    there = set(neighborhood(contours).pairs_within(middles, _BRIDGE_ON_CONTOUR)[0].tolist())
     return tuple(bridge for number, bridge in enumerate(bridges) if number in there)

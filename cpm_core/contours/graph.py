@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.numerics.grids import parts_joined
+from cpm_core.numerics.grids import label_joined_pairs
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.polyline import length, lengths_along, owners
+from cpm_core.numerics.polyline import path_length, lengths_along, repeat_indices
 from cpm_core.numerics.types import Array, Index, Mask, record
 
 
@@ -120,7 +120,7 @@ class Graph:
     def parts(self) -> Index:
         """Label the connected parts of the graph; return the part of each path, shape (W,)."""
         ways = self.ways()
-        return parts_joined((ways.first, ways.last), len(self.points))[ways.first]
+        return label_joined_pairs((ways.first, ways.last), len(self.points))[ways.first]
 
     def branch(self, end: int) -> Index:
         """Trace the path from a loose end to the next end or junction, both included, shape (K,)."""
@@ -138,7 +138,7 @@ class Graph:
         """
         ways = self.ways()
         along = lengths_along(self.points[ways.vertices])
-        way = owners(np.diff(ways.start))
+        way = repeat_indices(np.diff(ways.start))
         place = np.empty(len(self.points), np.int64)
         place[ways.vertices] = np.arange(len(way))  # a junction has several places; they are not used
         own = way[place[end]]
@@ -158,7 +158,7 @@ class Graph:
             path = ways.path(way)[:: -1 if backwards[way] else 1]
             if self.degree(path[-1]) == 2:  # no longer a junction: the branch continues
                 path = self.branch(int(path[0]))
-                if self.length(path) > longest:
+                if self.path_length(path) > longest:
                     continue
             if self.degree(path[-1]) >= 3:
                 self.drop(path)
@@ -189,7 +189,7 @@ class Graph:
             if ways.lengths[way] > longest and not moved & {kept, gone}:
                 continue
             intact = (self._near[path[:-1]] == path[1:, None]).any(axis=1).all()
-            if not intact or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
+            if not intact or min(map(self.degree, (kept, gone))) < 3 or self.path_length(path) > longest:
                 continue
             self.drop(path)
             if weights is None:
@@ -219,9 +219,9 @@ class Graph:
         """List the paths between two junctions."""
         return np.flatnonzero(~ways.closed & (self.degrees[ways.first] > 2) & (self.degrees[ways.last] > 2))
 
-    def length(self, path: Index) -> float:
+    def path_length(self, path: Index) -> float:
         """Measure the length of a path [px]."""
-        return length(self.points[path])
+        return path_length(self.points[path])
 
     def contours(self, shortest: float = 0.0) -> tuple[Contour, ...]:
         """Extract the contours with a length of at least `min_length` [px], longest first.
@@ -300,7 +300,7 @@ class Ways:
 
     def edges(self) -> tuple[Index, Index]:
         """List the edges of all paths in order, shape (E, 2), and the path of each edge, shape (E,)."""
-        way = owners(np.diff(self.start))
+        way = repeat_indices(np.diff(self.start))
         following = np.roll(self.vertices, -1)
         following[self.start[1:] - 1] = np.where(self.closed, self.first, -1)
         kept = following >= 0

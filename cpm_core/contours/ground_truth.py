@@ -15,7 +15,7 @@ from cpm_core.contours.graph import Graph
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.contours.surface import Surface, surface_of_labels
 from cpm_core.image import drawing
-from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
+from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.quotation import counted, described, sized
 
@@ -247,7 +247,7 @@ class VolumeTruth(_Labeled):
     boundary: Surface | None = None
 
     def __post_init__(self) -> None:
-        given = real_numbers(self.labels)
+        given = as_real_array(self.labels)
         most = np.iinfo(np.int32).max
         if given.ndim != 3 or given.size == 0 or given.min() < 0 or given.max() > most or (given % 1.0).any():
             raise ValueError(
@@ -256,7 +256,7 @@ class VolumeTruth(_Labeled):
                 f"{given.max(initial=0):g}."
             )
         object.__setattr__(self, "labels", given.astype(np.int32))
-        object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of labels", self.spacing).tolist()))
+        object.__setattr__(self, "spacing", tuple(check_voxel_sides("The spacing of labels", self.spacing).tolist()))
 
     @cached_property
     def surface(self) -> Surface:

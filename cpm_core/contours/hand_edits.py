@@ -140,7 +140,7 @@ def _without(lines: list[PolygonalLine], path: Array, reach: float) -> tuple[lis
     found = [(n, k) for n, some in pieces.items() for k, piece in enumerate(some) if piece.follows(path, reach)]
     if found and reach > _SEARCH_DISTANCES[0]:  # the contour has moved: others may lie as near
         longest = max(found, key=lambda one: pieces[one[0]][one[1]].length)
-        enough = pieces[longest[0]][longest[1]].length >= _LEAST_SHARE_FOUND * polyline.length(path)
+        enough = pieces[longest[0]][longest[1]].length >= _LEAST_SHARE_FOUND * polyline.path_length(path)
         found = [longest] if enough else []
     touched = {n for n, _ in found}
     for n in touched:
@@ -197,7 +197,7 @@ def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
     if line.closed or apart or line.length < _SHORTEST_REMAINDER:
         return [line]
     count = max(1, int(np.ceil(line.length / _OUTLINE_SAMPLING)))
-    near = polyline.distances(outline.path, polyline.middles(line.path, count)) <= _OUTLINE_COVER_DISTANCE
+    near = polyline.distances_to_path(outline.path, polyline.path_midpoints(line.path, count)) <= _OUTLINE_COVER_DISTANCE
     step, bounds = line.length / count, [0, *(np.flatnonzero(np.diff(near)) + 1).tolist(), count]
     stretches = [(a, b) for a, b in pairwise(bounds) if near[a] and (b - a) * step >= _SHORTEST_REMAINDER]
     cuts = [end * step for stretch in stretches for end in stretch]

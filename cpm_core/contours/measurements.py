@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from cpm_core.contours.contour import Contour, Contours, numbers_of
-from cpm_core.numerics.polyline import inside, length, middles
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.polyline import points_inside, path_length, path_midpoints
+from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Integers, Position, frozen
 from cpm_core.parameters.quotation import described, shown
 
@@ -141,7 +141,7 @@ def measure(
     1 1 0 1804 1495
     2 2 1 309 309
     """
-    sizes = real_numbers(spacing)
+    sizes = as_real_array(spacing)
     if sizes.shape != (2,) or not (np.isfinite(sizes) & (sizes > 0.0)).all():
         raise ValueError(f"spacing is {shown(spacing)} but must be two positive numbers, (row, col).")
     around = containment(contours)
@@ -160,7 +160,7 @@ def measure(
             strength=contour.strength,
             contrast=contour.contrast if contrast and contour.sides else None,
             inside=0 if outer is None else numbers[outer],
-            length_in_units=length(contour.path * spacing),
+            length_in_units=path_length(contour.path * spacing),
             area_in_units=contour.area * spacing[0] * spacing[1],
             by_hand=contour.length_by_hand,
             reached=contour.reached if contrast else "",
@@ -178,7 +178,7 @@ def centroid(contour: Contour) -> Position:
         area, *first = moments(path)[:3].tolist()
         row, col = first[0] / area, first[1] / area
     else:
-        row, col = middles(path, _CONTAINMENT_SAMPLES * len(path)).mean(axis=0).tolist()
+        row, col = path_midpoints(path, _CONTAINMENT_SAMPLES * len(path)).mean(axis=0).tolist()
     return row, col
 
 
@@ -213,7 +213,7 @@ def _net_areas(contours: Contours, around: Sequence[int | None]) -> Array:
         )
         # another object in the same one may reach beyond a hole on all sides and take its area, too
         covered = any(
-            inside(other.points, middles(contour.path, _CONTAINMENT_SAMPLES)).mean() > 0.5 for other in larger
+            points_inside(other.points, path_midpoints(contour.path, _CONTAINMENT_SAMPLES)).mean() > 0.5 for other in larger
         )
         if outer is not None and not covered:
             net[outer] -= contour.area
@@ -270,7 +270,7 @@ def containment(contours: Contours) -> tuple[int | None, ...]:
         if filled.any():
             found.append(int(np.argmax(filled)))
             continue
-        probes = middles(contour.path, _CONTAINMENT_SAMPLES)
-        inner = (other for other in order[row].tolist() if inside(contours[other].points, probes).mean() > 0.5)
+        probes = path_midpoints(contour.path, _CONTAINMENT_SAMPLES)
+        inner = (other for other in order[row].tolist() if points_inside(contours[other].points, probes).mean() > 0.5)
         found.append(next(inner, None))
     return tuple(found)

@@ -20,7 +20,7 @@ from numpy.typing import DTypeLike
 
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
-from cpm_core.numerics.grids import ends, zero_surface
+from cpm_core.numerics.grids import true_bounds, zero_surface
 from cpm_core.numerics.types import Array, Index, Integers, Mask, Numbers, Pixels, Place, frozen
 
 _MAX_ARRAY_BYTES = 256 * 2**20
@@ -280,7 +280,7 @@ class PackedVoxels:
     @property
     def box(self) -> Array:
         """First and last plane, row and column of the voxels, shape (2, 3)."""
-        return ends(self.part(self.first, self.shape)).astype(float) + self.first
+        return true_bounds(self.part(self.first, self.shape)).astype(float) + self.first
 
     def moved(self, by: Place) -> PackedVoxels:
         """Return the voxels displaced along each axis, to the nearest whole voxel."""

@@ -112,8 +112,8 @@ class PolygonalLine(Curve):
 
     def follows(self, path: Array, reach: float) -> bool:
         """Return whether all of the line lies within reach of a path, shape (K, 2) [px]."""
-        samples = np.concatenate([self.path[[0, -1]], polyline.sampled(self.path, _PATH_SAMPLING)])
-        return bool((polyline.distances(path, samples) <= reach).all())
+        samples = np.concatenate([self.path[[0, -1]], polyline.sample_path(self.path, _PATH_SAMPLING)])
+        return bool((polyline.distances_to_path(path, samples) <= reach).all())
 
     def reversed(self) -> PolygonalLine:
         """Reverse the direction of the line; the segment that closes it stays the last."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, contour_labels
-from cpm_core.numerics.polyline import owners
+from cpm_core.numerics.polyline import repeat_indices
 from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.parameters.quotation import shown
 
@@ -63,7 +63,7 @@ def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     """Find the pixels inside polygons or on their edges, as runs: the polygon, in order, row, first column and end."""
     if not polygons:
         return []
-    index = owners([len(points) for points in polygons])
+    index = repeat_indices([len(points) for points in polygons])
     row, col = np.concatenate(polygons).T
     below, right = np.concatenate([np.roll(points, -1, axis=0) for points in polygons]).T
     low, high = np.clip([np.minimum(row, below), np.maximum(row, below)], -1, shape[0])
@@ -71,7 +71,7 @@ def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     # first pass: an edge crosses its first row but not its last one; second pass: vice versa; pixels off edges agree
     for side, (begin, end) in enumerate(((np.ceil(low), np.ceil(high)), (np.floor(low) + 1, np.floor(high) + 1))):
         count = (end - begin).astype(int)
-        edge = owners(count)
+        edge = repeat_indices(count)
         line = begin[edge] + np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
         slope = (right[edge] - col[edge]) / (below[edge] - row[edge])
         places.append([index[edge], np.full(len(edge), side), line, col[edge] + slope * (line - row[edge])])

@@ -150,7 +150,7 @@ def _row(label: int, outlines: Contours, holes: Contours, sides: Array) -> dict[
     filled = sum((moments(path) for path in paths), np.zeros(6))
     net = filled - sum((moments(path) for path in cuts), np.zeros(6))
     area, whole = max(float(net[0]), 0.0), float(filled[0])
-    outer = sum(polyline.length(path) for path in paths)
+    outer = sum(polyline.path_length(path) for path in paths)
     points = np.concatenate([np.zeros((0, 2)), *paths])
     hull = float(shapely.MultiPoint(points).convex_hull.area) or whole
     center = net[1:3] / area if area > 0.0 else points.mean(axis=0) if len(points) else np.zeros(2)
@@ -161,7 +161,7 @@ def _row(label: int, outlines: Contours, holes: Contours, sides: Array) -> dict[
         "area": area,
         "area_filled": whole,
         "area_convex": hull,
-        "perimeter": outer + sum(polyline.length(path) for path in cuts),
+        "perimeter": outer + sum(polyline.path_length(path) for path in cuts),
         **{f"centroid-{axis}": place for axis, place in enumerate(center)},
         **{f"box-{k}": end for k, end in enumerate((*low, *high))},
         **_ellipse(net, center),

@@ -148,7 +148,7 @@ def attached(contours: Contours, anchors: Sequence[Position]) -> list[int | None
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
         return found
-    near = neighborhood(contours).pairs(np.array(anchors, float), REACH)
+    near = neighborhood(contours).pairs_within(np.array(anchors, float), REACH)
     pairs = sorted(
         (away, number, -contours[index].length, index)
         for number, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)
@@ -163,7 +163,7 @@ def attached(contours: Contours, anchors: Sequence[Position]) -> list[int | None
 
 def middle(contour: Contour) -> Position:
     """Return the position halfway along a contour."""
-    return tuple(polyline.middles(contour.path, 1)[0].tolist())
+    return tuple(polyline.path_midpoints(contour.path, 1)[0].tolist())
 
 
 def anchors(contours: Contours, indices: Sequence[int]) -> list[Position]:
@@ -174,13 +174,13 @@ def anchors(contours: Contours, indices: Sequence[int]) -> list[Position]:
     order = np.argsort(np.abs(share - 0.5), kind="stable")  # the middle has priority among equals
     low, high = np.concatenate([one.box for one in contours]).reshape(-1, 2, 2).swapaxes(0, 1)
     found: list[Position] = []
-    along = polyline.middles_of([contours[index].path for index in indices], _ANCHOR_CANDIDATES)[:, order]
+    along = polyline.midpoints_of_paths([contours[index].path for index in indices], _ANCHOR_CANDIDATES)[:, order]
     for index, places in zip(indices, along, strict=True):
         clear = np.full(_ANCHOR_CANDIDATES, _ISOLATED_DISTANCE)
         apart = np.maximum(low - high[index], low[index] - high).max(axis=1)
         for other in np.flatnonzero(apart < _ISOLATED_DISTANCE).tolist():
             if other != index:
-                clear = np.minimum(clear, polyline.distances(contours[other].path, places))
+                clear = np.minimum(clear, polyline.distances_to_path(contours[other].path, places))
         row, col = places[int(np.argmax(clear))].tolist()
         found.append((row, col))
     return found
@@ -244,5 +244,5 @@ def _runs_along(contour: Contour, other: Contour) -> bool:
     low, high = other.box
     if (contour.box[0] > high + _SAME_EDGE_DISTANCE).any() or (contour.box[1] < low - _SAME_EDGE_DISTANCE).any():
         return False
-    away = polyline.distances(other.path, polyline.middles(contour.path, _OVERLAP_SAMPLES))
+    away = polyline.distances_to_path(other.path, polyline.path_midpoints(contour.path, _OVERLAP_SAMPLES))
     return bool((away <= _SAME_EDGE_DISTANCE).mean() >= _SAME_CONTOUR_SHARE)

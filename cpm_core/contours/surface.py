@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.contours.contour import Contour, Label
 from cpm_core.contours.graph import Graph
 from cpm_core.image import drawing
-from cpm_core.numerics.grids import parts_joined, parts_of, zero_surface
+from cpm_core.numerics.grids import label_joined_pairs, find_connected_parts, zero_surface
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
+from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, record
 from cpm_core.parameters.quotation import counted, described
 
@@ -77,7 +77,7 @@ class Surface:
             np.shape(self.numbers) != (len(faces),) or np.min(self.numbers, initial=1) < 1
         ):
             raise ValueError("The numbers of a surface must be one of at least 1 for each triangle.")
-        object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of a surface", self.spacing).tolist()))
+        object.__setattr__(self, "spacing", tuple(check_voxel_sides("The spacing of a surface", self.spacing).tolist()))
         for name, values in (("vertices", vertices), ("faces", faces)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
@@ -159,7 +159,7 @@ class Surface:
     def component_of_vertex(self) -> Index:
         """Number of the component of each vertex, from 0 up; vertices without a triangle have their own."""
         one, other = self.faces[:, [0, 1]].ravel(), self.faces[:, [1, 2]].ravel()
-        return parts_joined((one, other), len(self.vertices))
+        return label_joined_pairs((one, other), len(self.vertices))
 
     @cached_property
     def components(self) -> int:
@@ -191,7 +191,7 @@ class Surface:
 
 def rows_of_three(name: str, values: ArrayLike) -> Array:
     """Check that numbers are finite and have the shape (N, 3), else raise ValueError with their name."""
-    rows = real_numbers(values)
+    rows = as_real_array(values)
     if rows.size == 0:
         return np.empty((0, 3))
     if rows.ndim != 2 or rows.shape[1] != 3:
@@ -250,7 +250,7 @@ def numbered(surface: Surface, shape: Extent) -> Index:
             found[inside_of(alone(surface, number), shape)] = number
         return found
     inside = inside_of(surface, shape)
-    parts = parts_of(inside, corners=True)
+    parts = find_connected_parts(inside, corners=True)
     order = np.argsort(-parts.sizes, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(1, len(order) + 1)

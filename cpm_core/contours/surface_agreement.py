@@ -24,7 +24,7 @@ from cpm_core.contours.agreement import (
 )
 from cpm_core.contours.ground_truth import VolumeTruth
 from cpm_core.contours.surface import Surface, numbered
-from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters.quotation import described
 
@@ -68,7 +68,7 @@ class Triangles:
     def _tree(self) -> scipy.spatial.cKDTree:
         return scipy.spatial.cKDTree(self.centers)
 
-    def distances(self, points: Array) -> Array:
+    def distances_to(self, points: Array) -> Array:
         """Measure the distance of points, shape (N, 3), from the nearest triangle, shape (N,); infinite without any."""
         found = np.full(len(points), np.inf)
         if not len(self.corners):
@@ -193,7 +193,7 @@ def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: floa
     (1.0, True, 'mm')
     """
     near = TOLERANCE * min(truth.spacing) if tolerance is None else tolerance
-    checked_number("tolerance", near, lambda distance: distance > 0.0, "a distance above 0")
+    check_finite_number("tolerance", near, lambda distance: distance > 0.0, "a distance above 0")
     found = Surface(np.empty(0), np.empty(0, np.int64), truth.spacing) if surface is None else surface
     if not np.allclose(found.spacing, truth.spacing, rtol=1e-3):
         one, other = (" x ".join(f"{side:g}" for side in sides) for sides in (found.spacing, truth.spacing))
@@ -204,7 +204,7 @@ def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: floa
     shape, sides = truth.shape, np.array(truth.spacing)
     a, b = triangles_of(found, shape), triangles_of(truth.surface, shape)
     wrong, missing = (
-        np.where(within_border(one.vertices, shape), other.distances(one.vertices * sides), 0.0)
+        np.where(within_border(one.vertices, shape), other.distances_to(one.vertices * sides), 0.0)
         for one, other in ((found, b), (truth.surface, a))
     )
     dice, jaccard, objects = np.nan, np.nan, ObjectCounts(0, 0, 0, 0)
@@ -214,8 +214,8 @@ def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: floa
         objects = object_counts(table)
     return SurfaceComparison(
         **boundary_figures(
-            (b.distances(a.centers), a.areas),
-            (a.distances(b.centers), b.areas),
+            (b.distances_to(a.centers), a.areas),
+            (a.distances_to(b.centers), b.areas),
             float(max(wrong.max(initial=0.0), missing.max(initial=0.0))),
             near,
         ),

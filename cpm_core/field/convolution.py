@@ -14,9 +14,9 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of
-from cpm_core.numerics.parallel import cores
-from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.grids import Window, expand_window, run_in_bands, relative_window, window_shape
+from cpm_core.numerics.parallel import count_cores
+from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array, Index, Integers, Numbers, Single, record
 
 _MAX_KEPT_PIXELS = 2**21
@@ -48,13 +48,13 @@ def convolved_field(
     positive.
     """
     f = np.asarray(edge_map, dtype=precision)
-    power = checked_number("exponent", f.ndim if exponent is None else exponent, lambda number: number > 0.0, "above 0")
+    power = check_finite_number("exponent", f.ndim if exponent is None else exponent, lambda number: number > 0.0, "above 0")
     half = tuple(scipy.fft.next_fast_len(max(n, 2)) for n in f.shape)
     kernel_of = _kernel_spectrum if math.prod(half) <= _MAX_KEPT_PIXELS else _kernel_spectrum.__wrapped__
     # in single precision only where double takes too much memory
     made_in = np.dtype(float) if f.size <= _MAX_DOUBLE_PIXELS else f.dtype
     kernels = [kernel_of(k, half, power, made_in, f.dtype, pitch or (1.0,) * f.ndim) for k in range(f.ndim)]
-    spectrum = scipy.fft.rfft(f, 2 * half[-1], workers=cores())
+    spectrum = scipy.fft.rfft(f, 2 * half[-1], workers=count_cores())
     fields = [*(np.empty_like(spectrum) for _ in half[1:]), spectrum]
 
     def convolve_columns(first: int, end: int) -> None:
@@ -63,26 +63,26 @@ def convolved_field(
         for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
             charges = scipy.fft.fft(charges, 2 * half[axis], axis, overwrite_x=True)
         for component, kernel in enumerate(kernels):
-            back = _times(charges, kernel[some], component)
+            back = _multiply_kernel(charges, kernel[some], component)
             for axis, n in enumerate(f.shape[:-1]):
                 back = scipy.fft.ifft(back, axis=axis, overwrite_x=True)
                 back = back[(slice(None),) * axis + (slice(n),)]
             fields[component][some] = back
 
-    in_bands(convolve_columns, spectrum.shape[-1], max(_SPECTRUM_BLOCK // math.prod(half[:-1]), _MIN_SPECTRUM_COLUMNS))
+    run_in_bands(convolve_columns, spectrum.shape[-1], max(_SPECTRUM_BLOCK // math.prod(half[:-1]), _MIN_SPECTRUM_COLUMNS))
     kernels.clear()  # the rest needs their memory
     out = np.empty((f.ndim, *f.shape), f.dtype)
     for component in range(f.ndim):
-        in_bands(partial(_inverse, fields.pop(0), out[component]), len(f))
+        run_in_bands(partial(_transform_back, fields.pop(0), out[component]), len(f))
     return out
 
 
-def _inverse(spectrum: NDArray[Any], out: Array, first: int, end: int) -> None:
+def _transform_back(spectrum: NDArray[Any], out: Array, first: int, end: int) -> None:
     """Transform the last axis of some planes back, without the padding."""
     out[first:end] = scipy.fft.irfft(spectrum[first:end])[..., : out.shape[-1]]
 
 
-def _times(spectrum: NDArray[Any], kernel: Array, component: int) -> NDArray[Any]:
+def _multiply_kernel(spectrum: NDArray[Any], kernel: Array, component: int) -> NDArray[Any]:
     """Multiply a spectrum by a component of the kernel, which is even along all axes except its own: there it is odd.
 
     The kernel has the frequencies from zero up to the largest one, along all axes.
@@ -116,19 +116,19 @@ def _kernel_spectrum(
     grid = np.meshgrid(*steps, indexing="ij", sparse=True)
     squared = reduce(np.add, [along**2 for along in grid])
     squared[(0,) * len(half)] = np.inf  # no charge acts on itself
-    decay = _raised(squared, power)
+    decay = _distance_power(squared, power)
     kernel = np.divide(grid[component], decay, out=decay)
     inner = (slice(None),) * component + (slice(1, -1),)
     for axis in range(len(half)):
         if axis == component:
-            kernel[inner] = scipy.fft.dst(kernel[inner], 1, axis=axis, workers=cores())
+            kernel[inner] = scipy.fft.dst(kernel[inner], 1, axis=axis, workers=count_cores())
             np.moveaxis(kernel, axis, 0)[-1] = 0.0
         else:
-            kernel = scipy.fft.dct(kernel, 1, axis=axis, overwrite_x=True, workers=cores())
+            kernel = scipy.fft.dct(kernel, 1, axis=axis, overwrite_x=True, workers=count_cores())
     return kernel.astype(precision, copy=False)
 
 
-def _raised(squared: NDArray[Any], power: float) -> NDArray[Any]:
+def _distance_power(squared: NDArray[Any], power: float) -> NDArray[Any]:
     """Return the power ``r^(n + 1)`` of distances by their squares; roots are several times faster than powers."""
     return squared * np.sqrt(squared) if power == 2.0 else squared ** (0.5 * (power + 1.0))
 
@@ -169,17 +169,17 @@ class WindowedField:
     charges: Array
     exponent: float | None
 
-    def within(self, window: Window) -> Single:
+    def field_in_window(self, window: Window) -> Single:
         r"""Compute the field in a window, shape (2, h, w)."""
-        outer = around(window, _NEAR_CHARGE_RANGE, self.charges.shape)
-        sides = [n + 3 * _NEAR_CHARGE_RANGE for n in sides_of(window)]
-        field = _convolved(self.charges[outer], sides, _near_kernels, self.exponent)
-        field = field[(slice(None), *relative(window, outer))]
+        outer = expand_window(window, _NEAR_CHARGE_RANGE, self.charges.shape)
+        sides = [n + 3 * _NEAR_CHARGE_RANGE for n in window_shape(window)]
+        field = _convolve_charges(self.charges[outer], sides, _near_kernels, self.exponent)
+        field = field[(slice(None), *relative_window(window, outer))]
         down, right = (
             slice(side.start // _NODE_SPACING, -(-side.stop // _NODE_SPACING) + 2 * _NODES_BEYOND) for side in window
         )
         rows, cols = (
-            _splines(np.arange(side.start, side.stop), np.arange(some.start, some.stop) - _NODES_BEYOND)
+            _node_weights(np.arange(side.start, side.stop), np.arange(some.start, some.stop) - _NODES_BEYOND)
             for side, some in zip(window, (down, right), strict=True)
         )
         field += rows @ self._nodes[:, down, right] @ cols.T
@@ -193,33 +193,33 @@ class WindowedField:
         )
 
         def spread_rows(first: int, end: int) -> None:
-            spread[first:end] = _spread(self.charges[first:end])
+            spread[first:end] = _spread_to_nodes(self.charges[first:end])
 
-        in_bands(spread_rows, len(spread))
-        charges = _spread(spread.T).T
+        run_in_bands(spread_rows, len(spread))
+        charges = _spread_to_nodes(spread.T).T
         rows, cols = charges.shape
-        return _convolved(charges, [2 * rows, 2 * cols], _far_kernels, self.exponent)[:, :rows, :cols]
+        return _convolve_charges(charges, [2 * rows, 2 * cols], _far_kernels, self.exponent)[:, :rows, :cols]
 
 
-def _convolved(
+def _convolve_charges(
     charges: NDArray[np.floating],
     sides: list[int],
     kernels_of: Callable[[Integers, float], Single],
     exponent: float | None,
 ) -> Single:
     """Return the field of charges on a grid padded to these sides or more, by its two kernels, transformed over i."""
-    padded = _padded(sides)
-    spectrum = scipy.fft.rfft2(charges.astype(np.float32, copy=False), padded, workers=cores()) * np.complex64(1j)
+    padded = _fast_shape(sides)
+    spectrum = scipy.fft.rfft2(charges.astype(np.float32, copy=False), padded, workers=count_cores()) * np.complex64(1j)
     spectrum = spectrum * kernels_of(padded, 2.0 if exponent is None else exponent)
-    return np.asarray(scipy.fft.irfft2(spectrum, padded, workers=cores()))
+    return np.asarray(scipy.fft.irfft2(spectrum, padded, workers=count_cores()))
 
 
-def _padded(sides: list[int]) -> Integers:
+def _fast_shape(sides: list[int]) -> Integers:
     """Return the least sides, from these on, whose transforms are fast; the last axis is transformed as real."""
     return tuple(scipy.fft.next_fast_len(n, axis == len(sides) - 1) for axis, n in enumerate(sides))
 
 
-def _splines(pixels: Index, nodes: Index) -> Single:
+def _node_weights(pixels: Index, nodes: Index) -> Single:
     """Return weights of nodes in a cubic spline at pixels."""
     away = np.abs((pixels[:, None] + 0.5) / _NODE_SPACING - 0.5 - nodes)
     beyond, squared = np.maximum(2.0 - away, 0.0), away * away
@@ -227,10 +227,10 @@ def _splines(pixels: Index, nodes: Index) -> Single:
     return np.where(away < 1.0, within, beyond * beyond * beyond / 6.0).astype(np.float32)
 
 
-def _spread(lines: NDArray[Any]) -> Single:
+def _spread_to_nodes(lines: NDArray[Any]) -> Single:
     """Spread charges along lines, shape (K, N), over nodes by a cubic spline each."""
     blocks = np.pad(lines, ((0, 0), (0, -lines.shape[1] % _NODE_SPACING))).reshape(len(lines), -1, _NODE_SPACING)
-    weights = _splines(np.arange(_NODE_SPACING), np.arange(-2, 3))
+    weights = _node_weights(np.arange(_NODE_SPACING), np.arange(-2, 3))
     shares = blocks.astype(np.float32, copy=False) @ weights
     nodes = np.zeros((len(lines), blocks.shape[1] + 2 * _NODES_BEYOND), np.float32)
     for k in range(weights.shape[1]):
@@ -241,7 +241,7 @@ def _spread(lines: NDArray[Any]) -> Single:
 def _smooth_decay(squared: Single, power: float) -> Single:
     """Return the law of force over distance, ``1 / r^(n + 1)``, by the squared distance, smooth at short range."""
     decay, near = (
-        np.reciprocal(_raised(np.maximum(squared, _NEAR_CHARGE_RANGE**2), power)),
+        np.reciprocal(_distance_power(np.maximum(squared, _NEAR_CHARGE_RANGE**2), power)),
         squared < _NEAR_CHARGE_RANGE**2,
     )
     inside, half, factor = np.zeros(np.count_nonzero(near)), 0.5 * (power + 1.0), 1.0
@@ -252,7 +252,7 @@ def _smooth_decay(squared: Single, power: float) -> Single:
     return decay
 
 
-def _offsets(padded: Integers, pitch: int) -> tuple[Single, Single]:
+def _grid_offsets(padded: Integers, pitch: int) -> tuple[Single, Single]:
     """Return offsets between two nodes of a padded grid, shape (2, rows, columns) [px], and their squared length."""
     steps = (np.float32(pitch * size) * np.fft.fftfreq(size).astype(np.float32) for size in padded)
     offsets = np.stack(np.meshgrid(*steps, indexing="ij")).round()
@@ -262,17 +262,17 @@ def _offsets(padded: Integers, pitch: int) -> tuple[Single, Single]:
 @lru_cache(maxsize=8)
 def _near_kernels(padded: Integers, power: float) -> Single:
     """Transform, over i, the components of the field of one unit charge, less its smooth part."""
-    offsets, squared = _offsets(padded, 1)
+    offsets, squared = _grid_offsets(padded, 1)
     squared[0, 0] = _NEAR_CHARGE_RANGE**2  # no charge acts on itself
-    decay = np.reciprocal(_raised(squared, power)) - _smooth_decay(squared, power)
+    decay = np.reciprocal(_distance_power(squared, power)) - _smooth_decay(squared, power)
     decay[squared >= _NEAR_CHARGE_RANGE**2] = 0.0
-    return scipy.fft.rfft2(-decay * offsets, workers=cores()).imag.astype(np.float32)
+    return scipy.fft.rfft2(-decay * offsets, workers=count_cores()).imag.astype(np.float32)
 
 
 @lru_cache(maxsize=8)
 def _far_kernels(padded: Integers, power: float) -> Single:
     """Transform, over i, the smooth part on nodes, such that splines to and between them leave it as it is."""
-    offsets, squared = _offsets(padded, _NODE_SPACING)
+    offsets, squared = _grid_offsets(padded, _NODE_SPACING)
     decay = _smooth_decay(squared, power)
     for axis, size in enumerate(padded):
         if size % 2 == 0:  # farther than any two nodes; without it the kernel is odd
@@ -280,7 +280,7 @@ def _far_kernels(padded: Integers, power: float) -> Single:
     smoothing = (
         np.multiply.outer(np.sinc(np.fft.fftfreq(padded[0])), np.sinc(np.fft.rfftfreq(padded[1]))) ** _SINC_POWER
     )
-    return (scipy.fft.rfft2(-decay * offsets, workers=cores()).imag / smoothing).astype(np.float32)
+    return (scipy.fft.rfft2(-decay * offsets, workers=count_cores()).imag / smoothing).astype(np.float32)
 
 
 def convolved_potential(
@@ -294,20 +294,20 @@ def convolved_potential(
     strength ``f`` of every pixel [gray levels / px], of at least two axes, `pitch` the distance of two pixels along
     each, by default one. The transforms are done in single precision, with an error of 1e-6 of the largest value.
     """
-    dimension, padded = edge_map.ndim, _padded([2 * n - 1 for n in edge_map.shape])
+    dimension, padded = edge_map.ndim, _fast_shape([2 * n - 1 for n in edge_map.shape])
     sides = (1.0,) * dimension if pitch is None else pitch
     steps = (side * (size * np.fft.fftfreq(size)) for size, side in zip(padded, sides, strict=True))
     offsets = np.meshgrid(*steps, indexing="ij", sparse=True)
     away = reduce(np.hypot, offsets).astype(np.float32)
     away[(0,) * dimension] = np.inf
-    spectrum = scipy.fft.rfftn(edge_map.astype(np.float32), padded, workers=cores())
+    spectrum = scipy.fft.rfftn(edge_map.astype(np.float32), padded, workers=count_cores())
     power = (dimension if exponent is None else exponent) - 1.0
     if power == 0.0:
         away[(0,) * dimension] = away.max(where=np.isfinite(away), initial=1.0)
     depth = np.log(away.max() / away) if power == 0.0 else away**-power / power
-    spectrum *= scipy.fft.rfftn(depth, workers=cores()).real  # it is even
+    spectrum *= scipy.fft.rfftn(depth, workers=count_cores()).real  # it is even
     inner = tuple(slice(n) for n in edge_map.shape)
-    potential: Array = scipy.fft.irfftn(spectrum, padded, workers=cores())[inner].astype(float)
+    potential: Array = scipy.fft.irfftn(spectrum, padded, workers=count_cores())[inner].astype(float)
     return -potential
 
 

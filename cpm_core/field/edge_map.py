@@ -13,10 +13,10 @@ import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
-from cpm_core.numerics.grids import Window, around, gaussian_reach, in_bands, relative, smoothed_rows
+from cpm_core.numerics.grids import Window, expand_window, gaussian_radius, run_in_bands, relative_window, smooth_rows
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
-from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers, real_numbers
+from cpm_core.numerics.parallel import run_in_parallel
+from cpm_core.numerics.real_numbers import check_finite_number, check_image_values, as_real_array
 from cpm_core.numerics.types import Array, Index
 
 _BACKGROUND_DEVIATIONS = 4.0
@@ -48,32 +48,32 @@ _MIN_DIFFERENCE_PIXELS = 2
 """Number of pixels along an axis needed for a difference of two."""
 
 
-def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.float64) -> Array:
+def smoothed_gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.float64) -> Array:
     r"""Return the gradient of the smoothed image, shape (D, \*shape) [gray levels / px].
 
     Central differences of `values`, shape (\*shape), after a Gaussian of standard deviation `smoothing` [px]; 0 leaves
     the image as it is. The image is continued beyond its border by its outermost pixels, so that the border is no edge.
     `precision` is the type of the result.
     """
-    image = real_numbers(values)
+    image = as_real_array(values)
     out = np.empty((image.ndim, *image.shape), precision)
     if image.ndim == 2 and smoothing > NO_SMOOTHING:
         image = np.ascontiguousarray(image)
 
         def write_band(first: int, end: int) -> None:
-            _write_slopes(smoothed_rows(image, smoothing, first - 1, end + 1), min(first, 1), out[:, first:end])
+            _write_slopes(smooth_rows(image, smoothing, first - 1, end + 1), min(first, 1), out[:, first:end])
 
-        in_bands(write_band, len(image))
+        run_in_bands(write_band, len(image))
         return out
     if smoothing > NO_SMOOTHING:
         image = scipy.ndimage.gaussian_filter(image, smoothing, mode="nearest")
-    return _differences(image, out)
+    return _central_differences(image, out)
 
 
-def gradient_within(values: Array, smoothing: float, window: Window) -> Array:
+def gradient_in_window(values: Array, smoothing: float, window: Window) -> Array:
     """Return `gradient` of an image, shape (H, W), in a window of it, shape (2, h, w), in single precision."""
-    outer = around(window, gaussian_reach(smoothing) + 1, values.shape)
-    return gradient(values[outer], smoothing, np.float32)[(slice(None), *relative(window, outer))]
+    outer = expand_window(window, gaussian_radius(smoothing) + 1, values.shape)
+    return smoothed_gradient(values[outer], smoothing, np.float32)[(slice(None), *relative_window(window, outer))]
 
 
 @compiled
@@ -92,7 +92,7 @@ def _write_slopes(smooth: Array, at: int, out: Array) -> None:
             out[1, i, c] = half * out.dtype.type(smooth[here, right] - smooth[here, left])
 
 
-def _differences(values: Array, out: Array) -> Array:
+def _central_differences(values: Array, out: Array) -> Array:
     r"""Write the central differences of values, shape (\*shape), along each axis, and of two values at the border."""
     for axis, part in enumerate(out):
         line, slope = np.moveaxis(values, axis, 0), np.moveaxis(part, axis, 0)
@@ -103,7 +103,7 @@ def _differences(values: Array, out: Array) -> Array:
     return out
 
 
-def magnitude(vectors: NDArray[np.floating]) -> Array:
+def vector_magnitudes(vectors: NDArray[np.floating]) -> Array:
     r"""Return the length of each vector of a field, shape (D, \*shape), as shape (\*shape)."""
     return np.sqrt(np.einsum("i...,i...->...", vectors, vectors))
 
@@ -134,10 +134,10 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     >>> strength.shape, bool(strength[32, 12] > 10 * strength[32, 32])
     ((64, 64), True)
     """
-    image = grid_of_numbers(values, _MIN_DIFFERENCE_PIXELS)
+    image = check_image_values(values, _MIN_DIFFERENCE_PIXELS)
     if isinstance(smoothing, str) and smoothing == "auto":
-        image, smoothing, _ = prepared(image)
-    return magnitude(gradient(image, checked_number("smoothing", smoothing, lambda sigma: sigma >= 0.0, "0 or more")))
+        image, smoothing, _ = prepare_for_edges(image)
+    return vector_magnitudes(smoothed_gradient(image, check_finite_number("smoothing", smoothing, lambda sigma: sigma >= 0.0, "0 or more")))
 
 
 def background_strength(strength: Array) -> float:
@@ -148,7 +148,7 @@ def background_strength(strength: Array) -> float:
     map, shape (\*shape), gives its width. The result is four standard deviations of a component, which one in three
     thousand pixels exceeds by chance.
     """
-    return _BACKGROUND_DEVIATIONS * _quartile(strength.ravel()) / _RAYLEIGH_QUARTILE
+    return _BACKGROUND_DEVIATIONS * _lower_quartile(strength.ravel()) / _RAYLEIGH_QUARTILE
 
 
 _SORTING_BITS = 16
@@ -158,7 +158,7 @@ _NUMBERS_PER_THREAD = 2**20
 """Numbers from which a second thread counts them faster."""
 
 
-def _quartile(values: Array) -> float:
+def _lower_quartile(values: Array) -> float:
     """Return the lower quartile of numbers that are not negative, shape (N,), without a copy of all of them.
 
     The bits of such numbers have the order of the numbers.
@@ -166,7 +166,7 @@ def _quartile(values: Array) -> float:
     bits = values.view(f"i{values.itemsize}")
     shift = 8 * values.itemsize - _SORTING_BITS
     counts: list[Index] = []
-    share(lambda first, end: counts.append(_counts(bits[first:end], shift)), len(bits), _NUMBERS_PER_THREAD)
+    run_in_parallel(lambda first, end: counts.append(_count_leading_bits(bits[first:end], shift)), len(bits), _NUMBERS_PER_THREAD)
     before = np.cumsum(sum(counts))
     place = 0.25 * (len(values) - 1)
     first, last = np.searchsorted(before, [int(place), math.ceil(place)], side="right").tolist()
@@ -176,7 +176,7 @@ def _quartile(values: Array) -> float:
 
 
 @compiled
-def _counts(bits: Index, shift: int) -> Index:
+def _count_leading_bits(bits: Index, shift: int) -> Index:
     """Count the numbers that begin with the same bits."""
     counts = np.zeros(1 << _SORTING_BITS, np.int64)
     for number in bits:
@@ -184,7 +184,7 @@ def _counts(bits: Index, shift: int) -> Index:
     return counts
 
 
-def prepared(values: Array) -> Cleaned:
+def prepare_for_edges(values: Array) -> Cleaned:
     """Prepare a noisy image for its edges: the image to smooth, its sigma, and the noise that remains.
 
     Light noise is left to a Gaussian, and the image is returned as it is, with a floor of 0. Where the Gaussian would
@@ -203,10 +203,10 @@ def automatic_smoothing(values: ArrayLike) -> float:
     With it `background_strength` is below a quarter of the strong edges; where no sigma of the series reaches this, the
     one that comes closest.
     """
-    image = real_numbers(values)
+    image = as_real_array(values)
     shares = []
     for sigma in _SMOOTHING_SERIES:
-        strength = magnitude(gradient(image, sigma))
+        strength = vector_magnitudes(smoothed_gradient(image, sigma))
         strong = float(np.percentile(strength, _STRONG_GRADIENT_PERCENTILE))
         shares.append(background_strength(strength) / strong if strong > 0.0 else 0.0)
         if shares[-1] <= _WEAK_BACKGROUND:

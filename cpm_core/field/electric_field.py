@@ -6,11 +6,11 @@ from numpy.typing import ArrayLike
 
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
-from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers
+from cpm_core.numerics.real_numbers import check_finite_number, check_image_values
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
-METHODS = ("convolution", "pppm")
+FIELD_METHODS = ("convolution", "pppm")
 """Methods for the computation of the field."""
 
 
@@ -53,13 +53,13 @@ def electric_field(
     >>> field.shape, bool(field[1, 32, 48] > 0)  # within the disk, charges are drawn to its right edge
     ((2, 64, 64), True)
     """
-    if not isinstance(method, str) or method not in METHODS:
-        names = " or ".join(f'"{name}"' for name in METHODS)
+    if not isinstance(method, str) or method not in FIELD_METHODS:
+        names = " or ".join(f'"{name}"' for name in FIELD_METHODS)
         raise ValueError(f"method is {shown(method)} but must be {names}.")
-    charges = grid_of_numbers(edge_map)
+    charges = check_image_values(edge_map)
     if method == "convolution":
         return convolved_field(charges, exponent)
     if exponent is not None:
         wanted = '2 for method "pppm", which solves Poisson\'s equation: use method "convolution"'
-        checked_number("exponent", exponent, lambda number: number == 2, wanted)
+        check_finite_number("exponent", exponent, lambda number: number == 2, wanted)
     return pppm_field(charges)

@@ -11,7 +11,7 @@ from cpm_core.numerics.types import Array, Single
 from cpm_core.numerics.vectors import Vector
 
 
-def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
+def interpolate_field(field: NDArray[np.floating], positions: Array) -> Array:
     r"""Interpolate a field, shape (C, \*shape), linearly along each axis at positions, shape (N, D); shape (N, C).
 
     A position beyond the outermost pixels takes the value of the nearest point of the border.
@@ -21,7 +21,7 @@ def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
 
 
 @compiled
-def between(packed: Single, y: float, x: float) -> tuple[int, int, float, float]:
+def pixel_before(packed: Single, y: float, x: float) -> tuple[int, int, float, float]:
     """Return the pixel before a position in an image, shape (H, W, ...), and the distance from it along each axis."""
     y = min(max(0.0, y), packed.shape[0] - 1.0)  # 0 first: that is the larger one when the other is no number
     x = min(max(0.0, x), packed.shape[1] - 1.0)
@@ -30,7 +30,7 @@ def between(packed: Single, y: float, x: float) -> tuple[int, int, float, float]
 
 
 @compiled
-def component(packed: Single, c: int, place: tuple[int, int, float, float]) -> float:
+def interpolate_component(packed: Single, c: int, place: tuple[int, int, float, float]) -> float:
     """Interpolate component `c` of a packed force field, shape (H, W, C), at a position as `between` returns it."""
     row, col, down, right = place
     upper = packed[row, col, c] * (1.0 - right) + packed[row, col + 1, c] * right
@@ -39,7 +39,7 @@ def component(packed: Single, c: int, place: tuple[int, int, float, float]) -> f
 
 
 @compiled
-def between_voxels(count: int, at: float) -> tuple[int, float]:
+def voxel_before(count: int, at: float) -> tuple[int, float]:
     """Return the voxel before a position along an axis of `count` voxels, and the distance from it."""
     at = min(max(0.0, at), count - 1.0)  # 0 first: that is the larger one when the other is no number
     index = max(min(int(at), count - 2), 0)  # never negative, as the compiler sees too
@@ -47,7 +47,7 @@ def between_voxels(count: int, at: float) -> tuple[int, float]:
 
 
 @inlined
-def mean_of_eight(volume: Single, plane: tuple[int, float], row: tuple[int, float], col: tuple[int, float]) -> float:
+def trilinear_mean(volume: Single, plane: tuple[int, float], row: tuple[int, float], col: tuple[int, float]) -> float:
     """Interpolate a volume, shape (P, R, C), between eight voxels, by the first one and the distances from it."""
     i, z = plane
     j, y = row
@@ -63,11 +63,11 @@ def mean_of_eight(volume: Single, plane: tuple[int, float], row: tuple[int, floa
 def value_at(volume: Single, plane: float, row: float, col: float) -> float:
     """Interpolate a volume, shape (P, R, C), at a position in voxels; beyond the outermost ones by their values."""
     planes, rows, cols = volume.shape
-    return mean_of_eight(volume, between_voxels(planes, plane), between_voxels(rows, row), between_voxels(cols, col))
+    return trilinear_mean(volume, voxel_before(planes, plane), voxel_before(rows, row), voxel_before(cols, col))
 
 
 @inlined
-def sampled(volume: Single, pitch: Vector, place: Vector) -> float:
+def sample_volume(volume: Single, pitch: Vector, place: Vector) -> float:
     """Interpolate a volume, shape (P, R, C), at a place [units]."""
     return value_at(volume, place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2])
 
@@ -78,14 +78,14 @@ def slope_at(volume: Single, pitch: Vector, place: Vector) -> Vector:
     planes, rows, cols = volume.shape
     z, y, x = place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2]
     dz, dy, dx = 1.0 / pitch[0], 1.0 / pitch[1], 1.0 / pitch[2]
-    plane, row, col = between_voxels(planes, z), between_voxels(rows, y), between_voxels(cols, x)
-    above, below = between_voxels(planes, z - dz), between_voxels(planes, z + dz)
-    before, behind = between_voxels(rows, y - dy), between_voxels(rows, y + dy)
-    left, right = between_voxels(cols, x - dx), between_voxels(cols, x + dx)
+    plane, row, col = voxel_before(planes, z), voxel_before(rows, y), voxel_before(cols, x)
+    above, below = voxel_before(planes, z - dz), voxel_before(planes, z + dz)
+    before, behind = voxel_before(rows, y - dy), voxel_before(rows, y + dy)
+    left, right = voxel_before(cols, x - dx), voxel_before(cols, x + dx)
     return (
-        0.5 * (mean_of_eight(volume, below, row, col) - mean_of_eight(volume, above, row, col)),
-        0.5 * (mean_of_eight(volume, plane, behind, col) - mean_of_eight(volume, plane, before, col)),
-        0.5 * (mean_of_eight(volume, plane, row, right) - mean_of_eight(volume, plane, row, left)),
+        0.5 * (trilinear_mean(volume, below, row, col) - trilinear_mean(volume, above, row, col)),
+        0.5 * (trilinear_mean(volume, plane, behind, col) - trilinear_mean(volume, plane, before, col)),
+        0.5 * (trilinear_mean(volume, plane, row, right) - trilinear_mean(volume, plane, row, left)),
     )
 
 

@@ -25,33 +25,33 @@ import numpy as np
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
-from cpm_core.numerics.real_numbers import checked_number, real_numbers
+from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
 from cpm_core.numerics.types import Array, Extent, Mask, frozen
-from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
+from cpm_core.numerics.vectors import Vector, subtract_vectors, dot, vector_length, move_along, row_of, scale_vector
 from cpm_core.parameters.quotation import shown
 
-RADIUS = 16.0
+CHARGE_RADIUS = 16.0
 """Distance at which a charge of one pulls as strongly as the field of the edges [px of the image]."""
 
-RADII = 4.0
+CHARGE_REACH_IN_RADII = 4.0
 """Radii beyond which a charge has no effect."""
 
-REACH = RADII * RADIUS
+CHARGE_REACH = CHARGE_REACH_IN_RADII * CHARGE_RADIUS
 """Distance beyond which a charge has no effect [px of the image]."""
 
-MOST = 4.0
+MAX_PLACED_FORCE = 4.0
 """Largest size of the sum of the forces of all placed charges, in units of the Lorentz force away from edges."""
 
-STRONGEST = 10.0
+MAX_CHARGE_STRENGTH = 10.0
 """Largest strength of a charge, attracting or repelling."""
 
 _PIXELS_PER_WINDOW = 2**16
 """Number of pixels whose forces are computed together."""
 
-_LEFT_AT_RADIUS = 1.0 - RADII**-3
+_LEFT_AT_RADIUS = 1.0 - CHARGE_REACH_IN_RADII**-3
 """Factor that fading out leaves of the potential at the radius."""
 
-_FORCE_NORM = 1.0 / (9.0 * _LEFT_AT_RADIUS**2 / RADII**3 * 2.0**-0.25 + _LEFT_AT_RADIUS**3 * 2.0**-1.25)
+_FORCE_NORM = 1.0 / (9.0 * _LEFT_AT_RADIUS**2 / CHARGE_REACH_IN_RADII**3 * 2.0**-0.25 + _LEFT_AT_RADIUS**3 * 2.0**-1.25)
 """Factor that makes the force of a charge of one equal to one at its radius."""
 
 
@@ -86,7 +86,7 @@ class PlacedCharge:
 
     def __post_init__(self) -> None:
         try:
-            place = real_numbers(self.position)
+            place = as_real_array(self.position)
         except (TypeError, ValueError):
             place = np.zeros(())
         if place.shape not in ((2,), (3,)):
@@ -97,9 +97,9 @@ class PlacedCharge:
         if not np.isfinite(place).all():
             numbers = ", ".join(f"{number:g}" for number in place)
             raise ValueError(f"the position of a placed charge is ({numbers}) but must be finite.")
-        wanted = f"a number from {-STRONGEST:g} to {STRONGEST:g}"
-        strength = checked_number(
-            "the strength of a placed charge", self.strength, lambda number: abs(number) <= STRONGEST, wanted
+        wanted = f"a number from {-MAX_CHARGE_STRENGTH:g} to {MAX_CHARGE_STRENGTH:g}"
+        strength = check_finite_number(
+            "the strength of a placed charge", self.strength, lambda number: abs(number) <= MAX_CHARGE_STRENGTH, wanted
         )
         object.__setattr__(self, "position", tuple(place.tolist()))
         object.__setattr__(self, "strength", strength)
@@ -111,27 +111,27 @@ class PlacedCharge:
 Charges = tuple[PlacedCharge, ...]
 
 
-def in_order(charges: Sequence[PlacedCharge]) -> Charges:
+def sort_charges(charges: Sequence[PlacedCharge]) -> Charges:
     """Sort charges, so that the order in which they were placed does not matter."""
     return tuple(sorted(charges, key=lambda charge: (charge.position, charge.strength)))
 
 
-def placed_in(charges: Sequence[PlacedCharge], axes: int) -> Charges:
+def check_charges(charges: Sequence[PlacedCharge], axes: int) -> Charges:
     """Return the charges in order; raise ValueError for a position with another number of axes than the image."""
     for charge in charges:
         if len(charge.position) != axes:
             wanted, of = ("(plane, row, col)", "a volume") if axes == 3 else ("(row, col)", "an image")
             raise ValueError(f"the position of a placed charge is {charge.position} but must be {wanted} in {of}.")
-    return in_order(charges)
+    return sort_charges(charges)
 
 
-def changed(before: Charges, after: Charges) -> Charges:
+def changed_charges(before: Charges, after: Charges) -> Charges:
     """Return the charges that are in one of two sets only."""
     one, other = Counter(before), Counter(after)
-    return in_order([*(one - other).elements(), *(other - one).elements()])
+    return sort_charges([*(one - other).elements(), *(other - one).elements()])
 
 
-def at_scale(charges: Sequence[PlacedCharge], scale: int, shape: Extent) -> Array:
+def charges_at_scale(charges: Sequence[PlacedCharge], scale: int, shape: Extent) -> Array:
     """Return position [px of a scale of an image of this shape] and strength of each charge; shape (K, D + 1)."""
     if not charges:
         return np.zeros((0, len(shape) + 1))
@@ -139,20 +139,20 @@ def at_scale(charges: Sequence[PlacedCharge], scale: int, shape: Extent) -> Arra
     return np.column_stack([places, [charge.strength for charge in charges]])
 
 
-def radius_at(scale: int) -> float:
+def charge_radius_at(scale: int) -> float:
     """Return `RADIUS` at a scale [px of the scale]."""
-    return RADIUS * 0.5**scale
+    return CHARGE_RADIUS * 0.5**scale
 
 
 def near_charges(charges: Array, radius: float, places: Array) -> Mask:
     """Return a mask, shape (N,), of the places, shape (N, D), within reach of a charge, shape (K, D + 1)."""
     near = np.zeros(len(places), bool)
     for *place, _ in charges:
-        near |= ((places - place) ** 2).sum(axis=1) < (RADII * radius) ** 2
+        near |= ((places - place) ** 2).sum(axis=1) < (CHARGE_REACH_IN_RADII * radius) ** 2
     return near
 
 
-def places_near(
+def windows_near_charges(
     charges: Array, radius: float, shape: Extent, pitch: Sequence[float] = (1.0, 1.0)
 ) -> Iterator[tuple[tuple[slice, ...], Array]]:
     """Yield windows of an image within reach of charges, and the positions of their pixels, shape (..., D).
@@ -161,8 +161,8 @@ def places_near(
     """
     if not len(charges):
         return
-    low = np.floor((charges[:, :-1].min(axis=0) - RADII * radius) / pitch)
-    high = np.ceil((charges[:, :-1].max(axis=0) + RADII * radius) / pitch) + 1
+    low = np.floor((charges[:, :-1].min(axis=0) - CHARGE_REACH_IN_RADII * radius) / pitch)
+    high = np.ceil((charges[:, :-1].max(axis=0) + CHARGE_REACH_IN_RADII * radius) / pitch) + 1
     (first, *low), (last, *high) = (np.clip(end, 0, shape).astype(int).tolist() for end in (low, high))
     lines = max(1, _PIXELS_PER_WINDOW // max(1, int(np.prod(np.subtract(high, low)))))
     for line in range(first, last, lines):
@@ -170,7 +170,7 @@ def places_near(
         yield window, np.moveaxis(np.mgrid[window], 0, -1) * np.array(pitch)
 
 
-def placed_force_at(charges: Array, radius: float, places: Array) -> Array:
+def placed_forces(charges: Array, radius: float, places: Array) -> Array:
     """Return the force, shape (..., D), of charges at places, in units of the Lorentz force away from edges.
 
     `charges` holds position and strength of each, shape (K, D + 1), `radius` is `RADIUS`, both in px of the scale.
@@ -178,9 +178,9 @@ def placed_force_at(charges: Array, radius: float, places: Array) -> Array:
     force = np.zeros(places.shape)
     for *place, strength in charges:
         away = (place - places) / radius
-        force += (strength * _pull(np.einsum("...i,...i->...", away, away)))[..., None] * away
+        force += (strength * _charge_force(np.einsum("...i,...i->...", away, away)))[..., None] * away
     size = np.linalg.norm(force, axis=-1, keepdims=True)
-    return force * np.minimum(1.0, MOST / np.maximum(size, 1e-30))
+    return force * np.minimum(1.0, MAX_PLACED_FORCE / np.maximum(size, 1e-30))
 
 
 def placed_potential(charges: Array, radius: float, places: Array) -> Array:
@@ -191,63 +191,63 @@ def placed_potential(charges: Array, radius: float, places: Array) -> Array:
     """
     potential = np.zeros(places.shape[:-1])
     for *place, strength in charges:
-        squared = np.minimum((((place - places) / radius) ** 2).sum(axis=-1), RADII**2)
-        left = 1.0 - squared * np.sqrt(squared) / RADII**3
+        squared = np.minimum((((place - places) / radius) ** 2).sum(axis=-1), CHARGE_REACH_IN_RADII**2)
+        left = 1.0 - squared * np.sqrt(squared) / CHARGE_REACH_IN_RADII**3
         potential -= strength * radius * _FORCE_NORM * left**3 / np.sqrt(np.sqrt(1.0 + squared**2))
     return potential
 
 
-def _pull(squared: Any) -> Any:
+def _charge_force(squared: Any) -> Any:
     """Return the force of a charge of one at a squared distance, in units of the radius."""
     away = np.sqrt(squared)
-    left = np.maximum(1.0 - squared * away / RADII**3, 0.0)
+    left = np.maximum(1.0 - squared * away / CHARGE_REACH_IN_RADII**3, 0.0)
     soft = 1.0 + squared**2
-    return _FORCE_NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / RADII**3 * away + left * squared / soft)
+    return _FORCE_NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / CHARGE_REACH_IN_RADII**3 * away + left * squared / soft)
 
 
-pull = inlined(_pull)
+charge_force = inlined(_charge_force)
 """`_pull` for compiled loops."""
 
 
-def charged(shape: Extent, scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
+def add_charges(shape: Extent, scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
     """Add charges, in px of the image, to the scale field of an image of this shape."""
-    packed, radius = scale_field.packed.copy(), radius_at(scale)
-    placed = at_scale(charges, scale, shape) - (*scale_field.corner, 0.0)
-    for window, places in places_near(placed, radius, scale_field.shape):
-        packed[window][..., :2] += placed_force_at(placed, radius, places)
+    packed, radius = scale_field.packed.copy(), charge_radius_at(scale)
+    placed = charges_at_scale(charges, scale, shape) - (*scale_field.corner, 0.0)
+    for window, places in windows_near_charges(placed, radius, scale_field.shape):
+        packed[window][..., :2] += placed_forces(placed, radius, places)
     return replace(scale_field, force=lambda: packed)
 
 
-HELD = 0.8
+HOLDING_FORCE = 0.8
 """Force of charges across an edge that it holds particles against, in units of the Lorentz force away from edges."""
 
 
-class Placed(NamedTuple):
+class ChargesAtScale(NamedTuple):
     """Charges as felt by particles at a scale: position and strength of each, shape (K, 4), and `RADIUS` there."""
 
     charges: Array
     radius: float
 
 
-NOTHING_PLACED = Placed(np.zeros((0, 4)), 1.0)
+NO_PLACED_CHARGES = ChargesAtScale(np.zeros((0, 4)), 1.0)
 """No charges."""
 
 
-def torn_off(placed: Placed, places: Array, normals: Array) -> Mask:
+def find_torn_off(placed: ChargesAtScale, places: Array, normals: Array) -> Mask:
     """Return a mask of the places on edges, shape (N, 3), where charges pull particles off; normals of shape (N, 3)."""
     if not len(placed.charges):
         return np.zeros(len(places), bool)
-    across = np.einsum("ni,ni->n", placed_force_at(*placed, places), normals)
-    return np.abs(across) > HELD
+    across = np.einsum("ni,ni->n", placed_forces(*placed, places), normals)
+    return np.abs(across) > HOLDING_FORCE
 
 
 @compiled
-def placed_at(charges: Array, radius: float, place: Vector) -> Vector:
+def placed_force(charges: Array, radius: float, place: Vector) -> Vector:
     """Return the force of charges, shape (K, 4), at a place, in units of the Lorentz force away from edges."""
     total = (0.0, 0.0, 0.0)
     for k in range(len(charges)):
-        away = scaled(difference(row_of(charges, k), place), 1.0 / radius)
+        away = scale_vector(subtract_vectors(row_of(charges, k), place), 1.0 / radius)
         squared = dot(away, away)
-        if squared < RADII**2:
-            total = moved(total, charges[k, 3] * pull(squared), away)
-    return scaled(total, min(1.0, MOST / (length(total) + 1e-30)))
+        if squared < CHARGE_REACH_IN_RADII**2:
+            total = move_along(total, charges[k, 3] * charge_force(squared), away)
+    return scale_vector(total, min(1.0, MAX_PLACED_FORCE / (vector_length(total) + 1e-30)))

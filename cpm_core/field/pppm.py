@@ -74,15 +74,15 @@ def pppm_field(f: Array) -> Array:
     successive over-relaxation, and more in a volume of more than some 70 px along each axis.
     """
     cutoff = _CUTOFF_BY_AXES[f.ndim]
-    return short_range(f, cutoff) + mesh_field(f, cutoff / CELLS_A_CUTOFF)
+    return direct_field(f, cutoff) + mesh_field(f, cutoff / CELLS_PER_CUTOFF)
 
 
-def short_range(f: Array, cutoff: float) -> Array:
+def direct_field(f: Array, cutoff: float) -> Array:
     r"""Compute the field of the direct interaction, eq. (17), shape (D, \*shape); `f` has the shape (\*shape).
 
     Minus the gradient of ``-f (1 - erf(R / sigma)) / R``, summed over all other charges up to the cut-off [px].
     """
-    sigma = SIGMA * cutoff / CELLS_A_CUTOFF
+    sigma = GAUSSIAN_WIDTH * cutoff / CELLS_PER_CUTOFF
     reach = [min(int(cutoff), n - 1) for n in f.shape]
     offsets = np.indices([2 * r + 1 for r in reach], float) - np.reshape(reach, (-1, *[1] * f.ndim))
     distance = reduce(np.hypot, offsets)
@@ -95,7 +95,7 @@ def short_range(f: Array, cutoff: float) -> Array:
     return np.stack([scipy.signal.oaconvolve(f, -pull, "same") for pull in pulls])  # they are odd
 
 
-CELLS_A_CUTOFF = 5
+CELLS_PER_CUTOFF = 5
 """Mesh cells to the cut-off: at the cut-off 1 - erf(R / sigma) is 0.0004."""
 
 _DIFFUSION_COEFFICIENT = 5.0 / 48.0
@@ -107,7 +107,7 @@ _DIFFUSION_STEPS = 8
 _SHARING_SPREAD = 1.0 / 6.0
 """Mean spread of a charge by the sharing among nodes, to the mesh and back; in the units of D N_t."""
 
-SIGMA = 2.0 * math.sqrt(_DIFFUSION_COEFFICIENT * _DIFFUSION_STEPS + _SHARING_SPREAD)
+GAUSSIAN_WIDTH = 2.0 * math.sqrt(_DIFFUSION_COEFFICIENT * _DIFFUSION_STEPS + _SHARING_SPREAD)
 """Width sigma = 2 sqrt(D N_t) of the Gaussians: two cells."""
 
 _LUMP_CELLS = 4
@@ -140,11 +140,11 @@ def mesh_field(f: Array, cell: float) -> Array:
         # the order of relaxation, and the lumps fit
         half = 0.5 * (count - 1)
         nodes = _LUMP_CELLS * math.ceil((half / cell + _FACE_DISTANCE_CELLS) / _LUMP_CELLS)
-        shares.append(_hats((np.arange(count, dtype=np.float64) - half) / cell + nodes, 2 * nodes + 1))
+        shares.append(_hat_weights((np.arange(count, dtype=np.float64) - half) / cell + nodes, 2 * nodes + 1))
     if flat:
         f, shares = f[None], [np.ones((1, 1)), *shares]
-    charge = _carried(shares, -f)
-    density = _spread(charge, flat)
+    charge = _multiply_along_axes(shares, -f)
+    density = _diffuse_charge(charge, flat)
     potential = np.zeros_like(density)
     _charge_faces(potential, charge, flat)
     angles = [math.pi / (n - 1) for n in potential.shape]
@@ -152,19 +152,19 @@ def mesh_field(f: Array, cell: float) -> Array:
     # the factor by which a Jacobi sweep reduces the slowest error; it sets the over-relaxation
     radius = sum(map(math.cos, angles)) / 3.0
     sweeps = max(_PUBLISHED_SWEEPS, math.ceil(_SWEEPS_PER_NODE * math.pi / math.sqrt(2.0 * (1.0 - radius))))
-    _relax(potential, 4.0 * math.pi * density, sweeps, radius, 0 if flat else 1)
+    _relax_potential(potential, 4.0 * math.pi * density, sweeps, radius, 0 if flat else 1)
     back = [part.T for part in shares]  # the same shares, so that no charge acts on itself, eq. (20)
     there = potential[: len(charge)]
-    field = np.stack([-_carried(back, np.gradient(there, axis=axis)) for axis in range(int(flat), 3)]) / cell**2
+    field = np.stack([-_multiply_along_axes(back, np.gradient(there, axis=axis)) for axis in range(int(flat), 3)]) / cell**2
     return field[:, 0] if flat else field
 
 
-def _hats(places: Array, count: int) -> Array:
+def _hat_weights(places: Array, count: int) -> Array:
     """Return the weight ``max(0, 1 - |x - i|)`` of each position x at each node i; shape (count, positions)."""
     return np.maximum(0.0, 1.0 - np.abs(places[None, :] - np.arange(count)[:, None]))
 
 
-def _carried(weights: Sequence[Array], values: Array) -> Array:
+def _multiply_along_axes(weights: Sequence[Array], values: Array) -> Array:
     """Multiply values along each axis by a sparse matrix, in an order that does not depend on the processor."""
     for axis, weight in enumerate(weights):
         lines = np.moveaxis(values, axis, 0)
@@ -173,7 +173,7 @@ def _carried(weights: Sequence[Array], values: Array) -> Array:
     return values
 
 
-def _spread(charge: Array, flat: bool) -> Array:
+def _diffuse_charge(charge: Array, flat: bool) -> Array:
     """Diffuse the charge on the nodes of a mesh; that of an image, shape (1, R, C), into the upper half of its slab."""
     density = np.zeros((_FACE_DISTANCE_CELLS + 1 if flat else len(charge), *charge.shape[1:]))
     density[: len(charge)] = charge
@@ -190,7 +190,7 @@ def _spread(charge: Array, flat: bool) -> Array:
 
 def _charge_faces(potential: Array, charge: Array, flat: bool) -> None:
     """Set the potential on the faces of the mesh to that of the charges, gathered into lumps."""
-    lumps = _carried([_hats(np.arange(n) / _LUMP_CELLS, (n - 1) // _LUMP_CELLS + 1) for n in charge.shape], charge)
+    lumps = _multiply_along_axes([_hat_weights(np.arange(n) / _LUMP_CELLS, (n - 1) // _LUMP_CELLS + 1) for n in charge.shape], charge)
     faces = np.ones(potential.shape, bool)
     faces[0 if flat else 1 : -1, 1:-1, 1:-1] = False
     nodes, places, charges = np.argwhere(faces), _LUMP_CELLS * np.argwhere(lumps), lumps[lumps != 0.0]
@@ -200,7 +200,7 @@ def _charge_faces(potential: Array, charge: Array, flat: bool) -> None:
 
 
 @compiled
-def _relax(potential: Array, source: Array, iterations: int, radius: float, begin: int) -> None:
+def _relax_potential(potential: Array, source: Array, iterations: int, radius: float, begin: int) -> None:
     """Solve ``laplacian(potential) = -source`` inside the faces of the mesh by successive over-relaxation.
 
     Nodes of even and of odd parity take turns; the relaxation factor rises to its best value by Chebyshev's recursion.

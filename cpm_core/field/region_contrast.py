@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.interpolation import interpolate_field
 from cpm_core.numerics.types import Array
 
 _HALF_DISK_RADIUS = 4.0
@@ -48,7 +48,7 @@ def region_contrast(values: Array, points: Array, normals: Array, smoothing: flo
     means, variances = [], []
     for sign in (-1.0, 1.0):
         places = points[:, None] + sign * ahead[:, None] * across[:, None] + aside[:, None] * along[:, None]
-        seen = interpolate(values[None], places.reshape(-1, 2)).reshape(len(points), len(ahead))
+        seen = interpolate_field(values[None], places.reshape(-1, 2)).reshape(len(points), len(ahead))
         means.append(seen.mean(axis=1))
         variances.append(seen.var(axis=1))
     step = np.abs(means[1] - means[0])

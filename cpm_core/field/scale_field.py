@@ -14,22 +14,22 @@ import scipy
 from numpy.typing import DTypeLike
 
 from cpm_core.field.convolution import WindowedField, convolved_field, convolved_potential
-from cpm_core.field.edge_map import background_strength, gradient, gradient_within, magnitude
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.edge_map import background_strength, smoothed_gradient, gradient_in_window, vector_magnitudes
+from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.region_contrast import region_contrast
 from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
-from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of, tiles, whole_window
+from cpm_core.numerics.grids import Window, expand_window, run_in_bands, relative_window, window_shape, split_into_tiles, whole_window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Mask, Single, record
 
-GATE = 0.93
+ON_EDGE_FORCE = 0.93
 """Interpolated |F_l| under which a particle is on an edge: across an edge it falls linearly through zero."""
 
 WEAKEST_EDGE = 0.08
 """Least strength of an edge on which particles are inserted, as a fraction of the largest edge strength."""
 
-FAINTEST = 0.35
+EDGE_END_FRACTION = 0.35
 """Fraction to which the strength of an edge may fall from one position on it to the next; below it the edge has
 ended."""
 
@@ -57,7 +57,7 @@ _FORCE_OVERLAP = _SUMMIT_REACH + 1
 _STRENGTH_ROWS = 128
 """Rows of a large image whose edge strength is computed together: smoothing reads some more."""
 
-_TILE = 948
+_FIELD_TILE_SIDE = 948
 """Side of the windows in which the field of a large image is computed [px]; with the pixels needed around them the
 transforms are fast."""
 
@@ -68,12 +68,12 @@ force changes by about 1e-6, contours of shapes by less than a thousandth of a p
 SPLINE_MARGIN = 3
 """Pixels by which spline coefficients continue beyond the border, so that none is missing near it."""
 
-LARGE = 2**22
+LARGE_IMAGE_PIXELS = 2**22
 """Pixels above which an image counts as large: its fields are kept in single precision and made only when a run needs
 them."""
 
 
-Slopes = Callable[[Window], Array]
+WindowGradient = Callable[[Window], Array]
 """Returns the gradient of an image in a window."""
 
 
@@ -115,7 +115,7 @@ class ScaleField:
     """
 
     force: Callable[[], Single]
-    slopes: Slopes
+    slopes: WindowGradient
     edge_map: Array
     values: Array
     strongest: float
@@ -129,13 +129,13 @@ class ScaleField:
     corner: tuple[int, ...] = (0, 0)
     whole: ScaleField | None = None
 
-    def part(self, window: Window) -> ScaleField:
+    def crop(self, window: Window) -> ScaleField:
         """Crop the field to a window of the image; its force, computed for the window alone, is that of all charges."""
         made_of = self._windowed, self.slopes, self.edge_map, self.strongest, self.cut
         corner = tuple(side.start for side in window)
         return replace(
             self,
-            force=cache(partial(_packed_within, *made_of, window)),
+            force=cache(partial(_pack_force_in_window, *made_of, window)),
             slopes=lambda part: self.slopes(
                 tuple(slice(at + side.start, at + side.stop) for at, side in zip(corner, part, strict=True))
             ),
@@ -170,17 +170,17 @@ class ScaleField:
         r"""Normalized Lorentz force on the pixels, shape (D, \*shape)."""
         return np.moveaxis(self.packed, -1, 0)[: self.packed.ndim - 1]
 
-    def strength(self, points: Array) -> Array:
+    def strength_at(self, points: Array) -> Array:
         """Interpolate the edge strength at points, shape (N, D), as shape (N,)."""
-        return interpolate(self.edge_map[None], points)[:, 0]
+        return interpolate_field(self.edge_map[None], points)[:, 0]
 
-    def normals(self, points: Array) -> Array:
+    def normals_at(self, points: Array) -> Array:
         """Interpolate the image gradient at points, shape (N, D); on an edge it is normal to it."""
-        return interpolate(self.gradient, points)
+        return interpolate_field(self.gradient, points)
 
-    def contrast(self, points: Array) -> Array:
+    def contrast_at(self, points: Array) -> Array:
         """Return the contrast, shape (N,), of the regions on both sides of an edge, at points on it, shape (N, D)."""
-        return region_contrast(self.values, points, self.normals(points), self.smoothing)
+        return region_contrast(self.values, points, self.normals_at(points), self.smoothing)
 
     @cached_property
     def spline(self) -> Array:
@@ -205,7 +205,7 @@ class ScaleField:
         """Mean slope of the potential [gray levels / px]; 1 where it is flat."""
         if self.whole is not None:
             return self.whole.slope
-        slope = float(magnitude(gradient(self.potential, 0.0)).mean())
+        slope = float(vector_magnitudes(smoothed_gradient(self.potential, 0.0)).mean())
         return slope if slope > 0.0 else 1.0
 
     def with_barriers(self, barrier_map: BarrierMap) -> ScaleField:
@@ -232,7 +232,7 @@ def build_scale_field(
     regions: Regions | None = None,
     max_border: float = 0.0,
     exponent: float | None = None,
-    slopes: Slopes | None = None,
+    slopes: WindowGradient | None = None,
     barrier_map: BarrierMap | None = None,
 ) -> ScaleField:
     r"""Build the fields of one scale.
@@ -256,8 +256,8 @@ def build_scale_field(
     slopes, barrier_map : optional
         Gradient of the smoothed image in a window, and barriers, where they are known.
     """
-    slopes = slopes or slopes_of(values, smoothing)
-    strength = _strength_of(slopes, values.shape)
+    slopes = slopes or gradient_provider(values, smoothing)
+    strength = _edge_strength(slopes, values.shape)
     if barrier_map is None:
         barrier_map = NO_BARRIERS if regions is None else build_barrier_map(regions, values.shape)
     inside = inside_border(slopes, strength, smoothing, max_border)
@@ -270,7 +270,7 @@ def build_scale_field(
     if not everywhere:
         strength[~within(inside, _KEPT_BEYOND_INTEREST)] = 0.0
     return ScaleField(
-        cache(partial(packed_force, exponent, charged, slopes, strength, strongest, not everywhere)),
+        cache(partial(pack_force, exponent, charged, slopes, strength, strongest, not everywhere)),
         slopes,
         strength,
         values,
@@ -284,58 +284,58 @@ def build_scale_field(
     )
 
 
-def slopes_of(values: Array, smoothing: float) -> Slopes:
+def gradient_provider(values: Array, smoothing: float) -> WindowGradient:
     r"""Return a function that gives the gradient of a smoothed image, shape (\*shape), in a window.
 
     Of a large image the gradient is computed there when needed.
     """
-    if values.size > LARGE:
-        return partial(gradient_within, values, smoothing)
-    known = gradient(values, smoothing)
+    if values.size > LARGE_IMAGE_PIXELS:
+        return partial(gradient_in_window, values, smoothing)
+    known = smoothed_gradient(values, smoothing)
     return lambda window: known[(slice(None), *window)]
 
 
-def _strength_of(slopes: Slopes, shape: Extent) -> Array:
+def _edge_strength(slopes: WindowGradient, shape: Extent) -> Array:
     """Return the edge strength of an image, shape (H, W): the size of its gradient."""
-    if math.prod(shape) <= LARGE:
-        return magnitude(slopes(whole_window(shape)))
+    if math.prod(shape) <= LARGE_IMAGE_PIXELS:
+        return vector_magnitudes(slopes(whole_window(shape)))
     strength: Array = np.empty(shape, FIELD_PRECISION)
 
     def write_strength(first: int, end: int) -> None:
-        strength[first:end] = magnitude(slopes((slice(first, end), slice(0, shape[1]))))
+        strength[first:end] = vector_magnitudes(slopes((slice(first, end), slice(0, shape[1]))))
 
-    in_bands(write_strength, shape[0], _STRENGTH_ROWS)
+    run_in_bands(write_strength, shape[0], _STRENGTH_ROWS)
     return strength
 
 
-def packed_force(
-    exponent: float | None, charged: Array, slopes: Slopes, strength: Array, strongest: float, cut: bool
+def pack_force(
+    exponent: float | None, charged: Array, slopes: WindowGradient, strength: Array, strongest: float, cut: bool
 ) -> Single:
     """Compute `ScaleField.packed`, shape (H, W, 5), from fixed charges, image gradient and edge map, shape (H, W)."""
     known, packed = (slopes, strength, strongest, cut), np.empty((*strength.shape, 5), np.float32)
-    if strength.size <= LARGE:
+    if strength.size <= LARGE_IMAGE_PIXELS:
         every = whole_window(strength.shape)
-        _pack(convolved_field(charged, exponent, FIELD_PRECISION), *known, every, every, packed)
+        _write_packed(convolved_field(charged, exponent, FIELD_PRECISION), *known, every, every, packed)
         return packed
     field = WindowedField(charged, exponent)
-    for tile in tiles(strength.shape, _TILE):  # one after the other: each uses all cores
-        packed[tile] = _packed_within(field, *known, tile)
+    for tile in split_into_tiles(strength.shape, _FIELD_TILE_SIDE):  # one after the other: each uses all cores
+        packed[tile] = _pack_force_in_window(field, *known, tile)
     return packed
 
 
-def _packed_within(
-    field: WindowedField, slopes: Slopes, strength: Array, strongest: float, cut: bool, window: Window
+def _pack_force_in_window(
+    field: WindowedField, slopes: WindowGradient, strength: Array, strongest: float, cut: bool, window: Window
 ) -> Single:
     """Compute `packed_force` in a window of a large image."""
-    packed = np.empty((*sides_of(window), 5), np.float32)
-    outer = around(window, _FORCE_OVERLAP, strength.shape)
-    _pack(field.within(outer), slopes, strength, strongest, cut, outer, relative(window, outer), packed)
+    packed = np.empty((*window_shape(window), 5), np.float32)
+    outer = expand_window(window, _FORCE_OVERLAP, strength.shape)
+    _write_packed(field.field_in_window(outer), slopes, strength, strongest, cut, outer, relative_window(window, outer), packed)
     return packed
 
 
-def _pack(
+def _write_packed(
     field: Single,
-    slopes: Slopes,
+    slopes: WindowGradient,
     strength: Array,
     strongest: float,
     cut: bool,
@@ -346,7 +346,7 @@ def _pack(
     """Write `packed_force` in the part `inner` of a window in which the field is known."""
     # kernels are compiled for one layout of all images and windows
     field, grad, length = map(np.ascontiguousarray, (field, slopes(window), strength[window]))
-    lorentz_force(field, grad, magnitude(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start))
+    write_lorentz_force(field, grad, vector_magnitudes(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start))
     if cut:
         packed[..., 4] = length[inner]
 
@@ -360,7 +360,7 @@ def weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
     return max(WEAKEST_EDGE * strongest, min(background_strength(strength), MAX_BACKGROUND * strongest))
 
 
-def lorentz_force(
+def write_lorentz_force(
     field: Single, grad: Array, strength: Array, strongest: float, packed: Single, first: tuple[int, int] = (0, 0)
 ) -> None:
     r"""Write the normalized Lorentz force on the pixels, of at most unit size, the gradient and the edge strength.
@@ -390,7 +390,7 @@ def lorentz_force(
     """
     kind = grad.dtype.type
     least = float(np.finfo(kind).tiny)
-    tiny = max(1e-12 * float(magnitude(field).max()), least)
+    tiny = max(1e-12 * float(vector_magnitudes(field).max()), least)
     levels = (
         _OFF_RIDGE_FRACTION,
         _ON_RIDGE_FRACTION - _OFF_RIDGE_FRACTION,
@@ -400,7 +400,7 @@ def lorentz_force(
         tiny,
     )
     limits = tuple(map(kind, levels))
-    in_bands(partial(_write_force, field, grad, strength, limits, packed, first), len(packed))
+    run_in_bands(partial(_write_force, field, grad, strength, limits, packed, first), len(packed))
 
 
 @compiled
@@ -429,8 +429,8 @@ def _write_force(
             size[r, c] = np.sqrt(f_y * f_y + f_x * f_x)
             length = max(strength[low + r, c], faintest)
             normal_y[r, c], normal_x[r, c] = grad[0, low + r, c] / length, grad[1, low + r, c] / length
-        _widen(strength[low + r], _SUMMIT_REACH, summits[r])
-        _widen(size[r], _FIELD_REACH, sizes[r])
+        _dilate_line(strength[low + r], _SUMMIT_REACH, summits[r])
+        _dilate_line(size[r], _FIELD_REACH, sizes[r])
     for r in range(high - low):  # towards the ridge on the flank of the edge, of unit size where the flank is steepest
         i, above, below = low + r, max(low + r - 1, 0), min(low + r + 1, rows - 1)
         for c in range(cols):
@@ -445,12 +445,12 @@ def _write_force(
                 slope[r, c] = half * s_y * normal_y[r, c] + half * s_x * normal_x[r, c]
         for c in range(cols):
             steep[c] = abs(slope[r, c])
-        _widen(steep, _SUMMIT_REACH, slopes[r])
+        _dilate_line(steep, _SUMMIT_REACH, slopes[r])
     for n in range(first, end):
         i, r = corner[0] + n, corner[0] + n - low
-        _highest(summits, r, _SUMMIT_REACH, summit)
-        _highest(sizes, r, _FIELD_REACH, beside)
-        _highest(slopes, r, _SUMMIT_REACH, steepest)
+        _max_over_lines(summits, r, _SUMMIT_REACH, summit)
+        _max_over_lines(sizes, r, _FIELD_REACH, beside)
+        _max_over_lines(slopes, r, _SUMMIT_REACH, steepest)
         for m in range(packed.shape[1]):
             c = corner[1] + m
             near = min(max((strength[i, c] / max(summit[c], least) - slope_at) / span, zero), one)
@@ -465,7 +465,7 @@ def _write_force(
 
 
 @compiled
-def _widen(line: Array, reach: int, out: Array) -> None:
+def _dilate_line(line: Array, reach: int, out: Array) -> None:
     """Write the largest of the values up to a distance along a line."""
     for c in range(len(line)):
         out[c] = line[c]
@@ -477,7 +477,7 @@ def _widen(line: Array, reach: int, out: Array) -> None:
 
 
 @compiled
-def _highest(lines: Array, at: int, reach: int, out: Array) -> None:
+def _max_over_lines(lines: Array, at: int, reach: int, out: Array) -> None:
     """Write the largest of the values in lines up to a distance from one of them."""
     first = max(at - reach, 0)
     for c in range(len(out)):
@@ -489,7 +489,7 @@ def _highest(lines: Array, at: int, reach: int, out: Array) -> None:
 
 def unit_vectors(vectors: Array) -> Array:
     r"""Scale every vector of a field, shape (D, \*shape), to length one; vanishing vectors stay at zero."""
-    length = magnitude(vectors)
+    length = vector_magnitudes(vectors)
     tiny = 1e-12 * float(length.max(initial=0.0))
     scale = np.where(length > tiny, 1.0 / np.maximum(length, max(tiny, 1e-300)), 0.0)
     return vectors * scale
@@ -505,7 +505,7 @@ _MAX_CONTOUR_OFFSET = 2.0
 """Distance from the ridge up to which a contour may run [px]."""
 
 
-def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
+def limit_field_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
     """Return this field with fixed charges and edges around some pixels only.
 
     `ridge`, shape (H, W), are the pixels of the ridges that stay. The largest edge strength, and the least one for edge
@@ -522,7 +522,7 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
     return replace(
         scale_field,
         force=cache(
-            partial(packed_force, scale_field.exponent, charged, scale_field.slopes, strength, strongest, False)
+            partial(pack_force, scale_field.exponent, charged, scale_field.slopes, strength, strongest, False)
         ),
         edge_map=strength,
         strongest=strongest,

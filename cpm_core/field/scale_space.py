@@ -15,8 +15,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from cpm_core.field.edge_map import automatic_smoothing, prepared
-from cpm_core.field.scale_field import LARGE, ScaleField, Slopes, build_scale_field, slopes_of
+from cpm_core.field.edge_map import automatic_smoothing, prepare_for_edges
+from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, WindowGradient, build_scale_field, gradient_provider
 from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.gray_levels import toned
@@ -34,11 +34,11 @@ _KEPT_LARGE = 2
 """Number of fields of a large image that are kept: at the scale of a run, and at full size."""
 
 _Gamma = float | Literal["auto"]
-Free = Callable[..., ScaleField]
+PlaneFieldBuilder = Callable[..., ScaleField]
 """Builds a field without barriers from a scale and the values that it depends on."""
 
 
-class Source(NamedTuple):
+class EdgeSource(NamedTuple):
     r"""Image at a scale from which edges are taken.
 
     Attributes
@@ -73,7 +73,7 @@ class SourceImages:
         check_scales(scales, image.shape)
         self.scales, self.shape = scales, image.shape
         lock = RLock()
-        large = math.prod(image.shape) > LARGE  # it stays in the few bytes of its file
+        large = math.prod(image.shape) > LARGE_IMAGE_PIXELS  # it stays in the few bytes of its file
 
         @lru_cache(_KEPT_SETTINGS)
         def build_images(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:  # not before the image is shown
@@ -94,42 +94,42 @@ class SourceImages:
             """Return the cleaned image at each scale, shape (H, W), and how it was cleaned."""
             images = build_images(channel, edges, gamma)
             given = images[0].astype(np.float64, copy=False)
-            ready = prepared(given)
+            ready = prepare_for_edges(given)
             return images if ready.image is given else pyramid(ready.image, scales), ready
 
         @lru_cache(_KEPT_SETTINGS * scales)
-        def source_at(scale: int, channel: str, edges: str, gamma: _Gamma, smoothing: _Gamma) -> Source:
+        def source_at(scale: int, channel: str, edges: str, gamma: _Gamma, smoothing: _Gamma) -> EdgeSource:
             of = image.channel(channel), edges, gamma
             with lock:
                 images = build_images(*of)
                 if smoothing != "auto":
-                    return Source(images[scale], smoothing, 0.0)
+                    return EdgeSource(images[scale], smoothing, 0.0)
                 clean, ready = clean_images(*of)
                 # a cleaned image needs the same smoothing at all scales
                 same = scale == 0 or clean is not images
-                return Source(clean[scale], ready.sigma if same else automatic_smoothing(clean[scale]), ready.floor)
+                return EdgeSource(clean[scale], ready.sigma if same else automatic_smoothing(clean[scale]), ready.floor)
 
         @lru_cache(_KEPT_SETTINGS * scales)
-        def slopes_at(*key: Any) -> Slopes:
+        def slopes_at(*key: Any) -> WindowGradient:
             found = source_at(*key)
-            return slopes_of(found.values, found.smoothing)
+            return gradient_provider(found.values, found.smoothing)
 
-        self.at, self.slopes = source_at, slopes_at
+        self.source_at, self.slopes = source_at, slopes_at
 
 
-def plane_fields(
-    sources: SourceImages, regions: Regions | None, free: Free | None = None
-) -> tuple[Free, Callable[[int, Parameters], ScaleField]]:
+def plane_field_builders(
+    sources: SourceImages, regions: Regions | None, free: PlaneFieldBuilder | None = None
+) -> tuple[PlaneFieldBuilder, Callable[[int, Parameters], ScaleField]]:
     """Make the functions that build the fields of an image without barriers, and with them for parameters at a scale.
 
     `free` is the first function, if there is one for the same regions of interest.
     """
     scales, shape = sources.scales, sources.shape
-    kept = lru_cache(_KEPT_SETTINGS * scales if math.prod(shape) <= LARGE else _KEPT_LARGE)
+    kept = lru_cache(_KEPT_SETTINGS * scales if math.prod(shape) <= LARGE_IMAGE_PIXELS else _KEPT_LARGE)
 
     @kept
     def build_field(scale: int, edge_floor: float, max_border: float, exponent: float, *key: Any) -> ScaleField:
-        source = sources.at(scale, *key)
+        source = sources.source_at(scale, *key)
         interest = regions and Regions(regions.interest).at_scale(scale, shape)
         floor, slope = max(edge_floor, source.floor), sources.slopes(scale, *key)
         return build_scale_field(

@@ -15,19 +15,19 @@ from cpm_core.field.convolution import block_means, convolved_field, convolved_p
 from cpm_core.field.edge_map import NO_SMOOTHING
 from cpm_core.field.scale_field import MAX_BACKGROUND, WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
-from cpm_core.field.volume_edges import PLANES_PER_THREAD, Edges, Slopes
-from cpm_core.field.volume_surface import Ridges, force_on_voxels, ridges_of
+from cpm_core.field.volume_edges import PLANES_PER_THREAD, EdgeBricks, VolumeSlopes
+from cpm_core.field.volume_surface import Ridges, force_on_voxels, find_ridges
 from cpm_core.image.pyramid import shape_of_scale, to_image
 from cpm_core.image.volume_regions import VolumeRegions, Walls
-from cpm_core.numerics.grids import extend, half_gaussian, sum_across, sum_along
+from cpm_core.numerics.grids import extend_line, half_gaussian_weights, sum_across, sum_along
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, Single, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
 from cpm_core.parameters.choices import Accuracy
 
-BLOCK = 2.0
+FAR_FIELD_BLOCK = 2.0
 """Side of the blocks of the far field [units]."""
 
 _MIN_CHARGED_STRENGTH = 0.25
@@ -52,7 +52,7 @@ _USABLE_BACKGROUND = 0.25
 _MIN_NORMAL_COSINE = 0.7
 """Least scalar product of the normals of two voxels of the edge map that belong to one surface."""
 
-EVERY = 3
+BACKGROUND_STRIDE = 3
 """The background is measured at every third voxel along each axis."""
 
 
@@ -63,7 +63,7 @@ class FarField(NamedTuple):
     block: Vector
 
 
-class Smoothed(NamedTuple):
+class SmoothedVolume(NamedTuple):
     """Sigma of the smoothing, the smoothed volume, its largest edge strength, and the background's."""
 
     sigma: float
@@ -98,7 +98,7 @@ class VolumeField:
         Walls that no particle crosses.
     """
 
-    slopes: Slopes
+    slopes: VolumeSlopes
     pitch: Vector
     strongest: float
     floor: float
@@ -121,12 +121,12 @@ class VolumeField:
     @property
     def edge_map(self) -> Single:
         """Edge strength f of every voxel [gray levels / unit]; zero outside the regions of interest."""
-        return self.slopes.strengths()
+        return self.slopes.edge_strengths()
 
     @cached_property
-    def edges(self) -> Edges:
+    def edges(self) -> EdgeBricks:
         """The edge map where particles feel it; found on first use."""
-        return Edges.of(self.slopes, self.floor)
+        return EdgeBricks.from_slopes(self.slopes, self.floor)
 
     @property
     def extent(self) -> Vector:
@@ -140,12 +140,12 @@ class VolumeField:
         return self.edge_map
 
     @cached_property
-    def far(self) -> FarField:
+    def far_field(self) -> FarField:
         """Field of the fixed charges; computed on first use."""
-        wanted = BLOCK if self.accuracy == "standard" else 1.0
+        wanted = FAR_FIELD_BLOCK if self.accuracy == "standard" else 1.0
         block = [max(1, round(wanted / side)) for side in self.pitch]
         deep = PLANES_PER_THREAD * block[0]
-        slabs = (self.slopes.strengths(k, k + deep) for k in range(0, self.shape[0], deep))
+        slabs = (self.slopes.edge_strengths(k, k + deep) for k in range(0, self.shape[0], deep))
         weak = _MIN_CHARGED_STRENGTH * self.floor
         charges = np.concatenate([block_means(np.where(slab < weak, np.float32(0), slab), block) for slab in slabs])
         sides = tuple(n * side for n, side in zip(block, self.pitch, strict=True))
@@ -156,8 +156,8 @@ class VolumeField:
     def lorentz(self) -> Single:
         """Lorentz force on the voxels, shape (3, P, R, C), as particles there feel it."""
         out = np.empty((3, *self.shape), np.float32)
-        fields = (self.smoothed, self.edges, self.far.force, self.pitch, self.far.block, self.floor)
-        share(lambda first, last: force_on_voxels(*fields, first, last, out), len(self.smoothed), PLANES_PER_THREAD)
+        fields = (self.smoothed, self.edges, self.far_field.force, self.pitch, self.far_field.block, self.floor)
+        run_in_parallel(lambda first, last: force_on_voxels(*fields, first, last, out), len(self.smoothed), PLANES_PER_THREAD)
         return out
 
     @cached_property
@@ -168,7 +168,7 @@ class VolumeField:
     @cached_property
     def slope(self) -> float:
         """Mean slope of the potential [gray levels / unit]; 1 where it is flat."""
-        slope = float(Slopes.of(self.potential.astype(np.float32), self.pitch).strengths().mean(dtype=float))
+        slope = float(VolumeSlopes.from_volume(self.potential.astype(np.float32), self.pitch).edge_strengths().mean(dtype=float))
         return slope if slope > 0.0 else 1.0
 
     def with_far_field(self, exponent: float, accuracy: Accuracy) -> VolumeField:
@@ -183,14 +183,14 @@ class VolumeField:
         object.__setattr__(other, "walls", walls)
         return other
 
-    def crossed(self, start: Array, end: Array) -> Mask:
+    def crosses_wall(self, start: Array, end: Array) -> Mask:
         """Return a mask, shape (N,), of the straight moves, from and to shape (N, 3) [units], that cross a wall."""
         return np.zeros(len(start), bool) if self.walls is None else self.walls.crossed(start, end)
 
     @cached_property
     def ridges(self) -> Ridges:
         """Ridges of the edge map; found on first use."""
-        return ridges_of(self.smoothed, self.edges, self.pitch, self.floor, -1.0 if self.noisy else _MIN_NORMAL_COSINE)
+        return find_ridges(self.smoothed, self.edges, self.pitch, self.floor, -1.0 if self.noisy else _MIN_NORMAL_COSINE)
 
 
 def build_volume_field(
@@ -209,18 +209,18 @@ def build_volume_field(
     """
     after = partial(_smooth_edges, values, pitch, interest)
     sigma, smoothed, strongest, background = automatic_edges(after) if smoothing == "auto" else after(float(smoothing))
-    floor, noisy = weakest_edge_of(strongest, background, edge_floor)
-    return VolumeField(Slopes.of(smoothed, pitch, interest), pitch, strongest, floor, sigma, noisy=noisy, walls=walls)
+    floor, noisy = weakest_volume_edge(strongest, background, edge_floor)
+    return VolumeField(VolumeSlopes.from_volume(smoothed, pitch, interest), pitch, strongest, floor, sigma, noisy=noisy, walls=walls)
 
 
-def weakest_edge_of(strongest: float, background: float, edge_floor: float) -> tuple[float, bool]:
+def weakest_volume_edge(strongest: float, background: float, edge_floor: float) -> tuple[float, bool]:
     """Return the least edge strength for edge contact, and whether noise decides on it."""
     least = max(WEAKEST_EDGE, edge_floor) * strongest
     noise = min(background, MAX_BACKGROUND * strongest)
     return max(least, noise) if strongest > 0.0 else math.inf, noise > least
 
 
-def automatic_edges(after: Callable[[float], Smoothed]) -> Smoothed:
+def automatic_edges(after: Callable[[float], SmoothedVolume]) -> SmoothedVolume:
     """Find the edges after the least smoothing that raises them above the noise; `after` smooths by one sigma."""
     usable: float | None = None
     for sigma, clear in zip(_VOLUME_SIGMAS, _CLEAR_BACKGROUNDS, strict=True):
@@ -233,33 +233,33 @@ def automatic_edges(after: Callable[[float], Smoothed]) -> Smoothed:
     return found
 
 
-def _smooth_edges(values: Array, pitch: Vector, interest: Mask | None, sigma: float) -> Smoothed:
+def _smooth_edges(values: Array, pitch: Vector, interest: Mask | None, sigma: float) -> SmoothedVolume:
     """Smooth a volume by a Gaussian of this sigma [units], and measure its edges; there are none outside `interest`."""
-    smoothed = smoothed_volume(values, [sigma / side for side in pitch])
-    slopes, strongest, some = Slopes.of(smoothed, pitch, interest), 0.0, []
-    for first in range(0, len(smoothed), PLANES_PER_THREAD * EVERY):
-        window = slice(first, first + PLANES_PER_THREAD * EVERY)
-        found = slopes.strengths(window.start, window.stop)
+    smoothed = smooth_volume(values, [sigma / side for side in pitch])
+    slopes, strongest, some = VolumeSlopes.from_volume(smoothed, pitch, interest), 0.0, []
+    for first in range(0, len(smoothed), PLANES_PER_THREAD * BACKGROUND_STRIDE):
+        window = slice(first, first + PLANES_PER_THREAD * BACKGROUND_STRIDE)
+        found = slopes.edge_strengths(window.start, window.stop)
         strongest = max(strongest, float(found.max()))
-        some.append(found[::EVERY, ::EVERY, ::EVERY].ravel() if interest is None else found[interest[window]])
-    return Smoothed(sigma, smoothed, strongest, background_of(np.concatenate(some)))
+        some.append(found[::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE].ravel() if interest is None else found[interest[window]])
+    return SmoothedVolume(sigma, smoothed, strongest, noise_strength(np.concatenate(some)))
 
 
-def background_of(strengths: Array | Single) -> float:
+def noise_strength(strengths: Array | Single) -> float:
     """Return the edge strength that noise rarely exceeds, from strengths, shape (N,), all over a volume."""
     return _NOISE_DEVIATIONS * float(np.percentile(strengths, 25.0)) / _MAXWELL_QUARTILE
 
 
-def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
+def smooth_volume(values: Array, sigmas: list[float]) -> Single:
     """Smooth a volume, shape (P, R, C), by a Gaussian with a sigma for each axis [voxels], in single precision."""
-    weights = tuple(half_gaussian(sigma) if sigma > NO_SMOOTHING else np.ones(1) for sigma in sigmas)
+    weights = tuple(half_gaussian_weights(sigma) if sigma > NO_SMOOTHING else np.ones(1) for sigma in sigmas)
     out = np.empty(values.shape, np.float32)
-    share(partial(_smooth, values, weights, out), len(out), PLANES_PER_THREAD)
+    run_in_parallel(partial(_smooth_planes, values, weights, out), len(out), PLANES_PER_THREAD)
     return out
 
 
 @compiled
-def _smooth(values: Array, weights: Arrays, out: Single, first: int, end: int) -> None:
+def _smooth_planes(values: Array, weights: Arrays, out: Single, first: int, end: int) -> None:
     """Write planes after a Gaussian, axis by axis, each rounded to single precision."""
     (rows, cols), reach = out.shape[1:], len(weights[2]) - 1
     flat, line, total = np.empty((rows, cols)), np.empty(cols + 2 * reach), np.empty(cols)
@@ -272,13 +272,13 @@ def _smooth(values: Array, weights: Arrays, out: Single, first: int, end: int) -
             sum_across(flat, j, weights[1], total)
             for k in range(cols):
                 line[reach + k] = np.float32(total[k])
-            extend(line, reach)
+            extend_line(line, reach)
             sum_along(line, weights[2], total)
             for k in range(cols):
                 out[i, j, k] = total[k]
 
 
-LONGEST = 10.0
+MAX_PITCH = 10.0
 """Side that a voxel has at most for particles, in units of the smallest one.
 
 Particles are about two units apart. Along a longer side they would be closer than the voxels can resolve, and there
@@ -286,20 +286,20 @@ would be so many that a run takes minutes. Measures of the surface use the true 
 """
 
 
-Free = Callable[..., VolumeField]
+VolumeFieldBuilder = Callable[..., VolumeField]
 """Builds fields without walls from a scale and the values that their edges depend on."""
 
 
-def volume_fields(
-    sources: SourceImages, pitch: Vector, regions: VolumeRegions | None, free: Free | None = None
-) -> tuple[Free, Callable[[int, Parameters], VolumeField]]:
+def volume_field_builders(
+    sources: SourceImages, pitch: Vector, regions: VolumeRegions | None, free: VolumeFieldBuilder | None = None
+) -> tuple[VolumeFieldBuilder, Callable[[int, Parameters], VolumeField]]:
     """Make the functions of `plane_fields` for a volume; they refuse parameters of images."""
     kept, shape = lru_cache(sources.scales), sources.shape
 
     @kept
     def build_field(scale: int, gamma: Any, smoothing: Any, edge_floor: float) -> VolumeField:
-        values = sources.at(scale, "luminance", "gradient", gamma, 0.0).values  # not cleaned
-        return build_volume_field(values, pitch, smoothing, edge_floor, _voxels(regions, shape, scale))
+        values = sources.source_at(scale, "luminance", "gradient", gamma, 0.0).values  # not cleaned
+        return build_volume_field(values, pitch, smoothing, edge_floor, _interest_voxels(regions, shape, scale))
 
     known = free or build_field
 
@@ -311,14 +311,14 @@ def volume_fields(
         return found if regions is None else found.with_walls(regions.walls(shape).at_scale(scale, pitch))
 
     def field_at(scale: int, parameters: Parameters) -> VolumeField:
-        check_parameters(parameters)
+        check_volume_parameters(parameters)
         edges = parameters.gamma, parameters.smoothing, parameters.edge_floor
         return field_of(parameters.exponent_in(3), parameters.accuracy, scale, *edges)
 
     return known, field_at
 
 
-def _voxels(regions: VolumeRegions | None, shape: Extent, scale: int) -> Mask | None:
+def _interest_voxels(regions: VolumeRegions | None, shape: Extent, scale: int) -> Mask | None:
     """Return a mask of the voxels of a scale whose centers are of interest; None for all."""
     voxels = None if regions is None else regions.voxels(shape)
     if voxels is None or scale == 0:
@@ -332,11 +332,11 @@ def _voxels(regions: VolumeRegions | None, shape: Extent, scale: int) -> Mask | 
 def pitch_of(spacing: Sides) -> Vector:
     """Return the sides of a voxel in units of the smallest one, as particles feel them: at most `LONGEST`."""
     least = min(spacing)
-    plane, row, col = (min(side / least, LONGEST) for side in spacing)
+    plane, row, col = (min(side / least, MAX_PITCH) for side in spacing)
     return plane, row, col
 
 
-def check_parameters(parameters: Parameters) -> None:
+def check_volume_parameters(parameters: Parameters) -> None:
     """Raise a `ValueError` unless the parameters that have a meaning in the plane only have their default values."""
     for name in OF_PLANES:
         value = getattr(parameters, name)

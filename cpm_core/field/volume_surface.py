@@ -15,14 +15,14 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.field.interpolation import normal_at, value_at
-from cpm_core.field.volume_edges import HALF_NEAR, Edges, edge_at
-from cpm_core.numerics.grids import renumber, root
+from cpm_core.field.volume_edges import SLOPE_ONSET, EdgeBricks, edge_at
+from cpm_core.numerics.grids import renumber_groups, find_root
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.vectors import Vector, dot, length, lengths, moved, row_of, scaled, set_row
+from cpm_core.numerics.vectors import Vector, dot, vector_length, row_lengths, move_along, row_of, scale_vector, set_row
 
-GATE = 0.45
+ON_RIDGE_SLOPE = 0.45
 """Relative slope of the edge map under which a particle on an edge is on its ridge."""
 
 _RIDGE_SAMPLE_OFFSET = 0.7
@@ -36,27 +36,27 @@ _MIN_RIDGE_STEP = 0.01
 
 
 @compiled
-def force_at(
-    smoothed: Single, edges: Edges, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
+def volume_force_at(
+    smoothed: Single, edges: EdgeBricks, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
 ) -> tuple[Vector, Vector, float, float, float]:
     """Return force, normal, edge strength and relative slope of the edge map at a place, and the slope's weight."""
     normal = normal_at(smoothed, pitch, place)
     here = edge_at(edges, pitch, place)
-    ahead = edge_at(edges, pitch, moved(place, 1.0, normal))
-    behind = edge_at(edges, pitch, moved(place, -1.0, normal))
+    ahead = edge_at(edges, pitch, move_along(place, 1.0, normal))
+    behind = edge_at(edges, pitch, move_along(place, -1.0, normal))
     slope = (ahead - behind) / (ahead + behind + 1e-30)
-    near = min(max((max(here, ahead, behind) / floor - HALF_NEAR) / (1.0 - HALF_NEAR), 0.0), 1.0)
-    force = scaled(normal, near * slope)
+    near = min(max((max(here, ahead, behind) / floor - SLOPE_ONSET) / (1.0 - SLOPE_ONSET), 0.0), 1.0)
+    force = scale_vector(normal, near * slope)
     if near < 1.0:
-        away = far_at(far, pitch, block, place)
-        force = moved(force, (1.0 - near) / (length(away) + 1e-30), away)
+        away = far_field_at(far, pitch, block, place)
+        force = move_along(force, (1.0 - near) / (vector_length(away) + 1e-30), away)
     return force, normal, here, slope, near
 
 
 @compiled
 def force_on_voxels(
     smoothed: Single,
-    edges: Edges,
+    edges: EdgeBricks,
     far: Single,
     pitch: Vector,
     block: Vector,
@@ -70,12 +70,12 @@ def force_on_voxels(
         for j in range(edges.rows):
             for k in range(edges.cols):
                 place = (i * pitch[0], j * pitch[1], k * pitch[2])
-                force = force_at(smoothed, edges, far, pitch, block, floor, place)[0]
+                force = volume_force_at(smoothed, edges, far, pitch, block, floor, place)[0]
                 out[0, i, j, k], out[1, i, j, k], out[2, i, j, k] = force
 
 
 @compiled
-def far_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
+def far_field_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
     """Interpolate the field of the fixed charges, shape (3, P, R, C) of blocks, at a place [units]."""
     z = (place[0] / pitch[0] + 0.5) / block[0] - 0.5
     y = (place[1] / pitch[1] + 0.5) / block[1] - 0.5
@@ -84,50 +84,50 @@ def far_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
 
 
 @compiled
-def on_ridge(smoothed: Single, edges: Edges, pitch: Vector, place: Vector, rounds: int) -> Vector:
+def project_to_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, place: Vector, rounds: int) -> Vector:
     """Project a place onto the ridge of the edge map along the normal: the top of a parabola, repeated."""
     for _ in range(rounds):
         normal = normal_at(smoothed, pitch, place)
         here = edge_at(edges, pitch, place)
-        ahead = edge_at(edges, pitch, moved(place, _RIDGE_SAMPLE_OFFSET, normal))
-        behind = edge_at(edges, pitch, moved(place, -_RIDGE_SAMPLE_OFFSET, normal))
+        ahead = edge_at(edges, pitch, move_along(place, _RIDGE_SAMPLE_OFFSET, normal))
+        behind = edge_at(edges, pitch, move_along(place, -_RIDGE_SAMPLE_OFFSET, normal))
         bend = ahead - 2.0 * here + behind
         step = _RIDGE_SAMPLE_OFFSET * (-0.5 * (ahead - behind) / bend if bend < 0.0 else np.sign(ahead - behind))
         step = min(max(step, -_MAX_RIDGE_STEP), _MAX_RIDGE_STEP)
-        place = moved(place, step, normal)
+        place = move_along(place, step, normal)
         if abs(step) < _MIN_RIDGE_STEP:
             break
     return place
 
 
 @compiled
-def is_ridge(smoothed: Single, edges: Edges, pitch: Vector, place: Vector, reach: float) -> bool:
+def is_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, place: Vector, reach: float) -> bool:
     """Return whether the edge is nowhere stronger at a distance along the normal, to either side."""
     normal = normal_at(smoothed, pitch, place)
     here = edge_at(edges, pitch, place)
     return bool(
-        edge_at(edges, pitch, moved(place, reach, normal)) <= here
-        and edge_at(edges, pitch, moved(place, -reach, normal)) <= here
+        edge_at(edges, pitch, move_along(place, reach, normal)) <= here
+        and edge_at(edges, pitch, move_along(place, -reach, normal)) <= here
     )
 
 
-def on_ridges(smoothed: Single, edges: Edges, pitch: Vector, places: Array, rounds: int) -> Array:
+def project_all_to_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, places: Array, rounds: int) -> Array:
     """Project places, shape (N, 3), onto the ridge; see `on_ridge`."""
     out = np.empty_like(places)
-    share(partial(_on_ridges, smoothed, edges, pitch, places, rounds, out), len(places), _RIDGE_VOXELS_PER_THREAD)
+    run_in_parallel(partial(_project_some, smoothed, edges, pitch, places, rounds, out), len(places), _RIDGE_VOXELS_PER_THREAD)
     return out
 
 
 @compiled
-def _on_ridges(
-    smoothed: Single, edges: Edges, pitch: Vector, places: Array, rounds: int, out: Array, first: int, last: int
+def _project_some(
+    smoothed: Single, edges: EdgeBricks, pitch: Vector, places: Array, rounds: int, out: Array, first: int, last: int
 ) -> None:
     for i in range(first, last):
-        set_row(out, i, on_ridge(smoothed, edges, pitch, row_of(places, i), rounds))
+        set_row(out, i, project_to_ridge(smoothed, edges, pitch, row_of(places, i), rounds))
 
 
 @compiled
-def faces_alike(one: Vector, other: Vector) -> bool:
+def face_same_way(one: Vector, other: Vector) -> bool:
     """Return whether two normals face the same way; those of the two walls of a thin object point apart."""
     return dot(one, other) > 0.0
 
@@ -151,32 +151,32 @@ class Ridges(NamedTuple):
     strength: Array
     component: Index
 
-    def where(self, index: Index) -> Ridges:
+    def select(self, index: Index) -> Ridges:
         """Select the voxels with the given indices, shape (K,), in this order."""
         return Ridges(self.place[index], self.normal[index], self.strength[index], self.component[index])
 
 
-def ridges_of(smoothed: Single, edges: Edges, pitch: Vector, floor: float, turn: float) -> Ridges:
+def find_ridges(smoothed: Single, edges: EdgeBricks, pitch: Vector, floor: float, turn: float) -> Ridges:
     """Find all ridges of the edge map of a smoothed volume, shape (P, R, C).
 
     A voxel is connected with those of the 26 around it that have a normal like its own: the scalar product is at least
     `turn`, so that walls of two objects that nearly touch each other stay apart.
     """
-    voxels, last = edges.above(floor), np.array(smoothed.shape) - 1
+    voxels, last = edges.voxels_above(floor), np.array(smoothed.shape) - 1
     count, slope = len(voxels), np.empty((len(voxels), 3))
     for axis, step in enumerate(np.eye(3, dtype=int)):
         ahead, behind = np.minimum(voxels + step, last), np.maximum(voxels - step, 0)
         slope[:, axis] = (smoothed[tuple(ahead.T)] - smoothed[tuple(behind.T)]) / pitch[axis]
-    component = _parts_alike(voxels, slope, lengths(slope), turn, smoothed.shape[1:])
+    component = _label_similar_normals(voxels, slope, row_lengths(slope), turn, smoothed.shape[1:])
     place = voxels * np.array(pitch)
     normal, ridge = np.empty((count, 3)), np.empty(count, bool)
-    share(partial(_test, smoothed, edges, pitch, place, normal, ridge), count, _RIDGE_VOXELS_PER_THREAD)
+    run_in_parallel(partial(_find_ridge_voxels, smoothed, edges, pitch, place, normal, ridge), count, _RIDGE_VOXELS_PER_THREAD)
     place = place[ridge]
-    return Ridges(place, normal[ridge], edges.at(pitch, place), component[ridge])
+    return Ridges(place, normal[ridge], edges.strengths_at(pitch, place), component[ridge])
 
 
 @compiled
-def _parts_alike(voxels: Index, slope: Array, size: Array, turn: float, shape: tuple[int, int]) -> Index:
+def _label_similar_normals(voxels: Index, slope: Array, size: Array, turn: float, shape: tuple[int, int]) -> Index:
     """Label the part of each voxel in order; two planes of numbers suffice to find the neighbors before it."""
     group = np.arange(len(voxels))
     window = np.full((2, shape[0] + 2, shape[1] + 2), -1, np.int32)
@@ -193,17 +193,17 @@ def _parts_alike(voxels: Index, slope: Array, size: Array, turn: float, shape: t
             if other >= 0:
                 product = dot(row_of(slope, q), row_of(slope, other))
                 if turn <= -1.0 or product >= turn * size[q] * size[other]:
-                    one, two = root(group, q), root(group, other)
+                    one, two = find_root(group, q), find_root(group, other)
                     group[max(one, two)] = min(one, two)
         window[p % 2, r + 1, c + 1] = q
-    renumber(group)
+    renumber_groups(group)
     return group
 
 
 @compiled
-def _test(
+def _find_ridge_voxels(
     smoothed: Single,
-    edges: Edges,
+    edges: EdgeBricks,
     pitch: Vector,
     place: Array,
     normal: Array,

@@ -15,7 +15,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from cpm_core.formats.common.atomic import check_target, drafts_of, write_together
 from cpm_core.formats.common.content import AnyPath, missing
-from cpm_core.numerics.memory import free
+from cpm_core.numerics.memory import available_memory
 from cpm_core.numerics.types import Extent, Pixels
 
 ANIMATED: dict[str, str] = {
@@ -151,7 +151,7 @@ def _write_by_pillow(
         picture.info["duration"] = tick * (end - begin)  # so that rounding does not add up
         pictures.append(picture)
         kept += frame.nbytes
-        if kept > free():
+        if kept > available_memory():
             raise ValueError(f"{number + 1} frames do not fit into memory twice: write fewer or smaller ones, or .mp4.")
     texts = PngInfo()
     texts.add_text("Description", comment)

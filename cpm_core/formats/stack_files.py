@@ -17,7 +17,7 @@ from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
 from cpm_core.formats.masks.labels import entries_for_imagej
-from cpm_core.numerics.types import Entries, Extent
+from cpm_core.numerics.types import JsonDict, Extent
 from cpm_core.pages.page import StackResult
 
 _MAX_IMAGEJ_SIZE = 2**32 - 2**25
@@ -33,7 +33,7 @@ def encode_geojson(found: StackResult) -> bytes:
     Its properties include ``page`` (from 1) and ``track``, and its geometry has the ``plane`` of QuPath: ``z`` or ``t``
     from 0.
     """
-    features: list[Entries] = []
+    features: list[JsonDict] = []
     for page, result in found.results:
         tracks = [contour.number for contour in result.contours if not contour.hole]
         for track, feature in zip(tracks, geojson.features_of(_named(result)), strict=True):
@@ -89,7 +89,7 @@ def write_labels(found: StackResult, target: Path) -> None:
     kind = np.dtype(label_type(max(closed)))
     shape = tuple(int(side) for side in np.max([result.shape for result in results.values()], axis=0))
     size = found.count * int(np.prod(shape)) * kind.itemsize
-    entries: Entries = {"metadata": {"axes": f"{found.axis.upper()}YX"}}
+    entries: JsonDict = {"metadata": {"axes": f"{found.axis.upper()}YX"}}
     if kind == np.uint16 and size < _MAX_IMAGEJ_SIZE:
         entries = {"imagej": True, "metadata": entries_for_imagej(first, f"{found.axis.upper()}YX")}
     if first.unit:

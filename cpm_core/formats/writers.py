@@ -37,7 +37,7 @@ from cpm_core.formats.meshes.coordinates import Mesh, mesh_of
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Entries, Texts, frozen
+from cpm_core.numerics.types import JsonDict, Texts, frozen
 from cpm_core.parameters.quotation import counted, shown
 
 _LOG = logging.getLogger(__name__)
@@ -365,7 +365,7 @@ def encoded(
             for contour in result.contours
         )
         result = replace(result, contours=contours, source=printable(result.source))
-    options: Entries = {"outlines": outlines, "space": space, "image": None if image is None else Path(image)}
+    options: JsonDict = {"outlines": outlines, "space": space, "image": None if image is None else Path(image)}
     return form.encode(result, **{name: options[name] for name in form.options})
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import Window, around, relative, tiles
+from cpm_core.numerics.grids import Window, expand_window, relative_window, split_into_tiles
 from cpm_core.numerics.types import Array, Mask
 
 _LEAST_BORDER_STRENGTH = 0.1
@@ -77,9 +77,9 @@ def _edge_of_border(edge: Array, stray: int) -> int:
 def within(inside: Mask, reach: int) -> Mask:
     r"""Pixels whose centers are at most `reach` px from the center of a pixel of the mask `inside`, shape (\*shape)."""
     found = inside.copy()
-    for tile in tiles(inside.shape, _DISTANCE_TILE):
-        outer = around(tile, reach, inside.shape)
+    for tile in split_into_tiles(inside.shape, _DISTANCE_TILE):
+        outer = expand_window(tile, reach, inside.shape)
         if inside[outer].any() and not inside[tile].all():
             near = scipy.ndimage.distance_transform_edt(~inside[outer]) <= reach
-            found[tile] = near[relative(tile, outer)]
+            found[tile] = near[relative_window(tile, outer)]
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import skimage
 
-from cpm_core.numerics.grids import in_bands
+from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Numbers, Pixels, Texts, record
 from cpm_core.parameters.choices import CHOICES, check_choice
@@ -130,7 +130,7 @@ def reduced(samples: Numbers, alpha: Numbers | None = None, white: float | None 
         return samples[..., 0], None, tuple(said)
     gray = np.empty(shape)
     if opaque and samples.dtype == np.uint8:
-        in_bands(lambda first, end: _weigh_bytes(samples[first:end], WEIGHTS, gray[first:end]), shape[0])
+        run_in_bands(lambda first, end: _weigh_bytes(samples[first:end], WEIGHTS, gray[first:end]), shape[0])
         gray.flags.writeable = False  # an image takes them over
         return gray, Colors(samples, white), tuple(said)
     colors = None if alike else Colors(np.empty((*shape, count), np.uint8), white)
@@ -145,7 +145,7 @@ def reduced(samples: Numbers, alpha: Numbers | None = None, white: float | None 
             shares = np.asarray(np.clip(line, 0.0, white), float) / white
             colors.samples[first:end] = np.rint(np.nan_to_num(255.0 * shares))
 
-    in_bands(reduce_rows, shape[0])
+    run_in_bands(reduce_rows, shape[0])
     return gray, colors, tuple(said)
 
 

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.numerics.real_numbers import checked_number, real_numbers
+from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
 from cpm_core.numerics.types import Array, Sides, frozen
 from cpm_core.parameters.quotation import described, shown
 
@@ -74,7 +74,7 @@ class Geometry:
     depth: float = 1.0
 
     def __post_init__(self) -> None:
-        origin, directions = real_numbers(self.origin), real_numbers(self.directions)
+        origin, directions = as_real_array(self.origin), as_real_array(self.directions)
         if origin.shape != (3,) or not np.isfinite(origin).all():
             raise ValueError(f"The origin is {shown(self.origin)} but must be three finite numbers, (x, y, z).")
         if directions.shape != (3, 3) or not np.isfinite(directions).all():
@@ -85,7 +85,7 @@ class Geometry:
                 f"The directions are {shown(self.directions)} and lie in one plane: give three that do not."
             )
         _check_convention(self.convention)
-        checked_number("depth", self.depth, lambda depth: depth > 0.0, "a number above 0")
+        check_finite_number("depth", self.depth, lambda depth: depth > 0.0, "a number above 0")
         one = np.abs(lengths - 1.0) < 1e-12  # unit vectors stay equal to the bit
         directions = directions / np.where(one, 1.0, lengths)[:, None]
         object.__setattr__(self, "origin", tuple(origin.tolist()))
@@ -119,7 +119,7 @@ class Geometry:
     def moved(self, voxels: ArrayLike, spacing: Sides) -> Geometry:
         """Return the geometry of the part of an image that begins at a voxel (plane, row, col), shape (3,)."""
         matrix = self.affine(spacing)
-        x, y, z, _ = (matrix @ np.r_[real_numbers(voxels), 1.0]).tolist()
+        x, y, z, _ = (matrix @ np.r_[as_real_array(voxels), 1.0]).tolist()
         return replace(self, origin=(x, y, z))
 
     def scaled(self, factor: float) -> Geometry:
@@ -168,7 +168,7 @@ class Geometry:
 
 def from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:
     """Read geometry and spacing (plane, row, col) from a matrix (col, row, plane, 1) -> (x, y, z, 1), shape (4, 4)."""
-    matrix = real_numbers(affine)
+    matrix = as_real_array(affine)
     along = matrix[:3, 2::-1].T
     plane, row, col = np.linalg.norm(along, axis=1).tolist()
     return Geometry(tuple(matrix[:3, 3].tolist()), along, convention), (plane, row, col)  # type: ignore[arg-type]

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import in_bands
+from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.types import Array, Mask, Numbers
 
 NO_DATA = float(np.finfo(np.float64).min)
@@ -164,7 +164,7 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
         def look_up(first: int, end: int) -> None:
             shown[first:end] = table[values[first:end]]
 
-        in_bands(look_up, len(values))
+        run_in_bands(look_up, len(values))
         return shown
     return on_power_scale(values, low, high, exponent)
 

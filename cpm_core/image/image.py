@@ -16,8 +16,8 @@ from cpm_core.image import drawing
 from cpm_core.image.colors import LUMINANCE, Colors, channel_of, checked_color, in_color, reduced
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import NO_DATA, usable
-from cpm_core.numerics.memory import check_room
-from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
+from cpm_core.numerics.memory import check_field_memory
+from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.quotation import described, shown, sized
 
@@ -132,7 +132,7 @@ class Image(drawing.Pictured):
                 f"{self.source} is {sized(given.shape)}, but an image needs at least {MINIMUM_SIDE} px along each side."
             )
         if given.ndim == 3:
-            check_room(given.shape, _BYTES_PER_VOXEL, self.source)
+            check_field_memory(given.shape, _BYTES_PER_VOXEL, self.source)
         known, whole = vars(self), masked is np.ma.nomask
         small = given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _MAX_STORED_BYTES and whole
         precision = given.dtype if small else np.float64
@@ -307,13 +307,13 @@ class Image(drawing.Pictured):
 
 def _sizes(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:
     """Check the size of a pixel along each axis, 1 where none is given; ValueError when it is not valid."""
-    sizes = tuple(np.ravel(real_numbers(spacing)).tolist()) or (1.0,) * ndim
+    sizes = tuple(np.ravel(as_real_array(spacing)).tolist()) or (1.0,) * ndim
     if len(sizes) != ndim or not all(math.isfinite(size) and size > 0 for size in sizes):
         raise ValueError(
             f"The spacing of {source} is {shown(spacing)}, but must be {_AXIS_COUNTS[ndim]} positive numbers."
         )
     if ndim == 3:
-        voxel_sides(f"The spacing of {source}", sizes)
+        check_voxel_sides(f"The spacing of {source}", sizes)
     return sizes
 
 

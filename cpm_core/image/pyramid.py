@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import in_bands, smoothed_rows
+from cpm_core.numerics.grids import run_in_bands, smooth_rows
 from cpm_core.numerics.types import Array, Arrays, Extent
 
 LEAST_SIDE = 8
@@ -50,7 +50,7 @@ def pyramid(values: Array, scales: int) -> Arrays:
     for scale in range(1, scales):
         fine, coarse = images[-1], np.empty(shape_of_scale(values.shape, scale))
         if values.ndim == 2:
-            in_bands(partial(_reduce_rows, fine, coarse), len(coarse))
+            run_in_bands(partial(_reduce_rows, fine, coarse), len(coarse))
         else:
             coarse[...] = _halved(scipy.ndimage.gaussian_filter(fine, _REDUCTION_SMOOTHING, mode="nearest"), fine.shape)
         images.append(coarse)
@@ -59,7 +59,7 @@ def pyramid(values: Array, scales: int) -> Arrays:
 
 def _reduce_rows(fine: Array, coarse: Array, first: int, end: int) -> None:
     """Write some rows of the next scale of an image."""
-    smooth = smoothed_rows(fine, _REDUCTION_SMOOTHING, 2 * first, 2 * end)
+    smooth = smooth_rows(fine, _REDUCTION_SMOOTHING, 2 * first, 2 * end)
     coarse[first:end] = _halved(smooth, fine.shape)
 
 

@@ -14,7 +14,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
+from cpm_core.numerics.segments import segments_meet, nearest_distances, union_boundary, path_segments
 from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
@@ -91,7 +91,7 @@ class Regions:
         """Return whether points, shape (N, 2) [px], lie in a region of interest; all do where there is none."""
         if not self.interest:
             return np.ones(len(points), bool)
-        return np.any([polyline.inside(polygon, points) for polygon in self.interest], axis=0)
+        return np.any([polyline.points_inside(polygon, points) for polygon in self.interest], axis=0)
 
     def allows(self, points: Array) -> Mask:
         """Return whether particles may be at points, shape (N, 2) [px]: in a region of interest, off all lines."""
@@ -111,7 +111,7 @@ class Regions:
 
     def lines(self) -> Array:
         """Return the barriers as segments, shape (S, 4) [px]."""
-        return np.concatenate([np.zeros((0, 4)), *(segments_of(polyline.corners_of(line)) for line in self.barriers)])
+        return np.concatenate([np.zeros((0, 4)), *(path_segments(polyline.corners_of(line)) for line in self.barriers)])
 
     def __repr__(self) -> str:
         interest = counted(len(self.interest), "region of interest", "regions of interest")
@@ -145,13 +145,13 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
 def pixels_in(polygon: Line, shape: Extent) -> Mask:
     """Mark the pixels of an image of this shape whose center lies in a polygon."""
     places = np.indices(shape).reshape(2, -1).T.astype(float)
-    return polyline.inside(polygon, places).reshape(shape)
+    return polyline.points_inside(polygon, places).reshape(shape)
 
 
 @lru_cache(maxsize=_CACHED_POLYGONS)
 def _rims(interest: tuple[Line, ...]) -> Array:
     """Compute the rim of the union of polygons; see `Regions.rim_segments`."""
-    return rim_of([polyline.corners_of(polygon) for polygon in interest])
+    return union_boundary([polyline.corners_of(polygon) for polygon in interest])
 
 
 _BARRIER_SAMPLING = 0.5
@@ -226,7 +226,7 @@ def crosses(barrier_map: BarrierMap, a: Array, b: Array) -> bool:
     if clear > 0.0 and (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 < clear * clear:
         return False
     s = 0
-    while s < len(barrier_map.segments) and not meet(barrier_map.segments[s], a, b):
+    while s < len(barrier_map.segments) and not segments_meet(barrier_map.segments[s], a, b):
         s += 1
     return s < len(barrier_map.segments)
 

@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike
 from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions, pixels_in
 from cpm_core.numerics import polyline
-from cpm_core.numerics.grids import Parts, parts_of
+from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.real_numbers import checked_number, real_numbers
+from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
 from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Voxel, frozen, record
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
@@ -95,9 +95,9 @@ class Walls:
         return np.clip(voxels, 0, np.array(self.closed.shape) - 1)
 
     @cached_property
-    def _open(self) -> Parts:
+    def _open(self) -> ConnectedParts:
         """Parts of the volume that are not closed; voxels with a common face are connected."""
-        return parts_of(~self.closed, corners=False)
+        return find_connected_parts(~self.closed, corners=False)
 
 
 @compiled
@@ -216,9 +216,9 @@ class Extrusion:
         kind = {"interest": (self.line,)} if self.closed else {"barriers": (self.line,)}
         checked = Regions(**kind)
         object.__setattr__(self, "line", (checked.interest or checked.barriers)[0])
-        checked_number("the axis across the slices", self.axis, lambda axis: axis in (0, 1, 2), "0, 1 or 2")
+        check_finite_number("the axis across the slices", self.axis, lambda axis: axis in (0, 1, 2), "0, 1 or 2")
         for name, place in (("first", self.first), ("last", self.last)):
-            checked_number(f"the {name} slice of the line", place, lambda _: True, "a finite number")
+            check_finite_number(f"the {name} slice of the line", place, lambda _: True, "a finite number")
 
     def fill(self, filled: Mask) -> None:
         """Mark its voxels in a volume, shape (P, R, C)."""
@@ -234,7 +234,7 @@ class Extrusion:
 @lru_cache(maxsize=_CACHED_REGIONS)
 def _pixels_on(line: Line, shape: Extent) -> Mask:
     """Mark the pixels of a slice that a line passes through."""
-    pixels = np.rint(polyline.resampled(polyline.corners_of(line), _LINE_SAMPLING)).astype(np.int64)
+    pixels = np.rint(polyline.resample_path(polyline.corners_of(line), _LINE_SAMPLING)).astype(np.int64)
     pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
     filled = np.zeros(shape, bool)
     filled[tuple(pixels.T)] = True
@@ -398,7 +398,7 @@ def _limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> Limit
         array = np.asarray(given)
         if array.dtype == np.bool_ and array.ndim == 3:
             return Voxels(array)
-        pair = real_numbers(array)
+        pair = as_real_array(array)
     except (TypeError, ValueError):
         pair = np.zeros(0)
     if pair.shape != (2, 3) or np.asarray(given).dtype == np.bool_:

@@ -77,13 +77,13 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     dense = replace(parameters, d_min=_BOUNDARY_SPACING, d_max=_BOUNDARY_SPACING, min_length=shortest)
     found, shape, contours = find_contours(pixels, scale_field, dense)[0], scale_field.shape, []
     tree = scipy.spatial.cKDTree(vertices_of(found))
-    owner = polyline.owners([len(contour.points) for contour in found])
+    owner = polyline.repeat_indices([len(contour.points) for contour in found])
     for number, contour in enumerate(found):
         # a loose piece with more room on all sides than its length closes nothing off, such as a change of shade in
         # an object, but would divide the axis of this object
         loose = len(found) > 1 and not any(contour.junctions) and _loose_ends(contour, shape).all()
         near = (
-            tree.query_ball_point(polyline.middles(contour.path, 1)[0], _LOOSE_NEIGHBORHOOD * contour.length)
+            tree.query_ball_point(polyline.path_midpoints(contour.path, 1)[0], _LOOSE_NEIGHBORHOOD * contour.length)
             if loose
             else []
         )
@@ -107,7 +107,7 @@ def _joined(contours: Contours, paths: list[tuple[Array, slice]], scale_field: S
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros((0, 2)))
     start = np.cumsum([0, *(len(path) for path, _ in paths)])
     normals = [
-        np.pad(scale_field.normals(path[known]), [(known.start, len(path) - known.stop), (0, 0)], mode="edge")
+        np.pad(scale_field.normals_at(path[known]), [(known.start, len(path) - known.stop), (0, 0)], mode="edge")
         for path, known in paths
     ]
     distinct, first, index = np.unique(
@@ -119,7 +119,7 @@ def _joined(contours: Contours, paths: list[tuple[Array, slice]], scale_field: S
     return Boundary(
         distinct,
         np.concatenate(pairs),
-        scale_field.strength(distinct),
+        scale_field.strength_at(distinct),
         np.concatenate(normals)[first],
         loose / max(sum(contour.length for contour in contours), 1e-300),
     )

@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.image.geometry import Geometry
 from cpm_core.numerics import polyline
-from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
+from cpm_core.numerics.real_numbers import check_finite_number, as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Arrays, Sides, record
-from cpm_core.numerics.voxel_graph import Chain, chains_of, thinned
+from cpm_core.numerics.voxel_graph import Chain, find_chains, thin_to_lines
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -175,35 +175,35 @@ def centerlines(
     >>> len(lines.branches), round(float(lines.lengths.sum())) in range(11, 17)
     (1, True)
     """
-    mask = inside if isinstance(inside, np.ndarray) and inside.dtype == np.bool_ else real_numbers(inside) != 0
+    mask = inside if isinstance(inside, np.ndarray) and inside.dtype == np.bool_ else as_real_array(inside) != 0
     if mask.ndim != 3:
         raise ValueError(f"The inside has the shape {mask.shape}, but must be a volume (plane, row, col).")
-    size = voxel_sides("spacing", spacing)
-    checked_number("pruning", pruning, lambda length: length >= 0.0, "0 or more")
+    size = check_voxel_sides("spacing", spacing)
+    check_finite_number("pruning", pruning, lambda length: length >= 0.0, "0 or more")
     if not mask.any():
         return Centerlines((), tuple(spacing), unit)
     box = scipy.ndimage.find_objects(mask.astype(np.int8))[0]
     part, low = np.pad(mask[box], 1), np.array([side.start for side in box])
     # from the surface, halfway between voxels inside and outside
     depth = np.maximum(scipy.ndimage.distance_transform_edt(part, sampling=size) - 0.5 * size.min(), 0.0)
-    lines = thinned(part, depth)
+    lines = thin_to_lines(part, depth)
 
     def is_wrinkle(chain: Chain) -> bool:
         """Return whether a chain hardly leaves the ball at its junction, or its tip with its ball hardly sticks out."""
         points = chain.points if chain.free_end else chain.points[::-1]  # from the junction
         tip = chain.own[-1 if chain.free_end else 0]
         reach = pruning * float(depth[tuple(np.rint(points[0]).astype(int))])
-        length = polyline.length(points * size)
+        length = polyline.path_length(points * size)
         away = np.linalg.norm((points[-1] - points[0]) * size)
         salient = away + depth[tuple(tip)] > reach + _LEAST_PROTRUSION * size.min()
         return bool(length <= reach or (pruning > 0.0 and not salient))
 
     # remove short chains with a free end, until none is left
-    chains = chains_of(lines)
-    while short := [chain for chain in chains if chain.free and is_wrinkle(chain)]:
+    chains = find_chains(lines)
+    while short := [chain for chain in chains if chain.is_spur and is_wrinkle(chain)]:
         for chain in short:
             lines[tuple(chain.own.T)] = False
-        chains = chains_of(lines)
+        chains = find_chains(lines)
     walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
     sides = depth / size.min()
     branches = [_branch(chain, sides, walls, size, (low - 1).astype(float)) for chain in chains]

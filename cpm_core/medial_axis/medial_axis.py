@@ -15,7 +15,7 @@ import scipy
 
 from cpm_core.contours.graph import Graph
 from cpm_core.medial_axis.boundary import Boundary
-from cpm_core.numerics.grids import parts_joined
+from cpm_core.numerics.grids import label_joined_pairs
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 
 _BOUNDING_DISTANCE = 8.0
@@ -201,7 +201,7 @@ def prune(axis: Axis, pruning: float) -> Axis:
 
 def parts(axis: Axis) -> tuple[int, Index]:
     """Label the connected parts of an axis; return their count and the part of each vertex, shape (N,)."""
-    part = parts_joined(axis.edges.T, len(axis.points))
+    part = label_joined_pairs(axis.edges.T, len(axis.points))
     return int(part.max(initial=-1)) + 1, part
 
 

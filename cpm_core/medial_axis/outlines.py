@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour, Contours
 from cpm_core.numerics import polyline
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Extent, Integers, Line, Mask, frozen
 
 
@@ -55,7 +55,7 @@ def mask_of(within: Contours | ArrayLike, shape: Extent) -> Mask:
     """Check that a mask has the shape of an image or a volume, else raise ValueError."""
     if isinstance(within, Sequence) and any(isinstance(one, Contour) for one in within):
         raise ValueError("within holds contours, which lie in a plane: give a mask in a volume.")
-    mask = real_numbers(cast("ArrayLike", within)) != 0.0
+    mask = as_real_array(cast("ArrayLike", within)) != 0.0
     if mask.shape != shape:
         raise ValueError(f"within has the shape {mask.shape}, but the image {shape}: give a mask of that shape.")
     return mask
@@ -67,5 +67,5 @@ def inside_outlines(outlines: Contours, places: Array) -> Mask:
     for outline in outlines:
         low, high = outline.points.min(axis=0), outline.points.max(axis=0)
         near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=1))
-        inside[near] ^= polyline.inside(outline.points, places[near])
+        inside[near] ^= polyline.points_inside(outline.points, places[near])
     return inside

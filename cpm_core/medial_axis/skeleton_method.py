@@ -29,7 +29,7 @@ from cpm_core.medial_axis.outlines import inside_outlines, mask_of, outlines_of
 from cpm_core.medial_axis.skeleton import Skeleton, branches
 from cpm_core.medial_axis.structure import DARK, Structure, find_structure, with_axis
 from cpm_core.model.image_fields import ImageFields
-from cpm_core.model.starts import inside_image
+from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, record
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
@@ -113,7 +113,7 @@ class SkeletonState:
         """The points as particles at rest."""
         return Particles.at_rest(self.position, self.first)
 
-    def arrays(self) -> list[Numbers]:
+    def list_arrays(self) -> list[Numbers]:
         """List the arrays that take up memory."""
         found: list[Numbers] = [self.points, *(contour.points for contour in self.contours), *self.radii]
         if isinstance(self.structure, np.ndarray):
@@ -123,7 +123,7 @@ class SkeletonState:
                 found += [value for value in vars(part).values() if isinstance(value, np.ndarray)]
         return found
 
-    def resumed(self) -> SkeletonState:
+    def resume(self) -> SkeletonState:
         """Return the state as one of a running run, to continue with other parameters."""
         return replace(self, stop_reason="", converged=False)
 
@@ -181,7 +181,7 @@ class SkeletonMethod(ImageFields):
         """Return the values that a step depends on; see `Method.steering`."""
         return tuple(getattr(parameters, name) for name in cls.parameters)
 
-    def suits(self, parameters: Parameters) -> bool:
+    def can_start(self, parameters: Parameters) -> bool:
         """Return True: the method works on the image at full size."""
         return True
 
@@ -215,7 +215,7 @@ class SkeletonMethod(ImageFields):
         if state.structure is None or state.made_of != made_of:
             structure: Structure | Mask
             if self.image.ndim == 3:
-                structure = self._inside(parameters)
+                structure = self._find_inside(parameters)
                 points = _shown(structure)
             else:
                 if self._within:
@@ -268,18 +268,18 @@ class SkeletonMethod(ImageFields):
             state.contours, state.radii, *place, polarity, width, channel, made, image.geometry, image, lines
         )  # fmt: skip
 
-    def measures(self, state: SkeletonState, parameters: Parameters) -> Mapping[str, float]:
+    def measure_state(self, state: SkeletonState, parameters: Parameters) -> Mapping[str, float]:
         """Measure a state by name; see `Method.measures`."""
         length = self.result(state, parameters).length
         return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}
 
-    def positions(self, state: SkeletonState) -> Array:
+    def display_positions(self, state: SkeletonState) -> Array:
         """Return the points of the next step, shape (N, D) [px]."""
         return state.position
 
     def _in_image(self, points: Array) -> Array:
         """Return the points that lie in the image; boundary and axis continue beyond it."""
-        return points[inside_image(points, self.image.shape)]
+        return points[is_inside_image(points, self.image.shape)]
 
     @property
     def _outlines(self) -> list[Contour]:
@@ -300,7 +300,7 @@ class SkeletonMethod(ImageFields):
             axis = axis.chosen(np.all(self.regions.contains(axis.points)[axis.edges], axis=1))
         return found, axis
 
-    def _inside(self, parameters: Parameters) -> Mask:
+    def _find_inside(self, parameters: Parameters) -> Mask:
         """Find the voxels of a volume that have center lines."""
         image, dark = self.image, parameters.polarity < 0.0
         low, high = image.gray_range

@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.jit import compiled, reordered
-from cpm_core.numerics.parallel import share
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.parallel import run_in_parallel
+from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Index, Single
 from cpm_core.parameters.quotation import shown
 
-METHODS = ("auto", "exact", "tree")
+COULOMB_METHODS = ("auto", "exact", "tree")
 """Methods for the computation of the force."""
 
 _MIN_TREE_PARTICLES = 1500
@@ -89,11 +89,11 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
     >>> cpm.coulomb_force(np.array([(0.0, 0.0), (0.0, 2.0)])).round(3).tolist()
     [[0.0, -0.25], [0.0, 0.25]]
     """
-    points = real_numbers(positions)
+    points = as_real_array(positions)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise ValueError(f"positions have the shape {points.shape} but must be (N, 2) or (N, 3).")
-    if not isinstance(method, str) or method not in METHODS:
-        raise ValueError(f"method is {shown(method)} but must be one of {', '.join(METHODS)}.")
+    if not isinstance(method, str) or method not in COULOMB_METHODS:
+        raise ValueError(f"method is {shown(method)} but must be one of {', '.join(COULOMB_METHODS)}.")
     count, axes = points.shape
     if not count:
         return np.zeros((0, axes))
@@ -109,7 +109,7 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
     if method == "tree" or (method == "auto" and count > _MIN_TREE_PARTICLES):
         _sum_by_tree(sites, force)
     else:
-        share(partial(_sum_pairs, sites, force), count, _COULOMB_PAIRS_PER_THREAD // count + 1)
+        run_in_parallel(partial(_sum_pairs, sites, force), count, _COULOMB_PAIRS_PER_THREAD // count + 1)
     with np.errstate(over="ignore"):
         force = force / scale / scale
     if not np.isfinite(force).all():
@@ -156,23 +156,23 @@ def _near_force(near: Array, copies: Single, count: int, z: float, y: float, x: 
             squared += d_z * d_z
             squared = squared if squared > np.float32(_COINCIDENT_SQUARED) else one
             root = one / np.sqrt(squared)
-            f_z += _push(d_z, root, copies[j] * (root * root))
+            f_z += _force_component(d_z, root, copies[j] * (root * root))
         else:
             squared = squared if squared > np.float32(_COINCIDENT_SQUARED) else one
             root = one / np.sqrt(squared)
-        f_y += _push(d_y, root, copies[j] * (root * root))
-        f_x += _push(d_x, root, copies[j] * (root * root))
+        f_y += _force_component(d_y, root, copies[j] * (root * root))
+        f_x += _force_component(d_x, root, copies[j] * (root * root))
     return float(f_z), float(f_y), float(f_x)
 
 
 @compiled
-def _push(way: np.float32, root: np.float32, strength: np.float32) -> np.float32:
+def _force_component(way: np.float32, root: np.float32, strength: np.float32) -> np.float32:
     """Return a component of the inverse square, by factors that stay finite: the cube of the root may not."""
     pushed: np.float32 = way * root * strength
     return pushed
 
 
-class _Terms(NamedTuple):
+class _SeriesTerms(NamedTuple):
     """Terms of a Taylor series, sorted by degree: one for each choice of powers of the coordinates.
 
     Attributes
@@ -194,14 +194,14 @@ class _Terms(NamedTuple):
 
 
 @lru_cache(maxsize=2)
-def _terms(axes: int) -> _Terms:
+def _series_terms(axes: int) -> _SeriesTerms:
     """Return the terms up to the degree of all series, of two or three coordinates."""
     powers = sorted((p for p in product(range(_SERIES_DEGREE + 1), repeat=axes) if sum(p) <= _SERIES_DEGREE), key=sum)
     at = {p: t for t, p in enumerate(powers)}
     lower = [[at.get((*p[:axis], p[axis] - 1, *p[axis + 1 :]), 0) for axis in range(axes)] for p in powers]
     every = ((at[p], at[q], at.get(tuple(np.add(p, q)))) for q in powers[1:] for p in powers)
     products = zip(*((one, other, whole) for one, other, whole in every if whole is not None), strict=True)
-    return _Terms(*map(np.array, ([sum(p) for p in powers], powers, lower, *products)))
+    return _SeriesTerms(*map(np.array, ([sum(p) for p in powers], powers, lower, *products)))
 
 
 class _Tree(NamedTuple):
@@ -233,13 +233,13 @@ class _Tree(NamedTuple):
 
 def _sum_by_tree(sites: Array, force: Array) -> None:
     """Approximate the sums of `_sum_pairs` for all particles; sorts `sites`."""
-    count, terms = len(force), _terms(len(sites))
+    count, terms = len(force), _series_terms(len(sites))
     order, copies = np.arange(count), np.zeros(count, np.float32)
     levels, begin, span = [], [0], np.array([(0, count)])
     while len(span):
         place, (middle, spots) = np.zeros((len(span), 4)), np.zeros((2, len(span)), np.int64)
-        halve = partial(_halve, sites, order, copies, span, place, middle, spots)
-        share(halve, len(span), _COULOMB_PAIRS_PER_THREAD * len(span) // count + 1)
+        halve = partial(_halve_boxes, sites, order, copies, span, place, middle, spots)
+        run_in_parallel(halve, len(span), _COULOMB_PAIRS_PER_THREAD * len(span) // count + 1)
         begin.append(begin[-1] + len(span))
         halved = middle > 0
         levels.append((span, np.where(halved, begin[-1] + 2 * np.cumsum(halved) - 2, 0), place, spots))
@@ -247,15 +247,15 @@ def _sum_by_tree(sites: Array, force: Array) -> None:
         span = np.stack([span[halved, 0], middle, middle, span[halved, 1]], axis=1).reshape(-1, 2)
     tree = _Tree(*map(np.concatenate, zip(*levels, strict=True)), *np.zeros((2, begin[-1], len(terms.degree))))
     for first, last in reversed([*pairwise(begin)]):
-        share(partial(_add_moments, sites, tree, terms, first), last - first, 200)
+        run_in_parallel(partial(_add_moments, sites, tree, terms, first), last - first, 200)
     large = (tree.half > 0) & (_MIN_SUBTREES * (tree.span[:, 1] - tree.span[:, 0]) > count)
     below = np.add.outer(tree.half[large], (0, 1)).ravel()
     roots = below[~large[below]] if len(below) else np.zeros(1, np.int64)
-    share(partial(_sum_below, sites, order, copies, tree, terms, roots, force), len(roots), 1)
+    run_in_parallel(partial(_sum_subtrees, sites, order, copies, tree, terms, roots, force), len(roots), 1)
 
 
 @compiled
-def _halve(
+def _halve_boxes(
     sites: Array,
     order: Index,
     copies: Single,
@@ -295,12 +295,12 @@ def _halve(
                 behind += before
             middle[k] = behind
         else:
-            spots[k] = _distinct(sites, order, copies, start, end) if squared > _COINCIDENT_SQUARED else 1
+            spots[k] = _sort_distinct_first(sites, order, copies, start, end) if squared > _COINCIDENT_SQUARED else 1
             copies[start] += (end - start) * (squared <= _COINCIDENT_SQUARED)
 
 
 @compiled
-def _distinct(sites: Array, order: Index, copies: Single, start: int, end: int) -> int:
+def _sort_distinct_first(sites: Array, order: Index, copies: Single, start: int, end: int) -> int:
     """Sort some particles so that those come first whose positions differ, count the copies, return how many differ."""
     axes, behind = len(sites), start
     for n in range(start, end):
@@ -319,13 +319,13 @@ def _distinct(sites: Array, order: Index, copies: Single, start: int, end: int) 
 
 
 @compiled
-def _filled_up(count: int) -> int:
+def _padded_columns(count: int) -> int:
     """Return the number of columns of a table for `count` vectors."""
     return int(min(_TABLE_COLUMNS, (count + _COLUMN_MULTIPLE - 1) // _COLUMN_MULTIPLE * _COLUMN_MULTIPLE))
 
 
 @reordered
-def _fill_terms(vectors: Array, count: int, lanes: int, terms: _Terms, table: Array) -> None:
+def _fill_terms(vectors: Array, count: int, lanes: int, terms: _SeriesTerms, table: Array) -> None:
     """Write the terms of `count` vectors, divided by the factorials of their powers; zeros for others up to `lanes`."""
     for n in range(lanes):
         table[0, n] = 1.0 if n < count else 0.0
@@ -339,7 +339,7 @@ def _fill_terms(vectors: Array, count: int, lanes: int, terms: _Terms, table: Ar
 
 
 @reordered
-def _fill_derivatives(vectors: Array, lanes: int, terms: _Terms, table: Array) -> None:
+def _fill_derivatives(vectors: Array, lanes: int, terms: _SeriesTerms, table: Array) -> None:
     """Write the derivatives of the inverse distance by recursion over the degree; `vectors` are overwritten."""
     axes = len(vectors) - 1
     for n in range(lanes):
@@ -368,7 +368,7 @@ def _fill_derivatives(vectors: Array, lanes: int, terms: _Terms, table: Array) -
 
 
 @reordered
-def _add_moments(sites: Array, tree: _Tree, terms: _Terms, level: int, first: int, last: int) -> None:
+def _add_moments(sites: Array, tree: _Tree, terms: _SeriesTerms, level: int, first: int, last: int) -> None:
     """Moments of some boxes of the level that begins there: of the particles in a leaf, or from those of its halves."""
     axes, size = len(sites), len(terms.degree)
     vectors, table = np.zeros((axes, _TABLE_COLUMNS)), np.empty((size, _TABLE_COLUMNS))
@@ -390,7 +390,7 @@ def _add_moments(sites: Array, tree: _Tree, terms: _Terms, level: int, first: in
                 tree.spots[half], tree.spots[half + 1] = -tree.spots[half], -tree.spots[half + 1]
             continue
         for begin in range(start, end, _TABLE_COLUMNS):
-            lanes = _filled_up(end - begin)
+            lanes = _padded_columns(end - begin)
             for axis in range(axes):
                 for n in range(lanes):
                     vectors[axis, n] = tree.place[k, axis] - sites[axis, min(begin + n, end - 1)]
@@ -402,7 +402,7 @@ def _add_moments(sites: Array, tree: _Tree, terms: _Terms, level: int, first: in
                 tree.moments[k, t] += total
 
 
-class _Desk(NamedTuple):
+class _Workspace(NamedTuple):
     """Buffers for the work on one box.
 
     Attributes
@@ -426,12 +426,12 @@ class _Desk(NamedTuple):
 
 
 @compiled
-def _sum_below(
+def _sum_subtrees(
     sites: Array,
     order: Index,
     copies: Single,
     tree: _Tree,
-    terms: _Terms,
+    terms: _SeriesTerms,
     roots: Index,
     force: Array,
     first: int,
@@ -444,7 +444,7 @@ def _sum_below(
     """
     axes, boxes, size = len(sites), len(tree.half), len(terms.degree)
     stack, lists = np.empty((boxes, 3), np.int64), np.zeros(1024, np.int64)
-    desk = _Desk(
+    desk = _Workspace(
         np.empty(boxes, np.int64),
         np.empty(boxes, np.int64),
         np.empty((axes, len(order) + _NEAR_LIST_MULTIPLE)),
@@ -458,11 +458,11 @@ def _sum_below(
         while top > 0:
             top -= 1
             k, begin, end = stack[top]
-            lists, kept, distant, listed = _sort_out(sites, copies, tree, desk, k, lists, begin, end)
+            lists, kept, distant, listed = _classify_boxes(sites, copies, tree, desk, k, lists, begin, end)
             for block in range(0, distant, _TABLE_COLUMNS):
-                _take_in(tree, terms, desk, k, desk.far[block : min(block + _TABLE_COLUMNS, distant)])
+                _add_far_boxes(tree, terms, desk, k, desk.far[block : min(block + _TABLE_COLUMNS, distant)])
             if tree.half[k]:
-                _hand_on(tree, terms, desk, k)
+                _pass_series_to_halves(tree, terms, desk, k)
                 for n in range(2):
                     stack[top, 0], stack[top, 1], stack[top, 2] = tree.half[k] + n, end, kept
                     top += 1
@@ -471,8 +471,8 @@ def _sum_below(
 
 
 @compiled
-def _sort_out(
-    sites: Array, copies: Single, tree: _Tree, desk: _Desk, k: int, lists: Index, begin: int, end: int
+def _classify_boxes(
+    sites: Array, copies: Single, tree: _Tree, desk: _Workspace, k: int, lists: Index, begin: int, end: int
 ) -> tuple[Index, int, int, int]:
     """Sort the boxes of a list into those far from a box, those left to its halves, and those near a leaf.
 
@@ -520,7 +520,7 @@ def _sort_out(
 
 
 @compiled
-def _hand_on(tree: _Tree, terms: _Terms, desk: _Desk, k: int) -> None:
+def _pass_series_to_halves(tree: _Tree, terms: _SeriesTerms, desk: _Workspace, k: int) -> None:
     """Begin the series of the halves of a box with its own."""
     half = tree.half[k]
     for n in range(2):
@@ -534,9 +534,9 @@ def _hand_on(tree: _Tree, terms: _Terms, desk: _Desk, k: int) -> None:
 
 
 @reordered
-def _take_in(tree: _Tree, terms: _Terms, desk: _Desk, k: int, far: Index) -> None:
+def _add_far_boxes(tree: _Tree, terms: _SeriesTerms, desk: _Workspace, k: int, far: Index) -> None:
     """Add the potential of far boxes to the series of a box."""
-    count, lanes = len(far), _filled_up(len(far))
+    count, lanes = len(far), _padded_columns(len(far))
     for n in range(lanes):
         other = far[min(n, count - 1)]
         for axis in range(len(desk.vectors) - 1):
@@ -555,12 +555,12 @@ def _take_in(tree: _Tree, terms: _Terms, desk: _Desk, k: int, far: Index) -> Non
 
 @compiled
 def _sum_leaf(
-    sites: Array, order: Index, tree: _Tree, terms: _Terms, desk: _Desk, k: int, listed: int, force: Array
+    sites: Array, order: Index, tree: _Tree, terms: _SeriesTerms, desk: _Workspace, k: int, listed: int, force: Array
 ) -> None:
     """Write the force on the particles in a leaf: of those listed as near, and the slope of the series."""
     axes, (start, end) = len(sites), tree.span[k]
     for begin in range(start, end, _TABLE_COLUMNS):
-        lanes = _filled_up(end - begin)
+        lanes = _padded_columns(end - begin)
         for axis in range(axes):
             for n in range(lanes):
                 desk.vectors[axis, n] = sites[axis, min(begin + n, end - 1)] - tree.place[k, axis]

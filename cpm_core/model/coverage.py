@@ -28,7 +28,7 @@ def cell_of(place: float, size: float, along: int) -> int:
 
 
 @compiled
-def sorted_by(cells: Index, count: int) -> tuple[Index, Index]:
+def sort_by_cell(cells: Index, count: int) -> tuple[Index, Index]:
     """Sort items stably by their cells, shape (N,); return the order and where each of `count` cells begins."""
     order, start = np.empty(len(cells), np.int64), np.zeros(count + 1, np.int64)
     for i in range(len(cells)):
@@ -45,13 +45,13 @@ def sorted_by(cells: Index, count: int) -> tuple[Index, Index]:
 Steps = NDArray[np.int32]
 """Steps of a scale, by cell."""
 
-NEVER = -1
+NEVER_COVERED = -1
 """Step of a cell that has never been covered."""
 
-CELL = 4.0
+COVERAGE_CELL = 4.0
 """Side of the cells of the coverage [px]."""
 
-REACH = 4
+COVERAGE_REACH = 4
 """Cells to each side within which a newly covered cell counts as near."""
 
 
@@ -75,55 +75,55 @@ class Coverage(NamedTuple):
 
 def no_coverage(shape: Extent) -> Coverage:
     """Return the coverage of an image of this shape before any particle has been on an edge."""
-    never = np.full(tuple(int(n / CELL) + 1 for n in shape), NEVER, np.int32)
+    never = np.full(tuple(int(n / COVERAGE_CELL) + 1 for n in shape), NEVER_COVERED, np.int32)
     return Coverage(never, never, 0)
 
 
-def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tuple[Coverage, int]:
+def mark_covered(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tuple[Coverage, int]:
     """Mark the cells of particles on edges as covered at a step.
 
     `positions`, shape (N, 2) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
     coverage afterwards, the same one if no cell is new, and the number of newly covered cells.
     """
-    found, latest, new = _marked(coverage.found, coverage.latest, positions, on_edge, step)
+    found, latest, new = _mark_cells(coverage.found, coverage.latest, positions, on_edge, step)
     return Coverage(found, latest, coverage.size + new) if new else coverage, new
 
 
 @compiled
 def _cell_at(steps: Steps, position: Array, i: int) -> tuple[int, int]:
-    return cell_of(position[i, 0], CELL, steps.shape[0]), cell_of(position[i, 1], CELL, steps.shape[1])
+    return cell_of(position[i, 0], COVERAGE_CELL, steps.shape[0]), cell_of(position[i, 1], COVERAGE_CELL, steps.shape[1])
 
 
 @compiled
-def _marked(found: Steps, latest: Steps, position: Array, on_edge: Mask, step: int) -> tuple[Steps, Steps, int]:
+def _mark_cells(found: Steps, latest: Steps, position: Array, on_edge: Mask, step: int) -> tuple[Steps, Steps, int]:
     """Mark the cells of particles on edges, and those near, as covered if they are new; return also their number."""
     new = 0
     for i in range(len(position)):
         if not on_edge[i]:
             continue
         row, col = _cell_at(found, position, i)
-        if found[row, col] == NEVER:
+        if found[row, col] == NEVER_COVERED:
             if not new:
                 found, latest = found.copy(), latest.copy()
             found[row, col] = step
-            latest[max(row - REACH, 0) : row + REACH + 1, max(col - REACH, 0) : col + REACH + 1] = step
+            latest[max(row - COVERAGE_REACH, 0) : row + COVERAGE_REACH + 1, max(col - COVERAGE_REACH, 0) : col + COVERAGE_REACH + 1] = step
             new += 1
     return found, latest, new
 
 
 @compiled
-def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
+def idle_steps_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
     """Count the steps since cells around each particle were newly covered, shape (N,); `elsewhere` if none ever was."""
     idle = np.empty(len(positions), np.int64)
     for i in range(len(positions)):
         newest = coverage.latest[_cell_at(coverage.latest, positions, i)]
-        idle[i] = elsewhere if newest == NEVER else step - newest
+        idle[i] = elsewhere if newest == NEVER_COVERED else step - newest
     return idle
 
 
 def with_times_reset(coverage: Coverage, step: int) -> Coverage:
     """Return the coverage as if all covered cells had been newly covered at this step."""
-    found, latest = (np.where(steps == NEVER, steps, np.int32(step)) for steps in coverage[:2])
+    found, latest = (np.where(steps == NEVER_COVERED, steps, np.int32(step)) for steps in coverage[:2])
     return Coverage(found, latest, coverage.size)
 
 
@@ -133,10 +133,10 @@ def with_times_reset_near(coverage: Coverage, places: Array, reach: float, step:
     for place in places:
         parts, away = [], []
         for along, x in zip(latest.shape, place, strict=True):
-            first, last = (cell_of(x + sign * reach, CELL, along) for sign in (-1, 1))
+            first, last = (cell_of(x + sign * reach, COVERAGE_CELL, along) for sign in (-1, 1))
             parts.append(slice(first, last + 1))
-            middle = CELL * (np.arange(first, last + 1) + 0.5) - 0.5
-            away.append(np.maximum(np.abs(middle - x) - 0.5 * CELL, 0.0) ** 2)
+            middle = COVERAGE_CELL * (np.arange(first, last + 1) + 0.5) - 0.5
+            away.append(np.maximum(np.abs(middle - x) - 0.5 * COVERAGE_CELL, 0.0) ** 2)
         latest[tuple(parts)][reduce(np.add.outer, away) < reach**2] = step
     return coverage._replace(latest=latest)
 
@@ -168,7 +168,7 @@ class SurfaceCoverage(NamedTuple):
         return len(self.cells)
 
 
-def no_surface(side: float = 1.0) -> SurfaceCoverage:
+def no_surface_coverage(side: float = 1.0) -> SurfaceCoverage:
     """Return the coverage before any surface has been found, with cells of this side [units]."""
     return SurfaceCoverage(np.zeros(0, np.int64), side)
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.model.state import MEMORY, Particles
+from cpm_core.model.state import HISTORY_STEPS, Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
@@ -37,10 +37,10 @@ _MAX_DOUBLING_STEPS = 200.0
 _MIN_LATE_DAMPING = 0.1
 """Least damping from which the doubling starts."""
 
-FADED = round(1.0 / _FADING_PER_STEP)
+FADED_STEPS = round(1.0 / _FADING_PER_STEP)
 """Steps without newly covered cells after which no repulsion is left."""
 
-LATEST = FADED + int(_MAX_DOUBLING_STEPS)
+FINAL_DAMPING_STEPS = FADED_STEPS + int(_MAX_DOUBLING_STEPS)
 """Steps without newly covered cells after which the damping is constant."""
 
 _STUCK_SPEED = 0.3
@@ -72,7 +72,7 @@ def repulsion_left(idle: int) -> float:
 
 
 @compiled
-def damping(beta: float, idle: int) -> float:
+def damping_coefficient(beta: float, idle: int) -> float:
     """Return the damping coefficient of a particle: beta, and more for large `idle`.
 
     `idle` are the steps since cells around it were newly covered.
@@ -80,7 +80,7 @@ def damping(beta: float, idle: int) -> float:
     A particle that still moves without repulsion follows the field where there is no edge. The growing damping brings
     it to rest.
     """
-    late = min(max(idle - float(FADED), 0.0), _MAX_DOUBLING_STEPS)
+    late = min(max(idle - float(FADED_STEPS), 0.0), _MAX_DOUBLING_STEPS)
     return max(beta, _MIN_LATE_DAMPING) * 2.0 ** (late / _DAMPING_DOUBLING_STEPS) if late > 0.0 else beta
 
 
@@ -99,7 +99,7 @@ def damped_series(z: float) -> tuple[float, float, float, float]:
 
 
 @compiled
-def advance(
+def advance_coordinate(
     place: float,
     velocity: float,
     force: float,
@@ -147,7 +147,7 @@ def is_stuck(pull: float, speed: float, w1: float, idle: int) -> bool:
     return pull < (_STICTION_FORCE + _STICTION_GROWTH * idle) * w1 and speed < _STUCK_SPEED
 
 
-EPSILON = 0.001
+EPSILON_BOUND = 0.001
 """Bound of eq. (23) [px]."""
 
 QUIET_STEPS = 20
@@ -159,7 +159,7 @@ MIN_SCALE_STEPS = 400
 IDLE_STEPS = 10
 """Steps without newly covered cells after which a coarser scale is finished."""
 
-STILL = 0.02
+STILL_DISTANCE = 0.02
 """Motion in a step under which a particle does not count as moving [px]."""
 
 _QUIET_FRACTION = 0.002
@@ -169,23 +169,23 @@ _PROGRESS_FRACTION = 0.003
 """Fraction of the coverage that a step must add to count as progress."""
 
 
-def epsilon(distance: Array) -> float:
+def equilibrium_epsilon(distance: Array) -> float:
     """Return the left side of eq. (23), ``|sum_i (-1)^i sum_j |r_j(t_k-i)|| / N`` [px].
 
     `distance`, shape (N, T), is ``|r|`` of every particle at the last T steps, newest first. Rows with NaN do not
     count: their particles are too young. NaN if no particle is T steps old.
     """
-    total, old = _alternating(distance)
+    total, old = _alternating_sum(distance)
     return abs(total) / old if old else float("nan")
 
 
 @compiled
-def _alternating(distance: Array) -> tuple[float, int]:
+def _alternating_sum(distance: Array) -> tuple[float, int]:
     """Return the sum of the alternating sums of all rows without NaN, and the number of these rows."""
     total, old = 0.0, 0
     for i in range(len(distance)):
-        if not np.isnan(distance[i, MEMORY - 1]):
-            for t in range(MEMORY):
+        if not np.isnan(distance[i, HISTORY_STEPS - 1]):
+            for t in range(HISTORY_STEPS):
                 total += distance[i, t] if t % 2 else -distance[i, t]
             old += 1
     return total, old
@@ -194,7 +194,7 @@ def _alternating(distance: Array) -> tuple[float, int]:
 def is_quiet(epsilon: float, moving: int, changed: int, count: int) -> bool:
     """Return whether few of `count` particles moved or changed in a step; `epsilon` is that of eq. (23) [px]."""
     few = _QUIET_FRACTION * count
-    return epsilon < EPSILON and moving <= few and changed <= few
+    return epsilon < EPSILON_BOUND and moving <= few and changed <= few
 
 
 def is_idle(new: int, coverage: int) -> bool:
@@ -202,25 +202,25 @@ def is_idle(new: int, coverage: int) -> bool:
     return new <= _PROGRESS_FRACTION * coverage
 
 
-NEAR = 0.5
+DELETION_DISTANCE = 0.5
 """Least distance of two particles, in d_min."""
 
 
-STRIDE = 0.9
+INSERTION_STRIDE = 0.9
 """Distance of a position ahead of a particle, in d_min."""
 
-STRIDE_ROOM = 0.8
+INSERTION_ROOM = 0.8
 """Least distance of a position ahead of a particle from all others, in d_min."""
 
 
-class Moved(NamedTuple):
+class MovedParticles(NamedTuple):
     """Particles after a step, and the distance that each of them has moved [px], shape (N,)."""
 
     particles: Particles
     motion: Array
 
     @classmethod
-    def unset(cls, particles: Particles) -> Moved:
+    def allocate(cls, particles: Particles) -> MovedParticles:
         """Allocate the result of a step; the identities are those of the particles."""
         after = Particles(
             np.empty_like(particles.position),
@@ -231,12 +231,12 @@ class Moved(NamedTuple):
         )
         return cls(after, np.empty(len(particles)))
 
-    def of(self, index: Index) -> Moved:
+    def select(self, index: Index) -> MovedParticles:
         """Select the particles with the given indices, shape (M,), in this order."""
-        return Moved(self.particles.renewed(index), self.motion[index])
+        return MovedParticles(self.particles.replace_particles(index), self.motion[index])
 
     @classmethod
-    def held_at(cls, particles: Particles, start: Array) -> Moved:
+    def held_at(cls, particles: Particles, start: Array) -> MovedParticles:
         """Return particles that barriers held back on their way from `start`, shape (N, D)."""
         particles.distance[:, 0] = np.linalg.norm(particles.position, axis=1)
         return cls(particles, np.linalg.norm(particles.position - start, axis=1))

@@ -15,21 +15,21 @@ from numpy.typing import ArrayLike
 from cpm_core.field.placed_charges import (
     Charges,
     PlacedCharge,
-    at_scale,
-    charged,
-    placed_force_at,
-    placed_in,
+    charges_at_scale,
+    add_charges,
+    placed_forces,
+    check_charges,
     placed_potential,
-    places_near,
-    radius_at,
+    windows_near_charges,
+    charge_radius_at,
 )
-from cpm_core.field.scale_field import LARGE, ScaleField
-from cpm_core.field.scale_space import SourceImages, plane_fields
-from cpm_core.field.volume_field import check_parameters, pitch_of, volume_fields
+from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField
+from cpm_core.field.scale_space import SourceImages, plane_field_builders
+from cpm_core.field.volume_field import check_volume_parameters, pitch_of, volume_field_builders
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.memory import check_room
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.memory import check_field_memory
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
@@ -40,7 +40,7 @@ _MIN_BYTES_PER_PIXEL = {2: 80.0, 3: 12.0}
 _KEPT_CHARGED_FIELDS = 2
 """Number of fields with placed charges that are kept: those that the threads of a run and a window use."""
 
-Measured = Callable[[ScaleField, int, Parameters], ScaleField]
+FieldMeasure = Callable[[ScaleField, int, Parameters], ScaleField]
 """Completes the field of a part of an image by the quantities that depend on the whole image."""
 
 
@@ -71,7 +71,7 @@ class ImageFields:
         values: ArrayLike | Image,
         parameters: Parameters | None = None,
         regions: AnyRegions | None = None,
-        measured: Measured | None = None,
+        measured: FieldMeasure | None = None,
     ) -> None:
         parameters = parameters or Parameters()
         self._measured = measured
@@ -85,28 +85,28 @@ class ImageFields:
                 f"{self.image.source} is constant ({darkest:g} everywhere) and has no edges: "
                 "open an image with objects."
             )
-        check_room(shape, _MIN_BYTES_PER_PIXEL[len(shape)], self.image.source)
+        check_field_memory(shape, _MIN_BYTES_PER_PIXEL[len(shape)], self.image.source)
         self.scales = parameters.scales
         self._pitch: Any = pitch_of(self.image.spacing) if len(shape) == 3 else (1.0, 1.0)
         self._sources = SourceImages(self.image, parameters.scales)
         self._latest = parameters
-        self._limit(regions)
+        self._set_regions(regions)
         if len(shape) == 3:
-            check_parameters(parameters)
-        elif math.prod(shape) <= LARGE:  # the fields of all scales at once, side by side
-            share(lambda first, end: [self._at(scale, parameters) for scale in range(first, end)], self.scales, 1)
+            check_volume_parameters(parameters)
+        elif math.prod(shape) <= LARGE_IMAGE_PIXELS:  # the fields of all scales at once, side by side
+            run_in_parallel(lambda first, end: [self._at(scale, parameters) for scale in range(first, end)], self.scales, 1)
         if regions is not None:
             self._check_edges()
 
-    def _limit(self, regions: AnyRegions | None, free: Any = None) -> None:
+    def _set_regions(self, regions: AnyRegions | None, free: Any = None) -> None:
         """Set the regions; `free` builds the fields of the same regions of interest."""
         self.regions, self._lock = regions, RLock()
-        fields: Any = partial(volume_fields, pitch=self._pitch) if self.image.ndim == 3 else plane_fields
+        fields: Any = partial(volume_field_builders, pitch=self._pitch) if self.image.ndim == 3 else plane_field_builders
         self._free, self._at = fields(self._sources, regions=regions, free=free)
         if self._measured is not None:
             plain, measured = self._at, self._measured
             self._at = lru_cache(self.scales)(lambda scale, given: measured(plain(scale, given), scale, given))
-        self._charged = lru_cache(_KEPT_CHARGED_FIELDS)(partial(charged, self.image.shape))
+        self._charged = lru_cache(_KEPT_CHARGED_FIELDS)(partial(add_charges, self.image.shape))
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
         """Return these fields with other regions of interest and barriers, and as many scales.
@@ -124,12 +124,12 @@ class ImageFields:
             regions.check(self.image.shape)
         same = (regions.interest if regions else ()) == (self.regions.interest if self.regions else ())
         other = copy(self)
-        other._limit(regions, self._free if same else None)
+        other._set_regions(regions, self._free if same else None)
         if others:
             other._check_edges()
         return other
 
-    def suits(self, parameters: Parameters) -> bool:
+    def can_start(self, parameters: Parameters) -> bool:
         """Return whether a run with these parameters can start in these fields, which have a fixed number of scales."""
         return parameters.scales == self.scales
 
@@ -148,16 +148,16 @@ class ImageFields:
         """Return the edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
         return self.scale_field(parameters, scale).fixed_charges
 
-    def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
+    def force_field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Return the Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.
 
         Without charges the vectors have at most unit length. The charges are in px of the image, at every scale.
         """
-        field, radius = self.scale_field(parameters, scale), radius_at(scale)
+        field, radius = self.scale_field(parameters, scale), charge_radius_at(scale)
         force: Any = np.array(field.lorentz)
-        placed = self._placed(charges, scale)
-        for window, places in places_near(placed, radius, field.shape, self._pitch):
-            force[(slice(None), *window)] += np.moveaxis(placed_force_at(placed, radius, places), -1, 0)
+        placed = self._charges_at_scale(charges, scale)
+        for window, places in windows_near_charges(placed, radius, field.shape, self._pitch):
+            force[(slice(None), *window)] += np.moveaxis(placed_forces(placed, radius, places), -1, 0)
         found: Array = force
         return found
 
@@ -167,15 +167,15 @@ class ImageFields:
         The sum of the potential of the fixed charges, eq. (7), which is computed on first use and kept with the field,
         and of the potential of placed charges, whose unit of force counts as the mean slope of the former.
         """
-        field, placed = self.scale_field(parameters), self._placed(charges, 0)
+        field, placed = self.scale_field(parameters), self._charges_at_scale(charges, 0)
         potential = field.potential.copy()
-        for window, places in places_near(placed, radius_at(0), field.shape, self._pitch):
-            potential[window] += field.slope * placed_potential(placed, radius_at(0), places)
+        for window, places in windows_near_charges(placed, charge_radius_at(0), field.shape, self._pitch):
+            potential[window] += field.slope * placed_potential(placed, charge_radius_at(0), places)
         return potential
 
-    def _placed(self, charges: Sequence[PlacedCharge], scale: int) -> Array:
+    def _charges_at_scale(self, charges: Sequence[PlacedCharge], scale: int) -> Array:
         """Return the position of each charge at a scale, and its strength; shape (K, D + 1)."""
-        return at_scale(placed_in(charges, self.image.ndim), scale, self.image.shape) * (*self._pitch, 1.0)
+        return charges_at_scale(check_charges(charges, self.image.ndim), scale, self.image.shape) * (*self._pitch, 1.0)
 
     def _check_edges(self) -> None:
         if not self.scale_field(self._latest).edge_map.any():

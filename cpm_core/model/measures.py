@@ -25,7 +25,7 @@ from cpm_core.model.state import State
 from cpm_core.numerics.types import Array, frozen, record
 from cpm_core.parameters.quotation import counted, described
 
-PAIR = 0.5
+PAIR_FORCE = 0.5
 """Coulomb force of two particles d_min apart, in w1."""
 
 

@@ -8,18 +8,18 @@ from numpy.typing import ArrayLike
 
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.polyline import lengths_along, places_at
-from cpm_core.numerics.real_numbers import checked_number, real_numbers
+from cpm_core.numerics.polyline import lengths_along, points_at_lengths
+from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
 from cpm_core.numerics.types import Array, Extent, Mask, Position
 from cpm_core.parameters.quotation import shown
 
 _MIN_CIRCLE_PARTICLES = 5
 """Least number of particles on a circle."""
 
-STRONG = 0.10
+STRONG_EDGE_FRACTION = 0.10
 """Fraction of the largest edge strength above which an edge counts as strong."""
 
 _MAX_SEEDS_PER_PIXEL = 16
@@ -66,10 +66,10 @@ def circle(center: Position, radius: float, spacing: float = 2.0) -> Array:
     >>> seeds.shape, float(np.hypot(*(seeds - 32).T).max().round(3))
     ((25, 2), 8.0)
     """
-    if np.shape(center) != (2,) or not np.isfinite(real_numbers(center)).all():
+    if np.shape(center) != (2,) or not np.isfinite(as_real_array(center)).all():
         raise ValueError(f"center is {shown(center)} but must be two finite numbers, (row, col).")
-    _positive("radius", radius)
-    _positive("spacing", spacing)
+    _check_positive("radius", radius)
+    _check_positive("spacing", spacing)
     _check_count(2.0 * np.pi * radius / spacing, spacing)
     count = max(_MIN_CIRCLE_PARTICLES, round(2.0 * np.pi * radius / spacing))
     angle = 2.0 * np.pi * np.arange(count) / count
@@ -102,23 +102,23 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
     >>> cpm.stroke([(10, 10), (10, 16)], spacing=2.0).tolist()
     [[10.0, 10.0], [10.0, 12.0], [10.0, 14.0], [10.0, 16.0]]
     """
-    corners = real_numbers(points)
+    corners = as_real_array(points)
     if corners.ndim != 2 or 0 in corners.shape:
         raise ValueError(
             f"the points of the stroke have the shape {corners.shape} but must be (K, D), one row a point."
         )
     if not np.isfinite(corners).all():
         raise ValueError(f"{int((~np.isfinite(corners)).sum())} coordinates of the stroke are not finite.")
-    _positive("spacing", spacing)
+    _check_positive("spacing", spacing)
     with np.errstate(over="ignore"):
         whole = float(lengths_along(corners)[-1])
     _check_count(whole / spacing, spacing)
     if whole == 0.0:
         return corners[:1].copy()
-    return places_at(corners, np.linspace(0.0, whole, max(1, round(whole / spacing)) + 1))
+    return points_at_lengths(corners, np.linspace(0.0, whole, max(1, round(whole / spacing)) + 1))
 
 
-def loop(points: ArrayLike, spacing: float = 2.0) -> Array:
+def closed_stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
     """Place particles at equal distances along a closed path with corners of shape (K, 2), shape (N, 2) [px].
 
     The last corner is joined to the first. Otherwise as `stroke`.
@@ -150,8 +150,8 @@ def uniform_grid(shape: Extent, spacing: float = 8.0) -> Array:
     >>> cpm.uniform_grid((64, 64), spacing=8.0).shape
     (64, 2)
     """
-    _positive("spacing", spacing)
-    sides = np.ravel(real_numbers(shape))
+    _check_positive("spacing", spacing)
+    sides = np.ravel(as_real_array(shape))
     if not len(sides) or not all(side >= 1.0 and (np.isinf(side) or side == int(side)) for side in sides):
         raise ValueError(f"shape is {shown(shape)} but must be whole numbers of pixels, 1 or more along each axis.")
     _check_count(float(np.prod(sides / spacing + 1.0)), spacing)
@@ -162,7 +162,7 @@ def uniform_grid(shape: Extent, spacing: float = 8.0) -> Array:
     return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
 
 
-def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
+def gradient_threshold(values: ArrayLike, fraction: float = STRONG_EDGE_FRACTION, smoothing: float = 1.0) -> Array:
     r"""Place particles on every pixel whose edge strength is above a fraction of the largest (section 5.2).
 
     Parameters
@@ -186,11 +186,11 @@ def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: f
     >>> bool((np.abs(np.hypot(*(seeds - 32).T) - 20) < 3).all())  # all of them lie next to the edge
     True
     """
-    checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
-    return above(edge_map(values, smoothing), fraction)
+    check_finite_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
+    return pixels_above(edge_map(values, smoothing), fraction)
 
 
-def above(strength: Array, fraction: float, strongest: float | None = None) -> Array:
+def pixels_above(strength: Array, fraction: float, strongest: float | None = None) -> Array:
     """Return the pixels, shape (N, D), with an edge strength above a fraction of the largest, or of `strongest`."""
     return np.argwhere(strength > fraction * (strength.max() if strongest is None else strongest)).astype(float)
 
@@ -235,14 +235,14 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     >>> len(cpm.segment(cpm.example("disks"), seeds).contours)
     2
     """
-    image = real_numbers(values)
+    image = as_real_array(values)
     if image.ndim != 2:
         raise ValueError(f"the image has {image.ndim} dimensions but must have 2 to look for centers of divergence.")
-    _positive("spacing", spacing)
-    return centers_between(edge_map(image, smoothing), spacing)
+    _check_positive("spacing", spacing)
+    return field_divergence_centers(edge_map(image, smoothing), spacing)
 
 
-def centers_between(strength: Array, spacing: float) -> Array:
+def field_divergence_centers(strength: Array, spacing: float) -> Array:
     r"""Find the centers of divergence, shape (N, D), of the field of an edge map, shape (\*shape)."""
     direction = unit_vectors(electric_field(strength))
     parts = [np.gradient(component, axis=axis) for axis, component in enumerate(direction)]
@@ -251,12 +251,12 @@ def centers_between(strength: Array, spacing: float) -> Array:
     centers = np.argwhere((divergence == largest) & (divergence > _MIN_CENTER_DIVERGENCE)).astype(float)
     rim = max(float(np.take(strength, end, axis).max()) for axis in range(strength.ndim) for end in (0, -1))
     cut = rim > WEAKEST_EDGE * strength.max()
-    return np.concatenate([centers, _inflow(direction)]) if cut else centers
+    return np.concatenate([centers, _border_inflow_seeds(direction)]) if cut else centers
 
 
-def starting_points(seeds: ArrayLike, shape: Extent, regions: AnyRegions | None) -> Array:
+def check_seeds(seeds: ArrayLike, shape: Extent, regions: AnyRegions | None) -> Array:
     """Check seeds, shape (N, D) [px of the image], and leave out those in places where no particle may be."""
-    points = real_numbers(seeds)
+    points = as_real_array(seeds)
     if points.size == 0:
         raise ValueError("there are no particles to start with: draw a circle or click some points first.")
     if points.ndim != 2 or points.shape[1] != len(shape):
@@ -264,23 +264,23 @@ def starting_points(seeds: ArrayLike, shape: Extent, regions: AnyRegions | None)
     if not np.isfinite(points).all():
         wrong = int((~np.isfinite(points)).sum())
         raise ValueError(f"{wrong} coordinates of the starting particles are not finite: leave those particles out.")
-    inside = inside_image(points, shape)
+    inside = is_inside_image(points, shape)
     if not inside.any():
         size = " x ".join(map(str, shape))
         raise ValueError(
             f"none of the {len(points)} starting particles lies inside the image ({size} pixels): draw inside it."
         )
     points = points[inside]
-    allowed = allowed_by(points, regions)
+    allowed = is_allowed(points, regions)
     if not allowed.any():
         raise ValueError(
             f"none of the {len(points)} starting particles lies inside the regions of interest, clear of barriers: "
             "draw inside them."
         )
-    return _thinned(points[allowed], shape)
+    return _limit_per_pixel(points[allowed], shape)
 
 
-def _thinned(points: Array, shape: Extent) -> Array:
+def _limit_per_pixel(points: Array, shape: Extent) -> Array:
     """Drop the points beyond the first `_MAX_SEEDS_PER_PIXEL` of each pixel.
 
     The first step deletes nearly all of them, but only after each has felt every other one.
@@ -296,7 +296,7 @@ def _thinned(points: Array, shape: Extent) -> Array:
     return points[rank < _MAX_SEEDS_PER_PIXEL]
 
 
-def inside_image(positions: Array, shape: Extent) -> Mask:
+def is_inside_image(positions: Array, shape: Extent) -> Mask:
     """Return a mask, shape (N,), of positions, shape (N, D), on the image, including all of its outermost pixels."""
     inside = np.ones(len(positions), bool)
     for along, x in zip(shape, positions.T, strict=True):
@@ -304,12 +304,12 @@ def inside_image(positions: Array, shape: Extent) -> Mask:
     return inside
 
 
-def allowed_by(positions: Array, regions: AnyRegions | None) -> Mask:
+def is_allowed(positions: Array, regions: AnyRegions | None) -> Mask:
     """Return a mask, shape (N,), of positions, shape (N, D) [px], in the regions of interest and on no barrier."""
     return np.ones(len(positions), bool) if regions is None else regions.allows(positions)
 
 
-def _inflow(direction: Array) -> Array:
+def _border_inflow_seeds(direction: Array) -> Array:
     """Return positions along the border of an image, shape (N, D), where a field of the given direction enters."""
     shape = direction.shape[1:]
     found = [np.empty((0, len(shape)))]
@@ -317,13 +317,13 @@ def _inflow(direction: Array) -> Array:
         along = uniform_grid(shape[:axis] + shape[axis + 1 :], _BORDER_SPACING)
         for at, inwards in ((0.0, 1.0), (shape[axis] - 1.0, -1.0)):
             places = np.insert(along, axis, at, axis=1)
-            found.append(places[inwards * interpolate(direction, places)[:, axis] > 0.0])
+            found.append(places[inwards * interpolate_field(direction, places)[:, axis] > 0.0])
     return np.unique(np.concatenate(found), axis=0)
 
 
-def _positive(name: str, value: float) -> None:
+def _check_positive(name: str, value: float) -> None:
     """Raise ValueError unless a number is positive."""
-    checked_number(name, value, lambda number: number > 0.0, "above 0")
+    check_finite_number(name, value, lambda number: number > 0.0, "above 0")
 
 
 def _check_count(count: float, spacing: float) -> None:

@@ -7,17 +7,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.field.placed_charges import Charges, at_scale
+from cpm_core.field.placed_charges import Charges, charges_at_scale
 from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import Coverage, SurfaceCoverage
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Entries, Extent, Index, Integers, Mask, Numbers, Single, record
+from cpm_core.numerics.types import Array, JsonDict, Extent, Index, Integers, Mask, Numbers, Single, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import counted, described
 
-MESH_EVERY = 4
+MESH_INTERVAL = 4
 """Steps for which the force on a mesh is used: during these, particles move by a small part of its reach."""
 
 
@@ -63,38 +63,38 @@ class SurfaceContact:
     """
 
     normal: Array
-    seated: Mask
+    on_surface: Mask
     strength: Array
-    woken: Index
+    reactivated_at: Index
 
     @classmethod
-    def none(cls, count: int) -> SurfaceContact:
+    def off_surfaces(cls, count: int) -> SurfaceContact:
         """Return the contact of `count` particles that are on no surface, awake since the first step."""
         return cls(np.zeros((count, 3)), np.zeros(count, bool), np.zeros(count), np.zeros(count, np.int64))
 
     @classmethod
-    def of_seated(cls, normal: Array, strength: Array, step: int) -> SurfaceContact:
+    def from_surface(cls, normal: Array, strength: Array, step: int) -> SurfaceContact:
         """Return the contact of particles on surfaces, awake since a step; normals (N, 3), edge strengths (N,)."""
         count = len(normal)
         return cls(normal, np.ones(count, bool), strength, np.full(count, step))
 
-    def taken(self, index: Index) -> SurfaceContact:
+    def select(self, index: Index) -> SurfaceContact:
         """Select the contact of the particles with the given indices, shape (M,), in this order."""
         return SurfaceContact(*(getattr(self, f.name)[index] for f in fields(self)))
 
-    def joined(self, other: SurfaceContact) -> SurfaceContact:
+    def append(self, other: SurfaceContact) -> SurfaceContact:
         """Append the contact of other particles."""
         pairs = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
         return SurfaceContact(*map(np.concatenate, pairs))
 
-    def woken_at(self, step: int, which: Mask | None = None) -> SurfaceContact:
+    def reactivate(self, step: int, which: Mask | None = None) -> SurfaceContact:
         """Return the contact with particles reactivated at a step: all, or those of a mask, shape (N,)."""
         if which is None:
-            return replace(self, woken=np.full_like(self.woken, step))
-        return replace(self, woken=np.where(which, step, self.woken))
+            return replace(self, reactivated_at=np.full_like(self.reactivated_at, step))
+        return replace(self, reactivated_at=np.where(which, step, self.reactivated_at))
 
 
-MEMORY = 4
+HISTORY_STEPS = 4
 """Number T of steps in eq. (23)."""
 
 
@@ -160,9 +160,9 @@ class Particles:
             np.array(position, float),
             np.zeros((count, dimension)),
             np.zeros((count, 2, dimension)),
-            np.full((count, MEMORY), np.nan),
+            np.full((count, HISTORY_STEPS), np.nan),
             np.arange(first_identity, first_identity + count),
-            SurfaceContact.none(count) if dimension == 3 else None,
+            SurfaceContact.off_surfaces(count) if dimension == 3 else None,
         )
 
     def __len__(self) -> int:
@@ -174,40 +174,40 @@ class Particles:
         return np.isnan(self.distance[:, -1])
 
     @property
-    def on_surface(self) -> SurfaceContact:
+    def surface_contact(self) -> SurfaceContact:
         """Contact of each with surfaces, of particles in a volume."""
         assert self.contact is not None
         return self.contact
 
-    def where(self, kept: Mask) -> Particles:
+    def keep(self, kept: Mask) -> Particles:
         """Keep the particles for which `kept`, shape (N,), is true."""
-        return self.taken(np.flatnonzero(kept))
+        return self.select(np.flatnonzero(kept))
 
-    def taken(self, index: Index) -> Particles:
+    def select(self, index: Index) -> Particles:
         """Select the particles with the given indices, shape (M,), in this order."""
-        arrays: Entries = {name: getattr(self, name).take(index, axis=0) for name in _PARTICLE_ARRAYS}
-        return Particles(**arrays, contact=self.contact and self.contact.taken(index))
+        arrays: JsonDict = {name: getattr(self, name).take(index, axis=0) for name in _PARTICLE_ARRAYS}
+        return Particles(**arrays, contact=self.contact and self.contact.select(index))
 
-    def woken_at(self, step: int, which: Mask | None = None) -> Particles:
+    def reactivate(self, step: int, which: Mask | None = None) -> Particles:
         """Return the particles reactivated at a step, all or those of a mask, shape (N,).
 
         In the plane they are returned unchanged: there the coverage records this.
         """
-        return self if self.contact is None else replace(self, contact=self.contact.woken_at(step, which))
+        return self if self.contact is None else replace(self, contact=self.contact.reactivate(step, which))
 
-    def with_more(self, position: Array, first: int, contact: SurfaceContact | None = None) -> Particles:
+    def append(self, position: Array, first: int, contact: SurfaceContact | None = None) -> Particles:
         """Append particles without motion or history at positions, shape (M, D), numbered from `first`.
 
         In a volume they may have contact with surfaces.
         """
         more = Particles.at_rest(position, first)
-        arrays: Entries = {
+        arrays: JsonDict = {
             name: np.concatenate([getattr(self, name), getattr(more, name)]) for name in _PARTICLE_ARRAYS
         }
         met = contact or more.contact
-        return Particles(**arrays, contact=self.contact and met and self.contact.joined(met))
+        return Particles(**arrays, contact=self.contact and met and self.contact.append(met))
 
-    def renewed(
+    def replace_particles(
         self, stay: Index, position: Array = _NO_NEW_POSITIONS, parents: Index = _NO_NEW_PARENTS, first: int = 0
     ) -> Particles:
         """Replace the particles by those with the indices `stay` and new ones at positions, shape (M, 2).
@@ -218,7 +218,7 @@ class Particles:
         before = self.position, self.velocity, self.force, self.distance, self.identity
         count = len(stay) + len(position)
         after: Any = [np.empty((count, *array.shape[1:]), array.dtype) for array in before]
-        _renew(before, stay, position, parents, first, tuple(after))
+        _write_replaced(before, stay, position, parents, first, tuple(after))
         return Particles(*after)
 
     def __repr__(self) -> str:
@@ -226,7 +226,7 @@ class Particles:
 
 
 @compiled
-def _renew(
+def _write_replaced(
     before: tuple[Array, Array, Array, Array, Index],
     stay: Index,
     position: Array,
@@ -245,7 +245,7 @@ def _renew(
             to_velocity[n, axis] = 0.5 * (velocity[i, axis] + velocity[j, axis])
             for t in range(2):
                 to_force[n, t, axis] = 0.5 * (force[i, t, axis] + force[j, t, axis])
-        for t in range(MEMORY):
+        for t in range(HISTORY_STEPS):
             to_distance[n, t] = distance[i, t] if born < 0 else np.nan
         to_identity[n] = identity[i] if born < 0 else first + born
 
@@ -388,7 +388,7 @@ class State:
     @property
     def placed(self) -> Array:
         """Position of each placed charge, as those of particles at the scale, and its strength; shape (K, D + 1)."""
-        placed = at_scale(self.charges, self.scale, self.shape) - (*self.corner, 0.0)
+        placed = charges_at_scale(self.charges, self.scale, self.shape) - (*self.corner, 0.0)
         return placed if self.space is None else placed * (*self.space.pitch, 1.0)
 
     @property
@@ -396,7 +396,7 @@ class State:
         """Number of particles."""
         return len(self.particles)
 
-    def arrays(self) -> list[Numbers]:
+    def list_arrays(self) -> list[Numbers]:
         """Return the arrays that keeping this state costs, without the start, which all states of a run share."""
         particles, mesh, contact = self.particles, self.mesh, self.particles.contact
         return [
@@ -407,11 +407,11 @@ class State:
             *(() if contact is None else (getattr(contact, f.name) for f in fields(contact))),
         ]
 
-    def resumed(self) -> State:
+    def resume(self) -> State:
         """Return this state as one that continues, so that other parameters can act on it."""
         return replace(self, stop_reason="", converged=False, quiet=0)
 
-    def stopped(self, reason: str, converged: bool = False) -> State:
+    def stop(self, reason: str, converged: bool = False) -> State:
         """Return this state as the last one of its run."""
         return replace(self, stop_reason=reason, converged=converged)
 

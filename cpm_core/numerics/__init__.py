@@ -1,12 +1,12 @@
 """Numerical foundations of the model: compiled loops and their cache, threads, grids, and the geometry of lines."""
 
 from cpm_core.numerics.jit import compiled as compiled
-from cpm_core.numerics.parallel import cores as cores
-from cpm_core.numerics.parallel import share as share
-from cpm_core.numerics.polyline import coarser as coarser
-from cpm_core.numerics.polyline import length as length
-from cpm_core.numerics.polyline import thinned as thinned
-from cpm_core.numerics.real_numbers import voxel_sides as voxel_sides
+from cpm_core.numerics.parallel import count_cores as cores
+from cpm_core.numerics.parallel import run_in_parallel as share
+from cpm_core.numerics.polyline import drop_flat_corners as coarser
+from cpm_core.numerics.polyline import path_length as length
+from cpm_core.numerics.polyline import simplify_path as thinned
+from cpm_core.numerics.real_numbers import check_voxel_sides as voxel_sides
 from cpm_core.numerics.segments import PathTree as PathTree
 from cpm_core.numerics.types import Array as Array
 from cpm_core.numerics.types import Index as Index

@@ -12,7 +12,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
 Labels = NDArray[np.int32]
@@ -30,7 +30,7 @@ def whole_window(shape: Extent) -> Window:
     return tuple(slice(0, n) for n in shape)
 
 
-def around(window: Window, margin: int, shape: Extent) -> Window:
+def expand_window(window: Window, margin: int, shape: Extent) -> Window:
     """Return a window with a margin of pixels around it, cut off at the border of a grid of this shape."""
     return tuple(
         slice(max(side.start - margin, 0), min(side.stop + margin, n)) for side, n in zip(window, shape, strict=True)
@@ -55,24 +55,24 @@ def running_maximum(values: Values, reach: int) -> Values:
     return values
 
 
-def relative(window: Window, outer: Window) -> Window:
+def relative_window(window: Window, outer: Window) -> Window:
     """Return a window in the pixel coordinates of an outer window that contains it."""
     return tuple(slice(a.start - b.start, a.stop - b.start) for a, b in zip(window, outer, strict=True))
 
 
-def tiles(shape: Extent, side: int) -> list[Window]:
+def split_into_tiles(shape: Extent, side: int) -> list[Window]:
     """Split a grid of this shape into windows of this side, smaller at the end of an axis."""
     axes = ([slice(at, min(at + side, n)) for at in range(0, n, side)] for n in shape)
     return list(product(*axes))
 
 
-def sides_of(window: Window) -> tuple[int, ...]:
+def window_shape(window: Window) -> tuple[int, ...]:
     """Return lengths of the sides of a window."""
     return tuple(side.stop - side.start for side in window)
 
 
 @record
-class Parts:
+class ConnectedParts:
     """Connected parts of a mask of three axes, as runs of voxels along the last one.
 
     `begin` has the first run of each row, shape (P R + 1,); the runs have the first column, the one behind the last,
@@ -89,11 +89,11 @@ class Parts:
     @property
     def labels(self) -> Labels:
         """Number of the part of each voxel plus one; 0 where the mask is False."""
-        return self.fill(np.arange(self.count, dtype=np.int32) + 1, np.zeros(self.shape, np.int32))
+        return self.fill_voxels(np.arange(self.count, dtype=np.int32) + 1, np.zeros(self.shape, np.int32))
 
-    def fill(self, values: Filling, out: Filling) -> Filling:
+    def fill_voxels(self, values: Filling, out: Filling) -> Filling:
         """Write a value for each part into its voxels."""
-        _fill(self.begin, self.first, self.end, values[self.part], out)
+        _fill_runs(self.begin, self.first, self.end, values[self.part], out)
         return out
 
     @property
@@ -119,16 +119,16 @@ class Parts:
         return found
 
 
-def parts_of(mask: Mask, *, corners: bool) -> Parts:
+def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:
     """Find the connected parts of a mask, shape (P, R, C); with `corners` voxels have 26 neighbors, else 6."""
     begin = np.zeros(mask.shape[0] * mask.shape[1] + 1, np.int64)
-    first, end = _runs(mask, begin)
+    first, end = _find_runs(mask, begin)
     part = np.arange(len(first))
-    return Parts(mask.shape, begin, first, end, part, _join_runs(begin, first, end, mask.shape[1], corners, part))
+    return ConnectedParts(mask.shape, begin, first, end, part, _join_runs(begin, first, end, mask.shape[1], corners, part))
 
 
 @compiled
-def _runs(mask: Mask, begin: Index) -> tuple[Labels, Labels]:
+def _find_runs(mask: Mask, begin: Index) -> tuple[Labels, Labels]:
     """Find the first columns of runs and the columns behind their last; write their number up to each row."""
     planes, rows, cols = mask.shape
     for row in range(planes * rows):
@@ -165,17 +165,17 @@ def _join_runs(begin: Index, first: Labels, end: Labels, rows: int, corners: boo
             a, b = begin[row], begin[other]
             while a < begin[row + 1] and b < begin[other + 1]:
                 if first[a] < end[b] + reach and first[b] < end[a] + reach:
-                    one, two = root(group, a), root(group, b)
+                    one, two = find_root(group, a), find_root(group, b)
                     group[max(one, two)] = min(one, two)
                 if end[a] < end[b]:
                     a += 1
                 else:
                     b += 1
-    return renumber(group)
+    return renumber_groups(group)
 
 
 @compiled
-def renumber(group: Index) -> int:
+def renumber_groups(group: Index) -> int:
     """Label groups from 0 in the order of their first members, which lead to themselves; return how many there are."""
     count = 0
     for q in range(len(group)):
@@ -188,7 +188,7 @@ def renumber(group: Index) -> int:
 
 
 @compiled
-def _fill(begin: Index, first: Labels, end: Labels, values: Filling, out: Filling) -> None:
+def _fill_runs(begin: Index, first: Labels, end: Labels, values: Filling, out: Filling) -> None:
     """Write a value for each run."""
     rows = out.shape[1]
     for row in range(len(begin) - 1):
@@ -213,7 +213,7 @@ def _look_up(begin: Index, first: Labels, end: Labels, part: Index, rows: int, v
         found[q] = part[low] if low < begin[row + 1] and first[low] <= voxels[q, 2] else -1
 
 
-def parts_joined(pairs: Iterable[Index], count: int) -> Index:
+def label_joined_pairs(pairs: Iterable[Index], count: int) -> Index:
     """Return the number, from 0, of the part of each of `count` items; `pairs`, shape (2, N), are connected."""
     one, other = pairs
     joined = scipy.sparse.coo_array((np.ones(len(one)), (one, other)), (count, count))
@@ -221,7 +221,7 @@ def parts_joined(pairs: Iterable[Index], count: int) -> Index:
 
 
 @compiled
-def root(group: Index, k: int) -> int:
+def find_root(group: Index, k: int) -> int:
     """Find the first member of the group of an item, `group` of shape (N,), and shorten the path to it."""
     while group[k] != k:
         group[k] = group[group[k]]
@@ -260,7 +260,7 @@ _PLANES_PER_PASS = 16
 """Number of planes of cubes that are examined together."""
 
 
-def join_corners(values: Single, raised: float) -> None:
+def bridge_corner_contacts(values: Single, raised: float) -> None:
     """Raise voxels of a volume so that two above zero that touch at a corner only are connected over faces as well."""
     inside = values > 0.0
     for first in range(0, len(values) - 1, _PLANES_PER_PASS):
@@ -277,16 +277,16 @@ def join_corners(values: Single, raised: float) -> None:
             values[tuple((joint + np.array((first + 1 - plane, row, col))).T)] = raised
 
 
-def ends(mask: Mask) -> Index:
+def true_bounds(mask: Mask) -> Index:
     """Return the first and last position along each axis, shape (2, D), of the true pixels of a mask."""
     others = (tuple(k for k in range(mask.ndim) if k != axis) for axis in range(mask.ndim))
     lines = (np.flatnonzero(mask.any(axis=axes)) for axes in others)
     return np.array([[line[0], line[-1]] for line in lines]).T
 
 
-def box_of(mask: Mask) -> Window:
+def bounding_window(mask: Mask) -> Window:
     """Return the smallest window with all true pixels of a mask that is not empty."""
-    return tuple(slice(int(first), int(last) + 1) for first, last in ends(mask).T)
+    return tuple(slice(int(first), int(last) + 1) for first, last in true_bounds(mask).T)
 
 
 _GAUSSIAN_TRUNCATION = 4.0
@@ -299,43 +299,43 @@ _SUMMED_PIXELS = 512
 """Number of pixels of a row that are summed together, for the same reason."""
 
 
-def in_bands(work: Callable[[int, int], object], rows: int, lines: int = _BAND_ROWS) -> None:
+def run_in_bands(work: Callable[[int, int], object], rows: int, lines: int = _BAND_ROWS) -> None:
     """Process bands of rows in parallel; `work` gets the first row of a band and the one behind its last."""
 
     def run_bands(first: int, end: int) -> None:
         for begin in range(lines * first, min(lines * end, rows), lines):
             work(begin, min(begin + lines, rows))
 
-    share(run_bands, -(-rows // lines), 1)
+    run_in_parallel(run_bands, -(-rows // lines), 1)
 
 
-def gaussian_reach(sigma: float) -> int:
+def gaussian_radius(sigma: float) -> int:
     """Return the distance at which a Gaussian of standard deviation `sigma` is cut off [px]."""
     return int(_GAUSSIAN_TRUNCATION * sigma + 0.5)
 
 
-def half_gaussian(sigma: float) -> Array:
+def half_gaussian_weights(sigma: float) -> Array:
     """Return the weights of a Gaussian of standard deviation `sigma` [px] from its middle on, shape (R + 1,)."""
-    weights = np.exp(-0.5 / (sigma * sigma) * np.arange(gaussian_reach(sigma), -1, -1) ** 2)
+    weights = np.exp(-0.5 / (sigma * sigma) * np.arange(gaussian_radius(sigma), -1, -1) ** 2)
     weights /= np.concatenate([weights, weights[-2::-1]]).sum()
     return weights[::-1].copy()
 
 
-def smoothed_rows(values: Array, sigma: float, first: int, end: int) -> Array:
+def smooth_rows(values: Array, sigma: float, first: int, end: int) -> Array:
     """Return rows of an image, shape (H, W), after a Gaussian of standard deviation `sigma` along both axes [px].
 
     The image continues beyond its border by its outermost pixels. Rows outside the image are left out. The sums are
     those of `scipy.ndimage.gaussian_filter`, bit for bit, in a tenth of its time.
     """
     first, end = max(first, 0), min(end, len(values))
-    smooth, top = np.empty((end - first, values.shape[1])), max(first - gaussian_reach(sigma), 0)
-    lines = values[top : end + gaussian_reach(sigma)].astype(np.float64, copy=False)
-    _smooth(lines, half_gaussian(sigma), first - top, smooth)
+    smooth, top = np.empty((end - first, values.shape[1])), max(first - gaussian_radius(sigma), 0)
+    lines = values[top : end + gaussian_radius(sigma)].astype(np.float64, copy=False)
+    _write_smoothed_rows(lines, half_gaussian_weights(sigma), first - top, smooth)
     return smooth
 
 
 @compiled
-def _smooth(values: Array, weights: Array, first: int, smooth: Array) -> None:
+def _write_smoothed_rows(values: Array, weights: Array, first: int, smooth: Array) -> None:
     """Write rows from the first one on after a Gaussian, whose weights begin in its middle."""
     reach, cols = len(weights) - 1, values.shape[1]
     line = np.empty(cols + 2 * reach)
@@ -343,7 +343,7 @@ def _smooth(values: Array, weights: Array, first: int, smooth: Array) -> None:
         for left in range(0, cols, _SUMMED_PIXELS):
             right = min(left + _SUMMED_PIXELS, cols)
             sum_across(values[:, left:right], first + i, weights, line[reach + left : reach + right])
-        extend(line, reach)
+        extend_line(line, reach)
         for left in range(0, cols, _SUMMED_PIXELS):
             right = min(left + _SUMMED_PIXELS, cols)
             sum_along(line[left : right + 2 * reach], weights, smooth[i, left:right])
@@ -362,7 +362,7 @@ def sum_across(lines: Array, at: int, weights: Array, total: Array) -> None:
 
 
 @compiled
-def extend(line: Array, reach: int) -> None:
+def extend_line(line: Array, reach: int) -> None:
     """Extend a line, shape (N,), at both ends, over `reach` entries, by its outermost inner values."""
     for k in range(reach):
         line[k], line[len(line) - 1 - k] = line[reach], line[len(line) - 1 - reach]

@@ -27,14 +27,14 @@ _NUMBA_OPTIONS: dict[str, Any] = {
 """Options of every kernel."""
 
 
-class _Kernel:
+class _LazyKernel:
     """Function that imports Numba and compiles itself on its first use; Numba accepts it as its own."""
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         update_wrapper(self, function)
         self._options, self._compiled = options, None
 
-    def _made(self) -> Any:
+    def _compile(self) -> Any:
         """Compile the function and keep the result."""
         import numba  # takes a third of the time of all imports
 
@@ -43,26 +43,26 @@ class _Kernel:
         return self._compiled
 
     def __call__(self, *arguments: Any) -> Any:
-        return (self._compiled or self._made())(*arguments)
+        return (self._compiled or self._compile())(*arguments)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        return getattr(self._compiled or self._made(), name)
+        return getattr(self._compiled or self._compile(), name)
 
 
-def _kernel(**options: Any) -> Callable[[Function], Function]:
+def _make_decorator(**options: Any) -> Callable[[Function], Function]:
     """Make a decorator that compiles on the first call and stores the result in Numba's cache."""
-    return lambda function: _Kernel(function, options)  # type: ignore[return-value]
+    return lambda function: _LazyKernel(function, options)  # type: ignore[return-value]
 
 
-compiled = _kernel(fastmath={"nsz"})
+compiled = _make_decorator(fastmath={"nsz"})
 """Compile a kernel over arrays on its first call."""
 
-reordered = _kernel(fastmath={"reassoc", "contract", "arcp", "nsz"})
+reordered = _make_decorator(fastmath={"reassoc", "contract", "arcp", "nsz"})
 """Compile a kernel that may reorder sums and approximate reciprocals: faster, with other last bits elsewhere."""
 
-inlined = _kernel(fastmath={"nsz"}, inline="always")
+inlined = _make_decorator(fastmath={"nsz"}, inline="always")
 """Compile a short function as a part of each kernel that calls it.
 
 A call passes every array and counts its references, which takes tens of nanoseconds: inlining pays where the function

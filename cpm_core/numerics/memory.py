@@ -12,7 +12,7 @@ _CGROUP_FOLDER = Path("/sys/fs/cgroup")
 """Limits of the control group that this process belongs to, as in a container."""
 
 
-def free() -> float:
+def available_memory() -> float:
     """Return the memory that this process may still allocate [bytes]; infinite where the system does not report it."""
     room = math.inf
     with suppress(OSError, ValueError, IndexError, StopIteration):
@@ -26,7 +26,7 @@ def free() -> float:
     return room
 
 
-def check_room(shape: Extent, each: float, source: str) -> None:
+def check_field_memory(shape: Extent, bytes_per_pixel: float, source: str) -> None:
     """Check that the fields of an image fit into memory.
 
     Parameters
@@ -43,15 +43,15 @@ def check_room(shape: Extent, each: float, source: str) -> None:
     ValueError
         When they do not; the message names a size that would fit.
     """
-    needed, there = math.prod(shape) * each, free()
+    needed, there = math.prod(shape) * bytes_per_pixel, available_memory()
     if needed <= there:
         return
     fitting = tuple(int(side * (there / needed) ** (1.0 / len(shape))) for side in shape)
     raise ValueError(
-        f"{source} has {_size(shape)} px, which need {needed / 1e9:.2g} GB of memory, and {there / 1e9:.2g} GB are "
-        f"free: make it smaller, about {_size(fitting)} px, crop it, or close other programs."
+        f"{source} has {_format_shape(shape)} px, which need {needed / 1e9:.2g} GB of memory, and {there / 1e9:.2g} GB are "
+        f"free: make it smaller, about {_format_shape(fitting)} px, crop it, or close other programs."
     )
 
 
-def _size(shape: Extent) -> str:
+def _format_shape(shape: Extent) -> str:
     return " × ".join(f"{side:,}" for side in shape)

@@ -29,13 +29,13 @@ _limits = [_MAX_USEFUL_THREADS]
 """Limits set on the number of threads of this process; the last one applies."""
 
 
-def cores() -> int:
+def count_cores() -> int:
     """Return the number of cores to use: those of the process, up to a sensible number or to the limit of `at_most`."""
     return min(_USABLE_CORES, _limits[-1])
 
 
 @contextmanager
-def at_most(count: int) -> Iterator[None]:
+def limit_cores(count: int) -> Iterator[None]:
     """Limit the number of cores within this context, as for one of several processes that share them."""
     _limits.append(count)
     try:
@@ -44,27 +44,27 @@ def at_most(count: int) -> Iterator[None]:
         _limits.pop()
 
 
-_helpers = lru_cache(maxsize=1)(lambda: ThreadPoolExecutor(max(1, cores() - 1), "cpm-share"))
+_helpers = lru_cache(maxsize=1)(lambda: ThreadPoolExecutor(max(1, count_cores() - 1), "cpm-share"))
 """The other threads."""
 
 
-def share(work: Callable[[int, int], object], count: int, least: int) -> None:
+def run_in_parallel(work: Callable[[int, int], object], count: int, min_part_size: int) -> None:
     """Process items 0 to `count` - 1 in parts that run in parallel.
 
     `work` gets the first item of a part and the one behind its last. It must release the interpreter's lock for a gain
     in time, and write only what belongs to its items. A part has `least` items or more; if there are not enough items
     for two parts, the caller does all the work.
     """
-    threads = min(cores(), count // max(least, 1))
+    threads = min(count_cores(), count // max(min_part_size, 1))
     if threads < 2:
         work(0, count)
         return
     todo = deque(
         pairwise(count * part // (_PARTS_PER_THREAD * threads) for part in range(_PARTS_PER_THREAD * threads + 1))
     )
-    helping = [_helpers().submit(_work_off, todo, work) for _ in range(threads - 1)]
+    helping = [_helpers().submit(_run_parts, todo, work) for _ in range(threads - 1)]
     try:
-        _work_off(todo, work)
+        _run_parts(todo, work)
     finally:  # after an error or an interruption no thread begins another part
         todo.clear()
         errors = [task.exception() for task in helping if not task.cancel()]
@@ -72,7 +72,7 @@ def share(work: Callable[[int, int], object], count: int, least: int) -> None:
         raise error
 
 
-def _work_off(todo: deque[tuple[int, int]], work: Callable[[int, int], object]) -> None:
+def _run_parts(todo: deque[tuple[int, int]], work: Callable[[int, int], object]) -> None:
     """Process parts until none is left."""
     while todo:
         try:

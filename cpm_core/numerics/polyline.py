@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.numerics.segments import distances_to_segments, nearest_distances, winds_around
 from cpm_core.numerics.types import Array, Index, Line, Mask, Position
 
-MOST_HANDLES = 24
+MAX_CORNER_HANDLES = 24
 """Largest number of corners with a handle each; freehand paths have more corners."""
 
 _SIMPLIFY_TOLERANCE = 0.25
@@ -30,7 +30,7 @@ def as_line(points: Array) -> Line:
     return tuple(map(tuple, points.tolist()))
 
 
-def owners(counts: Sequence[int] | Index) -> Index:
+def repeat_indices(counts: Sequence[int] | Index) -> Index:
     """Return the index of the owner of each part, shape (N,); `counts` is how many parts each owner has."""
     return np.repeat(np.arange(len(counts)), counts)
 
@@ -40,24 +40,24 @@ def lengths_along(path: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
 
 
-def length(path: Array | Sequence[Position]) -> float:
+def path_length(path: Array | Sequence[Position]) -> float:
     """Return the length of a path, shape (K, D) [px]."""
     corners = np.asarray(path, float).reshape(len(path), -1)
     return float(np.linalg.norm(corners[1:] - corners[:-1], axis=1).sum())
 
 
-def places_at(path: Array, lengths: Array) -> Array:
+def points_at_lengths(path: Array, lengths: Array) -> Array:
     """Return the points, shape (N, D), that lie at lengths, shape (N,), along a path, shape (K, D) [px]."""
     along = lengths_along(path)
     return np.stack([np.interp(lengths, along, axis) for axis in path.T], axis=1)
 
 
-def middles(path: Array, count: int) -> Array:
+def path_midpoints(path: Array, count: int) -> Array:
     """Return the midpoints, shape (count, D), of `count` equal parts of a path, shape (K, D) [px]."""
-    return places_at(path, (np.arange(count) + 0.5) * lengths_along(path)[-1] / count)
+    return points_at_lengths(path, (np.arange(count) + 0.5) * lengths_along(path)[-1] / count)
 
 
-def middles_of(paths: Sequence[Array], count: int) -> Array:
+def midpoints_of_paths(paths: Sequence[Array], count: int) -> Array:
     """Return `middles` of one or more paths, shape (P, count, D), at once."""
     counts = [len(path) for path in paths]
     corners, ends = np.concatenate(paths), np.cumsum(counts)
@@ -69,32 +69,32 @@ def middles_of(paths: Sequence[Array], count: int) -> Array:
     return np.stack([np.interp(at, along, axis) for axis in corners.T], axis=-1)
 
 
-def sampled(path: Array, spacing: float) -> Array:
+def sample_path(path: Array, spacing: float) -> Array:
     """Return the midpoints of equal parts of a path that are at most `spacing` long, shape (N, D) [px].
 
     Each represents the same length, so that a mean over them is a mean over the length.
     """
-    return middles(path, max(1, int(np.ceil(length(path) / spacing))))
+    return path_midpoints(path, max(1, int(np.ceil(path_length(path) / spacing))))
 
 
-def resampled(path: Array, spacing: float) -> Array:
+def resample_path(path: Array, spacing: float) -> Array:
     """Return a path, shape (K, D), with vertices at equal distances of at most `spacing` [px], one or more inside.
 
     Both ends are kept to the bit.
     """
     whole = lengths_along(path)[-1]
     count = max(2, int(np.ceil(whole / spacing)))
-    out = places_at(path, np.linspace(0.0, whole, count + 1))
+    out = points_at_lengths(path, np.linspace(0.0, whole, count + 1))
     out[[0, -1]] = path[[0, -1]]
     return out
 
 
-def distance(path: Array | Sequence[Position], position: Position) -> float:
+def distance_to_path(path: Array | Sequence[Position], position: Position) -> float:
     """Return the distance of a position (row, col) from a path, shape (K, 2), of at least one corner [px]."""
-    return float(distances(path, np.array([position], float))[0])
+    return float(distances_to_path(path, np.array([position], float))[0])
 
 
-def distances(path: Array | Sequence[Position], positions: Array) -> Array:
+def distances_to_path(path: Array | Sequence[Position], positions: Array) -> Array:
     """Return distances, shape (N,), of positions, shape (N, D), from a path of one corner or more, shape (K, D)."""
     corners = corners_of(path)
     if len(corners) == 1:
@@ -106,27 +106,27 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
     return nearest_distances(np.ascontiguousarray(positions, float), sides)
 
 
-def distances_from_closed(curves: Iterable[Sequence[Position]], positions: Array) -> Array:
+def distances_to_closed_paths(curves: Iterable[Sequence[Position]], positions: Array) -> Array:
     """Return the distances, shape (N,), of positions, shape (N, 2), from the nearest of one or more closed curves.
 
     The first corner of a curve is not repeated at its end.
     """
-    return np.min([distances((*curve, curve[0]), positions) for curve in curves], axis=0)
+    return np.min([distances_to_path((*curve, curve[0]), positions) for curve in curves], axis=0)
 
 
-def inside(path: Array | Sequence[Position], positions: Array) -> Mask:
+def points_inside(path: Array | Sequence[Position], positions: Array) -> Mask:
     """Return a mask, shape (N,), of the positions, shape (N, 2), inside a path, closed from its last corner."""
     places = np.ascontiguousarray(positions, float).reshape(-1, 2)
     return winds_around(np.ascontiguousarray(corners_of(path)), places)
 
 
-def area(path: Array | Sequence[Position]) -> float:
+def enclosed_area(path: Array | Sequence[Position]) -> float:
     """Return the area enclosed by a path, shape (K, 2), closed from its last corner to its first [px²]."""
     row, col = np.array(path, float).T
     return 0.5 * abs(float(row @ np.roll(col, -1) - col @ np.roll(row, -1)))
 
 
-def thinned(path: Sequence[Position], tolerance: float = _SIMPLIFY_TOLERANCE) -> Line:
+def simplify_path(path: Sequence[Position], tolerance: float = _SIMPLIFY_TOLERANCE) -> Line:
     """Remove the corners of a path, shape (K, 2), that are not needed; both ends stay.
 
     A freehand path has a corner for every movement of the pointer, but a document should stay small. Of the corners
@@ -146,7 +146,7 @@ def thinned(path: Sequence[Position], tolerance: float = _SIMPLIFY_TOLERANCE) ->
     return as_line(corners[sorted(kept)])
 
 
-def coarser(paths: Sequence[Array], off: float) -> list[Array]:
+def drop_flat_corners(paths: Sequence[Array], off: float) -> list[Array]:
     """Drop corners that lie close to the line between their neighbors; both ends of each path, shape (K, 2), stay.
 
     Much faster than `thinned`, but it leaves more corners: it drops every second corner where possible,
@@ -156,7 +156,7 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
     if not paths:
         return []
     corners = np.concatenate(paths)
-    number = owners([len(path) for path in paths])
+    number = repeat_indices([len(path) for path in paths])
     for _ in range(_HALVING_ROUNDS):
         before, along = corners[1:-1] - corners[:-2], corners[2:] - corners[:-2]
         behind = along - before
@@ -170,7 +170,7 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
     return np.split(corners, np.flatnonzero(np.diff(number)) + 1)
 
 
-def stretches(on: Mask, closed: bool = False) -> list[Index]:
+def find_marked_runs(on: Mask, closed: bool = False) -> list[Index]:
     """Return the index runs of marked vertices, `on` of shape (K,); runs of a closed path continue past its end."""
     order = np.arange(len(on))
     if on.all():
@@ -181,12 +181,12 @@ def stretches(on: Mask, closed: bool = False) -> list[Index]:
     return [piece for piece in pieces if on[piece[0]]]
 
 
-def moved(path: Sequence[Position], by: Position) -> Line:
+def translate_path(path: Sequence[Position], by: Position) -> Line:
     """Translate a path by an offset along each axis [px]."""
     return tuple(tuple(map(operator.add, corner, by)) for corner in path)
 
 
-def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> Line:
+def move_corner(path: Sequence[Position], corner: Position, to: Position) -> Line:
     """Return a path with the corner nearest to a position moved to another position."""
     nearest = np.linalg.norm(corners_of(path) - corner, axis=1).argmin()
     return (*path[:nearest], to, *path[nearest + 1 :])

@@ -27,7 +27,7 @@ _MAX_SIDE_RATIO = 1000
 """Greatest ratio of two sides of a voxel."""
 
 
-def real_numbers(values: ArrayLike) -> Array:
+def as_real_array(values: ArrayLike) -> Array:
     """Return values of any shape in double precision, not copied if they are; raise ValueError for other types.
 
     NumPy's own conversion drops the imaginary parts.
@@ -41,13 +41,13 @@ def real_numbers(values: ArrayLike) -> Array:
     return given.astype(float, copy=False)
 
 
-def as_places(given: ArrayLike, axes: str) -> Array:
+def as_positions(given: ArrayLike, axes: str) -> Array:
     """Return positions as an array, shape (N, D), with a column for each named axis; raise ValueError for others.
 
     `axes` are their names in the plural, such as ``"rows and columns"``.
     """
     count = len(axes.replace(" and ", ", ").split(", "))
-    places = real_numbers(given)
+    places = as_real_array(given)
     if places.size == 0:
         return np.empty((0, count))
     places = np.atleast_2d(places)
@@ -58,7 +58,7 @@ def as_places(given: ArrayLike, axes: str) -> Array:
     return places
 
 
-def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:
+def check_finite_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:
     """Return a number as float; raise ValueError, which says what is wanted, unless it is finite and fits."""
     number = math.nan
     if issubclass(type(value), _REAL_TYPES):
@@ -69,23 +69,23 @@ def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted:
     return number
 
 
-def three_numbers(name: str, values: ArrayLike, positive: bool = False) -> Array:
+def check_three_numbers(name: str, values: ArrayLike, positive: bool = False) -> Array:
     """Return three finite numbers along the axes of a volume, shape (3,); raise ValueError otherwise.
 
     With `positive` they must be above 0.
     """
     given = np.empty(0)
     with suppress(ValueError):
-        given = real_numbers(values)
+        given = as_real_array(values)
     if given.shape != (3,) or not np.isfinite(given).all() or (positive and not (given > 0.0).all()):
         kind = "three numbers above 0" if positive else "three finite numbers"
         raise ValueError(f"{name} is {shown(values)} but must be {kind}, (plane, row, col).")
     return given
 
 
-def voxel_sides(name: str, values: ArrayLike) -> Array:
+def check_voxel_sides(name: str, values: ArrayLike) -> Array:
     """Return the sides of a voxel, shape (3,); raise ValueError unless areas and volumes in them make sense."""
-    sides = three_numbers(name, values, positive=True)
+    sides = check_three_numbers(name, values, positive=True)
     if not (sides.min() >= _MIN_VOXEL_SIDE and sides.max() <= _MAX_VOXEL_SIDE):
         raise ValueError(
             f"{name} is {shown(values)} but must be three numbers from {_MIN_VOXEL_SIDE:g} to {_MAX_VOXEL_SIDE:g}, "
@@ -99,12 +99,12 @@ def voxel_sides(name: str, values: ArrayLike) -> Array:
     return sides
 
 
-def grid_of_numbers(values: ArrayLike, least: int = 1) -> Array:
+def check_image_values(values: ArrayLike, least: int = 1) -> Array:
     """Return an image, shape (H, W) or (P, H, W), in double precision; raise ValueError unless it is finite.
 
     Each axis must have `least` pixels or more.
     """
-    image = real_numbers(values)
+    image = as_real_array(values)
     if image.ndim not in (2, 3) or min(image.shape) < least:
         raise ValueError(
             f"The values have the shape {image.shape}, but an image needs two axes or three, with {least} or more "

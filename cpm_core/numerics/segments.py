@@ -17,7 +17,7 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Position
 
 
-def segments_of(path: Array) -> Array:
+def path_segments(path: Array) -> Array:
     """Return segments of a path, shapes (K - 1, 4) and (K, 2), without those of zero length.
 
     A row holds row and column of one end, then of the other [px].
@@ -68,7 +68,7 @@ class SegmentTree:
         lines = shapely.linestrings(np.stack([begin, end], axis=1))
         self._tree = shapely.STRtree(np.where(short, shapely.points(begin), lines))
 
-    def distances(self, points: Array) -> Array:
+    def distances_to(self, points: Array) -> Array:
         """Return the distance, shape (N,) [px], of points, shape (N, 2), from the nearest segment; inf for none."""
         import shapely  # noqa: PLC0415
 
@@ -94,7 +94,7 @@ class PathTree:
         self._lines[long] = shapely.linestrings(corners[np.repeat(long, counts)], indices=of)
         self._tree = shapely.STRtree(self._lines)
 
-    def pairs(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    def pairs_within(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
         """Find the pairs of a position, shape (N, 2), and a path within `reach` [px] of it.
 
         Returns the indices of position and path, and their distance [px], each of shape (P,).
@@ -105,9 +105,9 @@ class PathTree:
         place, path = self._tree.query(points, "dwithin", reach)
         return place, path, shapely.distance(points[place], self._lines[path])
 
-    def passing(self, place: Position, reach: float) -> list[int]:
+    def paths_near(self, place: Position, reach: float) -> list[int]:
         """Return indices of the paths within `reach` [px] of a position, nearest first."""
-        _, path, away = self.pairs(np.array([place]), reach)
+        _, path, away = self.pairs_within(np.array([place]), reach)
         return list(path[np.lexsort((path, away))].tolist())
 
 
@@ -116,12 +116,12 @@ def _signed_area(p: Array, q: Array, a: Array) -> Any:
     return (q[0] - p[0]) * (a[1] - p[1]) - (q[1] - p[1]) * (a[0] - p[0])
 
 
-side = compiled(_signed_area)
+side_of_line = compiled(_signed_area)
 """Signed area whose sign is the side of the line through p and q that a position a lies on."""
 
 
 @compiled
-def meet(segment: Array, a: Array, b: Array) -> bool:
+def segments_meet(segment: Array, a: Array, b: Array) -> bool:
     """Return whether a segment, shape (4,), meets the one from a to b, shape (2,); touching counts."""
     if (
         max(a[0], b[0]) < min(segment[0], segment[2])
@@ -131,7 +131,7 @@ def meet(segment: Array, a: Array, b: Array) -> bool:
     ):
         return False
     p, q = segment[:2], segment[2:]
-    return side(p, q, a) * side(p, q, b) <= 0.0 and side(a, b, p) * side(a, b, q) <= 0.0
+    return side_of_line(p, q, a) * side_of_line(p, q, b) <= 0.0 and side_of_line(a, b, p) * side_of_line(a, b, q) <= 0.0
 
 
 def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
@@ -164,12 +164,12 @@ def winds_around(corners: Array, points: Array) -> Mask:
     first = np.searchsorted(rows, np.minimum(from_[:, 0], to[:, 0]))
     last = np.searchsorted(rows, np.maximum(from_[:, 0], to[:, 0]))
     inside = np.empty(len(points), bool)
-    inside[order] = _turns(from_, to, points[order], first, last) != 0
+    inside[order] = _winding_numbers(from_, to, points[order], first, last) != 0
     return inside
 
 
 @compiled
-def _turns(from_: Array, to: Array, points: Array, first: Index, last: Index) -> Index:
+def _winding_numbers(from_: Array, to: Array, points: Array, first: Index, last: Index) -> Index:
     """Return the winding number of a polygon around points in ascending order of their rows.
 
     `first` and `last`, shape (K,), are the points at whose height each side is.
@@ -177,7 +177,7 @@ def _turns(from_: Array, to: Array, points: Array, first: Index, last: Index) ->
     turns = np.zeros(len(points), np.int64)
     for k in range(len(from_)):
         for i in range(first[k], last[k]):
-            left = side(from_[k], to[k], points[i])
+            left = side_of_line(from_[k], to[k], points[i])
             if from_[k, 0] < to[k, 0] and left > 0.0:
                 turns[i] += 1
             elif from_[k, 0] > to[k, 0] and left < 0.0:
@@ -185,7 +185,7 @@ def _turns(from_: Array, to: Array, points: Array, first: Index, last: Index) ->
     return turns
 
 
-def rim_of(polygons: Sequence[Array]) -> Array:
+def union_boundary(polygons: Sequence[Array]) -> Array:
     """Return the boundary, shape (S, 4), of the union of the areas that polygons, each of shape (K, 2), wind around."""
     import shapely  # noqa: PLC0415 - needed for regions of interest only
 
@@ -197,4 +197,4 @@ def rim_of(polygons: Sequence[Array]) -> Array:
         # first the pieces of one polygon, whose common sides are equal to the bit: else a crack might remain
         inside.append(shapely.union_all(pieces[winds_around(corners, places)]))
     rings = shapely.get_parts(shapely.boundary(shapely.union_all(inside)))
-    return np.concatenate([np.zeros((0, 4)), *(segments_of(shapely.get_coordinates(ring)) for ring in rings)])
+    return np.concatenate([np.zeros((0, 4)), *(path_segments(shapely.get_coordinates(ring)) for ring in rings)])

@@ -54,10 +54,10 @@ Arrays = tuple[Array, ...]
 Sides = tuple[float, ...]
 """Side of a pixel or voxel along each axis."""
 
-Plain = Mapping[str, Any]
+JsonObject = Mapping[str, Any]
 """JSON object, as read from a file."""
 
-Entries = dict[str, Any]
+JsonDict = dict[str, Any]
 """JSON object under construction."""
 
 Callback = Callable[[], object]

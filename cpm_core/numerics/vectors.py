@@ -18,25 +18,25 @@ def dot(one: Vector, other: Vector) -> float:
 
 
 @compiled
-def length(vector: Vector) -> float:
+def vector_length(vector: Vector) -> float:
     """Return the length of a vector."""
     return float(np.sqrt(dot(vector, vector)))
 
 
 @compiled
-def moved(place: Vector, way: float, direction: Vector) -> Vector:
+def move_along(place: Vector, way: float, direction: Vector) -> Vector:
     """Return the place at a distance from another one in a direction."""
     return place[0] + way * direction[0], place[1] + way * direction[1], place[2] + way * direction[2]
 
 
 @compiled
-def scaled(vector: Vector, factor: float) -> Vector:
+def scale_vector(vector: Vector, factor: float) -> Vector:
     """Return a vector times a number."""
     return factor * vector[0], factor * vector[1], factor * vector[2]
 
 
 @compiled
-def difference(one: Vector, other: Vector) -> Vector:
+def subtract_vectors(one: Vector, other: Vector) -> Vector:
     """Return the vector from the other place to the first one."""
     return one[0] - other[0], one[1] - other[1], one[2] - other[2]
 
@@ -53,6 +53,6 @@ def set_row(rows: Array, i: int, vector: Vector) -> None:
     rows[i, 0], rows[i, 1], rows[i, 2] = vector[0], vector[1], vector[2]
 
 
-def lengths(vectors: Array) -> Array:
+def row_lengths(vectors: Array) -> Array:
     """Return the length of each row of vectors, shape (N, D), as shape (N,); faster than `np.linalg.norm`."""
     return np.sqrt(np.einsum("ni,ni->n", vectors, vectors))

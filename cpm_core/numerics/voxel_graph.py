@@ -14,7 +14,7 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
 
 
-def thinned(inside: Mask, depth: Array) -> Mask:
+def thin_to_lines(inside: Mask, depth: Array) -> Mask:
     """Thin a mask whose outermost voxels are False to lines of voxels in its middle.
 
     `inside` and `depth`, the distance inward, have the shape (P, R, C), as the result.
@@ -22,37 +22,37 @@ def thinned(inside: Mask, depth: Array) -> Mask:
     lines = inside.copy()
     voxels = np.argwhere(lines)
     voxels = voxels[np.argsort(depth[tuple(voxels.T)], kind="stable")]
-    while _thin(lines, voxels):
+    while _remove_simple_voxels(lines, voxels):
         voxels = voxels[lines[tuple(voxels.T)]]
     return lines
 
 
-def _bits(chosen: Callable[[int, int, int], bool]) -> int:
+def _cube_bits(chosen: Callable[[int, int, int], bool]) -> int:
     """Return the selected ones of the 27 voxels of a cube as bits, by their places along the axes from -1 to 1."""
     return sum(1 << k for k, step in enumerate(product((-1, 0, 1), repeat=3)) if chosen(*step))
 
 
-_FACE_NEIGHBORS = _bits(lambda p, r, c: abs(p) + abs(r) + abs(c) == 1)
+_FACE_NEIGHBORS = _cube_bits(lambda p, r, c: abs(p) + abs(r) + abs(c) == 1)
 """Voxels of the cube that share a face with the middle one."""
 
-_EDGE_NEIGHBORS = _bits(lambda p, r, c: 1 <= abs(p) + abs(r) + abs(c) <= 2)
+_EDGE_NEIGHBORS = _cube_bits(lambda p, r, c: 1 <= abs(p) + abs(r) + abs(c) <= 2)
 """Voxels of the cube that share a face or an edge with the middle one."""
 
-_HAS_UPPER = _bits(lambda p, r, c: r > -1)
+_HAS_UPPER = _cube_bits(lambda p, r, c: r > -1)
 """Voxels of the cube with another one in the row before."""
 
-_HAS_LOWER = _bits(lambda p, r, c: r < 1)
+_HAS_LOWER = _cube_bits(lambda p, r, c: r < 1)
 """Voxels of the cube with another one in the row behind."""
 
-_HAS_LEFT = _bits(lambda p, r, c: c > -1)
+_HAS_LEFT = _cube_bits(lambda p, r, c: c > -1)
 """Voxels of the cube with another one in the column before."""
 
-_HAS_RIGHT = _bits(lambda p, r, c: c < 1)
+_HAS_RIGHT = _cube_bits(lambda p, r, c: c < 1)
 """Voxels of the cube with another one in the column behind."""
 
 
 @compiled
-def _thin(lines: Mask, voxels: Index) -> int:
+def _remove_simple_voxels(lines: Mask, voxels: Index) -> int:
     """Remove simple voxels, in order; return their number.
 
     Around a simple voxel the inside is connected, and so is the outside across faces.
@@ -70,14 +70,14 @@ def _thin(lines: Mask, voxels: Index) -> int:
             around |= int(lines[p + k // 9 - 1, r + k // 3 % 3 - 1, c + k % 3 - 1]) << k
         around &= ~(1 << 13)
         outside = ~around & _EDGE_NEIGHBORS
-        if around & (around - 1) and _hangs(around, around, True) and _hangs(outside, outside & _FACE_NEIGHBORS, False):
+        if around & (around - 1) and _are_connected(around, around, True) and _are_connected(outside, outside & _FACE_NEIGHBORS, False):
             lines[p, r, c] = False
             taken += 1
     return taken
 
 
 @compiled
-def _hangs(voxels: int, wanted: int, corners: bool) -> bool:
+def _are_connected(voxels: int, wanted: int, corners: bool) -> bool:
     """Return whether the `wanted` voxels of a cube, as bits, are connected, over corners or over faces alone."""
     part, before = wanted & -wanted, 0
     while part != before:
@@ -115,12 +115,12 @@ class Chain(NamedTuple):
     free_end: int
 
     @property
-    def free(self) -> bool:
+    def is_spur(self) -> bool:
         """Whether it hangs at a junction with its other end in the open."""
         return self.free_end >= 0
 
 
-def chains_of(lines: Mask) -> list[Chain]:
+def find_chains(lines: Mask) -> list[Chain]:
     """Find the chains of a mask of lines one voxel thick, whose outermost voxels are False."""
     voxels = np.argwhere(lines)
     number = np.full(lines.shape, -1, np.int64)
@@ -166,7 +166,7 @@ _PAIRS_PER_PASS = 1_000_000
 """Number of pairs of a segment and a triangle that are tested together."""
 
 
-def loops_of(boundary: Index) -> list[Array]:
+def find_loops(boundary: Index) -> list[Array]:
     """Find loops along the center lines of the solid that a boundary encloses, each of shape (K, 3), closed.
 
     `boundary`, shape (M, 3), are voxels on it. Every other closed path in there is a combination of these loops.
@@ -175,13 +175,13 @@ def loops_of(boundary: Index) -> list[Array]:
     solid = np.zeros(boundary.max(0) - low + 4, bool)
     solid[tuple((boundary - low).T)] = True
     solid = scipy.ndimage.binary_fill_holes(scipy.ndimage.binary_dilation(solid, np.ones((3, 3, 3), bool)))
-    lines = thinned(solid, scipy.ndimage.distance_transform_cdt(solid).astype(float))
+    lines = thin_to_lines(solid, scipy.ndimage.distance_transform_cdt(solid).astype(float))
     # a chain between two nodes that other chains connect already closes a loop
     ways: dict[int, list[tuple[int, Array]]] = defaultdict(list)
     loops = []
-    for chain in chains_of(lines):
+    for chain in find_chains(lines):
         first, last = chain.nodes
-        back = _way(ways, last, first)
+        back = _find_forest_path(ways, last, first)
         if back is None:
             ways[first].append((last, chain.points))
             ways[last].append((first, chain.points[::-1]))
@@ -190,7 +190,7 @@ def loops_of(boundary: Index) -> list[Array]:
     return loops
 
 
-def _way(ways: dict[int, list[tuple[int, Array]]], start: int, end: int) -> list[Array] | None:
+def _find_forest_path(ways: dict[int, list[tuple[int, Array]]], start: int, end: int) -> list[Array] | None:
     """Return the points of the chains along the one path through a forest; None where there is none."""
     waiting: list[tuple[int, int, list[Array]]] = [(start, -1, [])]
     while waiting:

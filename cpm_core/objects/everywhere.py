@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import Window, box_of, running_maximum
+from cpm_core.numerics.grids import Window, bounding_window, running_maximum
 from cpm_core.numerics.types import Array, Callback, Extent, Index, Mask, record
 from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.crossings import crossings
@@ -253,7 +253,7 @@ def found_among(parts: Parts, check: Callback = lambda: None) -> Iterator[Found]
     known: list[tuple[Window, Mask]] = []
     taken = np.zeros(partition.shape, bool)
     for mask in partition.certain():
-        box = box_of(mask)
+        box = bounding_window(mask)
         known.append((box, mask[box]))
         taken[box] |= scipy.ndimage.binary_fill_holes(mask[box])
         yield Found(mask, certain=True)
@@ -270,7 +270,7 @@ def found_among(parts: Parts, check: Callback = lambda: None) -> Iterator[Found]
             mask = _largest(mask & ~taken)
         elif not all(_apart(mask, *other) for other in known):
             continue
-        box = box_of(mask)
+        box = bounding_window(mask)
         known.append((box, mask[box]))
         taken |= mask
         yield Found(mask, signs)
@@ -292,7 +292,7 @@ def _apart(mask: Mask, box: Window, there: Mask) -> bool:
 
 def _proposed(partition: Partition, mask: Mask, signs: Signs | None = None, *, certain: bool = False) -> Selection:
     """Build the selection of some pixels, shape (H, W), with the deepest of them as its positive point."""
-    box = box_of(mask)
+    box = bounding_window(mask)
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
     if signs is None:

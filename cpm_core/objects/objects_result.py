@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Extent, Sides
@@ -67,8 +67,8 @@ def objects_result(
     strength = edge_map(image.gray(channel), SMOOTHING)
     bridges = []
     for gap in (gap for selection in selections for gap in selection.gaps):
-        mean = float(interpolate(strength[None], polyline.sampled(gap, 1.0)).mean())
-        bridges.append(Bridge(gap, polyline.length(gap), mean))
+        mean = float(interpolate_field(strength[None], polyline.sample_path(gap, 1.0)).mean())
+        bridges.append(Bridge(gap, polyline.path_length(gap), mean))
     place = (image.shape, image.spacing, image.unit, image.source)
     taken = image.channel(channel)
     clicks = tuple(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.region_contrast import mean_contrast
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
@@ -231,7 +231,7 @@ class Outline:
         path = np.concatenate([path[start:-1], path[: start + 1]])
         steps = np.flatnonzero(np.diff(np.roll(bridged, -start).astype(int), prepend=0, append=0))
         stretches = (path[begin : end + 1] for begin, end in steps.reshape(-1, 2).tolist())
-        return tuple(stretch for stretch in stretches if polyline.length(stretch) > _MAX_IGNORED_GAP)
+        return tuple(stretch for stretch in stretches if polyline.path_length(stretch) > _MAX_IGNORED_GAP)
 
 
 def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
@@ -263,7 +263,7 @@ def _outline(points: Array, free: Mask, ground: Ground) -> Outline:
     path = np.concatenate([points, points[:1]])
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
     middle = 0.5 * (path[1:] + path[:-1])
-    strength = float(interpolate(ground.strength[None], middle)[:, 0] @ lengths / lengths.sum())
+    strength = float(interpolate_field(ground.strength[None], middle)[:, 0] @ lengths / lengths.sum())
     along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
     sides = partial(mean_contrast, ground.values, points, along[:, ::-1] * (-1.0, 1.0), SMOOTHING)
     bridged = free & np.roll(free, -1)
@@ -271,4 +271,4 @@ def _outline(points: Array, free: Mask, ground: Ground) -> Outline:
     hole = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row) < 0.0  # the pixels are on the right hand
     contour = Contour(points, True, strength, sides=sides, hole=hole)
     found = Outline(contour, bridged)
-    return replace(found, contour=replace(contour, bridged=sum(map(polyline.length, found.gaps))))
+    return replace(found, contour=replace(contour, bridged=sum(map(polyline.path_length, found.gaps))))

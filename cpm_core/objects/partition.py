@@ -26,8 +26,8 @@ from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import of_plane
 from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics import polyline
-from cpm_core.numerics.grids import ends
-from cpm_core.numerics.real_numbers import as_places
+from cpm_core.numerics.grids import true_bounds
+from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Extent, Index, Mask, frozen, record
 from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
@@ -44,8 +44,8 @@ from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.segmentation.evolve import segment
-from cpm_core.segmentation.reach.bounding import thing_within
-from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
+from cpm_core.segmentation.reach.bounding import object_enclosed_by
+from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
 
 NOWHERE = np.empty((0, 2))
 """An empty array of points."""
@@ -278,7 +278,7 @@ class Partition(drawing.Pictured):
     ) -> Iterator[Selection]:
         """Rank the different objects that a prompt may mean, the most plausible one first."""
         within, beyond, line, corners = (
-            as_places(given, "rows and columns") for given in (inside, outside, stroke, box)
+            as_positions(given, "rows and columns") for given in (inside, outside, stroke, box)
         )
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
@@ -288,11 +288,11 @@ class Partition(drawing.Pictured):
             former = self._closed.around(within)
             certain = former is not None
             if former is None and not len(beyond):
-                former = thing_within(self.values, within, ~self.interest)
+                former = object_enclosed_by(self.values, within, ~self.interest)
         meant = within if previous is None else _not_around(within, previous)
         newer = None if previous is None else ~_among(meant, previous.inside)
         places, remark = self._pixels(meant, beyond, newer)
-        afresh = self._with_drawn(places, meant if len(meant) >= LEAST_PLACES else NOWHERE, line, corners)
+        afresh = self._with_drawn(places, meant if len(meant) >= MIN_DRAWN_PLACES else NOWHERE, line, corners)
         prompt = afresh if former is None else replace(self._with_drawn(places, NOWHERE, line, corners), former=former)
         answers = self._answers(afresh, areas)
         if at_once and former is not None and former.any() and not len(beyond):
@@ -320,7 +320,7 @@ class Partition(drawing.Pictured):
             if np.count_nonzero(area) > 2 * len(start):  # a closed line; an open one counts as points
                 prompt = replace(prompt, drawn=area, inside=prompt.inside[:0])
         if len(line):
-            along, _ = self._pixels(polyline.sampled(line, 1.0) if len(line) > 1 else line)
+            along, _ = self._pixels(polyline.sample_path(line, 1.0) if len(line) > 1 else line)
             prompt = replace(prompt, inside=np.concatenate([prompt.inside, along.inside]))
         if len(corners):
             (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
@@ -471,7 +471,7 @@ class Partition(drawing.Pictured):
         """Evaluate an object, shape (H, W), found otherwise, by the network, with points in it, shape (M, 2)."""
         pixels = np.rint(np.clip(inside, 0, np.array(mask.shape) - 1)).astype(np.int64)
         pixels = pixels[mask[tuple(pixels.T)]]
-        if not len(pixels) or len(pixels) >= LEAST_PLACES:
+        if not len(pixels) or len(pixels) >= MIN_DRAWN_PLACES:
             box, corner = _box_of(mask)
             depth = scipy.ndimage.distance_transform_edt(mask[box])
             pixels = np.argwhere(depth == depth.max())[:1] + corner
@@ -534,7 +534,7 @@ class Partition(drawing.Pictured):
 
 def _box_of(mask: Mask) -> tuple[tuple[slice, slice], Index]:
     """Return the rows and columns of the true pixels of a mask with a margin, and the first of them."""
-    low, high = ends(mask) if mask.any() else np.zeros((2, 2), np.int64)
+    low, high = true_bounds(mask) if mask.any() else np.zeros((2, 2), np.int64)
     corner = np.maximum(low - _OUTLINE_MARGIN, 0)
     rows, cols = map(slice, corner.tolist(), np.minimum(high + _OUTLINE_MARGIN + 1, mask.shape).tolist())
     return (rows, cols), corner

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.image.image import Image, as_plane
-from cpm_core.numerics.real_numbers import as_places
+from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.objects.everywhere import everywhere, similar
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.selection import Selection
@@ -50,7 +50,7 @@ def select(
     """
     image = as_plane(values)
     cut = Partition(image, ()) if prior else Partition(image, partition(image).contours, prior=False)
-    places = np.concatenate([as_places(given, "rows and columns") for given in (start, inside)])
+    places = np.concatenate([as_positions(given, "rows and columns") for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
 

@@ -7,7 +7,7 @@ import scipy
 import skimage
 
 from cpm_core.image.vesselness import lines
-from cpm_core.numerics.grids import ends
+from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Index, Mask
 
 _FIRST_REACH = 40
@@ -61,7 +61,7 @@ def _line_around(values: Array, pixels: Index, slender: float, thin: float) -> M
         middle = skimage.morphology.skeletonize(part)  # type: ignore[no-untyped-call]
         area, length = np.count_nonzero(part), np.count_nonzero(middle)
         slope = scipy.ndimage.gaussian_gradient_magnitude(values, 1.0)[middle]
-        across = float(np.square(np.diff(ends(part), axis=0)).sum())
+        across = float(np.square(np.diff(true_bounds(part), axis=0)).sum())
         # the image is level along the middle of a line, but steepest at the rim of a disk, which bends as well
         if (
             np.median(slope) < np.median(kind.contrast[middle])

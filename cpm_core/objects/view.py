@@ -19,7 +19,7 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.surface import section_of
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import JsonDict
 from cpm_core.objects.partition import Partition, partition, without_run
 from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
 from cpm_core.parameters.quotation import counted, described
@@ -192,12 +192,12 @@ class View(drawing.Pictured):
             self._widget.chosen = self._chosen()
             self._widget.ground = self._ground() if ground else self._widget.ground
 
-    def _chosen(self) -> Entries:
+    def _chosen(self) -> JsonDict:
         """Describe the objects, with a message on the last one."""
         objects = [(one is self.selection, "".join(map(_path, self._lines([one])))) for one in self.objects]
         return {"objects": objects, "said": self._said}
 
-    def _ground(self) -> Entries:
+    def _ground(self) -> JsonDict:
         """Encode the picture of the image, and its contours."""
         image, stream = self._image, io.BytesIO()
         black, white = self._limits

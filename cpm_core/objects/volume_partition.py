@@ -23,8 +23,8 @@ from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
-from cpm_core.numerics.grids import Parts, parts_of
-from cpm_core.numerics.real_numbers import as_places
+from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
+from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of, changed_near, is_other, logits_of
 from cpm_core.objects.prior.body_surface import body_surface
@@ -93,13 +93,13 @@ class VolumePartition:
         return np.asarray(sum(np.concatenate([[0], number])[parts.labels] for parts, number in self._parts))
 
     @cached_property
-    def _parts(self) -> tuple[tuple[Parts, Index], ...]:
+    def _parts(self) -> tuple[tuple[ConnectedParts, Index], ...]:
         """Parts of voxels inside the surface, and of those outside it, with the number of the body of each part."""
         inside = inside_of(self.surface, self.shape)
         found = []
         count = 0
         for part, corners in ((inside, True), (~inside, False)):
-            parts = parts_of(part, corners=corners)
+            parts = find_connected_parts(part, corners=corners)
             enclosed = np.ones(parts.count, bool) if corners else ~parts.at_border
             found.append((parts, np.where(enclosed, count + np.cumsum(enclosed), 0)))
             count += int(enclosed.sum())
@@ -132,7 +132,7 @@ class VolumePartition:
         ValueError
             When points are not planes, rows and columns.
         """
-        within, beyond = (as_places(given, "planes, rows and columns") for given in (inside, outside))
+        within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
         if previous is not None:
             within, beyond = _more(previous.inside, within), _more(previous.outside, beyond)
         if not len(within):
@@ -225,7 +225,7 @@ class VolumePartition:
 
     def selection_of(self, body: PackedBody, inside: ArrayLike = (), outside: ArrayLike = ()) -> VolumeSelection:
         """Build the selection of the body of an object, with its points, shape (M, 3) and (K, 3) [voxels]."""
-        within, beyond = (as_places(given, "planes, rows and columns") for given in (inside, outside))
+        within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
         surface = replace(body.surface, spacing=self.image.spacing, unit=self.image.unit)
         return VolumeSelection(self, surface, within, beyond, voxels=body if isinstance(body, PackedVoxels) else None)
 

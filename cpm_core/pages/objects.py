@@ -19,7 +19,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import centroid
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
-from cpm_core.numerics.grids import ends
+from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
 from cpm_core.objects import Partition, Selection, objects_result, overlap, partition
 from cpm_core.pages.follow import trouble_of
@@ -229,7 +229,7 @@ class _Sought:
 
 def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
     """Find how far an object has moved to where a page looks most like it."""
-    low, high = ends(mask)
+    low, high = true_bounds(mask)
     reach = int((high - low).max()) + 1
     around = int(_TEMPLATE_MARGIN * reach) + 1
     first, last = np.maximum(low - around, 0), np.minimum(high + around + 1, mask.shape)
@@ -246,11 +246,11 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
 
 def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[Selection]:
     """Find the sought objects on a page, each once; of two that share pixels, the more similar one comes first."""
-    certain, taken = [(one, *ends(one)) for one in page.certain()], np.zeros(page.shape, bool)
+    certain, taken = [(one, *true_bounds(one)) for one in page.certain()], np.zeros(page.shape, bool)
     found: list[Selection] = []
 
     def find_certain_near(mask: Mask) -> list[Mask]:
-        low, high = ends(mask)
+        low, high = true_bounds(mask)
         return [one for one, first, last in certain if (first <= high).all() and (last >= low).all()]
 
     def find_closed_region(mask: Mask) -> Mask | None:
@@ -297,7 +297,7 @@ def _outer(one: Selection) -> Contour:
 
 def _contrast(mask: Mask, values: Array) -> float:
     """Measure how much brighter an object is than its surroundings."""
-    low, high = ends(mask)
+    low, high = true_bounds(mask)
     box = tuple(map(slice, np.maximum(low - _CONTRAST_RING_WIDTH, 0), high + _CONTRAST_RING_WIDTH + 1))
     mask, values = mask[box], values[box]
     ring = scipy.ndimage.binary_dilation(mask, iterations=_CONTRAST_RING_WIDTH) & ~mask

@@ -12,7 +12,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
-from cpm_core.numerics.types import Integers, Plain, frozen, record
+from cpm_core.numerics.types import Integers, JsonObject, frozen, record
 from cpm_core.pages.tracks import TrackEvent, origins_of
 from cpm_core.parameters.quotation import counted, described
 
@@ -86,7 +86,7 @@ class StackResult:
     pages: tuple[Page, ...]
     axis: Literal["z", "t", "c"] = "z"
     alone: bool = True
-    drawn: tuple[Plain, ...] = ()
+    drawn: tuple[JsonObject, ...] = ()
 
     @property
     def results(self) -> tuple[tuple[int, Result], ...]:

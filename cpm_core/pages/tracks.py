@@ -16,7 +16,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour, Contours, neighborhood
 from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import paint
-from cpm_core.numerics.polyline import owners, sampled
+from cpm_core.numerics.polyline import repeat_indices, sample_path
 from cpm_core.numerics.types import Array, Extent, Index, Integers, frozen
 from cpm_core.parameters.quotation import described
 
@@ -206,8 +206,8 @@ def _regions(contours: Contours, shape: Extent) -> Index:
 
 def _beside(before: Contours, now: Contours) -> Array:
     """Measure the share of the length of two contours, taken together, that runs along the other, shape (N, M)."""
-    then = [sampled(contour.path, _TRACK_SAMPLING) for contour in before]
-    later = [sampled(contour.path, _TRACK_SAMPLING) for contour in now]
+    then = [sample_path(contour.path, _TRACK_SAMPLING) for contour in before]
+    later = [sample_path(contour.path, _TRACK_SAMPLING) for contour in now]
     shared = _samples_near(then, now) + _samples_near(later, before).T
     lengths = np.array([len(one) for one in then])[:, None] + np.array([len(one) for one in later])[None]
     return shared / lengths
@@ -215,8 +215,8 @@ def _beside(before: Contours, now: Contours) -> Array:
 
 def _samples_near(samples: Sequence[Array], contours: Contours) -> Array:
     """Count the samples of each line that lie next to each contour."""
-    owner = owners([len(one) for one in samples])
-    place, contour, _ = neighborhood(contours).pairs(np.concatenate(samples), _LINE_TOLERANCE)
+    owner = repeat_indices([len(one) for one in samples])
+    place, contour, _ = neighborhood(contours).pairs_within(np.concatenate(samples), _LINE_TOLERANCE)
     count = np.zeros((len(samples), len(contours)))
     np.add.at(count, (owner[place], contour), 1.0)
     return count

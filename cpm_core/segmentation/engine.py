@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.result import Result
-from cpm_core.field.placed_charges import PlacedCharge, placed_in
+from cpm_core.field.placed_charges import PlacedCharge, check_charges
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, of_plane
 from cpm_core.model import interventions
-from cpm_core.model.coverage import no_coverage, no_surface
-from cpm_core.model.image_fields import ImageFields, Measured
+from cpm_core.model.coverage import no_coverage, no_surface_coverage
+from cpm_core.model.image_fields import ImageFields, FieldMeasure
 from cpm_core.model.measures import Energies, Forces, kinetic_energy
 from cpm_core.model.plane import step as plane
-from cpm_core.model.starts import starting_points
+from cpm_core.model.starts import check_seeds
 from cpm_core.model.state import Particles, SpaceState, State
 from cpm_core.model.volume import step as volume
 from cpm_core.numerics.types import Array, Texts
@@ -32,8 +32,8 @@ from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import counted, described, sized
-from cpm_core.segmentation.finer_scale import begun, thinned
-from cpm_core.segmentation.outcome import contours_of, surface_of
+from cpm_core.segmentation.finer_scale import begin_scale, thin_seeds
+from cpm_core.segmentation.outcome import find_state_contours, find_state_surface
 from cpm_core.segmentation.reach.local_fields import LocalFields
 from cpm_core.segmentation.reach.reach_map import ReachMap
 
@@ -48,8 +48,8 @@ class _Law(NamedTuple):
 
 _LAW_BY_AXES: Mapping[int, _Law] = MappingProxyType(
     {
-        2: _Law(plane.stepped, plane.forces, plane.energies),
-        3: _Law(volume.stepped, volume.forces, volume.energies),
+        2: _Law(plane.step_in_plane, plane.plane_forces, plane.plane_energies),
+        3: _Law(volume.step_in_volume, volume.volume_forces, volume.volume_energies),
     }
 )
 """Law of a run by the number of axes of its image."""
@@ -101,7 +101,7 @@ class Engine(ImageFields):
         values: ArrayLike | Image,
         parameters: Parameters | None = None,
         regions: AnyRegions | None = None,
-        measured: Measured | None = None,
+        measured: FieldMeasure | None = None,
     ) -> None:
         super().__init__(values, parameters, regions, measured)
         self._law = _LAW_BY_AXES[self.image.ndim]
@@ -115,7 +115,7 @@ class Engine(ImageFields):
 
     def reach_map(self, start: Array, parameters: Parameters) -> ReachMap | None:
         """Return how a start, shape (N, 2) [px], reaches the edges of the image; None where it does not limit a run."""
-        return self._local_fields.map_of(start, parameters)
+        return self._local_fields.reach_map_of(start, parameters)
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
@@ -141,11 +141,11 @@ class Engine(ImageFields):
         ValueError
             When there is no particle, or none inside the image and the regions of interest.
         """
-        points = starting_points(seeds, self.image.shape, self.regions)
-        space = SpaceState(self._pitch, no_surface()) if self.image.ndim == 3 else None
+        points = check_seeds(seeds, self.image.shape, self.regions)
+        space = SpaceState(self._pitch, no_surface_coverage()) if self.image.ndim == 3 else None
         none, nowhere = Particles.at_rest(points[:0]), no_coverage(())
         first = State(none, points, self.image.shape, self.scales, nowhere, regions=self.regions, space=space)
-        return thinned(interventions.start_scale(first, self.scales - 1, self.regions))
+        return thin_seeds(interventions.start_scale(first, self.scales - 1, self.regions))
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
         """Advance a run by one time step.
@@ -169,12 +169,12 @@ class Engine(ImageFields):
         """
         if state.stop_reason:
             return state
-        state = interventions.widened(interventions.applied(state, self.regions, parameters, charges))
+        state = interventions.widen_window(interventions.apply_interventions(state, self.regions, parameters, charges))
         field = self._field_with(self._field_of(state, parameters), state.scale, state.charges)
         after = self._law.step(state, field, self.regions, parameters)
         if after.scale == state.scale:
             return after
-        return begun(after, self._field_of(after, parameters))
+        return begin_scale(after, self._field_of(after, parameters))
 
     def forces(
         self,
@@ -205,7 +205,7 @@ class Engine(ImageFields):
             forces.
         """
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
-        changed = interventions.applied(state, state.regions, parameters, charges)
+        changed = interventions.apply_interventions(state, state.regions, parameters, charges)
         field = self._field_of(state, parameters)
         charged = self._field_with(field, state.scale, changed.charges)
         return self._law.forces(changed, field, charged, parameters, asked)
@@ -215,10 +215,10 @@ class Engine(ImageFields):
 
         The potential of the fixed charges is computed at the first call for a scale and cached with the field.
         """
-        placed = replace(state, charges=placed_in(charges, self.image.ndim))
+        placed = replace(state, charges=check_charges(charges, self.image.ndim))
         return self._law.energies(placed, self._field_of(state, parameters), parameters)
 
-    def joined(self, state: State, seeds: ArrayLike) -> State:
+    def add_particles(self, state: State, seeds: ArrayLike) -> State:
         """Add particles to a run.
 
         Parameters
@@ -239,9 +239,9 @@ class Engine(ImageFields):
         ValueError
             When there is no new particle, or none inside the image and the regions of interest.
         """
-        return interventions.joined(state, seeds, self.regions)
+        return interventions.add_particles(state, seeds, self.regions)
 
-    def erased(self, state: State, inside: interventions.Chosen) -> State:
+    def erase_particles(self, state: State, inside: interventions.ParticleSelection) -> State:
         """Remove particles from a run.
 
         Parameters
@@ -263,7 +263,7 @@ class Engine(ImageFields):
         ValueError
             When `inside` is not one truth value for each particle.
         """
-        return interventions.erased(state, inside)
+        return interventions.erase_particles(state, inside)
 
     def result(self, state: State, parameters: Parameters) -> Result:
         """Compute contours and metrics of any state of a run.
@@ -282,23 +282,23 @@ class Engine(ImageFields):
         """
         field: Any = self._field_of(state, parameters)
         if self.image.ndim == 3:
-            found = surface_of(state, self.image, field, parameters)
+            found = find_state_surface(state, self.image, field, parameters)
         else:
-            found = contours_of(state, self.image, field, parameters, self.reach_map)
-        return replace(found, provenance=_provenance(self.image, state, parameters))
+            found = find_state_contours(state, self.image, field, parameters, self.reach_map)
+        return replace(found, provenance=_build_provenance(self.image, state, parameters))
 
-    def measures(self, state: State, parameters: Parameters) -> Mapping[str, float]:
+    def measure_state(self, state: State, parameters: Parameters) -> Mapping[str, float]:
         """Return the metrics of a state by name; see `Method.measures`."""
         metrics = {name: float(getattr(state, attribute)) for name, attribute in _ATTRIBUTE_OF_METRIC.items()}
         return metrics | {"kinetic": kinetic_energy(state)}
 
-    def positions(self, state: State) -> Array:
+    def display_positions(self, state: State) -> Array:
         """Return the positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
 
     def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
         """Return the fields of the scale of a state, limited to the edges that its start reaches."""
-        return self._local_fields.at(state.scale, state.start, parameters, state.window)
+        return self._local_fields.field_at(state.scale, state.start, parameters, state.window)
 
     def __repr__(self) -> str:
         return described("Engine", self.image.source, sized(self.image.shape, ""), counted(self.scales, "scale"))
@@ -310,7 +310,7 @@ _ATTRIBUTE_OF_METRIC = {name: name for name in ("epsilon", "count", "born", "del
 """Attributes of a state by the name of the metric."""
 
 
-def _provenance(image: Image, state: State, parameters: Parameters) -> Provenance:
+def _build_provenance(image: Image, state: State, parameters: Parameters) -> Provenance:
     """Record how the contours of a state were found."""
     return Provenance(
         "cpm",

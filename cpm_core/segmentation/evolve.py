@@ -18,7 +18,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.state import State
-from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, described, shown
@@ -27,7 +27,7 @@ from cpm_core.segmentation.engine import Engine
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Evolved(drawing.Pictured):
+class RunState(drawing.Pictured):
     """State of a run: its particles, and on demand its contours.
 
     Attributes
@@ -120,7 +120,7 @@ class Evolved(drawing.Pictured):
         )  # fmt: skip
 
 
-class Evolution(Iterator[Evolved]):
+class Evolution(Iterator[RunState]):
     """Iterator over the states of a run; made by `evolve`.
 
     The first is the start. Parameters, placed charges and the end can be set between two steps.
@@ -164,7 +164,7 @@ class Evolution(Iterator[Evolved]):
         charges: Sequence[PlacedCharge] = (),
     ) -> None:
         self._engine = engine
-        self._moment = Evolved(engine, state, parameters)
+        self._moment = RunState(engine, state, parameters)
         self._begun = False
         self._max_steps = max_steps
         self.parameters = parameters
@@ -180,12 +180,12 @@ class Evolution(Iterator[Evolved]):
     def parameters(self, given: Parameters) -> None:
         if not isinstance(given, Parameters):
             raise ValueError(f"parameters is {shown(given)} but must be Parameters: use dataclasses.replace on them.")
-        if not self._engine.suits(given):
+        if not self._engine.can_start(given):
             raise ValueError(f"scales is {given.scales} but must stay {self._engine.scales} in a run: begin another.")
         self._parameters = given
 
     @property
-    def moment(self) -> Evolved:
+    def moment(self) -> RunState:
         """The newest moment."""
         return self._moment
 
@@ -197,9 +197,9 @@ class Evolution(Iterator[Evolved]):
     def stop(self, reason: str = "stopped, as asked") -> None:
         """End the run: nothing follows the newest moment; `reason` becomes `Result.stop_reason`."""
         if not self._moment.stop_reason:
-            self._moment = Evolved(self._engine, self._moment.state.stopped(reason), self._parameters)
+            self._moment = RunState(self._engine, self._moment.state.stop(reason), self._parameters)
 
-    def __next__(self) -> Evolved:
+    def __next__(self) -> RunState:
         if not self._begun:
             self._begun = True
             return self._moment
@@ -208,8 +208,8 @@ class Evolution(Iterator[Evolved]):
             raise StopIteration
         state = self._engine.step(before, self._parameters, self.charges)
         if state.step == self._max_steps and not state.stop_reason:
-            state = state.stopped(f"stopped after {self._max_steps} steps, as asked")
-        self._moment = Evolved(self._engine, state, self._parameters)
+            state = state.stop(f"stopped after {self._max_steps} steps, as asked")
+        self._moment = RunState(self._engine, state, self._parameters)
         return self._moment
 
     def __repr__(self) -> str:
@@ -253,7 +253,7 @@ def evolve(
     100 82 1
     """
     if max_steps is not None:
-        checked_number(
+        check_finite_number(
             "max_steps", max_steps, lambda count: count >= 1 and count == int(count), "at least 1, and whole"
         )
     chosen = parameters or Parameters()

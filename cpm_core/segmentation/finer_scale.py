@@ -15,17 +15,17 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import between, component
-from cpm_core.field.scale_field import GATE, ScaleField
-from cpm_core.model.coverage import CELL, NEVER, REACH, Coverage, cell_of
+from cpm_core.field.interpolation import pixel_before, interpolate_component
+from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
+from cpm_core.model.coverage import COVERAGE_CELL, NEVER_COVERED, COVERAGE_REACH, Coverage, cell_of
 from cpm_core.model.equations import IDLE_STEPS
 from cpm_core.model.interventions import allowed_places
 from cpm_core.model.state import State
-from cpm_core.numerics.grids import in_bands
+from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 
-_LARGE = 2**20
+_MIN_THINNED_PIXELS = 2**20
 """Pixels of an image above which the coarsest scale begins with fewer seeds, and a finer one after any start."""
 
 _EXPLAINED_CELLS = 1
@@ -39,19 +39,19 @@ Directions = NDArray[np.uint8]
 """Directions in which an image rises across the edges in each cell, a bit for each eighth of a turn."""
 
 
-def thinned(state: State) -> State:
+def thin_seeds(state: State) -> State:
     """Thin the first state of a run in a large image to one seed a cell where seeds are more than cells.
 
     A finer scale begins with the others.
     """
     cells = state.coverage.found.shape
-    if len(state.shape) != 2 or math.prod(state.shape) <= _LARGE or state.count <= math.prod(cells):
+    if len(state.shape) != 2 or math.prod(state.shape) <= _MIN_THINNED_PIXELS or state.count <= math.prod(cells):
         return state
-    place = np.ravel_multi_index(tuple(_cells(state.particles.position, cells)), cells)
-    return replace(state, particles=state.particles.taken(np.sort(np.unique(place, return_index=True)[1])))
+    place = np.ravel_multi_index(tuple(_cell_indices(state.particles.position, cells)), cells)
+    return replace(state, particles=state.particles.select(np.sort(np.unique(place, return_index=True)[1])))
 
 
-def begun(state: State, field: ScaleField) -> State:
+def begin_scale(state: State, field: ScaleField) -> State:
     """Return the first state of a scale, without the seeds that are not near an edge yet to be explained.
 
     An edge is explained by a particle of the coarser scale near it where the image rises in about the same direction,
@@ -66,35 +66,35 @@ def begun(state: State, field: ScaleField) -> State:
     first = state.count - len(allowed_places(state.start, state.scale, state.shape, state.regions))
     place = state.particles.position
     seeds = np.zeros(state.coverage.found.shape, bool)
-    row, col = _cells(place[first:], seeds.shape)
+    row, col = _cell_indices(place[first:], seeds.shape)
     seeds[row, col] = True
-    if math.prod(state.shape) <= _LARGE and not _around(seeds, max(_SEED_CELLS >> state.scale, 1)).all():
+    if math.prod(state.shape) <= _MIN_THINNED_PIXELS and not _dilate_cells(seeds, max(_SEED_CELLS >> state.scale, 1)).all():
         return state
-    edges, missing = marked_edges(field, place[:first], seeds.shape)
-    if not _around(seeds, _SEED_CELLS)[missing].all():
+    edges, missing = find_unexplained_edges(field, place[:first], seeds.shape)
+    if not _dilate_cells(seeds, _SEED_CELLS)[missing].all():
         return state
-    stay = np.concatenate([np.ones(first, bool), _around(missing, _SEED_CELLS)[row, col]])
+    stay = np.concatenate([np.ones(first, bool), _dilate_cells(missing, _SEED_CELLS)[row, col]])
     known = edges & ~missing
-    found, latest = (np.where(cells, -IDLE_STEPS, NEVER).astype(np.int32) for cells in (known, _around(known, REACH)))
+    found, latest = (np.where(cells, -IDLE_STEPS, NEVER_COVERED).astype(np.int32) for cells in (known, _dilate_cells(known, COVERAGE_REACH)))
     coverage = Coverage(found, latest, int(np.count_nonzero(known)))
-    return replace(state, particles=state.particles.where(stay), coverage=coverage)
+    return replace(state, particles=state.particles.keep(stay), coverage=coverage)
 
 
-def marked_edges(field: ScaleField, place: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
+def find_unexplained_edges(field: ScaleField, place: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
     """Return masks of cells, of this shape, with edges, and with edges that particles, shape (N, 2), do not explain."""
     edges, explained = np.zeros((2, *shape), np.uint8)
     packed = field.packed  # made here: threads that find it missing would each make it
-    in_bands(partial(_mark_edges, packed, field.floor, edges), len(edges))
+    run_in_bands(partial(_mark_edges, packed, field.floor, edges), len(edges))
     _mark_explained(packed, place, explained)
     return edges != 0, (edges & ~explained) != 0
 
 
-def _cells(place: Array, shape: tuple[int, ...]) -> Index:
+def _cell_indices(place: Array, shape: tuple[int, ...]) -> Index:
     """Return row and column of the cells of positions, shape (2, N)."""
-    return np.clip((place + 0.5) / CELL, 0, np.array(shape) - 1).astype(np.int64).T
+    return np.clip((place + 0.5) / COVERAGE_CELL, 0, np.array(shape) - 1).astype(np.int64).T
 
 
-def _around(cells: Mask, reach: int) -> Mask:
+def _dilate_cells(cells: Mask, reach: int) -> Mask:
     """Mark some cells and those near them, to each side."""
     return np.asarray(scipy.ndimage.maximum_filter(cells, 2 * reach + 1), bool)
 
@@ -102,19 +102,19 @@ def _around(cells: Mask, reach: int) -> Mask:
 @compiled
 def _direction_at(packed: Single, y: float, x: float) -> int:
     """Return the eighth of a turn in which an image rises at a position."""
-    place = between(packed, y, x)
-    down, right = component(packed, 2, place), component(packed, 3, place)
+    place = pixel_before(packed, y, x)
+    down, right = interpolate_component(packed, 2, place), interpolate_component(packed, 3, place)
     return int(4.0 * (np.arctan2(down, right) / np.pi + 1.0)) % 8
 
 
 @compiled
 def _mark_edges(packed: Single, floor: float, edges: Directions, first: int, end: int) -> None:
     """Mark some rows of cells that contain pixels on edges."""
-    size, beyond = int(CELL), packed.shape[0]
+    size, beyond = int(COVERAGE_CELL), packed.shape[0]
     for row in range(first * size, beyond if end == len(edges) else min(end * size, beyond)):
         for col in range(packed.shape[1]):
-            if packed[row, col, 4] >= floor and packed[row, col, 0] ** 2 + packed[row, col, 1] ** 2 < GATE**2:
-                cell = cell_of(row, CELL, edges.shape[0]), cell_of(col, CELL, edges.shape[1])
+            if packed[row, col, 4] >= floor and packed[row, col, 0] ** 2 + packed[row, col, 1] ** 2 < ON_EDGE_FORCE**2:
+                cell = cell_of(row, COVERAGE_CELL, edges.shape[0]), cell_of(col, COVERAGE_CELL, edges.shape[1])
                 edges[cell] |= np.uint8(1 << _direction_at(packed, row, col))
 
 
@@ -126,7 +126,7 @@ def _mark_explained(packed: Single, place: Array, explained: Directions) -> None
         direction, bits = _direction_at(packed, place[i, 0], place[i, 1]), 0
         for turn in range(-2, 3):
             bits |= 1 << (direction + turn) % 8
-        row, col = cell_of(place[i, 0], CELL, rows), cell_of(place[i, 1], CELL, cols)
+        row, col = cell_of(place[i, 0], COVERAGE_CELL, rows), cell_of(place[i, 1], COVERAGE_CELL, cols)
         for r in range(max(row - _EXPLAINED_CELLS, 0), min(row + _EXPLAINED_CELLS + 1, rows)):
             for c in range(max(col - _EXPLAINED_CELLS, 0), min(col + _EXPLAINED_CELLS + 1, cols)):
                 explained[r, c] |= np.uint8(bits)

@@ -18,7 +18,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
-from cpm_core.model.interventions import Chosen
+from cpm_core.model.interventions import ParticleSelection
 from cpm_core.model.measures import Forces
 from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array, Numbers, Texts
@@ -61,10 +61,10 @@ class MethodState(Protocol):
     def converged(self) -> bool:
         """Whether the run ended with a result."""
 
-    def arrays(self) -> Sequence[Numbers]:
+    def list_arrays(self) -> Sequence[Numbers]:
         """Return the arrays that take up memory, without those that all states of a run share."""
 
-    def resumed(self) -> Self:
+    def resume(self) -> Self:
         """Return this state as one of a running run, to continue with other parameters."""
 
 
@@ -127,7 +127,7 @@ class Method(Protocol[S]):
     def steering(parameters: Parameters) -> tuple[object, ...]:
         """Return the values of the parameters that a step depends on; a run continues when they change."""
 
-    def suits(self, parameters: Parameters) -> bool:
+    def can_start(self, parameters: Parameters) -> bool:
         """Return whether a run with these parameters can start; if not, a new method object is needed."""
 
     def with_regions(self, regions: Any) -> Self:
@@ -142,16 +142,16 @@ class Method(Protocol[S]):
     def result(self, state: S, parameters: Parameters) -> Result | Skeleton:
         """Return the contours of a state."""
 
-    def measures(self, state: S, parameters: Parameters) -> Mapping[str, float]:
+    def measure_state(self, state: S, parameters: Parameters) -> Mapping[str, float]:
         """Return the metrics of a state by name, for plots and the status."""
 
-    def positions(self, state: S) -> Array:
+    def display_positions(self, state: S) -> Array:
         """Return the points of a state to display, shape (N, 2) [px of the image]."""
 
     def edge_map(self, parameters: Parameters) -> Array:
         """Return the edge strength on the pixels of the image, shape (H, W)."""
 
-    def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
+    def force_field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Return the field that attracts points to edges, on the pixels of a scale, shape (2, H, W)."""
 
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
@@ -162,10 +162,10 @@ class Method(Protocol[S]):
 class Steerable(Method[S], Protocol[S]):
     """Method whose points can be added, erased and examined during a run."""
 
-    def joined(self, state: S, seeds: ArrayLike) -> S:
+    def add_particles(self, state: S, seeds: ArrayLike) -> S:
         """Add points to a run."""
 
-    def erased(self, state: S, inside: Chosen) -> S:
+    def erase_particles(self, state: S, inside: ParticleSelection) -> S:
         """Remove points from a run."""
 
     def forces(
@@ -178,7 +178,7 @@ class Steerable(Method[S], Protocol[S]):
         """Return the forces on points of a state, shape (N, D); `index`, shape (M,), selects some of them."""
 
 
-METHODS: Mapping[str, type[Method[Any]]] = MappingProxyType(
+RUN_METHODS: Mapping[str, type[Method[Any]]] = MappingProxyType(
     {method.name: method for method in (Engine, SkeletonMethod)}
 )
 """All methods by name."""

@@ -20,7 +20,7 @@ from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation.reach.reach_map import ReachMap
 
 
-def result_of(state: State, image: Image, parameters: Parameters, **found: Any) -> Result:
+def build_result(state: State, image: Image, parameters: Parameters, **found: Any) -> Result:
     """Build the result of a run at a state, with the contours and bridges, or the surface, that were found."""
     return Result(
         particles=state.position,
@@ -38,7 +38,7 @@ def result_of(state: State, image: Image, parameters: Parameters, **found: Any) 
     )
 
 
-def contours_of(
+def find_state_contours(
     state: State,
     image: Image,
     field: ScaleField,
@@ -65,22 +65,22 @@ def contours_of(
         for c, points in zip(found, places, strict=True)
     )
     bridges = tuple(Bridge(to_image_places(b.points), b.length * size, b.strength / size) for b in bridged)
-    return result_of(state, image, parameters, contours=contours, surface=None, bridges=bridges)
+    return build_result(state, image, parameters, contours=contours, surface=None, bridges=bridges)
 
 
-def surface_of(state: State, image: Image, field: VolumeField, parameters: Parameters) -> Result:
+def find_state_surface(state: State, image: Image, field: VolumeField, parameters: Parameters) -> Result:
     """Find the surface through the particles on surfaces of a state, in voxels; it ends at walls."""
     from cpm_core.reconstruction.surface.pipeline import find_surface  # noqa: PLC0415 - loads scipy.spatial
 
     particles, scale = state.particles, state.scale
     assert state.space is not None
-    points = particles.position[particles.on_surface.seated] / state.space.pitch
+    points = particles.position[particles.surface_contact.on_surface] / state.space.pitch
     shut = None
     if field.walls is not None:
-        shut = field.walls.shut(field.shape, field.pitch, particles.position[particles.on_surface.seated])
+        shut = field.walls.shut(field.shape, field.pitch, particles.position[particles.surface_contact.on_surface])
     spacing = tuple(side * 2.0**scale for side in image.spacing)
     fields = field.smoothed, field.edges
     surface = find_surface(*fields, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)
     if scale:
         surface = replace(surface, vertices=to_image(surface.vertices, scale, image.shape), spacing=image.spacing)
-    return result_of(state, image, parameters, contours=(), surface=surface)
+    return build_result(state, image, parameters, contours=(), surface=surface)

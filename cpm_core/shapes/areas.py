@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from cpm_core.model.starts import above
+from cpm_core.model.starts import pixels_above
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, frozen
 from cpm_core.shapes.path import ClosedPath, check_number
@@ -91,7 +91,7 @@ class Grid(Spaced, ClosedPath):
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 2), centered in the area; at least one."""
         places = evenly(self._lengths, self.spacing) + np.min(self.points, axis=0)
-        found = places[polyline.inside(self.points, places)]
+        found = places[polyline.points_inside(self.points, places)]
         return found if len(found) else np.mean(self.points, axis=0)[None]
 
     @property
@@ -125,8 +125,8 @@ class Threshold(OnStrongEdges, ClosedPath):
         high = np.clip(np.floor(np.max(self.points, axis=0)), 0, corner).astype(int)
         window = strength()[low[0] : high[0] + 1, low[1] : high[1] + 1]
         pixels = np.indices(window.shape).reshape(2, -1).T + low
-        within = polyline.inside(self.points, pixels.astype(float)).reshape(window.shape)
-        return above(np.where(within, window, 0.0), self.fraction) + low if within.any() else np.empty((0, 2))
+        within = polyline.points_inside(self.points, pixels.astype(float)).reshape(window.shape)
+        return pixels_above(np.where(within, window, 0.0), self.fraction) + low if within.any() else np.empty((0, 2))
 
 
 def check_spacing(spacing: float, lengths: Sequence[float]) -> None:

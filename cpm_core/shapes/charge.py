@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 
-from cpm_core.field.placed_charges import STRONGEST, PlacedCharge
+from cpm_core.field.placed_charges import MAX_CHARGE_STRENGTH, PlacedCharge
 from cpm_core.numerics.types import Place, frozen
 from cpm_core.shapes.path import WithoutOutline, check_number
 
@@ -32,7 +32,7 @@ class Charge(WithoutOutline):
     strength: float = 2.0
 
     def __post_init__(self) -> None:
-        check_number("strength", self.strength, -STRONGEST, STRONGEST)
+        check_number("strength", self.strength, -MAX_CHARGE_STRENGTH, MAX_CHARGE_STRENGTH)
 
     @property
     def title(self) -> str:
@@ -50,7 +50,7 @@ class Charge(WithoutOutline):
 
     def resized(self, by: float) -> Charge:
         """Return the charge with its absolute strength raised by a number of steps of a half."""
-        size = min(max(abs(self.strength) + _CHARGE_STRENGTH_STEP * by, LEAST_CHARGE_STRENGTH), STRONGEST)
+        size = min(max(abs(self.strength) + _CHARGE_STRENGTH_STEP * by, LEAST_CHARGE_STRENGTH), MAX_CHARGE_STRENGTH)
         return Charge(self.position, math.copysign(size, self.strength))
 
     def distance(self, position: Place) -> float:

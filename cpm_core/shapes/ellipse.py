@@ -130,7 +130,7 @@ class Ellipse(Centered):
 
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 2)."""
-        return initialization.loop(self.outline[:-1])
+        return initialization.closed_stroke(self.outline[:-1])
 
     @property
     def outline(self) -> Array:
@@ -162,7 +162,7 @@ class Ellipse(Centered):
 
     def distance(self, position: Position) -> float:
         """Measure the distance of a position from the line [px]."""
-        return polyline.distance(self.outline, position)
+        return polyline.distance_to_path(self.outline, position)
 
     def encloses(self, position: Position) -> bool:
         """Return whether a position lies inside."""

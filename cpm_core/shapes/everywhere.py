@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Literal, get_args
 
 from cpm_core.image.image import Image
-from cpm_core.model.starts import STRONG, above, divergence_centers, uniform_grid
+from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above, divergence_centers, uniform_grid
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics.types import Array, Position, frozen
 from cpm_core.shapes.path import WithoutOutline
@@ -60,7 +60,7 @@ class Everywhere(WithoutOutline):
         if self.kind == "grid":
             return uniform_grid(values.shape)
         if self.kind == "gradient":
-            return above(strength(), STRONG)
+            return pixels_above(strength(), STRONG_EDGE_FRACTION)
         return divergence_centers(values)
 
     def seeds_in(self, volume: Image, smoothing: float) -> Array:
@@ -69,10 +69,10 @@ class Everywhere(WithoutOutline):
         `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
         """
         if self.kind == "grid":
-            return volume_starts.everywhere(volume)
+            return volume_starts.seeds_everywhere(volume)
         if self.kind == "gradient":
-            return volume_starts.on_strong_edges(volume, smoothing=smoothing)
-        return volume_starts.at_centers(volume)
+            return volume_starts.seeds_on_strong_edges(volume, smoothing=smoothing)
+        return volume_starts.seeds_at_centers(volume)
 
     def moved(self, by: Position) -> Everywhere:
         """Return the shape itself: it has no position."""

@@ -8,7 +8,7 @@ from functools import lru_cache
 from cpm_core.field.edge_map import automatic_smoothing, edge_map
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.volume.starts import strength_of
+from cpm_core.model.volume.starts import volume_edge_strength
 from cpm_core.numerics.types import Array
 from cpm_core.shapes.areas import Threshold
 from cpm_core.shapes.everywhere import Everywhere
@@ -39,7 +39,7 @@ class SeedCache:
 
         @lru_cache(1)  # dragging an area does not change the smoothing
         def edge_strength(sigma: float, channel: str) -> Array:
-            return strength_of(image, sigma) if volume else edge_map(gray(channel), sigma)
+            return volume_edge_strength(image, sigma) if volume else edge_map(gray(channel), sigma)
 
         @lru_cache(_CACHED_STARTS)
         def find_seeds(start: ImageStart, sigma: float, channel: str) -> Array:

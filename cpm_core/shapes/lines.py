@@ -40,7 +40,7 @@ class Polygon(ClosedPath):
 
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 2), or (N, 3) in a volume."""
-        return initialization.loop(self.points)
+        return initialization.closed_stroke(self.points)
 
 
 @frozen
@@ -83,7 +83,7 @@ class Points(WithoutOutline):
 
     def moved(self, by: Place) -> Points:
         """Return the points displaced along each axis."""
-        return Points(polyline.moved(self.positions, by))
+        return Points(polyline.translate_path(self.positions, by))
 
     def distance(self, position: Place) -> float:
         """Measure the distance of a position from the nearest point [px]."""

@@ -32,7 +32,7 @@ def starts_along(contours: Contours, places: Array | None = None) -> tuple[Polyg
     """
     starts: list[Polygon | Stroke | Points] = []
     for contour in contours:
-        corners = polyline.thinned(contour.path.tolist())
+        corners = polyline.simplify_path(contour.path.tolist())
         closed = contour.closed and len(set(corners)) > 2
         starts.append(Polygon(corners[:-1]) if closed else Stroke(corners))
     if places is not None and len(places):
@@ -50,4 +50,4 @@ def start_on_surface(surface: Surface) -> Points:
 
 def starts_in(lines: Centerlines) -> tuple[Stroke, ...]:
     """Convert center lines to starts with the corners that matter."""
-    return tuple(Stroke(polyline.thinned(branch.points.tolist())) for branch in lines.branches)
+    return tuple(Stroke(polyline.simplify_path(branch.points.tolist())) for branch in lines.branches)

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from cpm_core.numerics import polyline
-from cpm_core.numerics.polyline import MOST_HANDLES
+from cpm_core.numerics.polyline import MAX_CORNER_HANDLES
 from cpm_core.numerics.types import Array, Line, Place, frozen
 
 SMALLEST = 0.5
@@ -85,19 +85,19 @@ class OpenPath(WithoutOutline):
 
     def moved(self, by: Place) -> Self:
         """Return the shape displaced along each axis."""
-        return self._with_points(polyline.moved(self.points, by))
+        return self._with_points(polyline.translate_path(self.points, by))
 
     def handles(self) -> tuple[Place, ...]:
         """Return the corners; none where there are so many that they would hide the line."""
-        return self.points if len(self.points) <= MOST_HANDLES else ()
+        return self.points if len(self.points) <= MAX_CORNER_HANDLES else ()
 
     def with_handle_at(self, handle: Place, to: Place) -> Self:
         """Return the shape with the corner nearest to a handle moved; unchanged where too few corners would differ."""
-        return self._with_points(polyline.with_handle_at(self.points, handle, to))
+        return self._with_points(polyline.move_corner(self.points, handle, to))
 
     def distance(self, position: Place) -> float:
         """Measure the distance of a position from the line [px]."""
-        return polyline.distance(self.points, position)
+        return polyline.distance_to_path(self.points, position)
 
     def _with_points(self, points: tuple[Place, ...]) -> Self:
         return replace(self, points=points) if len(set(points)) >= self.least else self
@@ -125,8 +125,8 @@ class ClosedPath(OpenPath):
 
     def distance(self, position: Place) -> float:
         """Measure the distance of a position from the line [px]."""
-        return polyline.distance(self.outline, position)
+        return polyline.distance_to_path(self.outline, position)
 
     def encloses(self, position: Place) -> bool:
         """Return whether the line winds around a position; no line in a volume encloses any."""
-        return len(position) == 2 and bool(polyline.inside(self.points, np.array([position]))[0])
+        return len(position) == 2 and bool(polyline.points_inside(self.points, np.array([position]))[0])

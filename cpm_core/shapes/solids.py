@@ -76,7 +76,7 @@ class Cuboid(WithoutOutline):
 
     def moved(self, by: Place) -> Self:
         """Return the box displaced along each axis."""
-        return self._between(*polyline.moved((self.first, self.last), by))
+        return self._between(*polyline.translate_path((self.first, self.last), by))
 
     def resized(self, by: float) -> Self:
         """Return the box with each face moved outward."""
@@ -120,7 +120,7 @@ class Box(Cuboid):
 
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 3)."""
-        return volume_starts.box(self.first, self.last, self.apart)
+        return volume_starts.seeds_on_box(self.first, self.last, self.apart)
 
     @property
     def apart(self) -> float:

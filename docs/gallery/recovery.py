@@ -12,7 +12,7 @@ import numpy as np
 
 from cpm_core.contours.agreement import agreement
 from cpm_core.model.plane import step as plane
-from cpm_core.model.plane.step import populated
+from cpm_core.model.plane.step import insert_and_delete
 from cpm_core.model.state import State
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import reconstruct_curve
@@ -39,7 +39,7 @@ def convergence() -> Page:
     scene = silhouettes.letter_u().under(Parameters(scales=1))
     engine = Engine(scene.values, scene.parameters)
     done = run(scene, at=range(10, 61, 10), engine=engine)
-    field = Picture("electric field (direction)", scene.values, field=engine.field(scene.parameters))
+    field = Picture("electric field (direction)", scene.values, field=engine.force_field(scene.parameters))
     snapshots = [_snapshot(scene, moment) for moment in done.moments]
     panels = [start(scene), field, *snapshots, outcome("result", done)]
     return Page([panels[k : k + 3] for k in range(0, len(panels), 3)])
@@ -63,12 +63,12 @@ class _Constant(Engine):
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
-        self._laws = SimpleNamespace(stepped=partial(plane.stepped, populate=_unchanged))
+        self._laws = SimpleNamespace(stepped=partial(plane.step_in_plane, populate=_unchanged))
 
 
 def _unchanged(state: State, *rest: Any) -> State:
     """The coverage of a step with insertion and deletion, and the particles before them."""
-    after = populated(state, *rest)
+    after = insert_and_delete(state, *rest)
     return replace(after, particles=state.particles, born=0, deleted=state.deleted)
 
 

@@ -47,7 +47,7 @@ def _fields() -> mpl.figure.Figure:
     middle.imshow(engine.edge_map(cpm.Parameters()), cmap="magma")
     middle.set(title="edge map f", xticks=[], yticks=[])
     image.plot(right, scale_bar=False).set_title("direction of the field")
-    show_field(right, engine.field(cpm.Parameters()))
+    show_field(right, engine.force_field(cpm.Parameters()))
     return figure
 
 

@@ -33,7 +33,7 @@ from cpm_core.formats import writers
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.state import Particles
 from cpm_core.parameters import PARAMETERS, Parameters
-from cpm_core.segmentation.method import METHODS
+from cpm_core.segmentation.method import RUN_METHODS
 from cpm_core.shapes import Circle
 
 from .conftest import Hand
@@ -183,10 +183,10 @@ class HalfwayState:
     def particles(self) -> Particles:
         return Particles.at_rest(self.position)
 
-    def arrays(self) -> list[np.ndarray]:
+    def list_arrays(self) -> list[np.ndarray]:
         return [contour.points for contour in self.contours]
 
-    def resumed(self) -> "HalfwayState":
+    def resume(self) -> "HalfwayState":
         return replace(self, stop_reason="")
 
 
@@ -202,7 +202,7 @@ class Halfway(ImageFields):
     def steering(parameters: Parameters) -> tuple[object, ...]:
         return ()
 
-    def suits(self, parameters: Parameters) -> bool:
+    def can_start(self, parameters: Parameters) -> bool:
         return True
 
     def start(self, seeds) -> HalfwayState:
@@ -217,15 +217,15 @@ class Halfway(ImageFields):
     def result(self, state: HalfwayState, parameters: Parameters) -> Result:
         return replace(result_of(*state.contours), shape=self.image.shape, stop_reason=state.stop_reason)
 
-    def measures(self, state, parameters: Parameters) -> Mapping[str, float]:
+    def measure_state(self, state, parameters: Parameters) -> Mapping[str, float]:
         return {"lines": len(state.contours)}
 
-    def positions(self, state: HalfwayState) -> np.ndarray:
+    def display_positions(self, state: HalfwayState) -> np.ndarray:
         return state.position
 
 
 def test_a_method_is_a_class_that_the_window_runs_without_knowing_it(opened, hand_on) -> None:
-    core = Core(methods=MappingProxyType({**METHODS, "cpm": Halfway}))
+    core = Core(methods=MappingProxyType({**RUN_METHODS, "cpm": Halfway}))
     window = opened(core)
     window.session.edit("draw", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
     hand = hand_on(window)

@@ -32,8 +32,8 @@ from cpm_core.contours.agreement import TOLERANCE, distance_to
 from cpm_core.contours.contour import Contour, sampled
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
 from cpm_core.formats.images.reading import Reading
-from cpm_core.numerics.grids import tiles
-from cpm_core.numerics.parallel import at_most
+from cpm_core.numerics.grids import split_into_tiles
+from cpm_core.numerics.parallel import limit_cores
 
 PITCH, REACH, TILE = 94.9, 40, 1024
 NOISE, BLUR = 4.0, 0.8
@@ -90,10 +90,10 @@ def part(window, side):
 def make(path, side):
     began = time.perf_counter()
     levels = create_levels(path, (side, side), np.uint8, TILE, (0.25, 0.25), "µm")
-    for window in tiles((side, side), TILE):
+    for window in split_into_tiles((side, side), TILE):
         write_part(path, 0, window, part(window, side))
     for level in range(1, levels):
-        for window in tiles((-(-side // 2**level),) * 2, TILE):
+        for window in split_into_tiles((-(-side // 2**level),) * 2, TILE):
             halve_part(path, level, window)
     print(f"{count_along(side) ** 2} nuclei in {time.perf_counter() - began:.0f} s")
 
@@ -180,7 +180,7 @@ def objects(side, core):
         grid = grid_for(values.shape, parameters, 1.5, core)
         between = replace(found, kind=CONTOURS, grid=grid, counts=(0,) * len(found.counts))
         same = [one for at in range(len(found.counts)) for one in between.contours(at)]
-    with at_most(1):
+    with limit_cores(1):
         result = cpm.segment(cpm.Image(values), cpm.uniform_grid(values.shape), parameters)
         for title, contours in (("the same contours", same), ("those of a run in one piece", result.contours)):
             left, apart = list(several.values()), []

@@ -18,7 +18,7 @@ import psutil
 import scipy
 
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
-from cpm_core.numerics.grids import tiles, zero_surface
+from cpm_core.numerics.grids import split_into_tiles, zero_surface
 
 PITCH, REACH, TILE = 97.0, 40, 256
 NOISE, TOLERANCE = 4.0, 2.0
@@ -73,10 +73,10 @@ def part(window, side):
 def make(path, side):
     began = time.perf_counter()
     levels = create_levels(path, (side,) * 3, np.uint8, TILE, (0.5, 0.5, 0.5), "µm")
-    for window in tiles((side,) * 3, TILE):
+    for window in split_into_tiles((side,) * 3, TILE):
         write_part(path, 0, window, part(window, side))
     for level in range(1, levels):
-        for window in tiles((-(-side // 2**level),) * 3, TILE):
+        for window in split_into_tiles((-(-side // 2**level),) * 3, TILE):
             halve_part(path, level, window)
     print(f"{count_along(side) ** 3} bodies in {time.perf_counter() - began:.0f} s")
 

@@ -65,7 +65,7 @@ def main():
                     continue
                 for value in (control.slider_low, control.slider_high):
                     changed = with_value(usual, slider, value)
-                    moments = {"start": start, "middle": states[len(states) // 2], "rest": states[-1].resumed()}
+                    moments = {"start": start, "middle": states[len(states) // 2], "rest": states[-1].resume()}
                     for moment, state in moments.items():
                         figures = measured(engine, state, changed, points)
                         print(f"{name} {preset} {slider} {value:g} {moment}", *(f"{one:.4g}" for one in figures))

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core import Contour, edge_map
-from cpm_core.numerics.polyline import sampled
+from cpm_core.numerics.polyline import sample_path
 from docs.gallery import figures, pictures, silhouettes, skeletons
 from docs.gallery.figures import FIGURES, Figure, write_figures
 from docs.gallery.outlines import (
@@ -89,7 +89,7 @@ def test_the_image_has_an_edge_at_the_true_boundary(name):
     across = np.linspace(-2.5, 2.5, 21)
     places, normals = [], []
     for contour in scene.truth:
-        points = sampled(contour.path, 1.0)
+        points = sample_path(contour.path, 1.0)
         along = points[2:] - points[:-2]
         places.append(points[1:-1])
         normals.append(np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None])
@@ -111,10 +111,10 @@ def test_scenes_are_the_same_every_time_and_begin_inside_the_image(name):
 @pytest.mark.parametrize("name", ["ellipse", "grey starfish", "grey cross in noise"])
 def test_a_medial_axis_is_equally_far_from_the_outline_on_both_sides(name):
     shape = skeletons.shapes()[name]
-    outline = np.concatenate([sampled(ring.path, 0.1) for ring in closed(shape.outline)])
+    outline = np.concatenate([sample_path(ring.path, 0.1) for ring in closed(shape.outline)])
     for line in shape.axis:
         along = (line.points[1] - line.points[0]) / line.length
-        for place in sampled(line.path, 4.0):
+        for place in sample_path(line.path, 4.0):
             off = outline - place
             left = off[:, 0] * along[1] - off[:, 1] * along[0] > 0.0
             one, other = (np.hypot(*off[side].T).min() for side in (left, ~left))

@@ -207,10 +207,10 @@ def thinned(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:
 def _thinned(contour: Contour, tolerance: float) -> Contour:
     points = contour.points
     if not contour.closed:
-        return replace(contour, points=np.array(polyline.thinned(points.tolist(), tolerance)))
+        return replace(contour, points=np.array(polyline.simplify_path(points.tolist(), tolerance)))
     middle = np.linalg.norm(points - points[0], axis=1).argmax()
     halves = points[: middle + 1], np.concatenate([points[middle:], points[:1]])
-    few = [corner for half in halves for corner in polyline.thinned(half.tolist(), tolerance)[:-1]]
+    few = [corner for half in halves for corner in polyline.simplify_path(half.tolist(), tolerance)[:-1]]
     return replace(contour, points=np.array(few)) if len(few) > 2 else contour
 
 

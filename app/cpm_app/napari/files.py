@@ -12,7 +12,7 @@ import numpy as np
 from cpm_app.napari.layers import LayerData, contours_of, layer_of_contours
 from cpm_core import Result, Surface, export
 from cpm_core.formats import CONTOURS_READABLE, read_contours
-from cpm_core.numerics.types import Plain
+from cpm_core.numerics.types import JsonObject
 from cpm_core.objects import boundaries_result
 
 
@@ -37,13 +37,13 @@ def _all(path: str | Sequence[str]) -> list[Path]:
     return [Path(path)] if isinstance(path, str) else [Path(one) for one in path]
 
 
-def write_shapes(path: str, data: Any, settings: Plain) -> list[str]:
+def write_shapes(path: str, data: Any, settings: JsonObject) -> list[str]:
     """Write a layer of shapes in the format that the suffix names."""
     contours, shape = contours_of(data, settings)
     return _written(boundaries_result(contours, (), shape, (1.0, 1.0), None, settings["name"]), path)
 
 
-def write_surface(path: str, data: Any, settings: Plain) -> list[str]:
+def write_surface(path: str, data: Any, settings: JsonObject) -> list[str]:
     """Write a surface, in the coordinates of its layer."""
     vertices, faces = np.asarray(data[0], dtype=float), np.asarray(data[1])
     spacing = tuple(np.asarray(settings["scale"], dtype=float).tolist())

@@ -13,7 +13,7 @@ from cpm_core.contours import numbers_of
 from cpm_core.formats import color_of, ellipse
 from cpm_core.formats.contours.contents import DEFAULT
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Integers, Plain
+from cpm_core.numerics.types import Integers, JsonObject
 
 LayerData = tuple[Any, dict[str, Any], str]
 """Layer as napari takes it: data, settings, and kind."""
@@ -57,7 +57,7 @@ def layers_of_result(result: Result, name: str, **settings: Any) -> list[LayerDa
     return [*layers, layer_of_contours(result.contours, f"{name} contours", result.shape, **settings)]
 
 
-def contours_of(data: Sequence[Array], settings: Plain) -> tuple[tuple[Contour, ...], Integers]:
+def contours_of(data: Sequence[Array], settings: JsonObject) -> tuple[tuple[Contour, ...], Integers]:
     """Return the contours of a layer of shapes in a plane, with names and colors, and the shape of their image.
 
     `data` are vertices of each shape, shape (K, D); the last two axes are rows and columns [px].

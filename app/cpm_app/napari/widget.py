@@ -19,7 +19,7 @@ from cpm_app.napari import finding
 from cpm_app.napari.layers import LayerData, drawn_lines, layers_of_result
 from cpm_core.image.drawing import PARTICLE
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import JsonDict
 
 OBJECTS = "Objects at the points"
 """Choice that finds an object at each point."""
@@ -198,7 +198,7 @@ class FindWidget(Container):  # type: ignore[misc]
         for layer in found:
             self._show(*layer)
 
-    def _show(self, data: Any, settings: Entries, kind: str) -> None:
+    def _show(self, data: Any, settings: JsonDict, kind: str) -> None:
         """Replace the layer of the same name, which remains chosen where its data can be replaced."""
         with suppress(KeyError):
             known = self._viewer.layers[settings["name"]]

@@ -20,7 +20,7 @@ from numpy.typing import DTypeLike
 from cpm_core.contours.packed_surface import MOST_VOXELS, PackedVoxels, packed, unpacked
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
-from cpm_core.numerics.types import Entries, Numbers, Plain, Texts, frozen
+from cpm_core.numerics.types import JsonDict, Numbers, JsonObject, Texts, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import SHAPES, Shape
@@ -72,7 +72,7 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
     unknown = sorted(str(name) for name in plain if name not in fields)
     if unknown:
         raise ValueError(f"{where} has a value {shown(unknown[0])}, but only {', '.join(fields)} are known.")
-    given: Entries = {}
+    given: JsonDict = {}
     for name, field in fields.items():
         if name in plain:
             given[name] = _value(hints[name], plain[name], f"{name} of {where}")
@@ -84,7 +84,7 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
         raise ValueError(f"{where} cannot be used: {error}") from error
 
 
-def shape_to_plain(shape: Shape) -> Entries:
+def shape_to_plain(shape: Shape) -> JsonDict:
     """Convert a shape to JSON: its kind and the values of its fields."""
     kind = next(name for name, made in SHAPES.items() if type(shape) is made)
     return {"shape": kind, **to_plain(shape)}
@@ -113,7 +113,7 @@ def parameters_from_plain(plain: object) -> tuple[Parameters, Texts]:
     return Parameters(**values), tuple(sorted(set(given) - known))
 
 
-def mapping(value: object, where: str) -> Plain:
+def mapping(value: object, where: str) -> JsonObject:
     """Return a JSON object unchanged; ValueError for anything else."""
     if not isinstance(value, Mapping):
         raise ValueError(f"{where} is {shown(value)} but must be an object with named values.")
@@ -208,7 +208,7 @@ _VALUE_PARSERS: dict[Any, Callable[[object, str], Any]] = {
 }
 
 
-def array_to_plain(array: Numbers) -> Entries:
+def array_to_plain(array: Numbers) -> JsonDict:
     """Convert an array of numbers of any shape to JSON, losslessly."""
     return {"shape": list(array.shape), "data": packed(array)}
 
@@ -228,17 +228,17 @@ def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, .
     return unpacked(given.get("data"), dtype, math.prod(sides), where).reshape(sides)
 
 
-def regions_to_plain(regions: AnyRegions | None) -> Entries:
+def regions_to_plain(regions: AnyRegions | None) -> JsonDict:
     """Convert limits to a JSON object of one entry; empty without limits."""
     return {name: to_plain(regions) for name, kind in _REGION_TYPES.items() if isinstance(regions, kind)}
 
 
-def regions_from_plain(plain: Plain, where: str) -> AnyRegions | None:
+def regions_from_plain(plain: JsonObject, where: str) -> AnyRegions | None:
     """Build the limits in a JSON object; None if it has none, ValueError when they are invalid."""
     return next((from_plain(kind, plain[name], where) for name, kind in _REGION_TYPES.items() if name in plain), None)
 
 
-def encoded_json(content: Plain) -> bytes:
+def encoded_json(content: JsonObject) -> bytes:
     """Encode an object as UTF-8, one line per entry of its lists and objects; ValueError for what JSON cannot hold."""
     lines = []
     for key, value in content.items():

@@ -17,7 +17,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Entries, Plain
+from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import SHAPES, EnclosedRegion, EnclosingWall, Shape
 
@@ -37,7 +37,7 @@ _MAX_LISTED_POSITIONS = 32
 """Number of positions of a shape up to which they are listed; beyond it only their number is."""
 
 
-def facts_of(result: Outcome) -> Entries:
+def facts_of(result: Outcome) -> JsonDict:
     """Describe the provenance of a result as JSON."""
     facts = facts_on(result.source, result.provenance, _limits(result))
     if isinstance(result, Result) and result.provenance.method != "objects":
@@ -45,12 +45,12 @@ def facts_of(result: Outcome) -> Entries:
     return facts
 
 
-def facts_on(source: str, made: Provenance, shapes: Iterable[Plain] = ()) -> Entries:
+def facts_on(source: str, made: Provenance, shapes: Iterable[JsonObject] = ()) -> JsonDict:
     """Describe the provenance for an image of this name as JSON, adding those of `shapes` that it lacks."""
     image = {"name": printable(PurePosixPath(PureWindowsPath(source).name).name)}
     if made.sha256:
         image["sha256" if made.of_file else "array_sha256"] = made.sha256
-    facts: Entries = {"program": "CPM", "version": VERSION, "image": image}
+    facts: JsonDict = {"program": "CPM", "version": VERSION, "image": image}
     if made.method:
         facts["method"] = made.method
     if made.parameters:
@@ -73,12 +73,12 @@ def facts_on(source: str, made: Provenance, shapes: Iterable[Plain] = ()) -> Ent
     return facts
 
 
-def text_of(facts: Plain) -> str:
+def text_of(facts: JsonObject) -> str:
     """Dump a provenance as JSON on one line of ASCII, for a comment or description in a file."""
     return json.dumps(facts, allow_nan=False, separators=(",", ":"))
 
 
-def entries_of(facts: Plain) -> dict[str, str]:
+def entries_of(facts: JsonObject) -> dict[str, str]:
     """Flatten a provenance to names and short texts, for files that hold no JSON, such as tables.
 
     Only the name of an image may contain a comma: many programs that read tables do not understand quoted cells.
@@ -96,7 +96,7 @@ def entries_of(facts: Plain) -> dict[str, str]:
     return entries
 
 
-def _plain(values: Plain) -> str:
+def _plain(values: JsonObject) -> str:
     """Format names with their values, flattening nested lists."""
     return " ".join(f"{name}={' '.join(_flat(value))}" for name, value in values.items())
 
@@ -110,7 +110,7 @@ def _flat(value: Any) -> Iterator[str]:
         yield str(value).replace(",", ";")
 
 
-def plain_shapes(shapes: Iterable[Shape]) -> tuple[Entries, ...]:
+def plain_shapes(shapes: Iterable[Shape]) -> tuple[JsonDict, ...]:
     """Describe shapes for `Provenance.shapes`, with the kinds and fields of session files."""
     kinds = {kind: name for name, kind in SHAPES.items()}
     found = []
@@ -122,19 +122,19 @@ def plain_shapes(shapes: Iterable[Shape]) -> tuple[Entries, ...]:
     return tuple(found)
 
 
-def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[Plain] = ()) -> Result:
+def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[JsonObject] = ()) -> Result:
     """Record the shapes that seeds, limits and charges of a run come from, and `more` already described as JSON."""
     return replace(result, provenance=replace(result.provenance, shapes=(*plain_shapes(shapes), *more)))
 
 
-def _limits(result: Outcome) -> list[Entries]:
+def _limits(result: Outcome) -> list[JsonDict]:
     """Describe the regions of interest and barriers of a run as shapes."""
     known = (result.regions if isinstance(result, Result) else None) or Regions()
     limits = {"region": known.interest, "barrier": known.barriers}
     return [{"shape": shape, **_limit(limit)} for shape, several in limits.items() for limit in several]
 
 
-def _limit(limit: Any) -> Entries:
+def _limit(limit: Any) -> JsonDict:
     """Describe the extent of a region of interest or a barrier."""
     if isinstance(limit, Extrusion):
         return {"points": limit.line, "axis": limit.axis, "first": limit.first, "last": limit.last}

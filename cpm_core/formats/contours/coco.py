@@ -13,7 +13,7 @@ from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, rounded
 from cpm_core.formats.contours.mask import mask_of_runs, outlines
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import JsonDict
 
 _UNNAMED_CATEGORY = "object"
 """Category of an instance without a name."""
@@ -48,7 +48,7 @@ def encode(result: Outcome) -> bytes:
     surrounding = {row.inside for row in rows if row.closed}
     labels = paint(result.contours, result.shape) if surrounding - {0} else None
     height, width = result.shape
-    instances: list[Entries] = []
+    instances: list[JsonDict] = []
     for label, pairs in sorted(parts.items()):
         first, measures = pairs[0]
         polygons = [_polygon(contour) for contour, _ in pairs]
@@ -98,7 +98,7 @@ def _polygon(contour: Contour) -> list[float]:
     return rounded((contour.points[:, ::-1] + PIXEL).ravel())
 
 
-def read(content: Entries) -> Contents:
+def read(content: JsonDict) -> Contents:
     """Read the contours of the instances of the first image that has any.
 
     The category becomes the class of a contour, and its name if it has none. Contours of run-length masks run between
@@ -123,9 +123,9 @@ def read(content: Entries) -> Contents:
     return found
 
 
-def _add(found: Contents, entry: Entries, name: str) -> None:
+def _add(found: Contents, entry: JsonDict, name: str) -> None:
     """Add the contours of an instance."""
-    known: Entries = {"name": entry.get("name") or name, "category": name, "color": entry.get("color")}
+    known: JsonDict = {"name": entry.get("name") or name, "category": name, "color": entry.get("color")}
     shapes = entry.get("segmentation")
     if entry.get(_OUTLINES_KEY):
         found.add_object(zip(map(_corners, entry[_OUTLINES_KEY]), entry[_HOLES_KEY], strict=True), **known)

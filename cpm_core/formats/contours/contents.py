@@ -14,7 +14,7 @@ import numpy as np
 from PIL import ImageColor
 
 from cpm_core.contours.contour import Contour, Reached
-from cpm_core.numerics.types import Array, Entries, frozen
+from cpm_core.numerics.types import Array, JsonDict, frozen
 
 DEFAULT = "#d6006c"
 """Color of contours that have none of their own: visible on gray and on white."""
@@ -121,7 +121,7 @@ class Contents:
         self.places.append((row, col, page))
 
 
-def checked(properties: Entries) -> Entries:
+def checked(properties: JsonDict) -> JsonDict:
     """Clean the properties of a contour, dropping values that it cannot have."""
     reached = properties.pop("reached", "")
     return {

@@ -15,7 +15,7 @@ from cpm_core.formats.common.plain import encoded_json, from_plain, to_plain
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of, facts_on
 from cpm_core.formats.contours.contents import Contents, checked, rounded
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array, Entries, Plain
+from cpm_core.numerics.types import Array, JsonDict, JsonObject
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.provenance import Provenance
@@ -51,7 +51,7 @@ def encode_pages(found: StackResult) -> bytes:
     ``ends``, null if it does not. Each of ``pages`` has its number, ``trouble`` if it could not be used, ``events``,
     and the entries that `encode` writes for an image; the number of a contour is its track.
     """
-    stack: Entries = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
+    stack: JsonDict = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
     stack |= {"drawn": facts_on(found.source, Provenance(), found.drawn).get("shapes", [])}
     tracks = [
         {"track": one.number, "pages": list(one.pages), "origin": one.origin, "ends": one.end and one.end.kind}
@@ -61,9 +61,9 @@ def encode_pages(found: StackResult) -> bytes:
     return encoded_json({"format": _STACK_FORMAT, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
 
 
-def page_to_plain(page: Page) -> Entries:
+def page_to_plain(page: Page) -> JsonDict:
     """Convert a page to an entry of ``pages``; see `encode_pages`."""
-    plain: Entries = {"page": page.number, "trouble": page.trouble, "events": to_plain(page.events)}
+    plain: JsonDict = {"page": page.number, "trouble": page.trouble, "events": to_plain(page.events)}
     if page.result is not None:
         plain |= _result_to_plain(page.result)
         for entry in plain["contours"]:
@@ -71,13 +71,13 @@ def page_to_plain(page: Page) -> Entries:
     return plain
 
 
-def _result_to_plain(result: Outcome) -> Entries:
+def _result_to_plain(result: Outcome) -> JsonDict:
     """Convert a result to JSON; see `encode`."""
-    image: Entries = {"name": result.source, "shape": list(result.shape)}
+    image: JsonDict = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
         image["channel"] = result.channel
-    content: Entries = {"image": image, ENTRY: facts_of(result), "contours": _contours_to_plain(result)}
+    content: JsonDict = {"image": image, ENTRY: facts_of(result), "contours": _contours_to_plain(result)}
     if isinstance(result, Result):
         run = {name: getattr(result, name) for name in ("steps", "converged", "stop_reason")}
         content["run"] = run | {"particles": len(result.particles)}
@@ -88,12 +88,12 @@ def _result_to_plain(result: Outcome) -> Entries:
     return content
 
 
-def _contours_to_plain(result: Outcome) -> list[Entries]:
+def _contours_to_plain(result: Outcome) -> list[JsonDict]:
     """Convert the contours of a result to JSON; see `encode`."""
-    entries: list[Entries] = []
+    entries: list[JsonDict] = []
     rows = measure(result.contours, result.spacing)
     for index, (contour, row) in enumerate(zip(result.contours, rows, strict=True)):
-        entry: Entries = {name: getattr(row, name) for name in ("number", "label", "name", "color", "closed", "inside")}
+        entry: JsonDict = {name: getattr(row, name) for name in ("number", "label", "name", "color", "closed", "inside")}
         entry |= {"junctions": list(contour.junctions), "length": round(row.length, 4)}
         entry |= {"gross_area": round(row.area, 4), "net_area": round(row.net_area, 4)}
         entry |= {"by_hand": round(row.by_hand, 4), "strength": round(row.strength, 6)}
@@ -120,7 +120,7 @@ def is_own(content: Any) -> bool:
     return isinstance(content, dict) and content.get("format") in (_IMAGE_FORMAT, _STACK_FORMAT)
 
 
-def read(content: Entries) -> Contents:
+def read(content: JsonDict) -> Contents:
     """Read contours with their numbers, objects and strengths, and for a stack their pages."""
     found = Contents()
     for page in content["pages"] if content["format"] == _STACK_FORMAT else [content]:
@@ -134,14 +134,14 @@ def read(content: Entries) -> Contents:
     return found
 
 
-def page_from_plain(plain: Plain) -> Page:
+def page_from_plain(plain: JsonObject) -> Page:
     """Build the page of an entry; a damaged one raises an exception of any kind."""
     events = tuple(from_plain(TrackEvent, event, "event of a page") for event in plain["events"])
     result = _result_from(plain) if "contours" in plain else None
     return Page(int(plain["page"]), result, events, str(plain["trouble"]))
 
 
-def _result_from(plain: Plain) -> Result:
+def _result_from(plain: JsonObject) -> Result:
     """Build the result of a page from JSON."""
     image, run = plain["image"], plain["run"]
     rows, cols = _shape_of(plain)
@@ -173,13 +173,13 @@ def _result_from(plain: Plain) -> Result:
     )
 
 
-def _shape_of(plain: Plain) -> tuple[int, int]:
+def _shape_of(plain: JsonObject) -> tuple[int, int]:
     """Parse the shape of the image."""
     rows, cols = plain["image"]["shape"]
     return int(rows), int(cols)
 
 
-def _contour_from(plain: Plain) -> Contour:
+def _contour_from(plain: JsonObject) -> Contour:
     """Build a contour from JSON."""
     first, last = plain["junctions"]
     known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "reached", "bridged", "gray")}
@@ -190,6 +190,6 @@ def _contour_from(plain: Plain) -> Contour:
     return Contour(_points(plain), bool(plain["closed"]), junctions=(bool(first), bool(last)), **properties)
 
 
-def _points(plain: Plain) -> Array:
+def _points(plain: JsonObject) -> Array:
     """Parse the vertices of a contour, shape (K, 2)."""
     return np.array(plain["points"], float).reshape(len(plain["points"]), 2)

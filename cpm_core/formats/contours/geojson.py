@@ -12,7 +12,7 @@ from cpm_core.contours.measurements import Measures, measure
 from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, color_of, pairs, rgb
-from cpm_core.numerics.types import Array, Entries
+from cpm_core.numerics.types import Array, JsonDict
 
 
 def encode(result: Outcome) -> bytes:
@@ -27,7 +27,7 @@ def encode(result: Outcome) -> bytes:
     return encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
 
 
-def features_of(result: Outcome) -> list[Entries]:
+def features_of(result: Outcome) -> list[JsonDict]:
     """Build the features of a result; see `encode`."""
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
@@ -74,7 +74,7 @@ def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str
     return {name: round(value, 6) for name, value in found.items()}
 
 
-def _geometry(contour: Contour, holes: Contours) -> Entries:
+def _geometry(contour: Contour, holes: Contours) -> JsonDict:
     """Build a polygon (exterior counterclockwise in (x, y), holes clockwise), a line, or a point."""
     from shapely.geometry import LineString, Point, Polygon, mapping
     from shapely.geometry.polygon import orient
@@ -105,7 +105,7 @@ def read(content: Any) -> Contents:
     return found
 
 
-def _geometries(content: Any, feature: Entries, found: Contents) -> Iterator[tuple[str, list[Array], Entries]]:
+def _geometries(content: Any, feature: JsonDict, found: Contents) -> Iterator[tuple[str, list[Array], JsonDict]]:
     """Yield kind, rings (row, col) and feature of each geometry; a point is a line of one vertex."""
     import shapely
 
@@ -127,7 +127,7 @@ def _geometries(content: Any, feature: Entries, found: Contents) -> Iterator[tup
             yield part.geom_type, [shapely.get_coordinates(ring)[:, ::-1] - PIXEL for ring in rings], placed
 
 
-def _properties(feature: Entries, own: bool) -> Entries:
+def _properties(feature: JsonDict, own: bool) -> JsonDict:
     """Parse name, color and junctions of a feature, dropping those that CPM gives to contours without any."""
     properties = feature.get("properties") or {}
     kind = properties.get("classification") or {}
@@ -145,7 +145,7 @@ def _properties(feature: Entries, own: bool) -> Entries:
     }
 
 
-def _page(feature: Entries) -> int:
+def _page(feature: JsonDict) -> int:
     """Parse the page of a stack: that written by CPM, else the plane of QuPath; 0 without either."""
     properties = feature.get("properties") or {}
     if "page" in properties:

@@ -17,7 +17,7 @@ from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
-from cpm_core.numerics.types import Array, Entries
+from cpm_core.numerics.types import Array, JsonDict
 
 _COUNTS_CHARACTERS = tuple(map(int, roifile.__version__.split(".")[:2])) < (2026, 11)
 """Whether this release of roifile counts the characters of names, not UTF-16 units."""
@@ -163,7 +163,7 @@ def _selections(content: bytes, found: Contents) -> Iterator[tuple[str, bytes]]:
                 found.left_out["file of the set that is no selection"] += 1
 
 
-def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> None:
+def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: JsonDict) -> None:
     """Add the contours or points of a selection."""
     if roi.multi_coordinates is not None:
         curves = [curve - PIXEL for curve in _composite(roi.multi_coordinates.astype(float))]

@@ -20,8 +20,8 @@ from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, pairs
 from cpm_core.formats.contours.curves import ellipse, nested, rectangle
 from cpm_core.formats.contours.mask import outlines
-from cpm_core.numerics.polyline import inside
-from cpm_core.numerics.types import Array, Entries, Position
+from cpm_core.numerics.polyline import points_inside
+from cpm_core.numerics.types import Array, JsonDict, Position
 
 _UNNAMED_LABEL = "contour"
 """Label of a contour without a name."""
@@ -53,7 +53,7 @@ def encode(result: Outcome) -> bytes:
     for contour in result.contours:
         if contour.hole:
             holes.setdefault(contour.group, []).append(contour.points)
-    shapes: list[Entries] = [
+    shapes: list[JsonDict] = [
         {
             "label": contour.category or contour.name or _UNNAMED_LABEL,
             "points": pairs(_around(contour.points, holes.get(contour.group, ()))),
@@ -82,7 +82,7 @@ def encode(result: Outcome) -> bytes:
 
 def _around(outline: Array, holes: Sequence[Array]) -> Array:
     """Connect an outline to the holes in it by the shortest slits, running around them the other way."""
-    left = [hole for hole in holes if inside(outline, hole).mean() > 0.5]
+    left = [hole for hole in holes if points_inside(outline, hole).mean() > 0.5]
     while left:
         apart = [scipy.spatial.distance.cdist(outline, hole) for hole in left]
         nearest = min(range(len(left)), key=lambda number: apart[number].min())
@@ -120,7 +120,7 @@ def _kind(contour: Contour) -> str:
     return "linestrip" if len(contour.points) > 1 else "point"
 
 
-def read(content: Entries) -> Contents:
+def read(content: JsonDict) -> Contents:
     """Read the contours of all shapes; labels are the classes, and the names of shapes without a description.
 
     Shapes with the same label and group are one object, in which a shape inside another is a hole.
@@ -128,11 +128,11 @@ def read(content: Entries) -> Contents:
     found = Contents()
     height, width = content.get("imageHeight"), content.get("imageWidth")
     found.shape = (int(height), int(width)) if height and width else None
-    grouped: dict[tuple[Any, str], tuple[Entries, list[Array]]] = {}
+    grouped: dict[tuple[Any, str], tuple[JsonDict, list[Array]]] = {}
     for shape in content["shapes"]:
         kind, label = shape.get("shape_type") or "polygon", str(shape["label"])
         name = "" if label == _UNNAMED_LABEL else label
-        known: Entries = {"name": shape.get("description") or name, "category": name}
+        known: JsonDict = {"name": shape.get("description") or name, "category": name}
         corners = np.array(shape["points"], float).reshape(-1, 2)[:, ::-1] - PIXEL
         if kind == "mask":
             found.add_object(_mask(shape, corners), **known)
@@ -154,7 +154,7 @@ def read(content: Entries) -> Contents:
     return found
 
 
-def _mask(shape: Entries, corners: Array) -> list[tuple[Array, bool]]:
+def _mask(shape: JsonDict, corners: Array) -> list[tuple[Array, bool]]:
     """Decode the outlines of a mask, a PNG in base64 placed at the first corner of its box."""
     with PIL.Image.open(io.BytesIO(base64.b64decode(shape["mask"])), formats=("PNG",)) as picture:
         mask = np.asarray(picture.convert("L")) > 0

@@ -18,7 +18,7 @@ from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
 from cpm_core.formats.contours.curves import bezier
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array, Entries
+from cpm_core.numerics.types import Array, JsonDict
 
 _PIXELS_PER_INCH = 96.0
 """Resolution of CSS."""
@@ -172,7 +172,7 @@ def _tag(element: ET.Element) -> str:
     return tag.rpartition("}")[2] if isinstance(tag, str) else ""  # a comment has a function for a tag
 
 
-def _known(element: ET.Element, look: dict[str, str], own: bool) -> Entries:
+def _known(element: ET.Element, look: dict[str, str], own: bool) -> JsonDict:
     """Parse name, color and, in drawings of CPM, number and strength."""
     title = element.find("{*}title")
     label = next((value for key, value in element.attrib.items() if key.endswith("}label")), "")
@@ -181,7 +181,7 @@ def _known(element: ET.Element, look: dict[str, str], own: bool) -> Entries:
     if own:  # the color of a group is that of contours without one
         stroke, fill = element.get("stroke", ""), ""
     color = stroke if stroke != "none" else fill
-    known: Entries = {"name": name, "color": color}
+    known: JsonDict = {"name": name, "color": color}
     if own:
         known |= {"strength": element.get("data-strength", 0.0), "number": element.get("data-number", 0)}
     return known

@@ -90,7 +90,7 @@ class Frame:
     title: str
     number: tuple[float, ...]
     shape: tuple[int, int]
-    each: float
+    bytes_per_pixel: float
     origin: Array | None
     along: Array | None
     spacing: tuple[float, float] | None
@@ -335,7 +335,7 @@ def _stack(title: str, frames: list[list[Frame]], depth: float | None, name: str
         name,
         (planes, *first.shape),
         lambda time, _channel, begin, end: decode(frames[time][begin:end]),
-        first.each,
+        first.bytes_per_pixel,
         len(frames),
         1,
         (between, row, col),

@@ -14,7 +14,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.nrrd import stack_of
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import Stack, check_memory, file_beside
-from cpm_core.numerics.types import Entries, Numbers
+from cpm_core.numerics.types import JsonDict, Numbers
 
 READS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
 
@@ -84,7 +84,7 @@ def _is_true(text: str) -> bool:
     return text.lower() in ("true", "1", "yes")
 
 
-def _place(entries: dict[str, str], axes: int) -> Entries:
+def _place(entries: dict[str, str], axes: int) -> JsonDict:
     """Convert the entries on voxel size and position to those of NRRD."""
 
     def parse_numbers(*names: str) -> Any:
@@ -102,7 +102,7 @@ def _place(entries: dict[str, str], axes: int) -> Entries:
         along[:count, :count] = matrix.reshape(axes, axes)[:count, :count]
     if origin is not None:
         first[:count] = origin[:count]
-    place: Entries = {"space directions": [None, *(along * spacing[:, None]), None]}
+    place: JsonDict = {"space directions": [None, *(along * spacing[:, None]), None]}
     if sides is not None:
         place["space units"] = [entries.get("distanceunits", "mm"), "mm"]
     if origin is not None or matrix is not None:

@@ -17,7 +17,7 @@ from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, Decoded
 from cpm_core.formats.images.reading import Reading, index_of, series_of
 from cpm_core.formats.images.stack import Stack
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Entries, Extent, Texts, record
+from cpm_core.numerics.types import JsonDict, Extent, Texts, record
 from cpm_core.parameters.quotation import sized
 
 READS = {".zarr": "OME-Zarr image"}
@@ -159,10 +159,10 @@ def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B0
     return Levels(name, levels, letters, spacing, unit, series, number)  # type: ignore[arg-type]
 
 
-def _scales_of(group: Any) -> Entries:
+def _scales_of(group: Any) -> JsonDict:
     """Find the first entry on resolution levels in a group; empty if it has none."""
     known = dict(group.attrs)
-    found: Sequence[Entries] = known.get("ome", known).get("multiscales", ())
+    found: Sequence[JsonDict] = known.get("ome", known).get("multiscales", ())
     return dict(found[0]) if found else {}
 
 

@@ -25,8 +25,8 @@ from cpm_core.formats.images.stack import Axis, Pages, Stack, plane_of, volume_o
 from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, in_color
 from cpm_core.image.gray_levels import NO_DATA, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
-from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Callback, Entries
+from cpm_core.numerics.real_numbers import as_real_array
+from cpm_core.numerics.types import Callback, JsonDict
 
 
 class ImageReader(Protocol):
@@ -219,7 +219,7 @@ def load_pages(
     name, axis, count = next((one for one in axes if one[2] > 1), axes[0])
 
     def read_page(number: int) -> Image:
-        chosen: Entries = {name: number}
+        chosen: JsonDict = {name: number}
         one = replace(reading, **chosen)
         with _decoding(file):
             decoded = plane_of(stack, one)
@@ -266,7 +266,7 @@ def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
 
 def _sides(spacing: ArrayLike | None) -> tuple[float, ...] | None:
     """Parse the spacing of an argument."""
-    return None if spacing is None else tuple(np.ravel(real_numbers(spacing)).tolist())
+    return None if spacing is None else tuple(np.ravel(as_real_array(spacing)).tolist())
 
 
 def _image(file: Path, reading: Reading, part: Callable[[Stack, Reading], Decoded], go_on: Callback | None) -> Image:

@@ -10,8 +10,8 @@ import numpy as np
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.images import resolution
 from cpm_core.image.colors import LUMINANCE, checked_color
-from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Entries, Texts, frozen
+from cpm_core.numerics.real_numbers import check_finite_number
+from cpm_core.numerics.types import JsonDict, Texts, frozen
 from cpm_core.parameters.quotation import shown
 
 
@@ -67,14 +67,14 @@ class Reading:
         checked_color(self.color)
         if self.spacing is not None:
             sides = (
-                checked_number("spacing", side, lambda number: number > 0.0, "numbers above 0") for side in self.spacing
+                check_finite_number("spacing", side, lambda number: number > 0.0, "numbers above 0") for side in self.spacing
             )
             object.__setattr__(self, "spacing", tuple(sides))
         if checked_unit(self.unit) is not None and self.spacing is None:
             raise ValueError(f"unit is {shown(self.unit)} but there is no spacing: give the size of a pixel as well.")
 
     @property
-    def arguments(self) -> Entries:
+    def arguments(self) -> JsonDict:
         """Options that differ from the default, by name."""
         fields = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         return {

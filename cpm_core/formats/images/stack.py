@@ -16,7 +16,7 @@ from cpm_core.formats.images.reading import Reading, index_of
 from cpm_core.image.colors import Colors
 from cpm_core.image.geometry import Convention, Geometry, Triple, from_affine
 from cpm_core.image.image import MINIMUM_SIDE, Image
-from cpm_core.numerics.memory import check_room
+from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.types import Array, Extent, Texts, record
 from cpm_core.parameters.quotation import counted, described, shown
 
@@ -231,7 +231,7 @@ def position_of(affine: Array, convention: Convention, sides: Sequence[float], u
 def check_memory(shape: Extent, each: float, name: str) -> None:
     """Raise UnreadableError, naming a size that fits, if memory cannot hold `each` bytes per voxel."""
     try:
-        check_room(shape, each, name)
+        check_field_memory(shape, each, name)
     except ValueError as error:
         raise UnreadableError(str(error)) from None
 

@@ -20,7 +20,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Entries, Extent, Pixels
+from cpm_core.numerics.types import JsonDict, Extent, Pixels
 
 _HUE_STEP = 0.6180339887
 """Step of hue from one label to the next: the golden ratio spreads its multiples evenly."""
@@ -128,7 +128,7 @@ def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
     """
     facts = facts_of(result)
     mask = labels_of(result, outlines=outlines)
-    entries: Entries = {}
+    entries: JsonDict = {}
     height, width = result.spacing[-2:]
     if result.unit:
         entries["resolution"] = (1.0 / width, 1.0 / height)
@@ -148,7 +148,7 @@ def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
     return stream.getvalue()
 
 
-def entries_for_imagej(result: Outcome, axes: str) -> Entries:
+def entries_for_imagej(result: Outcome, axes: str) -> JsonDict:
     """Build the entries that ImageJ reads from a TIFF: axes, unit of the resolution, and provenance."""
     info = "".join(f"{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
     return {"axes": axes, "unit": resolution.in_ascii(result.unit, "pixel"), "Info": info}

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import KINDS, Triangles, split
-from cpm_core.numerics.types import Entries, Texts
+from cpm_core.numerics.types import JsonDict, Texts
 
 _OBJECT_PROPERTY = "object"
 """Property of a triangle: the number of its object."""
@@ -95,7 +95,7 @@ def read(content: bytes) -> Triangles:
         body = np.array(body.split(), float).astype("<f8").tobytes()
         for element, known in properties.items():
             properties[element] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
-    columns: dict[str, Entries] = {}
+    columns: dict[str, JsonDict] = {}
     for element, known in properties.items():
         columns[element], body = _element(body, rows[element], known)
     vertices, polygons = columns["vertex"], columns["face"]
@@ -106,7 +106,7 @@ def read(content: bytes) -> Triangles:
     return Triangles(points, faces, numbers)
 
 
-def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[Entries, bytes]:
+def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[JsonDict, bytes]:
     """Read the columns of an element by property, for a list its lengths and all entries; return the rest as well."""
     fields: list[Any] = []
     for one in properties:
@@ -119,7 +119,7 @@ def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[Entr
             columns = {one.name: table[one.name] for one in properties}
             lists = {name: (lengths, columns[name].ravel()) for name, lengths in counts.items()}
             return columns | lists, body[table.nbytes :]
-    found: Entries = {one.name: ([], []) for one in properties}
+    found: JsonDict = {one.name: ([], []) for one in properties}
     at = 0
     for _ in range(count):
         for one in properties:

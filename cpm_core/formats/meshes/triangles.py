@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.numerics.polyline import owners
+from cpm_core.numerics.polyline import repeat_indices
 from cpm_core.numerics.types import Array, Index
 
 KINDS = {
@@ -65,7 +65,7 @@ def split(counts: ArrayLike, corners: ArrayLike) -> tuple[Index, Index]:
     if not len(sizes):
         raise UnreadableError("It has no triangles: write it again.")
     parts = np.maximum(sizes - 2, 0)
-    polygon = owners(parts)
+    polygon = repeat_indices(parts)
     first = (np.cumsum(sizes) - sizes)[polygon]
     place = np.arange(len(polygon)) - (np.cumsum(parts) - parts)[polygon]
     return np.stack([ends[first], ends[first + place + 1], ends[first + place + 2]], axis=1), polygon

@@ -15,11 +15,11 @@ from numpy.typing import DTypeLike
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.formats.common.plain import array_from_plain, array_to_plain, mapping, number, text
 from cpm_core.image.pyramid import shape_of_scale
-from cpm_core.model.coverage import CELL, NEVER, Coverage, SurfaceCoverage, no_coverage
-from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_corner, mesh_shape, softening
-from cpm_core.model.starts import inside_image
-from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State, SurfaceContact
-from cpm_core.numerics.types import Entries, Extent, Numbers, Sides
+from cpm_core.model.coverage import COVERAGE_CELL, NEVER_COVERED, Coverage, SurfaceCoverage, no_coverage
+from cpm_core.model.plane.repulsion import NO_MESH, MESH_PITCH, mesh_corner, mesh_shape, softening_coefficients
+from cpm_core.model.starts import is_inside_image
+from cpm_core.model.state import HISTORY_STEPS, MeshForce, Particles, SpaceState, State, SurfaceContact
+from cpm_core.numerics.types import JsonDict, Extent, Numbers, Sides
 
 _SCALAR_FIELDS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
 """Fields of a state that are single values -> their type."""
@@ -28,7 +28,7 @@ _MAX_STATE_NUMBER = 2**40
 """Largest magnitude of such a value."""
 
 
-def state_to_plain(state: State) -> Entries:
+def state_to_plain(state: State) -> JsonDict:
     """Convert a state to JSON; values that are not finite become null."""
     known = {name: kind(getattr(state, name)) for name, kind in _SCALAR_FIELDS.items()}
     plain = {name: None if isinstance(one, float) and not math.isfinite(one) else one for name, one in known.items()}
@@ -36,8 +36,8 @@ def state_to_plain(state: State) -> Entries:
     arrays: dict[str, Numbers] = {"start": state.start}
     arrays |= {name: getattr(particles, name) for name in ("position", "velocity", "force", "distance", "identity")}
     if contact is not None and space is not None:
-        arrays |= {"normal": contact.normal, "seated": contact.seated.astype(np.int32), "strength": contact.strength}
-        arrays |= {"woken": contact.woken, "covered": space.covered.cells}
+        arrays |= {"normal": contact.normal, "seated": contact.on_surface.astype(np.int32), "strength": contact.strength}
+        arrays |= {"woken": contact.reactivated_at, "covered": space.covered.cells}
         plain["side"] = space.covered.side
     else:
         arrays |= {"found": state.coverage.found, "latest": state.coverage.latest}
@@ -69,17 +69,17 @@ def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides =
     window = None
     if "window" in given:
         first, end = read_array("window", np.int64, axes, 2).T
-        if (first < 0).any() or (first % CELL != 0).any() or (end <= first).any() or (end > size).any():
+        if (first < 0).any() or (first % COVERAGE_CELL != 0).any() or (end <= first).any() or (end > size).any():
             raise ValueError("window of state is no part of the image.")
         window, size = tuple(map(slice, first.tolist(), end.tolist())), tuple((end - first).tolist())
     identity = read_array("identity", np.int64, None)
     count = len(identity)
     position, start = read_array("position", float, count, axes), read_array("start", float, None, axes)
     velocity, force = read_array("velocity", float, count, axes), read_array("force", float, count, 2, axes)
-    particles = Particles(position, velocity, force, read_array("distance", float, count, MEMORY), identity)
+    particles = Particles(position, velocity, force, read_array("distance", float, count, HISTORY_STEPS), identity)
     pitch = pitch_of(spacing or (1.0,) * axes) if axes == 3 else None
     for name, places, within in (("position", position / (pitch or 1.0), size), ("start", start, shape)):
-        if not inside_image(places, within).all():
+        if not is_inside_image(places, within).all():
             raise ValueError(f"{name} of state holds a place outside the image.")
     coverage, space, mesh = no_coverage(size), None, None
     if pitch is not None:
@@ -94,7 +94,7 @@ def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides =
         space = SpaceState(pitch, SurfaceCoverage(cells, side))
     else:
         found, latest = (read_array(name, np.int32, *coverage.found.shape) for name in ("found", "latest"))
-        coverage = Coverage(found, latest, int(np.count_nonzero(found != NEVER)))
+        coverage = Coverage(found, latest, int(np.count_nonzero(found != NEVER_COVERED)))
         mesh = _mesh(given["mesh"], size) if "mesh" in given else None
     return State(particles, start, shape, coverage=coverage, mesh=mesh, space=space, window=window, **values)
 
@@ -124,4 +124,4 @@ def _mesh(plain: object, size: Extent) -> MeshForce:
     force = array_from_plain(given.get("force"), np.float32, (*mesh_shape(size, reach), 2), "mesh of state")
     if not np.isfinite(force).all():
         raise ValueError("mesh of state holds a value that is not a number.")
-    return MeshForce(force, mesh_corner(size, reach), PITCH * reach, reach, softening(reach))
+    return MeshForce(force, mesh_corner(size, reach), MESH_PITCH * reach, reach, softening_coefficients(reach))

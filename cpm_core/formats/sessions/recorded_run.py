@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.field.placed_charges import PlacedCharge, in_order
+from cpm_core.field.placed_charges import PlacedCharge, sort_charges
 from cpm_core.formats.common.plain import (
     from_plain,
     mapping,
@@ -22,7 +22,7 @@ from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import JsonDict
 from cpm_core.parameters import Parameters
 from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
 
@@ -50,7 +50,7 @@ def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> S
     if state is None:
         return session
     regions = regions_of(session.shapes, session.objects.barriers)
-    action: Entries = {"step": {}, "charges": [to_plain(charge) for charge in charges_of(session.shapes)]}
+    action: JsonDict = {"step": {}, "charges": [to_plain(charge) for charge in charges_of(session.shapes)]}
     action |= regions_to_plain(regions)
     bare = replace(session, image=None, marks=(), view={}, extra={}, hand_edits=(), runs={}, truth=None)
     branch = {
@@ -90,4 +90,4 @@ def shown_state(session: SessionFile, image: Image) -> tuple[State, Parameters] 
         state = state_from_plain(plain, image.shape, first.scales, image.spacing)
     except (KeyError, TypeError, ValueError, IndexError, OverflowError, StopIteration):
         return None
-    return replace(state, steering=parameters.steering, regions=regions, charges=in_order(charges)), parameters
+    return replace(state, steering=parameters.steering, regions=regions, charges=sort_charges(charges)), parameters

@@ -33,7 +33,7 @@ from cpm_core.formats.common.provenance import PROGRAM
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.numerics.types import Callback, Entries, Integers, Plain, Texts, frozen
+from cpm_core.numerics.types import Callback, JsonDict, Integers, JsonObject, Texts, frozen
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
@@ -148,13 +148,13 @@ class SessionFile:
     mode: str = ""
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     outlined: Outlined = field(default_factory=Outlined)
-    view: Plain = field(default_factory=dict)
-    extra: Plain = field(default_factory=dict)
+    view: JsonObject = field(default_factory=dict)
+    extra: JsonObject = field(default_factory=dict)
     notes: Texts = ()
     hand_edits: tuple[HandEdit, ...] = ()
-    runs: Plain = field(default_factory=dict)
+    runs: JsonObject = field(default_factory=dict)
     truth: TruthFile | None = None
-    pages: Plain = field(default_factory=dict)
+    pages: JsonObject = field(default_factory=dict)
     comparison: Compared = field(default_factory=Compared)
 
 
@@ -192,7 +192,7 @@ def save_session(session: SessionFile, path: Path) -> None:
 def encode(session: SessionFile, folder: Path) -> bytes:
     """Encode a session file in a folder; ValueError for shapes that could not be read again."""
     check_axes(session.shapes, session.image.shape if session.image else ())
-    plain: Entries = {MARK: VERSION, "program": PROGRAM}
+    plain: JsonDict = {MARK: VERSION, "program": PROGRAM}
     if session.image is not None:
         read = {name: to_plain(given) for name, given in session.image.reading.arguments.items()}
         plain["image"] = {**to_plain(session.image), **_place_to_plain(session.image.path, folder), "reading": read}
@@ -337,7 +337,7 @@ def find_image(image: ImageFile, folder: Path, go_on: Callback = lambda: None) -
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
 
 
-def _place_to_plain(place: str, folder: Path) -> Entries:
+def _place_to_plain(place: str, folder: Path) -> JsonDict:
     """Convert a path to JSON: relative to a folder if it is in or below it, and absolute; else as it is."""
     path, folder = Path(place), folder.resolve()
     if path.is_absolute() and path.is_relative_to(folder):
@@ -345,7 +345,7 @@ def _place_to_plain(place: str, folder: Path) -> Entries:
     return {"path": place}
 
 
-def _parsed(content: bytes, name: str) -> Plain:
+def _parsed(content: bytes, name: str) -> JsonObject:
     """Parse the JSON of a session file; ValueError when it is damaged, of another kind, or of an unknown version."""
     try:
         plain = json.loads(content.decode("utf-8-sig"))
@@ -363,7 +363,7 @@ def _parsed(content: bytes, name: str) -> Plain:
     return plain
 
 
-def part_for(path: Path, reading: Reading) -> Entries:
+def part_for(path: Path, reading: Reading) -> JsonDict:
     """Return the arguments of `load_image` that read another file as a session reads its own.
 
     Page, channel and point in time are selected in a file that holds several. A pixel size set by hand applies if the

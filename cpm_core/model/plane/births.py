@@ -18,15 +18,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.field.interpolation import between, component
-from cpm_core.field.scale_field import FAINTEST, ScaleField
+from cpm_core.field.interpolation import pixel_before, interpolate_component
+from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
-from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM
-from cpm_core.model.plane.motion import AHEAD, edge_at, read_ahead
-from cpm_core.model.plane.repulsion import Cells, cells_around, row_of_cells
+from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_STRIDE, INSERTION_ROOM
+from cpm_core.model.plane.motion import READ_AHEAD_COUNT, edge_state_at, prefetch_field
+from cpm_core.model.plane.repulsion import PlaneCells, cells_around, row_of_cells
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single, record
 from cpm_core.parameters import Parameters
 
@@ -50,28 +50,28 @@ class EdgeContact:
     strength: Array
     on_edge: Mask
     normal: Array
-    cells: Cells
+    cells: PlaneCells
 
 
 _EXAMINED_PER_THREAD = 1500
 """Particles from which a second thread examines them faster."""
 
 
-def examined(cells: Cells, has_moved: Mask, scale_field: ScaleField, d_min: float) -> tuple[EdgeContact, Mask]:
+def examine_contacts(cells: PlaneCells, has_moved: Mask, scale_field: ScaleField, d_min: float) -> tuple[EdgeContact, Mask]:
     """Examine the edge contact of the particles in `cells`, and which have a neighbor nearer than half of `d_min` [px].
 
     Of two such particles at least one is among those that have moved since the last time, `has_moved`, shape (N,).
     """
     count = len(cells.order)
     edge, close = (np.empty(count), np.empty(count, np.bool_), np.empty((count, 2))), np.zeros(count, np.bool_)
-    work = partial(_examine, cells, has_moved, NEAR * d_min, scale_field.packed, scale_field.floor, edge, close)
-    share(work, count, _EXAMINED_PER_THREAD)
+    work = partial(_examine_particles, cells, has_moved, DELETION_DISTANCE * d_min, scale_field.packed, scale_field.floor, edge, close)
+    run_in_parallel(work, count, _EXAMINED_PER_THREAD)
     return EdgeContact(*edge, cells), close
 
 
 @compiled
-def _examine(
-    cells: Cells,
+def _examine_particles(
+    cells: PlaneCells,
     has_moved: Mask,
     distance: float,
     packed: Single,
@@ -84,10 +84,10 @@ def _examine(
     """Write what `examined` returns for some of the sorted particles."""
     strength, on_edge, normal = edge
     for k in range(first, last):
-        if (k - first) % AHEAD == 0:
-            read_ahead(packed, cells, k, last, strength)
+        if (k - first) % READ_AHEAD_COUNT == 0:
+            prefetch_field(packed, cells, k, last, strength)
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
-        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = edge_at(packed, y, x, floor)
+        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = edge_state_at(packed, y, x, floor)
         if not has_moved[i]:
             continue
         top, bottom, left, right = cells_around(cells, y, x, distance)
@@ -99,7 +99,7 @@ def _examine(
                     close[i] = close[cells.order[other]] = True
 
 
-def deletion(position: Array, strength: Array, d_min: float, close: Mask | None = None) -> Mask:
+def select_survivors(position: Array, strength: Array, d_min: float, close: Mask | None = None) -> Mask:
     """Return a mask, shape (N,), of the particles at `position`, shape (N, 2), that stay.
 
     Of two nearer than ``d_min / 2`` [px] the one on the weaker edge is deleted; with equal `strength`, shape (N,), the
@@ -110,7 +110,7 @@ def deletion(position: Array, strength: Array, d_min: float, close: Mask | None 
     if len(near):
         order = near[np.argsort(-strength[near], kind="stable")]
         places = position[order]
-        kept[order] = _first_of(places, np.argsort(places @ _SORT_DIRECTION), NEAR * d_min)
+        kept[order] = _keep_first_of_near(places, np.argsort(places @ _SORT_DIRECTION), DELETION_DISTANCE * d_min)
     return kept
 
 
@@ -119,7 +119,7 @@ _SORT_DIRECTION = np.array([0.6, 0.8])
 
 
 @compiled
-def _first_of(place: Array, along: Index, distance: float) -> Mask:
+def _keep_first_of_near(place: Array, along: Index, distance: float) -> Mask:
     """Keep places such that none has an earlier one that stays nearer than a distance.
 
     `along` is their order in some direction.
@@ -145,19 +145,19 @@ def _first_of(place: Array, along: Index, distance: float) -> Mask:
 CROWD_RANGE = 1.5
 """Distance within which particles around a position are counted, in d_min."""
 
-CROWD = 3
+MAX_CROWD = 3
 """Largest number of particles within that distance: more are two rows on one edge."""
 
 
 @record
-class Births:
+class PlaneBirths:
     """New particles, shape (M, 2), and the two parents of each (the same twice for a position ahead of one)."""
 
     position: Array
     parents: Index
 
 
-class Search(NamedTuple):
+class SearchMasks(NamedTuple):
     """Masks of the particles that search for positions in a step; all of shape (N,).
 
     Those `present` have not been deleted, those `looking` search in this step, of these the `thorough` ones even if
@@ -170,7 +170,7 @@ class Search(NamedTuple):
     ahead: Mask
 
 
-class Rule(NamedTuple):
+class PlaceRule(NamedTuple):
     """Conditions on a position.
 
     Attributes
@@ -192,10 +192,10 @@ class Rule(NamedTuple):
 def search_range(parameters: Parameters) -> float:
     """Return the distance up to which a step examines the particles around one [px]."""
     d_min, reach = parameters.d_min, parameters.d_min + parameters.d_max
-    return max(reach, 0.5 * reach + CROWD_RANGE * d_min, (STRIDE + CROWD_RANGE) * d_min)
+    return max(reach, 0.5 * reach + CROWD_RANGE * d_min, (INSERTION_STRIDE + CROWD_RANGE) * d_min)
 
 
-Place = tuple[bool, float, float, float, int]
+FoundPlace = tuple[bool, float, float, float, int]
 """Whether it is free, where, its distance from all others [px], and the number of particles around it."""
 
 _SEARCH_ANGLES = 2.0 * np.pi * np.arange(8) / 8
@@ -247,16 +247,16 @@ _Offers = Array
 itself for a position ahead), the position [px], its distance from all other particles [px], and how many are around."""
 
 
-def insertion(
-    contact: EdgeContact, search: Search, scale_field: ScaleField, d_max: float, parameters: Parameters, turn: int = 0
-) -> Births:
+def find_insertions(
+    contact: EdgeContact, search: SearchMasks, scale_field: ScaleField, d_max: float, parameters: Parameters, turn: int = 0
+) -> PlaneBirths:
     """Find positions for new particles.
 
     `search` selects the particles that take part, `d_max` is the annealed insertion range [px], `turn` the pair of
     opposite directions that is searched in addition to those along the edge; the pairs take turns.
     """
     count, d_min = len(contact.strength), parameters.d_min
-    rule = Rule(scale_field.floor, d_min, d_min + d_max, search_range(parameters))
+    rule = PlaceRule(scale_field.floor, d_min, d_min + d_max, search_range(parameters))
     eligible, there = contact.on_edge & search.present, search.present[contact.cells.order]
     asked = search._replace(present=there, thorough=search.thorough & search.looking)
     edge = (contact.strength, contact.normal)
@@ -264,27 +264,27 @@ def insertion(
     found: dict[int, _Offers] = {}
 
     def search_some(first: int, last: int) -> None:
-        found[first] = _find_places(*seen, rule, _SEARCH_DIRECTIONS, turn, first, last)
+        found[first] = _find_offers(*seen, rule, _SEARCH_DIRECTIONS, turn, first, last)
 
     searching = int(np.count_nonzero(search.looking & eligible))
-    share(search_some, count, _PLANE_SEARCHES_PER_THREAD * count // (searching + 1) + 1)
+    run_in_parallel(search_some, count, _PLANE_SEARCHES_PER_THREAD * count // (searching + 1) + 1)
     offers = np.concatenate([found[first] for first in sorted(found)])
     offers = offers[np.argsort(offers[:, 0], kind="stable")]
     position, parents = np.empty((len(offers), 2)), np.empty((len(offers), 2), np.int64)
-    born = _occupy(contact.cells, offers, d_min, position, parents) if len(offers) else 0
-    return Births(position[:born], parents[:born])
+    born = _insert_apart(contact.cells, offers, d_min, position, parents) if len(offers) else 0
+    return PlaneBirths(position[:born], parents[:born])
 
 
 @compiled
-def _find_places(
-    cells: Cells,
+def _find_offers(
+    cells: PlaneCells,
     strength: Array,
     normal: Array,
-    search: Search,
+    search: SearchMasks,
     eligible: Mask,
     packed: Single,
     barrier_map: BarrierMap,
-    rule: Rule,
+    rule: PlaceRule,
     turns: Array,
     turn: int,
     first: int,
@@ -306,10 +306,10 @@ def _find_places(
         n_y, n_x = normal[i, 0], normal[i, 1]
         if not thorough[i] and _is_flanked(cells, present, y, x, n_y, n_x, _FLANK_DISTANCE * rule.d_min):
             continue
-        length = _list_near(cells, present, y, x, rule.range, near, index)
+        length = _list_near_particles(cells, present, y, x, rule.range, near, index)
         if length == most:
             continue
-        faintest, before = max(rule.floor, FAINTEST * strength[i]), count
+        faintest, before = max(rule.floor, EDGE_END_FRACTION * strength[i]), count
         if count + _MAX_OFFERS > len(offers):
             offers = np.concatenate((offers, np.empty_like(offers)))
         for n in range(length + len(turns) if search.ahead[i] else length):
@@ -319,13 +319,13 @@ def _find_places(
                 apart = rule.d_min**2 < (far_y - y) ** 2 + (far_x - x) ** 2 <= rule.reach**2
                 if not (apart and eligible[j] and (j > i or not thorough[j])):
                     continue
-                found = _halfway(near, length, y, x, far_y, far_x, packed, faintest, rule)
+                found = _find_midpoint(near, length, y, x, far_y, far_x, packed, faintest, rule)
             else:
                 down, right = turns[n - length, 0], turns[n - length, 1]
                 across = (down * n_y + right * n_x) ** 2
                 if (n - length - turn) % (len(turns) // 2) and not across <= _MAX_SQUARED_ACROSS * (n_y**2 + n_x**2):
                     continue
-                found = _ahead(near, length, y, x, down, right, packed, faintest, rule)
+                found = _find_place_ahead(near, length, y, x, down, right, packed, faintest, rule)
                 far_y, far_x = found[1], found[2]
             if not found[0] or count - before == _MAX_OFFERS:
                 continue
@@ -338,7 +338,7 @@ def _find_places(
 
 
 @compiled
-def _halfway(
+def _find_midpoint(
     near: Array,
     length: int,
     y: float,
@@ -347,22 +347,22 @@ def _halfway(
     far_x: float,
     packed: Single,
     faintest: float,
-    rule: Rule,
-) -> Place:
+    rule: PlaceRule,
+) -> FoundPlace:
     """Return the midpoint of two particles, if it is free and the ridge next to it belongs to no other row."""
     # nothing between: no particle in the circle over the pair
     keep = 0.5 * np.sqrt((far_y - y) ** 2 + (far_x - x) ** 2) - 1e-9
     p_y, p_x = 0.5 * (y + far_y), 0.5 * (x + far_x)
-    about = _crowd(near, length, p_y, p_x, keep, rule.d_min)
-    free = about <= CROWD
+    about = _count_crowd(near, length, p_y, p_x, keep, rule.d_min)
+    free = about <= MAX_CROWD
     if free:
-        free, c_y, c_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
-        free = free and _crowd(near, length, c_y, c_x, keep, rule.d_min) <= CROWD
+        free, c_y, c_x = _slide_to_edge(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
+        free = free and _count_crowd(near, length, c_y, c_x, keep, rule.d_min) <= MAX_CROWD
     return free, p_y, p_x, keep, about
 
 
 @compiled
-def _ahead(
+def _find_place_ahead(
     near: Array,
     length: int,
     y: float,
@@ -371,25 +371,25 @@ def _ahead(
     right: float,
     packed: Single,
     faintest: float,
-    rule: Rule,
-) -> Place:
+    rule: PlaceRule,
+) -> FoundPlace:
     """Return the position one stride from a particle, if an edge continues there, its own or one that meets it.
 
     The position must be free.
     """
-    keep, about = STRIDE_ROOM * rule.d_min, _OVERFULL_COUNT
-    p_y, p_x = y + STRIDE * rule.d_min * down, x + STRIDE * rule.d_min * right
-    free = _crowd(near, length, p_y, p_x, keep, rule.d_min) < _OVERFULL_COUNT  # cheap, and few directions pass
+    keep, about = INSERTION_ROOM * rule.d_min, _OVERFULL_COUNT
+    p_y, p_x = y + INSERTION_STRIDE * rule.d_min * down, x + INSERTION_STRIDE * rule.d_min * right
+    free = _count_crowd(near, length, p_y, p_x, keep, rule.d_min) < _OVERFULL_COUNT  # cheap, and few directions pass
     if free:
-        free, p_y, p_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
+        free, p_y, p_x = _slide_to_edge(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
     if free:
-        about = _crowd(near, length, p_y, p_x, keep, rule.d_min)
-        free = about <= CROWD
+        about = _count_crowd(near, length, p_y, p_x, keep, rule.d_min)
+        free = about <= MAX_CROWD
     return free, p_y, p_x, keep, about
 
 
 @compiled
-def _is_flanked(cells: Cells, present: Mask, y: float, x: float, n_y: float, n_x: float, distance: float) -> bool:
+def _is_flanked(cells: PlaneCells, present: Mask, y: float, x: float, n_y: float, n_x: float, distance: float) -> bool:
     """Return whether a particle has others on both sides along its edge, too near for a position ahead of it."""
     before, behind = 0, 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
@@ -405,7 +405,7 @@ def _is_flanked(cells: Cells, present: Mask, y: float, x: float, n_y: float, n_x
 
 
 @compiled
-def _list_near(cells: Cells, present: Mask, y: float, x: float, distance: float, near: Array, index: Index) -> int:
+def _list_near_particles(cells: PlaneCells, present: Mask, y: float, x: float, distance: float, near: Array, index: Index) -> int:
     """List the particles around a position; return their number, at most one less than fit in."""
     length = 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
@@ -420,7 +420,7 @@ def _list_near(cells: Cells, present: Mask, y: float, x: float, distance: float,
 
 
 @compiled
-def _crowd(near: Array, length: int, y: float, x: float, room: float, d_min: float) -> int:
+def _count_crowd(near: Array, length: int, y: float, x: float, room: float, d_min: float) -> int:
     """Count the particles around a position; more than any number if one is nearer than `room`."""
     crowd = 0
     for n in range(length):
@@ -431,7 +431,7 @@ def _crowd(near: Array, length: int, y: float, x: float, room: float, d_min: flo
 
 
 @compiled
-def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float) -> tuple[bool, float, float]:
+def _slide_to_edge(packed: Single, faintest: float, farthest: float, y: float, x: float) -> tuple[bool, float, float]:
     """Let a position slide along the Lorentz force; return whether it ends on an edge within reach, and where."""
     start_y, start_x = y, x
     for slide in range(_MAX_SLIDES + 1):
@@ -439,10 +439,10 @@ def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float)
             break
         if (y - start_y) ** 2 + (x - start_x) ** 2 >= farthest**2:
             break
-        place = between(packed, y, x)
-        if component(packed, 4, place) < faintest:
+        place = pixel_before(packed, y, x)
+        if interpolate_component(packed, 4, place) < faintest:
             break
-        f_y, f_x = component(packed, 0, place), component(packed, 1, place)
+        f_y, f_x = interpolate_component(packed, 0, place), interpolate_component(packed, 1, place)
         squared = f_y**2 + f_x**2
         if slide == _MAX_SLIDES or squared < _SETTLED_FORCE**2:
             return squared < _MAX_EDGE_FORCE**2, y, x
@@ -452,7 +452,7 @@ def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float)
 
 
 @compiled
-def _occupy(cells: Cells, offers: _Offers, d_min: float, position: Array, parents: Index) -> int:
+def _insert_apart(cells: PlaneCells, offers: _Offers, d_min: float, position: Array, parents: Index) -> int:
     """Insert particles at the offered positions, in order, if they keep their distance from one another."""
     newest = np.full(cells.rows * cells.cols, -1, np.int64)
     earlier = np.empty(len(position), np.int64)
@@ -469,7 +469,7 @@ def _occupy(cells: Cells, offers: _Offers, d_min: float, position: Array, parent
                     about += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
                     about += _OVERFULL_COUNT if squared < offers[i, 4] ** 2 else 0
                     j = earlier[j]
-        if about <= CROWD:
+        if about <= MAX_CROWD:
             position[born, 0], position[born, 1] = y, x
             parents[born, 0], parents[born, 1] = int(offers[i, 0]), int(offers[i, 1])
             earlier[born] = newest[row * cells.cols + col]

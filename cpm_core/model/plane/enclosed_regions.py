@@ -15,14 +15,14 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.model.plane.births import deletion
-from cpm_core.numerics.grids import Labels, in_bands
-from cpm_core.numerics.parallel import cores
+from cpm_core.model.plane.births import select_survivors
+from cpm_core.numerics.grids import Labels, run_in_bands
+from cpm_core.numerics.parallel import count_cores
 from cpm_core.numerics.types import Array, Extent, Index
 
-RESEEDINGS = 3
+MAX_PLANE_RESEEDINGS = 3
 """Greatest number of reseedings until parameters are changed."""
 
 BARRIER_CLEARANCE = 1.0
@@ -62,39 +62,39 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
     blocked = np.zeros(scale_field.shape, bool)
     if len(scale_field.barrier_map.segments):
         blocked = scale_field.barrier_map.clearance < BARRIER_CLEARANCE
-    rims, region_of = _rims(_enclosed(scale_field.edge_map < scale_field.floor, blocked))
+    rims, region_of = _label_rims(_label_enclosed(scale_field.edge_map < scale_field.floor, blocked))
     if not len(region_of):
         return none
     place = np.argwhere(rims > 0)
     number = rims[rims > 0]
     reach = _RIM_REACH + _RIM_REACH_PER_SIGMA * scale_field.smoothing
-    near = _has_near(scale_field, place, positions, reach)
+    near = _has_particle_near(scale_field, place, positions, reach)
     size = np.bincount(number, minlength=len(region_of))
     covered = np.bincount(number, weights=near, minlength=len(region_of)) / np.maximum(size, 1)
     known = np.zeros(region_of.max() + 1, bool)
     known[region_of[covered >= _REACHED_FRACTION]] = True
     missing = ~near & known[region_of][number]
-    places: Array = place[missing & (_stretch(place, missing, scale_field.shape) >= _MIN_MISSING_STRETCH)].astype(float)
-    return places[deletion(places, np.zeros(len(places)), 2.0 * _RESEEDING_SPACING)]
+    places: Array = place[missing & (_stretch_sizes(place, missing, scale_field.shape) >= _MIN_MISSING_STRETCH)].astype(float)
+    return places[select_survivors(places, np.zeros(len(places)), 2.0 * _RESEEDING_SPACING)]
 
 
-def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
+def _has_particle_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
     """Return a mask, shape (N,), of the pixels of a rim with a particle near them on the same side of an edge.
 
     Of two edges close to each other one rises where the other falls.
     """
     gradient = np.moveaxis(scale_field.packed, -1, 0)[2:4]
-    uphill, known = gradient[(slice(None), *place.T)].T, interpolate(gradient, positions)
+    uphill, known = gradient[(slice(None), *place.T)].T, interpolate_field(gradient, positions)
     nearest = np.arange(1, min(_EXAMINED_NEIGHBORS, len(positions)) + 1)
     distance, index = scipy.spatial.cKDTree(positions).query(
-        place, k=nearest, distance_upper_bound=reach, workers=cores()
+        place, k=nearest, distance_upper_bound=reach, workers=count_cores()
     )
     found = np.isfinite(distance)
     along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
     return (found & (along > 0.0)).any(axis=1)
 
 
-def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: Extent) -> NDArray[np.int64]:
+def _stretch_sizes(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: Extent) -> NDArray[np.int64]:
     """Return the size of the connected stretch of selected pixels that each belongs to; 0 for those not selected."""
     mask = np.zeros(shape, bool)
     mask[tuple(place[chosen].T)] = True
@@ -103,7 +103,7 @@ def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: Extent)
     return size[labels[tuple(place.T)]]
 
 
-def _enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:
+def _label_enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:
     """Label the regions between edges that touch neither the image border nor a barrier."""
     labels, count = scipy.ndimage.label(free)
     outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1], labels[blocked]]))
@@ -115,7 +115,7 @@ def _enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:
     return np.asarray(labels, np.int32)
 
 
-def _rims(regions: Labels) -> tuple[Labels, Index]:
+def _label_rims(regions: Labels) -> tuple[Labels, Index]:
     """Label the rims of the regions: each closed curve of pixels around or inside one has its own number.
 
     Returns
@@ -133,7 +133,7 @@ def _rims(regions: Labels) -> tuple[Labels, Index]:
         nearby = scipy.ndimage.maximum_filter(regions[low : end + 1], 3, mode="nearest")
         beside[first:end] = nearby[first - low : end - low]
 
-    in_bands(widen_rows, len(regions))
+    run_in_bands(widen_rows, len(regions))
     beside[regions > 0] = 0
     rims = regions  # whose memory takes the rims
     rims[...] = 0

@@ -14,37 +14,37 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import between, component
-from cpm_core.field.scale_field import GATE, ScaleField
+from cpm_core.field.interpolation import pixel_before, interpolate_component
+from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import (
-    FADED,
-    LATEST,
-    Moved,
-    advance,
+    FADED_STEPS,
+    FINAL_DAMPING_STEPS,
+    MovedParticles,
+    advance_coordinate,
     coulomb_scale,
     damped_series,
-    damping,
+    damping_coefficient,
     is_stuck,
     repulsion_left,
 )
 from cpm_core.model.plane.repulsion import (
-    LANES,
+    VECTOR_LANES,
     NO_MESH,
-    Cells,
-    build_cells,
-    gather,
+    PlaneCells,
+    build_plane_cells,
+    gather_near,
     mesh_force,
     mesh_force_at,
-    nodes,
+    count_mesh_nodes,
     pair_sums,
     two_nearest_of_many,
 )
-from cpm_core.model.state import MEMORY, MESH_EVERY, MeshForce, Particles, State
+from cpm_core.model.state import HISTORY_STEPS, MESH_INTERVAL, MeshForce, Particles, State
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
-from cpm_core.numerics.segments import meet, side
+from cpm_core.numerics.parallel import run_in_parallel
+from cpm_core.numerics.segments import segments_meet, side_of_line
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.parameters import Parameters
 
@@ -56,10 +56,10 @@ def is_on_edge(squared: float, strength: float, floor: float) -> bool:
     `squared` is the squared length of the interpolated Lorentz force, which is of unit size away from edges and below
     the gate on an edge.
     """
-    return squared < GATE**2 and strength >= floor
+    return squared < ON_EDGE_FORCE**2 and strength >= floor
 
 
-def contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask, Array]:
+def edge_contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask, Array]:
     """Return edge strength, edge contact and image gradient at particles, shape (N, 2)."""
     count = len(positions)
     strength, on_edge, normal = np.empty(count), np.empty(count, np.bool_), np.empty((count, 2))
@@ -70,20 +70,20 @@ def contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask, 
 @compiled
 def _contact_at(packed: Single, floor: float, position: Array, strength: Array, on_edge: Mask, normal: Array) -> None:
     for i in range(len(position)):
-        found = edge_at(packed, position[i, 0], position[i, 1], floor)
+        found = edge_state_at(packed, position[i, 0], position[i, 1], floor)
         strength[i], on_edge[i], normal[i, 0], normal[i, 1] = found
 
 
 @compiled
-def edge_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool, float, float]:
+def edge_state_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool, float, float]:
     """Return the edge strength at a position, whether a particle there is on an edge, and the image gradient."""
-    place = between(packed, y, x)
-    f_y, f_x, strength = component(packed, 0, place), component(packed, 1, place), component(packed, 4, place)
+    place = pixel_before(packed, y, x)
+    f_y, f_x, strength = interpolate_component(packed, 0, place), interpolate_component(packed, 1, place), interpolate_component(packed, 4, place)
     on_edge = is_on_edge(f_y**2 + f_x**2, strength, floor)
-    return strength, on_edge, component(packed, 2, place), component(packed, 3, place)
+    return strength, on_edge, interpolate_component(packed, 2, place), interpolate_component(packed, 3, place)
 
 
-REACH = 2.0
+PAIR_REACH = 2.0
 """Reach of the pairs where a mesh carries the rest, in d_min + d_max."""
 
 NEIGHBOR_RANGE = 8.0
@@ -93,7 +93,7 @@ REST_SPEED = 5e-4
 """Speed under which a particle is at rest where no cell has been newly covered for long [px / unit of time]."""
 
 
-class Law(NamedTuple):
+class MotionLaw(NamedTuple):
     """The parameters of motion: weights of eq. (12), spacing, time step, and `NEIGHBOR_RANGE` in px."""
 
     w1: float
@@ -109,13 +109,13 @@ def damped_motion(beta: float, dt: float) -> Array:
 
     This is the damping ``-beta v`` of eq. (12), integrated in closed form; ``beta = 0`` gives eq. (14).
     """
-    return np.array([damped_series(damping(beta, idle) * dt) for idle in range(LATEST + 1)])
+    return np.array([damped_series(damping_coefficient(beta, idle) * dt) for idle in range(FINAL_DAMPING_STEPS + 1)])
 
 
 def is_at_rest(particles: Particles, idle: Index) -> Mask:
     """Return a mask, shape (N,), of the particles that the next step skips."""
     slow = np.einsum("ni,ni->n", particles.velocity, particles.velocity) < REST_SPEED**2
-    return slow & (idle >= FADED) & ~particles.young
+    return slow & (idle >= FADED_STEPS) & ~particles.young
 
 
 Four = tuple[float, float, float, float]
@@ -131,66 +131,66 @@ _LATE_MOVED_PER_THREAD = 4000
 """Particles from which a second thread makes the step faster later."""
 
 
-def mesh_force_of(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
+def current_mesh_force(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
     """Return the mesh of the step after a state: the present one, or a new one every `MESH_EVERY` steps.
 
     There is none where summing all pairs is faster, or the repulsion has faded for all particles. `idle`, shape (N,),
     are the steps since cells around each particle were newly covered.
     """
-    if state.step_of_scale % MESH_EVERY and state.mesh is not None:
+    if state.step_of_scale % MESH_INTERVAL and state.mesh is not None:
         return state.mesh
-    reach = REACH * (parameters.d_min + parameters.d_max)
-    repelled = np.count_nonzero(idle < FADED)
-    if repelled * state.count < _PAIRS_PER_NODE * nodes(scale_field.shape, reach):
+    reach = PAIR_REACH * (parameters.d_min + parameters.d_max)
+    repelled = np.count_nonzero(idle < FADED_STEPS)
+    if repelled * state.count < _PAIRS_PER_NODE * count_mesh_nodes(scale_field.shape, reach):
         return NO_MESH
     return mesh_force(state.particles.position, scale_field.shape, reach)
 
 
-def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleField, parameters: Parameters) -> Moved:
+def move_in_plane(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleField, parameters: Parameters) -> MovedParticles:
     """Move all particles by one time step.
 
     `idle`, shape (N,), are the steps since cells around each were newly covered, `mesh` is the smooth part of the
     Coulomb force. The parameters act at once. The force on a particle at rest is that of its last step.
     """
     size = mesh.reach if np.isfinite(mesh.reach) else float(max(scale_field.shape) + 1)
-    cells = build_cells(particles.position, scale_field.shape, size)
+    cells = build_plane_cells(particles.position, scale_field.shape, size)
     near = NEIGHBOR_RANGE * (parameters.d_min + parameters.d_max)
-    law = Law(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, near)
+    law = MotionLaw(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, near)
     damped = damped_motion(parameters.beta, parameters.time_step)
-    moved = Moved.unset(particles)
+    moved = MovedParticles.allocate(particles)
     before, after = (particles.velocity, particles.force, particles.distance), moved.particles
     motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
-    work = partial(_move, cells, scale_field.packed, idle, mesh, damped, law, before, motion)
-    share(work, len(particles), _MOVED_PER_THREAD if (idle < FADED).any() else _LATE_MOVED_PER_THREAD)
+    work = partial(_move_sorted, cells, scale_field.packed, idle, mesh, damped, law, before, motion)
+    run_in_parallel(work, len(particles), _MOVED_PER_THREAD if (idle < FADED_STEPS).any() else _LATE_MOVED_PER_THREAD)
     return moved
 
 
-AHEAD = 64
+READ_AHEAD_COUNT = 64
 """Number of particles whose field is read ahead."""
 
 
 @compiled
-def read_ahead(packed: Single, cells: Cells, first: int, last: int, anything: Array) -> None:
+def prefetch_field(packed: Single, cells: PlaneCells, first: int, last: int, anything: Array) -> None:
     """Read the field at the next of the sorted particles, so that it is near when they need it.
 
     Memory answers many independent requests as fast as one, whereas a computation with each value would make a request
     wait for the one before. The values go into `anything`, shape (N,), which is overwritten later.
     """
-    for k in range(first, min(first + AHEAD, last)):
-        row, col, _, _ = between(packed, cells.y[k], cells.x[k])
+    for k in range(first, min(first + READ_AHEAD_COUNT, last)):
+        row, col, _, _ = pixel_before(packed, cells.y[k], cells.x[k])
         upper = packed[row, col, 0] + packed[row, col + 1, 4]
         lower = packed[row + 1, col, 0] + packed[row + 1, col + 1, 4]
         anything[cells.order[k]] = upper + lower
 
 
 @compiled
-def _move(
-    cells: Cells,
+def _move_sorted(
+    cells: PlaneCells,
     packed: Single,
     idle: Index,
     mesh: MeshForce,
     damped: Array,
-    law: Law,
+    law: MotionLaw,
     before: tuple[Array, Array, Array],
     after: tuple[Array, Array, Array, Array, Array],
     first: int,
@@ -200,21 +200,21 @@ def _move(
     velocity, force, distance = before
     to_position, to_velocity, to_force, to_distance, motion = after
     coulomb = np.zeros((last - first, 2))
-    _repel(cells, idle, mesh, law, coulomb, first, last)
+    _write_repulsion(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
-        if (k - first) % AHEAD == 0 and idle[cells.order[k]] < FADED:  # later hardly any particle moves
-            read_ahead(packed, cells, k, last, motion)
+        if (k - first) % READ_AHEAD_COUNT == 0 and idle[cells.order[k]] < FADED_STEPS:  # later hardly any particle moves
+            prefetch_field(packed, cells, k, last, motion)
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         v_y, v_x = velocity[i, 0], velocity[i, 1]
         to_y, to_x = y, x
         history = (force[i, 0, 0], force[i, 0, 1], force[i, 1, 0], force[i, 1, 1])
-        if idle[i] >= FADED and v_y**2 + v_x**2 < REST_SPEED**2 and not np.isnan(distance[i, MEMORY - 1]):
+        if idle[i] >= FADED_STEPS and v_y**2 + v_x**2 < REST_SPEED**2 and not np.isnan(distance[i, HISTORY_STEPS - 1]):
             v_y, v_x = 0.0, 0.0
         else:
             late = min(idle[i], len(damped) - 1)
             series = (damped[late, 0], damped[late, 1], damped[late, 2], damped[late, 3])
             c_y, c_x = coulomb[k - first, 0], coulomb[k - first, 1]
-            to_y, to_x, v_y, v_x, history = _step(packed, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history)
+            to_y, to_x, v_y, v_x, history = _step_particle(packed, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history)
         to_position[i, 0], to_position[i, 1], to_velocity[i, 0], to_velocity[i, 1] = to_y, to_x, v_y, v_x
         to_force[i, 0, 0], to_force[i, 0, 1], to_force[i, 1, 0], to_force[i, 1, 1] = history
         to_distance[i, 1], to_distance[i, 2], to_distance[i, 3] = distance[i, 0], distance[i, 1], distance[i, 2]
@@ -223,10 +223,10 @@ def _move(
 
 
 @compiled
-def _repel(cells: Cells, idle: Index, mesh: MeshForce, law: Law, coulomb: Array, first: int, last: int) -> None:
+def _write_repulsion(cells: PlaneCells, idle: Index, mesh: MeshForce, law: MotionLaw, coulomb: Array, first: int, last: int) -> None:
     """Write the normalized Coulomb force on some of the sorted particles, shape (`last` - `first`, 2), cell by cell."""
     smooth, softening = mesh.force, mesh.softening  # taking an array out of a tuple is too slow for every particle
-    room = len(cells.order) + LANES
+    room = len(cells.order) + VECTOR_LANES
     near, sums = np.empty((3, room), np.float32), np.empty((room, 4))
     bits, reach = near[2].view(np.int32), np.float32(mesh.reach)
     end, listed, length, own = first, -1, 0, 0
@@ -239,7 +239,7 @@ def _repel(cells: Cells, idle: Index, mesh: MeshForce, law: Law, coulomb: Array,
         cell = row * cells.cols + col
         if cell != listed:
             listed = cell
-            length, own = gather(cells, row, col, near)
+            length, own = gather_near(cells, row, col, near)
         beyond = min(cells.start[cell + 1], last)
         while end < beyond and repulsion_left(idle[cells.order[end]]) > 0.0:
             end += 1
@@ -258,9 +258,9 @@ def _repel(cells: Cells, idle: Index, mesh: MeshForce, law: Law, coulomb: Array,
 
 
 @compiled
-def _step(
+def _step_particle(
     packed: Single,
-    law: Law,
+    law: MotionLaw,
     idle: int,
     series: Four,
     y: float,
@@ -273,38 +273,38 @@ def _step(
 ) -> tuple[float, float, float, float, Four]:
     """Return the particle after the step of eq. (14)-(15), by the total force of eq. (12) with Coulomb force c."""
     last_y, last_x, old_y, old_x = history
-    place = between(packed, y, x)
-    l_y, l_x = component(packed, 0, place), component(packed, 1, place)
+    place = pixel_before(packed, y, x)
+    l_y, l_x = interpolate_component(packed, 0, place), interpolate_component(packed, 1, place)
     f_y, f_x = law.w1 * c_y + law.w2 * l_y, law.w1 * c_x + law.w2 * l_x
-    if l_y**2 + l_x**2 < GATE**2:
-        n_y, n_x = component(packed, 2, place), component(packed, 3, place)
+    if l_y**2 + l_x**2 < ON_EDGE_FORCE**2:
+        n_y, n_x = interpolate_component(packed, 2, place), interpolate_component(packed, 3, place)
         size = max(np.sqrt(n_y**2 + n_x**2), 1e-30)
         n_y, n_x = n_y / size, n_x / size
-        if is_stuck(_along(f_y, f_x, n_y, n_x), _along(v_y, v_x, n_y, n_x), law.w1, idle):
-            f_y, f_x = _across(f_y, f_x, n_y, n_x)
-            v_y, v_x = _across(v_y, v_x, n_y, n_x)
-            last_y, last_x = _across(last_y, last_x, n_y, n_x)
-            old_y, old_x = _across(old_y, old_x, n_y, n_x)
-    to_y, v_y = advance(y, v_y, f_y, last_y, old_y, law.dt, series)
-    to_x, v_x = advance(x, v_x, f_x, last_x, old_x, law.dt, series)
+        if is_stuck(_size_along(f_y, f_x, n_y, n_x), _size_along(v_y, v_x, n_y, n_x), law.w1, idle):
+            f_y, f_x = _part_across(f_y, f_x, n_y, n_x)
+            v_y, v_x = _part_across(v_y, v_x, n_y, n_x)
+            last_y, last_x = _part_across(last_y, last_x, n_y, n_x)
+            old_y, old_x = _part_across(old_y, old_x, n_y, n_x)
+    to_y, v_y = advance_coordinate(y, v_y, f_y, last_y, old_y, law.dt, series)
+    to_x, v_x = advance_coordinate(x, v_x, f_x, last_x, old_x, law.dt, series)
     return to_y, to_x, v_y, v_x, (f_y, f_x, last_y, last_x)
 
 
 @compiled
-def _across(a_y: float, a_x: float, n_y: float, n_x: float) -> tuple[float, float]:
+def _part_across(a_y: float, a_x: float, n_y: float, n_x: float) -> tuple[float, float]:
     """Return the part of a vector along the unit vector n, the normal of an edge: the part across the edge."""
     size = a_y * n_y + a_x * n_x
     return size * n_y, size * n_x
 
 
 @compiled
-def _along(a_y: float, a_x: float, n_y: float, n_x: float) -> float:
+def _size_along(a_y: float, a_x: float, n_y: float, n_x: float) -> float:
     """Return the size of the part that `_across` removes from a vector; the whole one where there is no normal."""
-    b_y, b_x = _across(a_y, a_x, n_y, n_x)
+    b_y, b_x = _part_across(a_y, a_x, n_y, n_x)
     return float(np.sqrt((a_y - b_y) ** 2 + (a_x - b_x) ** 2))
 
 
-def held_back(barrier_map: BarrierMap, before: Particles, after: Particles) -> Particles:
+def hold_at_barriers(barrier_map: BarrierMap, before: Particles, after: Particles) -> Particles:
     """Return particles after a step, held back where they cross a barrier or the boundary of a region of interest.
 
     Such a particle keeps the part of its step and of its velocity that is along the barrier, if this part crosses no
@@ -314,20 +314,20 @@ def held_back(barrier_map: BarrierMap, before: Particles, after: Particles) -> P
     if not blocked.any():
         return after
     position, velocity = after.position.copy(), after.velocity.copy()
-    _hold(barrier_map, np.flatnonzero(blocked), before.position, position, velocity)
+    _slide_along_barriers(barrier_map, np.flatnonzero(blocked), before.position, position, velocity)
     return replace(after, position=position, velocity=velocity)
 
 
 @compiled
-def _hold(barrier_map: BarrierMap, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array) -> None:
+def _slide_along_barriers(barrier_map: BarrierMap, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array) -> None:
     """Let blocked particles slide along the barrier, in place."""
     for n in range(len(blocked)):
         i = blocked[n]
         first, barrier = np.inf, -1
         for s in range(len(barrier_map.segments)):
-            if meet(barrier_map.segments[s], before[i], position[i]):
-                here = side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], before[i])
-                there = side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], position[i])
+            if segments_meet(barrier_map.segments[s], before[i], position[i]):
+                here = side_of_line(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], before[i])
+                there = side_of_line(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], position[i])
                 way = here / (here - there) if here != there else 0.0
                 if way < first:
                     first, barrier = way, s

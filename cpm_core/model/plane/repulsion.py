@@ -22,14 +22,14 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.model.coverage import cell_of, sorted_by
+from cpm_core.model.coverage import cell_of, sort_by_cell
 from cpm_core.model.state import MeshForce
 from cpm_core.numerics.jit import compiled, reordered
-from cpm_core.numerics.parallel import cores
+from cpm_core.numerics.parallel import count_cores
 from cpm_core.numerics.types import Array, Extent, Index, Single
 
 
-class Cells(NamedTuple):
+class PlaneCells(NamedTuple):
     """Particles sorted into square cells; a plain tuple for the compiled loops.
 
     All particles nearer to a position than the side of a cell lie in its cell and the eight around it, and the
@@ -58,19 +58,19 @@ class Cells(NamedTuple):
     x: Array
 
 
-def build_cells(position: Array, shape: Extent, size: float) -> Cells:
+def build_plane_cells(position: Array, shape: Extent, size: float) -> PlaneCells:
     """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
     rows, cols = (int(n / size) + 1 for n in shape)
-    return Cells(size, rows, cols, *_in_cells(position, size, rows, cols))
+    return PlaneCells(size, rows, cols, *_sort_into_plane_cells(position, size, rows, cols))
 
 
 @compiled
-def _in_cells(position: Array, size: float, rows: int, cols: int) -> tuple[Index, Index, Array, Array]:
+def _sort_into_plane_cells(position: Array, size: float, rows: int, cols: int) -> tuple[Index, Index, Array, Array]:
     """Return where the particles of each cell begin, and all particles in order with coordinates; see `Cells`."""
     cell = np.empty(len(position), np.int64)
     for i in range(len(position)):
         cell[i] = cell_of(position[i, 0], size, rows) * cols + cell_of(position[i, 1], size, cols)
-    order, start = sorted_by(cell, rows * cols)
+    order, start = sort_by_cell(cell, rows * cols)
     y, x = np.empty(len(order)), np.empty(len(order))
     for k in range(len(order)):
         y[k], x[k] = position[order[k], 0], position[order[k], 1]
@@ -78,7 +78,7 @@ def _in_cells(position: Array, size: float, rows: int, cols: int) -> tuple[Index
 
 
 @compiled
-def cells_around(cells: Cells, y: float, x: float, distance: float) -> tuple[int, int, int, int]:
+def cells_around(cells: PlaneCells, y: float, x: float, distance: float) -> tuple[int, int, int, int]:
     """Return first and last row and column of the cells that contain all within a distance of a position."""
     return (
         cell_of(y - distance, cells.size, cells.rows),
@@ -89,7 +89,7 @@ def cells_around(cells: Cells, y: float, x: float, distance: float) -> tuple[int
 
 
 @compiled
-def row_of_cells(cells: Cells, row: int, left: int, right: int) -> tuple[int, int]:
+def row_of_cells(cells: PlaneCells, row: int, left: int, right: int) -> tuple[int, int]:
     """Return the first sorted particle in a row of cells from column `left` to `right`, and the one behind the last."""
     return cells.start[row * cells.cols + left], cells.start[row * cells.cols + right + 1]
 
@@ -97,17 +97,17 @@ def row_of_cells(cells: Cells, row: int, left: int, right: int) -> tuple[int, in
 Bits = NDArray[np.int32]
 """Bits of numbers in single precision."""
 
-LANES = 16
+VECTOR_LANES = 16
 """Lists are filled up to a multiple of it, so that their sums use vector registers to the end."""
 
-FILLER = 1e6
+LIST_FILLER = 1e6
 """Coordinate that fills up a list [px]; its force is next to nothing, and its cube is still a number."""
 
-SAME_SPOT = 1e-10
+MIN_PAIR_SQUARED = 1e-10
 """Squared distance below which two particles are at the same position: a bound instead of a branch keeps the loop on
 vector registers, and such a pair adds its vanishing distance, which is nothing."""
 
-NEAREST = 0.1
+MIN_ENERGY_DISTANCE = 0.1
 """Least distance of two particles in their energy [px], which thus stays finite."""
 
 _INFINITY_BITS = np.float32(np.inf).view(np.int32)
@@ -115,7 +115,7 @@ _INFINITY_BITS = np.float32(np.inf).view(np.int32)
 
 
 @compiled
-def gather(cells: Cells, row: int, col: int, near: Single) -> tuple[int, int]:
+def gather_near(cells: PlaneCells, row: int, col: int, near: Single) -> tuple[int, int]:
     """List the particles in a cell and around it, relative to the corner of the cell.
 
     Return how many they are, filled up to lanes, and the offset of the particles of the cell from their sorted order.
@@ -130,8 +130,8 @@ def gather(cells: Cells, row: int, col: int, near: Single) -> tuple[int, int]:
             near[0, length] = cells.y[k] - origin_y
             near[1, length] = cells.x[k] - origin_x
             length += 1
-    while length % LANES:
-        near[0, length] = near[1, length] = FILLER
+    while length % VECTOR_LANES:
+        near[0, length] = near[1, length] = LIST_FILLER
         length += 1
     return length, own
 
@@ -156,7 +156,7 @@ def pair_sums(
     sums : ndarray, shape (last - first, 4)
         Force on each, and squared distances of its two nearest neighbors, other than zero; infinite for none.
     """
-    one, nothing, tiny = np.float32(1.0), np.float32(0.0), np.float32(SAME_SPOT)
+    one, nothing, tiny = np.float32(1.0), np.float32(0.0), np.float32(MIN_PAIR_SQUARED)
     a, b, c = softening[0], softening[1], softening[2]
     for i in range(first, last):
         # from the list: with a difference that is rounded in another way, a particle would act on itself
@@ -187,7 +187,7 @@ def pair_sums(
 
 
 @compiled
-def two_nearest_of_many(cells: Cells, y: float, x: float, farthest: float) -> tuple[float, float]:
+def two_nearest_of_many(cells: PlaneCells, y: float, x: float, farthest: float) -> tuple[float, float]:
     """Return the squared distances of the two nearest particles within `farthest` at least; infinite for none."""
     first, second = np.inf, np.inf
     top, bottom, left, right = cells_around(cells, y, x, farthest)
@@ -203,7 +203,7 @@ def two_nearest_of_many(cells: Cells, y: float, x: float, farthest: float) -> tu
 
 
 @compiled
-def pair_energy(cells: Cells, reach: float) -> float:
+def pair_energy(cells: PlaneCells, reach: float) -> float:
     """Return the sum of ``1/r - 1/R`` over the pairs nearer than R."""
     total = 0.0
     for k in range(len(cells.y)):
@@ -214,11 +214,11 @@ def pair_energy(cells: Cells, reach: float) -> float:
             for j in range(max(first, k + 1), last):
                 squared = (cells.y[j] - y) ** 2 + (cells.x[j] - x) ** 2
                 if squared < reach**2:
-                    total += 1.0 / max(np.sqrt(squared), NEAREST) - 1.0 / reach
+                    total += 1.0 / max(np.sqrt(squared), MIN_ENERGY_DISTANCE) - 1.0 / reach
     return total
 
 
-PITCH = 0.5
+MESH_PITCH = 0.5
 """Pitch of the mesh, in reaches."""
 
 _NODES_AROUND_IMAGE = 4
@@ -227,21 +227,21 @@ _NODES_AROUND_IMAGE = 4
 
 def mesh_shape(shape: Extent, reach: float) -> tuple[int, ...]:
     """Return the number of nodes along each axis of the mesh over an image of this shape."""
-    return tuple(int(np.ceil(n / (PITCH * reach))) + _NODES_AROUND_IMAGE for n in shape)
+    return tuple(int(np.ceil(n / (MESH_PITCH * reach))) + _NODES_AROUND_IMAGE for n in shape)
 
 
 def mesh_corner(shape: Extent, reach: float) -> tuple[float, ...]:
     """Return the place of the first node [px]; the mesh is centered, so that a mirrored image has a mirrored mesh."""
     sides = zip(shape, mesh_shape(shape, reach), strict=True)
-    return tuple(0.5 * (n - 1) - 0.5 * (PITCH * reach) * (m - 1) for n, m in sides)
+    return tuple(0.5 * (n - 1) - 0.5 * (MESH_PITCH * reach) * (m - 1) for n, m in sides)
 
 
-def nodes(shape: Extent, reach: float) -> int:
+def count_mesh_nodes(shape: Extent, reach: float) -> int:
     """Count the nodes of the padded mesh for an image of this shape: its cost is proportional to them."""
     return int(2 ** len(shape) * np.prod(mesh_shape(shape, reach)))
 
 
-def softening(reach: float) -> Single:
+def softening_coefficients(reach: float) -> Single:
     """Return the coefficients, shape (3,), of the polynomial that replaces the inverse square up to R."""
     return np.array([35 / 8 / reach**3, -21 / 4 / reach**5, 15 / 8 / reach**7], np.float32)
 
@@ -250,23 +250,23 @@ _TRANSFORMED_PER_THREAD = 200_000
 """Values of the transforms above which a second thread makes them faster."""
 
 
-def convolved(charge: Single, reach: float) -> Single:
+def convolve_on_mesh(charge: Single, reach: float) -> Single:
     r"""Compute the smooth part of the force, shape (\*nodes, D), of charges on a mesh, shape (\*nodes)."""
-    padded, kernels = _spectra(charge.shape, reach)
+    padded, kernels = _mesh_spectra(charge.shape, reach)
     axes = tuple(range(1, charge.ndim + 1))
-    threads = cores() if kernels.size > _TRANSFORMED_PER_THREAD else 1
+    threads = count_cores() if kernels.size > _TRANSFORMED_PER_THREAD else 1
     spectrum = scipy.fft.rfftn(charge, padded, workers=threads) * np.complex64(1j)
     smooth = scipy.fft.irfftn(spectrum * kernels, padded, axes, workers=threads)
     return np.ascontiguousarray(np.moveaxis(smooth[(slice(None), *map(slice, charge.shape))], 0, -1))
 
 
 @lru_cache(maxsize=8)
-def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], Single]:
+def _mesh_spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], Single]:
     """Return the shape of the padded mesh, and the transforms, over i, of the softened inverse square on it."""
     padded = tuple(scipy.fft.next_fast_len(2 * n - 1, True) for n in mesh)
-    offsets = np.meshgrid(*(PITCH * reach * size * np.fft.fftfreq(size) for size in padded), indexing="ij")
+    offsets = np.meshgrid(*(MESH_PITCH * reach * size * np.fft.fftfreq(size) for size in padded), indexing="ij")
     squared = sum(offset * offset for offset in offsets)
-    a, b, c = softening(reach)
+    a, b, c = softening_coefficients(reach)
     beyond = np.maximum(squared, reach**2)
     soft = np.where(squared < reach**2, a + squared * (b + squared * c), 1.0 / (beyond * np.sqrt(beyond)))
     smoothing = np.ones(())
@@ -281,7 +281,7 @@ def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], Sing
 
 
 @compiled
-def spline(place: float) -> tuple[int, float, float, float]:
+def spline_weights(place: float) -> tuple[int, float, float, float]:
     """Return the node before the one nearest to a position, in units of the pitch, and the weights of three nodes."""
     node = int(place + 0.5)
     beyond = place - node
@@ -297,22 +297,22 @@ def mesh_force(position: Array, shape: Extent, reach: float) -> MeshForce:
 
     `reach` is the distance R up to which pairs add what the mesh leaves out [px].
     """
-    pitch, (top, left) = PITCH * reach, mesh_corner(shape, reach)
+    pitch, (top, left) = MESH_PITCH * reach, mesh_corner(shape, reach)
     charge = np.zeros(mesh_shape(shape, reach), np.float32)
     _spread_charges(position, top, left, 1.0 / pitch, charge)
-    return MeshForce(convolved(charge, reach), (top, left), pitch, reach, softening(reach))
+    return MeshForce(convolve_on_mesh(charge, reach), (top, left), pitch, reach, softening_coefficients(reach))
 
 
 @compiled
 def mesh_force_at(force: Single, down: float, right: float) -> tuple[float, float]:
     """Interpolate the smooth part of the Coulomb force between the nodes of a mesh, in units of the pitch."""
-    row, a, b, c = spline(down)
-    col, d, e, f = spline(right)
-    return _mixed(force, row, col, 0, a, b, c, d, e, f), _mixed(force, row, col, 1, a, b, c, d, e, f)
+    row, a, b, c = spline_weights(down)
+    col, d, e, f = spline_weights(right)
+    return _weighted_nodes(force, row, col, 0, a, b, c, d, e, f), _weighted_nodes(force, row, col, 1, a, b, c, d, e, f)
 
 
 @compiled
-def _mixed(
+def _weighted_nodes(
     force: Single, row: int, col: int, k: int, a: float, b: float, c: float, d: float, e: float, f: float
 ) -> float:
     """Return component `k` of the weighted force on nine nodes."""
@@ -327,8 +327,8 @@ def _mixed(
 def _spread_charges(position: Array, top: float, left: float, density: float, charge: Single) -> None:
     """Spread unit charges over the nodes of a mesh."""
     for i in range(len(position)):
-        row, a, b, c = spline((position[i, 0] - top) * density)
-        col, d, e, f = spline((position[i, 1] - left) * density)
+        row, a, b, c = spline_weights((position[i, 0] - top) * density)
+        col, d, e, f = spline_weights((position[i, 1] - left) * density)
         for m, down in ((0, a), (1, b), (2, c)):
             charge[row + m, col] += down * d
             charge[row + m, col + 1] += down * e

@@ -8,35 +8,35 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import interpolate
-from cpm_core.field.placed_charges import near_charges, placed_force_at, placed_potential, radius_at
-from cpm_core.field.scale_field import GATE, ScaleField
+from cpm_core.field.interpolation import interpolate_field
+from cpm_core.field.placed_charges import near_charges, placed_forces, placed_potential, charge_radius_at
+from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.coverage import Coverage, cover, idle_at
+from cpm_core.model.coverage import Coverage, mark_covered, idle_steps_at
 from cpm_core.model.equations import (
-    FADED,
+    FADED_STEPS,
     IDLE_STEPS,
-    LATEST,
+    FINAL_DAMPING_STEPS,
     MIN_SCALE_STEPS,
     QUIET_STEPS,
-    STILL,
-    Moved,
-    damping,
-    epsilon,
+    STILL_DISTANCE,
+    MovedParticles,
+    damping_coefficient,
+    equilibrium_epsilon,
     fast_speed,
     is_idle,
     is_quiet,
 )
 from cpm_core.model.interventions import start_scale
-from cpm_core.model.measures import PAIR, Energies, Forces, kinetic_energy
-from cpm_core.model.plane.births import Search, deletion, examined, insertion, search_range
-from cpm_core.model.plane.enclosed_regions import RESEEDINGS, reseeding_places
-from cpm_core.model.plane.motion import contact_at, held_back, is_at_rest, mesh_force_of, move
-from cpm_core.model.plane.repulsion import build_cells, pair_energy
-from cpm_core.model.state import MEMORY, State
+from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
+from cpm_core.model.plane.births import SearchMasks, select_survivors, examine_contacts, find_insertions, search_range
+from cpm_core.model.plane.enclosed_regions import MAX_PLANE_RESEEDINGS, reseeding_places
+from cpm_core.model.plane.motion import edge_contact_at, hold_at_barriers, is_at_rest, current_mesh_force, move_in_plane
+from cpm_core.model.plane.repulsion import build_plane_cells, pair_energy
+from cpm_core.model.state import HISTORY_STEPS, State
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.numerics.vectors import lengths
+from cpm_core.numerics.vectors import row_lengths
 from cpm_core.parameters import Parameters
 
 _UNDER_WAY_PATIENCE = 2
@@ -67,18 +67,18 @@ def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters)
     particles, step, fast = state.particles, state.step_of_scale, fast_speed(parameters)
     # before the first coverage there is no limit
     under_way = state.idle // _UNDER_WAY_PATIENCE if state.coverage.size else 0
-    idle = _idle_steps(state.coverage, particles.position, particles.velocity, step, fast, under_way, state.idle)
+    idle = _count_idle_steps(state.coverage, particles.position, particles.velocity, step, fast, under_way, state.idle)
     if state.charges:
         _let_gather(state, scale_field, idle)
     return idle
 
 
 @compiled
-def _idle_steps(
+def _count_idle_steps(
     coverage: Coverage, position: Array, velocity: Array, step: int, fast: float, under_way: int, others: int
 ) -> Index:
     """Count the steps since new coverage near each particle; the others have those of `under_way` or `others`."""
-    idle = idle_at(coverage, position, step, _OUTSIDE_COVERAGE)
+    idle = idle_steps_at(coverage, position, step, _OUTSIDE_COVERAGE)
     for i in range(len(idle)):
         if idle[i] == _OUTSIDE_COVERAGE:
             idle[i] = under_way if velocity[i, 0] ** 2 + velocity[i, 1] ** 2 > fast**2 else others
@@ -91,8 +91,8 @@ def is_travelling(state: State, parameters: Parameters) -> bool:
     A start far from all edges would else be handed on to the finest scale, where noise stops particles that have far
     to go.
     """
-    idle = idle_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE_COVERAGE)
-    speed = lengths(state.particles.velocity[idle == _OUTSIDE_COVERAGE])
+    idle = idle_steps_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE_COVERAGE)
+    speed = row_lengths(state.particles.velocity[idle == _OUTSIDE_COVERAGE])
     return bool(np.count_nonzero(speed > fast_speed(parameters)) > _MAX_TRAVELLING_FRACTION * state.count)
 
 
@@ -101,38 +101,38 @@ def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
 
     If the repulsion faded first, they would all move to one position, and all but one would be deleted.
     """
-    near = np.flatnonzero(_drawn(state))
-    strength, _, _ = contact_at(state.particles.position[near], scale_field)
+    near = np.flatnonzero(_is_attracted(state))
+    strength, _, _ = edge_contact_at(state.particles.position[near], scale_field)
     near = near[strength < scale_field.floor]
     velocity = state.particles.velocity[near]
     slow = np.einsum("ni,ni->n", velocity, velocity) < _GATHERED_SPEED**2
-    gathered = (idle[near] >= _GATHERING_STEPS) | (slow & (idle[near] >= FADED))
-    idle[near] = np.where(gathered, LATEST, 0)
+    gathered = (idle[near] >= _GATHERING_STEPS) | (slow & (idle[near] >= FADED_STEPS))
+    idle[near] = np.where(gathered, FINAL_DAMPING_STEPS, 0)
 
 
-def _drawn(state: State) -> NDArray[np.bool_]:
+def _is_attracted(state: State) -> NDArray[np.bool_]:
     """Return a mask, shape (N,), of the particles within reach of a charge that attracts them."""
     attracting = state.placed[state.placed[:, -1] > 0.0]
-    return near_charges(attracting, radius_at(state.scale), state.particles.position)
+    return near_charges(attracting, charge_radius_at(state.scale), state.particles.position)
 
 
-def reseeded(state: State, scale_field: ScaleField) -> State | None:
+def reseed_enclosed(state: State, scale_field: ScaleField) -> State | None:
     """Reseed next to enclosed boundaries that no particle has reached; None when none is missing.
 
     There is no reseeding in a run with erased particles, nor where a placed charge is stronger than an edge.
     """
-    if state.reseedings == RESEEDINGS or state.erased:
+    if state.reseedings == MAX_PLANE_RESEEDINGS or state.erased:
         return None
-    places = reseeding_places(scale_field, without_off_edge(state, scale_field).particles.position)
+    places = reseeding_places(scale_field, drop_off_edge(state, scale_field).particles.position)
     if state.charges:
-        force = placed_force_at(state.placed, radius_at(state.scale), places)
-        places = places[(force**2).sum(axis=1) <= GATE**2]
+        force = placed_forces(state.placed, charge_radius_at(state.scale), places)
+        places = places[(force**2).sum(axis=1) <= ON_EDGE_FORCE**2]
     if not len(places):
         return None
-    state = without_resting_off_edge(state, scale_field)  # else they would be reactivated in vain
+    state = drop_resting_off_edge(state, scale_field)  # else they would be reactivated in vain
     return replace(
         state,
-        particles=state.particles.with_more(places, state.next_identity),
+        particles=state.particles.append(places, state.next_identity),
         next_identity=state.next_identity + len(places),
         reseedings=state.reseedings + 1,
         born=state.born + len(places),
@@ -143,32 +143,32 @@ def reseeded(state: State, scale_field: ScaleField) -> State | None:
     )
 
 
-def without_resting_off_edge(state: State, scale_field: ScaleField) -> State:
+def drop_resting_off_edge(state: State, scale_field: ScaleField) -> State:
     """Drop the particles at rest off the edge, if any particle has found an edge.
 
     In a hole of one or two pixels no particle has edge contact in the strict sense, but the edge around it is strong.
     Particles around an attracting charge stay.
     """
     position = state.particles.position
-    strength, on_edge, _ = contact_at(position, scale_field)
+    strength, on_edge, _ = edge_contact_at(position, scale_field)
     found = on_edge | (strength >= _HOLDING_STRENGTH * scale_field.floor)
     if not found.any():
         return state
-    found |= _drawn(state)
+    found |= _is_attracted(state)
     if found.all():
         return state
-    return replace(state, particles=state.particles.where(found), deleted=state.deleted + int((~found).sum()))
+    return replace(state, particles=state.particles.keep(found), deleted=state.deleted + int((~found).sum()))
 
 
-def without_off_edge(state: State, scale_field: ScaleField, and_drawn: bool = False) -> State:
+def drop_off_edge(state: State, scale_field: ScaleField, and_drawn: bool = False) -> State:
     """Drop the particles off the edge, since a finer scale begins with all seeds again.
 
     Those within reach of an attracting charge can be kept.
     """
-    _, found, _ = contact_at(state.particles.position, scale_field)
+    _, found, _ = edge_contact_at(state.particles.position, scale_field)
     if and_drawn:
-        found |= _drawn(state)
-    return replace(state, particles=state.particles.where(found))
+        found |= _is_attracted(state)
+    return replace(state, particles=state.particles.keep(found))
 
 
 _FRONT_STEPS = 20
@@ -187,18 +187,18 @@ _FADED_INTERVAL = 4
 """Steps between two deletions and insertions once no repulsion is left."""
 
 
-def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> tuple[State, Moved]:
+def move_particles(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> tuple[State, MovedParticles]:
     """Move the particles of a state and drop those that leave the image; return also the motion, shape (N,)."""
     particles, step = state.particles, state.step_of_scale
-    mesh = mesh_force_of(state, idle, scale_field, parameters)
-    moved = move(particles, idle, mesh, scale_field, parameters)
-    held = held_back(scale_field.barrier_map, particles, moved.particles)
+    mesh = current_mesh_force(state, idle, scale_field, parameters)
+    moved = move_in_plane(particles, idle, mesh, scale_field, parameters)
+    held = hold_at_barriers(scale_field.barrier_map, particles, moved.particles)
     if held is not moved.particles:
-        moved = Moved.held_at(held, particles.position)
-    inside, displacement, moving = _inside(held.position, moved.motion, *scale_field.shape)
+        moved = MovedParticles.held_at(held, particles.position)
+    inside, displacement, moving = _find_inside(held.position, moved.motion, *scale_field.shape)
     left = len(held) - len(inside)
     if left:
-        moved = moved.of(inside)
+        moved = moved.select(inside)
     state = replace(
         state,
         particles=moved.particles,
@@ -209,13 +209,13 @@ def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Pa
         deleted=left,
         displacement=displacement,
         moving=moving,
-        epsilon=epsilon(moved.particles.distance),
+        epsilon=equilibrium_epsilon(moved.particles.distance),
     )
     return state, moved
 
 
 @compiled
-def _inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[Index, float, int]:
+def _find_inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[Index, float, int]:
     """Return the particles inside the image, their mean motion, and how many of them moved."""
     inside, count, total, moving = np.empty(len(position), np.int64), 0, 0.0, 0
     for i in range(len(position)):
@@ -224,12 +224,12 @@ def _inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[Index
             inside[count] = i
             count += 1
             total += motion[i]
-            moving += motion[i] > STILL
+            moving += motion[i] > STILL_DISTANCE
     return inside[:count], total / count, moving
 
 
-def populated(
-    state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
+def insert_and_delete(
+    state: State, moved: MovedParticles, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
 ) -> State:
     """Delete and insert particles, and anneal; late in a run the first two happen only at some steps."""
     annealed = state.annealed * parameters.annealing
@@ -237,18 +237,18 @@ def populated(
     if state.step % every:
         return replace(state, annealed=annealed, idle=state.idle + 1)
     particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
-    cells = build_cells(particles.position, scale_field.shape, search_range(parameters))
-    contact, close = examined(cells, has_moved, scale_field, parameters.d_min)
-    kept = deletion(particles.position, contact.strength, parameters.d_min, close)
-    coverage, new = cover(state.coverage, particles.position, contact.on_edge & kept, step)
-    round_, idle = state.step // every, idle_at(coverage, particles.position, step, state.idle)
-    search = Search(kept, *_in_turn(particles.identity, particles.distance, has_moved, idle, round_, repulsion_gone))
+    cells = build_plane_cells(particles.position, scale_field.shape, search_range(parameters))
+    contact, close = examine_contacts(cells, has_moved, scale_field, parameters.d_min)
+    kept = select_survivors(particles.position, contact.strength, parameters.d_min, close)
+    coverage, new = mark_covered(state.coverage, particles.position, contact.on_edge & kept, step)
+    round_, idle = state.step // every, idle_steps_at(coverage, particles.position, step, state.idle)
+    search = SearchMasks(kept, *_select_searching(particles.identity, particles.distance, has_moved, idle, round_, repulsion_gone))
     d_max = state.annealed * parameters.d_max
-    births = insertion(contact, search, scale_field, d_max, parameters, round_)
+    births = find_insertions(contact, search, scale_field, d_max, parameters, round_)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
     if deleted or born:  # in the order of their cells: particles near in space are then near in memory
         stay = cells.order[kept[cells.order]] if deleted else np.arange(len(kept))
-        particles = particles.renewed(stay, births.position, births.parents, state.next_identity)
+        particles = particles.replace_particles(stay, births.position, births.parents, state.next_identity)
     return replace(
         state,
         particles=particles,
@@ -262,7 +262,7 @@ def populated(
 
 
 @compiled
-def _in_turn(
+def _select_searching(
     identity: Index, distance: Array, has_moved: Mask, idle: Index, turn: int, everywhere: bool
 ) -> tuple[Mask, Mask, Mask]:
     """Select the particles that search in a turn, those that search thoroughly, and those that search ahead."""
@@ -270,7 +270,7 @@ def _in_turn(
     looking, thorough, ahead = np.empty(count, np.bool_), np.empty(count, np.bool_), np.empty(count, np.bool_)
     for i in range(count):
         number, front = identity[i] + turn, idle[i] < _FRONT_STEPS
-        thorough[i] = number % _SEARCH_INTERVAL == 0 or np.isnan(distance[i, MEMORY - 1]) or everywhere
+        thorough[i] = number % _SEARCH_INTERVAL == 0 or np.isnan(distance[i, HISTORY_STEPS - 1]) or everywhere
         looking[i] = (thorough[i] or front) and has_moved[i]
         ahead[i] = number % _AHEAD_INTERVAL == 0 or front
     return looking, thorough, ahead
@@ -280,7 +280,7 @@ _MAX_STEPS_PER_PIXEL = 2.0
 """Greatest number of steps of a scale for each pixel of the longest side: a front advances about two pixels a step."""
 
 
-def advanced(state: State, scale_field: ScaleField, regions: AnyRegions | None, parameters: Parameters) -> State:
+def check_end(state: State, scale_field: ScaleField, regions: AnyRegions | None, parameters: Parameters) -> State:
     """End a scale or the run at equilibrium or after the greatest number of steps; else return the state."""
     quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
     if quiet or state.quiet:
@@ -290,42 +290,42 @@ def advanced(state: State, scale_field: ScaleField, regions: AnyRegions | None, 
     if state.scale > 0:
         done = state.idle >= IDLE_STEPS and not is_travelling(state, parameters)
         if state.count == 0 or done or overdue:
-            return start_scale(without_off_edge(state, scale_field, and_drawn=True), state.scale - 1, regions)
+            return start_scale(drop_off_edge(state, scale_field, and_drawn=True), state.scale - 1, regions)
         return state
     if state.count == 0:
-        return state.stopped("all particles left the image")
+        return state.stop("all particles left the image")
     if state.quiet >= QUIET_STEPS:
-        continued = reseeded(state, scale_field)
+        continued = reseed_enclosed(state, scale_field)
         if continued is not None:
             return continued
         reason = f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps"
-        return without_resting_off_edge(state, scale_field).stopped(reason, True)
+        return drop_resting_off_edge(state, scale_field).stop(reason, True)
     if overdue:
-        return state.stopped(f"not at rest after {most} steps at full size")
+        return state.stop(f"not at rest after {most} steps at full size")
     return state
 
 
-Populate = Callable[[State, Moved, bool, ScaleField, Parameters], State]
+Populate = Callable[[State, MovedParticles, bool, ScaleField, Parameters], State]
 """Insertion and deletion of a step."""
 
 
-def stepped(
+def step_in_plane(
     state: State,
     field: ScaleField,
     regions: AnyRegions | None,
     parameters: Parameters,
-    populate: Populate = populated,
+    populate: Populate = insert_and_delete,
 ) -> State:
     """Return the state after one time step, and after the end of its scale or its run if that has come.
 
     `field` includes the placed charges; `populate` can be replaced in experiments.
     """
     idle = idle_steps_of(state, field, parameters)
-    repulsion_gone = not (idle < FADED).any()
-    state, moved = displaced(state, idle, field, parameters)
+    repulsion_gone = not (idle < FADED_STEPS).any()
+    state, moved = move_particles(state, idle, field, parameters)
     if len(state.particles):
         state = populate(state, moved, repulsion_gone, field, parameters)
-    return advanced(state, field, regions, parameters)
+    return check_end(state, field, regions, parameters)
 
 
 _NO_EDGES = np.zeros((2, 2, 5), np.float32)
@@ -334,7 +334,7 @@ _NO_EDGES[..., 0] = 1.0
 """Packed force field without edges, hence without friction; its Lorentz force is one, downwards."""
 
 
-def forces(state: State, scale_field: ScaleField, charged: ScaleField, parameters: Parameters, which: Index) -> Forces:
+def plane_forces(state: State, scale_field: ScaleField, charged: ScaleField, parameters: Parameters, which: Index) -> Forces:
     """Return the forces on the particles `which`, shape (M,), of a state as the next step begins.
 
     See `Engine.forces`.
@@ -342,31 +342,31 @@ def forces(state: State, scale_field: ScaleField, charged: ScaleField, parameter
     `scale_field` and `charged` are the fields of its scale without and with the placed charges.
     """
     particles, idle = state.particles, idle_steps_of(state, charged, parameters)
-    chosen = particles.taken(which)
-    mesh = mesh_force_of(state, idle, scale_field, parameters)
-    lorentz = parameters.w2 * interpolate(scale_field.lorentz, chosen.position)
-    placed = parameters.w2 * interpolate(charged.lorentz, chosen.position) - lorentz
+    chosen = particles.select(which)
+    mesh = current_mesh_force(state, idle, scale_field, parameters)
+    lorentz = parameters.w2 * interpolate_field(scale_field.lorentz, chosen.position)
+    placed = parameters.w2 * interpolate_field(charged.lorentz, chosen.position) - lorentz
     idle_there = idle[which]
     apart, applied = (
-        move(particles, idle, mesh, field, parameters).particles.force[which, 0]
+        move_in_plane(particles, idle, mesh, field, parameters).particles.force[which, 0]
         for field in (replace(charged, force=lambda: _NO_EDGES), charged)
     )
-    coulomb = np.where((idle_there < FADED)[:, None], apart - (parameters.w2, 0.0), 0.0)
-    late, kinds = np.unique(np.minimum(idle_there, LATEST), return_inverse=True)
-    beta = np.array([damping(parameters.beta, int(steps)) for steps in late])[kinds]
+    coulomb = np.where((idle_there < FADED_STEPS)[:, None], apart - (parameters.w2, 0.0), 0.0)
+    late, kinds = np.unique(np.minimum(idle_there, FINAL_DAMPING_STEPS), return_inverse=True)
+    beta = np.array([damping_coefficient(parameters.beta, int(steps)) for steps in late])[kinds]
     damped = -beta[:, None] * chosen.velocity
     at_rest = is_at_rest(chosen, idle_there)
     applied[at_rest], damped[at_rest] = 0.0, 0.0
     return Forces(coulomb, lorentz, placed, applied - (coulomb + lorentz + placed), damped)
 
 
-def energies(state: State, scale_field: ScaleField, parameters: Parameters) -> Energies:
+def plane_energies(state: State, scale_field: ScaleField, parameters: Parameters) -> Energies:
     """Return the energies of a state with its placed charges; `scale_field` is without them. See `Engine.energies`."""
     particles = state.particles
     in_image = 4.0**state.scale
     reach = parameters.d_min + parameters.d_max
-    pairs = pair_energy(build_cells(particles.position, scale_field.shape, reach), reach)
-    fixed = interpolate(scale_field.potential[None], particles.position).sum() / scale_field.slope
-    placed = placed_potential(state.placed, radius_at(state.scale), particles.position).sum()
-    mutual = PAIR * parameters.w1 * parameters.d_min**2 * pairs
+    pairs = pair_energy(build_plane_cells(particles.position, scale_field.shape, reach), reach)
+    fixed = interpolate_field(scale_field.potential[None], particles.position).sum() / scale_field.slope
+    placed = placed_potential(state.placed, charge_radius_at(state.scale), particles.position).sum()
+    mutual = PAIR_FORCE * parameters.w1 * parameters.d_min**2 * pairs
     return Energies(kinetic_energy(state), in_image * (mutual + parameters.w2 * float(fixed + placed)))

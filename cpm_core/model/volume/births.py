@@ -18,42 +18,42 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.field.interpolation import normal_at
-from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, torn_off
-from cpm_core.field.scale_field import FAINTEST
-from cpm_core.field.volume_edges import Edges, edge_at
+from cpm_core.field.placed_charges import NO_PLACED_CHARGES, ChargesAtScale, find_torn_off
+from cpm_core.field.scale_field import EDGE_END_FRACTION
+from cpm_core.field.volume_edges import EdgeBricks, edge_at
 from cpm_core.field.volume_field import VolumeField
-from cpm_core.field.volume_surface import faces_alike, is_ridge, on_ridge
-from cpm_core.model.equations import NEAR, STRIDE
+from cpm_core.field.volume_surface import face_same_way, is_ridge, project_to_ridge
+from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_STRIDE
 from cpm_core.model.state import Particles
-from cpm_core.model.volume.motion import LEAST_CELL, Cells, build_cells, near, on_one_sheet, room_for
+from cpm_core.model.volume.motion import MIN_CELL_SIDE, VolumeCells, build_volume_cells, find_near, on_same_surface, near_buffer
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
+from cpm_core.numerics.vectors import Vector, subtract_vectors, dot, vector_length, move_along, row_of, scale_vector
 
 _CLOSE_PER_THREAD = 2_000
 """Particles from which a second thread makes the search faster."""
 
 
-def thinned(particles: Particles, cells: Cells, turn: Index, d_min: float) -> Mask:
+def select_surface_survivors(particles: Particles, cells: VolumeCells, turn: Index, d_min: float) -> Mask:
     """Return a mask, shape (N,), of the particles that stay.
 
     Of two nearer than ``d_min / 2`` the one on the weaker edge is deleted, and of equal ones the later, unless both are
     on surfaces, on different sheets. Only those of `turn`, shape (K,), have moved since the last use.
     """
-    kept, contact = np.ones(len(particles), bool), particles.on_surface
-    sheets = (particles.position, contact.normal, contact.seated)
-    share(partial(_find_close, cells, turn, *sheets, NEAR * d_min, kept), len(turn), _CLOSE_PER_THREAD)
+    kept, contact = np.ones(len(particles), bool), particles.surface_contact
+    sheets = (particles.position, contact.normal, contact.on_surface)
+    run_in_parallel(partial(_find_close, cells, turn, *sheets, DELETION_DISTANCE * d_min, kept), len(turn), _CLOSE_PER_THREAD)
     close = np.flatnonzero(~kept)
     if len(close):
         order = close[np.argsort(-contact.strength[close], kind="stable")]
-        kept[order] = apart(particles.position[order], contact.normal[order], NEAR * d_min, contact.seated[order])
+        kept[order] = select_spaced(particles.position[order], contact.normal[order], DELETION_DISTANCE * d_min, contact.on_surface[order])
     return kept
 
 
 @compiled
 def _find_close(
-    cells: Cells,
+    cells: VolumeCells,
     turn: Index,
     position: Array,
     normals: Array,
@@ -64,16 +64,16 @@ def _find_close(
     last: int,
 ) -> None:
     """Mark the particles with another one nearer than a distance as not alone; one of each pair has its turn."""
-    found = room_for(cells)
+    found = near_buffer(cells)
     for q in range(first, last):
         i = turn[q]
-        for n in range(near(cells, row_of(position, i), distance, found)):
+        for n in range(find_near(cells, row_of(position, i), distance, found)):
             j = cells.order[found[n]]
-            if j != i and on_one_sheet(i, j, normals, seated):
+            if j != i and on_same_surface(i, j, normals, seated):
                 alone[i] = alone[j] = False
 
 
-ROOM = 0.68
+NEW_PARTICLE_ROOM = 0.68
 """Least distance of a new particle from others of its sheet, in d_min."""
 
 _GAP_NEIGHBOR_RANGE = 1.7
@@ -118,14 +118,14 @@ _SURFACE_SEARCHES_PER_THREAD = 100
 _Sheets = tuple[Array, Array, Mask, Array]
 """Positions of the particles, normals, which are seated, and edge strengths."""
 
-_Edge = tuple[Single, Edges, Vector, float]
+_Edge = tuple[Single, EdgeBricks, Vector, float]
 """Smoothed volume, edge map, sides of a voxel, and least edge strength."""
 
-_Search = tuple[Cells, Index, _Sheets, _Edge, Array, Index]
+_Search = tuple[VolumeCells, Index, _Sheets, _Edge, Array, Index]
 """Cells, room for a crowd in them, sheets, edge, and the places that are found, with their number for each particle."""
 
 
-class Births(NamedTuple):
+class VolumeBirths(NamedTuple):
     """New particles: positions and normals, shape (M, 3), and edge strengths, shape (M,)."""
 
     position: Array
@@ -133,40 +133,40 @@ class Births(NamedTuple):
     strength: Array
 
 
-def insertion(
+def find_surface_insertions(
     particles: Particles,
-    cells: Cells,
+    cells: VolumeCells,
     turn: Index,
     field: VolumeField,
     d_min: float,
     d_max: float = 0.0,
-    placed: Placed = NOTHING_PLACED,
-) -> Births:
+    placed: ChargesAtScale = NO_PLACED_CHARGES,
+) -> VolumeBirths:
     """Find places for new particles next to those on surfaces that have their turn, in the order of these.
 
     `turn`, shape (K,), are indices of particles; `d_max` is the annealed insertion range [units]. There are no places
     where placed charges pull particles off the edge.
     """
-    contact = particles.on_surface
-    looking, looks = turn[contact.seated[turn]], np.zeros(len(particles), bool)
+    contact = particles.surface_contact
+    looking, looks = turn[contact.on_surface[turn]], np.zeros(len(particles), bool)
     looks[looking] = True
     found, count = np.empty((len(looking), _MAX_NEW_AROUND, 7)), np.zeros(len(looking), np.int64)
-    sheets = (particles.position, contact.normal, contact.seated, contact.strength)
+    sheets = (particles.position, contact.normal, contact.on_surface, contact.strength)
     edge = (field.smoothed, field.edges, field.pitch, field.floor)
-    search = partial(_search, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
-    share(search, len(looking), _SURFACE_SEARCHES_PER_THREAD)
+    search = partial(_search_places, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
+    run_in_parallel(search, len(looking), _SURFACE_SEARCHES_PER_THREAD)
     places, parents = found[np.arange(_MAX_NEW_AROUND) < count[:, None]], np.repeat(looking, count)
-    places = places[~field.crossed(particles.position[parents], places[:, :3])]
-    places = places[~torn_off(placed, places[:, :3], places[:, 3:6])]
-    some = places[apart(places[:, :3], places[:, 3:6], ROOM * d_min)]
-    return Births(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
+    places = places[~field.crosses_wall(particles.position[parents], places[:, :3])]
+    places = places[~find_torn_off(placed, places[:, :3], places[:, 3:6])]
+    some = places[select_spaced(places[:, :3], places[:, 3:6], NEW_PARTICLE_ROOM * d_min)]
+    return VolumeBirths(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
 
 
 @compiled
-def _search(
+def _search_places(
     looking: Index,
     looks: Mask,
-    cells: Cells,
+    cells: VolumeCells,
     sheets: _Sheets,
     edge: _Edge,
     d_min: float,
@@ -177,11 +177,11 @@ def _search(
     last: int,
 ) -> None:
     """Find the places that some particles offer, up to `_MAX_NEW_AROUND` each."""
-    angles, others = np.empty(_MAX_SORTED_NEIGHBORS), room_for(cells)
-    search = cells, room_for(cells), sheets, edge, found, count
+    angles, others = np.empty(_MAX_SORTED_NEIGHBORS), near_buffer(cells)
+    search = cells, near_buffer(cells), sheets, edge, found, count
     for q in range(first, last):
         i = looking[q]
-        around = others[: near(cells, row_of(sheets[0], i), max(_GAP_NEIGHBOR_RANGE * STRIDE * d_min, reach), others)]
+        around = others[: find_near(cells, row_of(sheets[0], i), max(_GAP_NEIGHBOR_RANGE * INSERTION_STRIDE * d_min, reach), others)]
         if reach > d_min:
             _look_between(q, i, looks, around, search, d_min, reach)
         _look_ahead(q, i, around, search, d_min, angles)
@@ -194,27 +194,27 @@ def _look_between(q: int, i: int, looks: Mask, around: Index, search: _Search, d
     place, normal = row_of(position, i), row_of(normals, i)
     for k in around:
         j = cells.order[k]
-        if not seated[j] or (looks[j] and j <= i) or not faces_alike(normal, row_of(normals, j)):
+        if not seated[j] or (looks[j] and j <= i) or not face_same_way(normal, row_of(normals, j)):
             continue
-        away = difference(row_of(cells.place, k), place)
-        distance = length(away)
+        away = subtract_vectors(row_of(cells.place, k), place)
+        distance = vector_length(away)
         if d_min < distance <= reach:
-            middle, room = moved(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
+            middle, room = move_along(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
             if not _is_taken(cells, around, middle, normal, normals, room):
-                _offer(q, i, middle, 0.0, distance, room, search)
+                _offer_place(q, i, middle, 0.0, distance, room, search)
 
 
 @compiled
 def _look_ahead(q: int, i: int, around: Index, search: _Search, d_min: float, angles: Array) -> None:
     """Offer the places a stride ahead of a particle, in the widest gap between its neighbors."""
     cells, _, (position, normals, seated, _), _, _, _ = search
-    place, own, stride, room = row_of(position, i), row_of(normals, i), STRIDE * d_min, ROOM * d_min
-    (one, other), reach, count = tangents(own), _GAP_NEIGHBOR_RANGE * stride, 0
+    place, own, stride, room = row_of(position, i), row_of(normals, i), INSERTION_STRIDE * d_min, NEW_PARTICLE_ROOM * d_min
+    (one, other), reach, count = tangent_vectors(own), _GAP_NEIGHBOR_RANGE * stride, 0
     for k in around:
-        away = difference(row_of(cells.place, k), place)
+        away = subtract_vectors(row_of(cells.place, k), place)
         j = cells.order[k]
         near_it = dot(away, away) < reach * reach and j != i and seated[j] and count < _MAX_SORTED_NEIGHBORS
-        if near_it and faces_alike(own, row_of(normals, j)):
+        if near_it and face_same_way(own, row_of(normals, j)):
             angle, at = np.arctan2(dot(away, other), dot(away, one)), count
             while at > 0 and angles[at - 1] > angle:
                 angles[at] = angles[at - 1]
@@ -231,24 +231,24 @@ def _look_ahead(q: int, i: int, around: Index, search: _Search, d_min: float, an
         steps = max(2, int(gap / _GAP_STEP_ANGLE + _GAP_ROUNDING)) if gap >= _MIN_OPEN_GAP else 1
     for step in range(1, steps):
         angle = begin + gap * step / steps
-        ahead = moved(moved(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
-        _offer(q, i, ahead, room, _MAX_AHEAD_DISTANCE * stride, room, search)
+        ahead = move_along(move_along(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
+        _offer_place(q, i, ahead, room, _MAX_AHEAD_DISTANCE * stride, room, search)
 
 
 @compiled
-def _offer(q: int, i: int, place: Vector, nearest: float, farthest: float, room: float, search: _Search) -> None:
+def _offer_place(q: int, i: int, place: Vector, nearest: float, farthest: float, room: float, search: _Search) -> None:
     """Pull a place to the ridge, and offer it if the edge of the particle continues there and there is room."""
     cells, crowd, (position, normals, _, strength), edge, found, count = search
     smoothed, edges, pitch, floor = edge
-    place = on_ridge(smoothed, edges, pitch, place, _OFFER_RIDGE_STEPS)
-    away = length(difference(place, row_of(position, i)))
+    place = project_to_ridge(smoothed, edges, pitch, place, _OFFER_RIDGE_STEPS)
+    away = vector_length(subtract_vectors(place, row_of(position, i)))
     here, normal = edge_at(edges, pitch, place), row_of(normals, i)
-    fits = nearest <= away <= farthest and here >= max(floor, FAINTEST * strength[i])
-    if not fits or count[q] >= _MAX_NEW_AROUND or not _inside(place, smoothed.shape, pitch):
+    fits = nearest <= away <= farthest and here >= max(floor, EDGE_END_FRACTION * strength[i])
+    if not fits or count[q] >= _MAX_NEW_AROUND or not _is_inside_volume(place, smoothed.shape, pitch):
         return
     turned = normal_at(smoothed, pitch, place)
     fits = dot(turned, normal) >= _MIN_NORMAL_PRODUCT and is_ridge(smoothed, edges, pitch, place, _OFFER_RIDGE_DISTANCE)
-    if fits and not _is_taken(cells, crowd[: near(cells, place, room, crowd)], place, turned, normals, room):
+    if fits and not _is_taken(cells, crowd[: find_near(cells, place, room, crowd)], place, turned, normals, room):
         entry = found[q, count[q]]
         for axis in range(3):
             entry[axis], entry[3 + axis] = place[axis], turned[axis]
@@ -257,11 +257,11 @@ def _offer(q: int, i: int, place: Vector, nearest: float, farthest: float, room:
 
 
 @compiled
-def tangents(normal: Vector) -> tuple[Vector, Vector]:
+def tangent_vectors(normal: Vector) -> tuple[Vector, Vector]:
     """Return two unit vectors across a normal, at right angles to each other; of no length if it has none."""
     one = (0.0, -normal[2], normal[1]) if abs(normal[0]) < 0.7 else (normal[1], -normal[0], 0.0)
-    size = length(one)
-    one = scaled(one, 1.0 / size if size > 0.0 else 0.0)
+    size = vector_length(one)
+    one = scale_vector(one, 1.0 / size if size > 0.0 else 0.0)
     other = (
         normal[1] * one[2] - normal[2] * one[1],
         normal[2] * one[0] - normal[0] * one[2],
@@ -271,7 +271,7 @@ def tangents(normal: Vector) -> tuple[Vector, Vector]:
 
 
 @compiled
-def _inside(place: Vector, shape: tuple[int, int, int], pitch: Vector) -> bool:
+def _is_inside_volume(place: Vector, shape: tuple[int, int, int], pitch: Vector) -> bool:
     """Return whether a place lies between the centers of the outermost voxels."""
     inside = True
     for axis in range(3):
@@ -280,33 +280,33 @@ def _inside(place: Vector, shape: tuple[int, int, int], pitch: Vector) -> bool:
 
 
 @compiled
-def _is_taken(cells: Cells, crowd: Index, place: Vector, normal: Vector, normals: Array, room: float) -> bool:
+def _is_taken(cells: VolumeCells, crowd: Index, place: Vector, normal: Vector, normals: Array, room: float) -> bool:
     """Return whether a place is too near to one of a crowd: one of its sheet, or one at nearly the same place."""
     for k in crowd:
-        away = length(difference(row_of(cells.place, k), place))
-        if away < room and (away < _SAME_PLACE_DISTANCE or faces_alike(normal, row_of(normals, cells.order[k]))):
+        away = vector_length(subtract_vectors(row_of(cells.place, k), place))
+        if away < room and (away < _SAME_PLACE_DISTANCE or face_same_way(normal, row_of(normals, cells.order[k]))):
             return True
     return False
 
 
-def apart(position: Array, normal: Array, room: float, seated: Mask | None = None) -> Mask:
+def select_spaced(position: Array, normal: Array, room: float, seated: Mask | None = None) -> Mask:
     """Select places, shape (M,) of shape (M, 3), so that none has an earlier one of its sheet nearer than `room`.
 
     `seated`, shape (M,), are those that lie on a sheet, by default all; others are in the way of any.
     """
     kept = np.ones(len(position), bool)
     if len(position):
-        cells = build_cells(position, tuple(position.max(axis=0)), max(room, LEAST_CELL))
-        _keep_apart(cells, position, normal, kept.copy() if seated is None else seated, room, kept)
+        cells = build_volume_cells(position, tuple(position.max(axis=0)), max(room, MIN_CELL_SIDE))
+        _mark_apart(cells, position, normal, kept.copy() if seated is None else seated, room, kept)
     return kept
 
 
 @compiled
-def _keep_apart(cells: Cells, position: Array, normal: Array, seated: Mask, room: float, kept: Mask) -> None:
+def _mark_apart(cells: VolumeCells, position: Array, normal: Array, seated: Mask, room: float, kept: Mask) -> None:
     """Unmark in turn the places with an earlier one of their sheet that stays."""
-    found = room_for(cells)
+    found = near_buffer(cells)
     for i in range(len(position)):
-        for n in range(near(cells, row_of(position, i), room, found)):
+        for n in range(find_near(cells, row_of(position, i), room, found)):
             j = cells.order[found[n]]
-            if j < i and kept[j] and on_one_sheet(i, j, normal, seated):
+            if j < i and kept[j] and on_same_surface(i, j, normal, seated):
                 kept[i] = False

@@ -15,9 +15,9 @@ import scipy
 
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import Ridges
-from cpm_core.numerics.grids import parts_of
+from cpm_core.numerics.grids import find_connected_parts
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.numerics.voxel_graph import linking_number, loops_of
+from cpm_core.numerics.voxel_graph import linking_number, find_loops
 
 _MIN_BOUNDARY_VOXELS = 32
 """Ridge voxels of the least boundary that is reseeded: those of a ball with a radius of 1.6 voxels."""
@@ -35,7 +35,7 @@ _RIDGE_REACH_PER_SIGMA = 2.0
 """Part of that distance that grows with the smoothing [sigma]."""
 
 
-def inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered: Mask) -> Mask:
+def find_inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered: Mask) -> Mask:
     """Return a mask of the boundaries, by number, that cannot be moved apart from those found.
 
     `reached` marks, by their number `Ridges.component`, the boundaries with a particle on them, `covered`, shape (M,),
@@ -54,14 +54,14 @@ def inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered: Mask
     fitting[large] = np.asarray(strength) >= _MIN_BOUNDARY_STRENGTH * usual
     if not fitting.any():
         return none
-    return _enclosed(field, ridges, covered, fitting) | _linked(field, ridges, found, fitting)
+    return _find_enclosed(field, ridges, covered, fitting) | _find_linked(field, ridges, found, fitting)
 
 
-def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) -> Mask:
+def _find_enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) -> Mask:
     """Return the fitting boundaries that bound an enclosed region with another boundary that has been found."""
     between = np.ones(field.shape, bool)
-    between[tuple(field.edges.above(field.floor).T)] = False
-    regions = parts_of(between, corners=False)
+    between[tuple(field.edges.voxels_above(field.floor).T)] = False
+    regions = find_connected_parts(between, corners=False)
     open_ = regions.at_border
     if field.walls is not None:
         crossed = regions.part_at(np.argwhere(field.walls.filled(field.shape, field.pitch)))
@@ -92,7 +92,7 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
     return more & fitting
 
 
-def _linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> Mask:
+def _find_linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> Mask:
     """Return the fitting boundaries linked with found ones: closed loops inside the two wind around each other."""
     more = np.zeros_like(fitting)
     voxels = np.rint(ridges.place / field.pitch).astype(np.int64)
@@ -102,8 +102,8 @@ def _linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> M
         boundary = voxels[ridges.component == number]
         if not ((known >= boundary.min(0)) & (known <= boundary.max(0))).all(axis=1).any():
             continue
-        loops = loops_of(boundary)
+        loops = find_loops(boundary)
         if loops and loops_found is None:
-            loops_found = [loop for one in np.flatnonzero(found) for loop in loops_of(voxels[ridges.component == one])]
+            loops_found = [loop for one in np.flatnonzero(found) for loop in find_loops(voxels[ridges.component == one])]
         more[number] = any(linking_number(loop, other) for loop in loops for other in loops_found or ())
     return more

@@ -19,30 +19,30 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, placed_at
-from cpm_core.field.volume_edges import Edges
+from cpm_core.field.placed_charges import NO_PLACED_CHARGES, ChargesAtScale, placed_force
+from cpm_core.field.volume_edges import EdgeBricks
 from cpm_core.field.volume_field import VolumeField
-from cpm_core.field.volume_surface import GATE, faces_alike, force_at
+from cpm_core.field.volume_surface import ON_RIDGE_SLOPE, face_same_way, volume_force_at
 from cpm_core.image.volume_regions import Walls
-from cpm_core.model.coverage import cell_of, sorted_by
+from cpm_core.model.coverage import cell_of, sort_by_cell
 from cpm_core.model.equations import (
     COULOMB_SOFTNESS,
-    Moved,
-    advance,
+    MovedParticles,
+    advance_coordinate,
     damped_series,
-    damping,
+    damping_coefficient,
     is_stuck,
     repulsion_left,
 )
 from cpm_core.model.state import Particles, SurfaceContact
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.vectors import Vector, difference, dot, length, lengths, moved, row_of, scaled, set_row
+from cpm_core.numerics.vectors import Vector, subtract_vectors, dot, vector_length, row_lengths, move_along, row_of, scale_vector, set_row
 from cpm_core.parameters import Parameters
 
 
-class Cells(NamedTuple):
+class VolumeCells(NamedTuple):
     """Particles sorted into cubic cells of a side `size` [px]; a plain tuple for the compiled loops.
 
     The particles of a row of cells along the last axis, from `start` on, are contiguous, with the column of the cell,
@@ -59,28 +59,28 @@ class Cells(NamedTuple):
     place: Array
 
 
-LEAST_CELL = 4.0
+MIN_CELL_SIDE = 4.0
 """Least side of a cell, which limits the memory however small the distances [units]."""
 
 
-def build_cells(position: Array, shape: Vector, size: float) -> Cells:
+def build_volume_cells(position: Array, shape: Vector, size: float) -> VolumeCells:
     """Sort the particles `position`, shape (N, 3), in a volume of this size into cells of side `size` [px]."""
     planes, rows, cols = (int(n / size) + 1 for n in shape)
-    return Cells(size, planes, rows, cols, *_in_cells(position, size, planes, rows, cols))
+    return VolumeCells(size, planes, rows, cols, *_sort_into_volume_cells(position, size, planes, rows, cols))
 
 
 @compiled
-def _in_cells(position: Array, size: float, planes: int, rows: int, cols: int) -> tuple[Index, Index, Index, Array]:
+def _sort_into_volume_cells(position: Array, size: float, planes: int, rows: int, cols: int) -> tuple[Index, Index, Index, Array]:
     """Return the arrays of `Cells`, from `start` on, for particles in a grid of this size."""
     count = len(position)
     col, line = np.empty(count, np.int64), np.empty(count, np.int64)
     for i in range(count):
         col[i] = cell_of(position[i, 2], size, cols)
-    by_col, _ = sorted_by(col, cols)
+    by_col, _ = sort_by_cell(col, cols)
     for n in range(count):
         place = row_of(position, by_col[n])
         line[n] = cell_of(place[0], size, planes) * rows + cell_of(place[1], size, rows)
-    order, start = sorted_by(line, planes * rows)
+    order, start = sort_by_cell(line, planes * rows)
     sorted_places = np.empty((count, 3))
     for n in range(count):
         order[n] = by_col[order[n]]
@@ -90,7 +90,7 @@ def _in_cells(position: Array, size: float, planes: int, rows: int, cols: int) -
 
 
 @compiled
-def near(cells: Cells, place: Vector, reach: float, found: Index) -> int:
+def find_near(cells: VolumeCells, place: Vector, reach: float, found: Index) -> int:
     """Write the sorted particles that are nearer to a place than a reach into `found`; return their number.
 
     `found` has room for one more than there are particles.
@@ -113,7 +113,7 @@ def near(cells: Cells, place: Vector, reach: float, found: Index) -> int:
                 else:
                     high = middle
             while k < end and cells.col[k] <= right:
-                away = difference(place, row_of(cells.place, k))
+                away = subtract_vectors(place, row_of(cells.place, k))
                 found[count] = k  # the next one takes its place unless it is near: no branch to mispredict
                 count += dot(away, away) < reach * reach
                 k += 1
@@ -121,28 +121,28 @@ def near(cells: Cells, place: Vector, reach: float, found: Index) -> int:
 
 
 @compiled
-def room_for(cells: Cells) -> Index:
+def near_buffer(cells: VolumeCells) -> Index:
     """Allocate room for the particles that `near` finds."""
     return np.empty(len(cells.order) + 1, np.int64)
 
 
 @compiled
-def is_seated(slope: float, near: float, strength: float, floor: float) -> bool:
+def is_on_surface(slope: float, near: float, strength: float, floor: float) -> bool:
     """Return whether a particle is on the ridge of an edge that is strong enough.
 
     `slope` is the relative slope of the edge map along the normal, to which that of placed charges is added, `near` its
     weight in the force.
     """
-    return near >= 1.0 and abs(slope) < GATE and strength >= floor
+    return near >= 1.0 and abs(slope) < ON_RIDGE_SLOPE and strength >= floor
 
 
 @compiled
-def on_one_sheet(i: int, j: int, normals: Array, seated: Mask) -> bool:
+def on_same_surface(i: int, j: int, normals: Array, seated: Mask) -> bool:
     """Return whether two particles, with normals (N, 3), are neighbors: those on surfaces only if on the same sheet."""
-    return not (seated[i] and seated[j]) or faces_alike(row_of(normals, i), row_of(normals, j))
+    return not (seated[i] and seated[j]) or face_same_way(row_of(normals, i), row_of(normals, j))
 
 
-REACH = 2.2
+REPULSION_REACH = 2.2
 """Distance up to which particles repel each other, in d_min."""
 
 _SECOND_NEIGHBOR_DISTANCE = 4.0
@@ -151,7 +151,7 @@ _SECOND_NEIGHBOR_DISTANCE = 4.0
 MIN_SQUARED_DISTANCE = 1e-4
 """Least squared distance of two particles in their force and energy [units^2]."""
 
-_Fields = tuple[Single, Edges, Single]
+_Fields = tuple[Single, EdgeBricks, Single]
 """Smoothed volume, edge map, and far field."""
 
 _Grid = tuple[Vector, Vector, float, float]
@@ -167,66 +167,66 @@ _VOLUME_MOVED_PER_THREAD = 100
 """Particles from which a second thread makes the step faster."""
 
 
-def move(
+def move_in_volume(
     particles: Particles,
     turn: Index,
-    cells: Cells,
+    cells: VolumeCells,
     idle: Index,
     field: VolumeField,
     law: Parameters,
-    placed: Placed = NOTHING_PLACED,
-) -> Moved:
+    placed: ChargesAtScale = NO_PLACED_CHARGES,
+) -> MovedParticles:
     """Move some particles by one time step, in the order of the cells; the others stay as they are.
 
     `turn`, shape (K,), are their indices; `idle`, shape (N,), are the steps since something new was covered near each;
     `placed` are the placed charges.
     """
-    old = particles.on_surface
-    new = SurfaceContact(old.normal.copy(), old.seated.copy(), old.strength.copy(), old.woken)
+    old = particles.surface_contact
+    new = SurfaceContact(old.normal.copy(), old.on_surface.copy(), old.strength.copy(), old.reactivated_at)
     distance = np.roll(particles.distance, 1, axis=1)
     moving = particles.position.copy(), particles.velocity.copy(), particles.force.copy()
     after = Particles(*moving, distance, particles.identity, new)
     before = particles.position, particles.velocity, particles.force, old.normal
-    felt, written = _felt(field, law, placed), (*moving, new.normal, new.strength)
-    work = partial(_move, turn, cells, idle, before, old.seated, written, new.seated, felt)
-    share(work, len(turn), _VOLUME_MOVED_PER_THREAD)
-    distance[:, 0] = lengths(after.position)
-    return Moved(after, lengths(after.position - particles.position))
+    felt, written = _gather_surroundings(field, law, placed), (*moving, new.normal, new.strength)
+    work = partial(_move_turn, turn, cells, idle, before, old.on_surface, written, new.on_surface, felt)
+    run_in_parallel(work, len(turn), _VOLUME_MOVED_PER_THREAD)
+    distance[:, 0] = row_lengths(after.position)
+    return MovedParticles(after, row_lengths(after.position - particles.position))
 
 
-def parts_of_force(
+def force_parts(
     particles: Particles,
     which: Index,
-    cells: Cells,
+    cells: VolumeCells,
     idle: Index,
     field: VolumeField,
     law: Parameters,
-    placed: Placed = NOTHING_PLACED,
+    placed: ChargesAtScale = NO_PLACED_CHARGES,
 ) -> Array:
     """Return Coulomb force, Lorentz force, that of placed charges, and friction on some particles, shape (4, M, 3).
 
     With their weights, as in a step; see `move`.
     """
-    contact, parts = particles.on_surface, np.empty((4, len(which), 3))
-    felt = _felt(field, law, placed)
-    _parts(which, cells, idle, particles.position, contact.normal, contact.seated, felt, parts)
+    contact, parts = particles.surface_contact, np.empty((4, len(which), 3))
+    felt = _gather_surroundings(field, law, placed)
+    _write_force_parts(which, cells, idle, particles.position, contact.normal, contact.on_surface, felt, parts)
     return parts
 
 
-def _felt(field: VolumeField, law: Parameters, placed: Placed) -> _Felt:
+def _gather_surroundings(field: VolumeField, law: Parameters, placed: ChargesAtScale) -> _Felt:
     """Collect everything that acts on particles except each other."""
     return (
-        (field.smoothed, field.edges, field.far.force),
-        (field.pitch, field.far.block, field.floor, placed.radius),
+        (field.smoothed, field.edges, field.far_field.force),
+        (field.pitch, field.far_field.block, field.floor, placed.radius),
         placed.charges,
         (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),
     )
 
 
 @compiled
-def _move(
+def _move_turn(
     turn: Index,
-    cells: Cells,
+    cells: VolumeCells,
     idle: Index,
     before: tuple[Array, Array, Array, Array],
     was_seated: Mask,
@@ -239,23 +239,23 @@ def _move(
     """Move some of the particles that have their turn."""
     position, velocity, force, normals = before
     to_position, to_velocity, to_force, to_normal, strength = after
-    (_, _, beta, dt, _), found = felt[3], room_for(cells)
+    (_, _, beta, dt, _), found = felt[3], near_buffer(cells)
     for q in range(first, last):
         i = turn[q]
         place, speed = row_of(position, i), row_of(velocity, i)
         coulomb, lorentz, placed, held, normal, here, on_edge = _forces_on(
             i, place, cells, found, idle[i], normals, was_seated, felt
         )
-        total = moved(moved(coulomb, 1.0, lorentz), 1.0, placed)
+        total = move_along(move_along(coulomb, 1.0, lorentz), 1.0, placed)
         if held:
-            along = moved(coulomb, 1.0, placed)
-            total = moved(total, -1.0, moved(along, -dot(along, normal), normal))
-            speed = scaled(normal, dot(speed, normal))
-        series = damped_series(damping(beta, idle[i]) * dt)
+            along = move_along(coulomb, 1.0, placed)
+            total = move_along(total, -1.0, move_along(along, -dot(along, normal), normal))
+            speed = scale_vector(normal, dot(speed, normal))
+        series = damped_series(damping_coefficient(beta, idle[i]) * dt)
         for axis in range(3):
             now = total[axis]
             old, older = (now, now) if on_edge else (force[i, 0, axis], force[i, 1, axis])
-            x, v = advance(place[axis], speed[axis], now, old, older, dt, series)
+            x, v = advance_coordinate(place[axis], speed[axis], now, old, older, dt, series)
             to_position[i, axis], to_velocity[i, axis] = x, v
             to_force[i, 0, axis], to_force[i, 1, axis] = now, force[i, 0, axis]
         set_row(to_normal, i, normal)
@@ -266,7 +266,7 @@ def _move(
 def _forces_on(
     i: int,
     place: Vector,
-    cells: Cells,
+    cells: VolumeCells,
     found: Index,
     idle: int,
     normals: Array,
@@ -281,22 +281,22 @@ def _forces_on(
     coulomb = (0.0, 0.0, 0.0)
     left = repulsion_left(idle)
     if left > 0.0:
-        coulomb = scaled(_repulsion(cells, found, place, i, normals, was_seated, d_min), w1 * left)
-    pull, normal, here, slope, near = force_at(*fields, pitch, block, floor, place)
-    drawn = placed_at(charges, radius, place)
-    placed = scaled(drawn, w2)
-    on_edge, held = is_seated(slope + dot(drawn, normal), near, here, floor), False
+        coulomb = scale_vector(_repulsion_on(cells, found, place, i, normals, was_seated, d_min), w1 * left)
+    pull, normal, here, slope, near = volume_force_at(*fields, pitch, block, floor, place)
+    drawn = placed_force(charges, radius, place)
+    placed = scale_vector(drawn, w2)
+    on_edge, held = is_on_surface(slope + dot(drawn, normal), near, here, floor), False
     if on_edge:
-        coulomb = moved(coulomb, -dot(coulomb, normal), normal)
-        along = moved(coulomb, 1.0, moved(placed, -dot(placed, normal), normal))
-        held = is_stuck(length(along), 0.0, w1, idle)
-    return coulomb, scaled(pull, w2), placed, held, normal, here, on_edge
+        coulomb = move_along(coulomb, -dot(coulomb, normal), normal)
+        along = move_along(coulomb, 1.0, move_along(placed, -dot(placed, normal), normal))
+        held = is_stuck(vector_length(along), 0.0, w1, idle)
+    return coulomb, scale_vector(pull, w2), placed, held, normal, here, on_edge
 
 
 @compiled
-def _parts(
+def _write_force_parts(
     which: Index,
-    cells: Cells,
+    cells: VolumeCells,
     idle: Index,
     position: Array,
     normals: Array,
@@ -305,43 +305,43 @@ def _parts(
     parts: Array,
 ) -> None:
     """Write the forces on some particles."""
-    found = room_for(cells)
+    found = near_buffer(cells)
     for q in range(len(which)):
         i = which[q]
         place = row_of(position, i)
         coulomb, lorentz, placed, held, normal, _, _ = _forces_on(
             i, place, cells, found, idle[i], normals, seated, felt
         )
-        along = moved(coulomb, 1.0, placed)
-        friction = scaled(moved(along, -dot(along, normal), normal), -1.0 if held else 0.0)
+        along = move_along(coulomb, 1.0, placed)
+        friction = scale_vector(move_along(along, -dot(along, normal), normal), -1.0 if held else 0.0)
         for axis in range(3):
             parts[0, q, axis], parts[1, q, axis] = coulomb[axis], lorentz[axis]
             parts[2, q, axis], parts[3, q, axis] = placed[axis], friction[axis]
 
 
 @compiled
-def _repulsion(cells: Cells, found: Index, place: Vector, i: int, normals: Array, seated: Mask, d_min: float) -> Vector:
+def _repulsion_on(cells: VolumeCells, found: Index, place: Vector, i: int, normals: Array, seated: Mask, d_min: float) -> Vector:
     """Return the normalized Coulomb force on a particle from those near it, except for those on other sheets."""
     total, own, on_surface = (0.0, 0.0, 0.0), row_of(normals, i), seated[i]
     nearest, second = np.inf, (_SECOND_NEIGHBOR_DISTANCE * d_min) ** 2
-    for n in range(near(cells, place, REACH * d_min, found)):
+    for n in range(find_near(cells, place, REPULSION_REACH * d_min, found)):
         k = found[n]
         j = cells.order[k]
-        away = difference(place, row_of(cells.place, k))
-        apart = (j == i) | (on_surface & seated[j] & (not faces_alike(own, row_of(normals, j))))
+        away = subtract_vectors(place, row_of(cells.place, k))
+        apart = (j == i) | (on_surface & seated[j] & (not face_same_way(own, row_of(normals, j))))
         # no branches: half of them would be mispredicted in a thin object
         squared = np.inf if apart else max(dot(away, away), MIN_SQUARED_DISTANCE)
-        total = moved(total, 1.0 / (squared * squared), away)
+        total = move_along(total, 1.0 / (squared * squared), away)
         second = min(second, max(nearest, squared))
         nearest = min(nearest, squared)
     if nearest == np.inf:
         return total
     spacing = 0.5 * (np.sqrt(nearest) + np.sqrt(second))
     scale = COULOMB_SOFTNESS * spacing**3 * min(1.0, spacing / d_min)
-    return scaled(total, scale / max(1.0, scale * length(total)))
+    return scale_vector(total, scale / max(1.0, scale * vector_length(total)))
 
 
-def held_back(walls: Walls, before: Particles, after: Particles) -> Particles:
+def hold_at_walls(walls: Walls, before: Particles, after: Particles) -> Particles:
     """Return particles after a step, held back where they would cross a wall.
 
     Such a particle keeps the part of its step and of its velocity along two axes or one, the faces and edges of voxels:

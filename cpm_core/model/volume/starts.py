@@ -8,11 +8,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.field.volume_edges import Slopes
-from cpm_core.field.volume_field import pitch_of, smoothed_volume
+from cpm_core.field.volume_edges import VolumeSlopes
+from cpm_core.field.volume_field import pitch_of, smooth_volume
 from cpm_core.image.image import Image, as_image
-from cpm_core.model.starts import STRONG, above, centers_between, uniform_grid
-from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers, voxel_sides
+from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above, field_divergence_centers, uniform_grid
+from cpm_core.numerics.real_numbers import check_finite_number, as_real_array, check_three_numbers, check_voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -64,11 +64,11 @@ def sphere(
     >>> cpm.sphere((15, 15, 15), radius=4, count=60).shape
     (60, 3)
     """
-    middle, sides = three_numbers("center", center), voxel_sides("spacing", spacing)
-    checked_number(
+    middle, sides = check_three_numbers("center", center), check_voxel_sides("spacing", spacing)
+    check_finite_number(
         "radius", radius, lambda r: 0.0 < r <= _MAX_SPHERE_RADIUS, f"above 0 and at most {_MAX_SPHERE_RADIUS:g}"
     )
-    checked_number(
+    check_finite_number(
         "count",
         count,
         lambda n: n == int(n) and 1 <= n <= _MAX_VOLUME_SEEDS,
@@ -80,7 +80,7 @@ def sphere(
     return middle + radius * out / sides
 
 
-def box(first: Sequence[float], last: Sequence[float], spacing: float = 2.0) -> Array:
+def seeds_on_box(first: Sequence[float], last: Sequence[float], spacing: float = 2.0) -> Array:
     """Place particles on the faces of a box.
 
     Parameters
@@ -106,12 +106,12 @@ def box(first: Sequence[float], last: Sequence[float], spacing: float = 2.0) -> 
     >>> cpm.box((4, 4, 4), (10, 10, 10)).shape[1]
     3
     """
-    low, high = np.sort([three_numbers("first", first), three_numbers("last", last)], axis=0)
+    low, high = np.sort([check_three_numbers("first", first), check_three_numbers("last", last)], axis=0)
     if not (high > low).all():
         raise ValueError(
             f"the corners of the box are {shown(first)} and {shown(last)} but must differ along every axis."
         )
-    checked_number("spacing", spacing, lambda side: side > 0.0, "above 0")
+    check_finite_number("spacing", spacing, lambda side: side > 0.0, "above 0")
     counts = np.maximum(1.0, np.round((high - low) / spacing))
     if np.prod(counts + 1.0) - np.prod(np.maximum(counts - 1.0, 0.0)) > _MAX_VOLUME_SEEDS:
         raise ValueError(
@@ -126,7 +126,7 @@ def box(first: Sequence[float], last: Sequence[float], spacing: float = 2.0) -> 
     return np.concatenate(faces)
 
 
-def in_slice(
+def seeds_in_slice(
     points: ArrayLike, at: float, axis: int = 0, spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
 ) -> Array:
     """Place points drawn in a slice, such as the particles of a circle or a stroke, in the volume.
@@ -160,17 +160,17 @@ def in_slice(
     >>> seeds.shape[1], set(seeds[:, 0].tolist())
     (3, {12.0})
     """
-    drawn, sides = real_numbers(points), voxel_sides("spacing", spacing)
+    drawn, sides = as_real_array(points), check_voxel_sides("spacing", spacing)
     if drawn.ndim != 2 or drawn.shape[1] != 2:
         raise ValueError(f"what is drawn in a slice has the shape {drawn.shape} but must be (N, 2), one row a point.")
     if not np.isfinite(drawn).all():
         raise ValueError(f"{int((~np.isfinite(drawn)).sum())} coordinates of what is drawn in a slice are not finite.")
-    across = int(checked_number("axis", axis, lambda number: number in (0, 1, 2), "0, 1 or 2"))
-    place = checked_number("at", at, lambda number: True, "a finite number of voxels")
+    across = int(check_finite_number("axis", axis, lambda number: number in (0, 1, 2), "0, 1 or 2"))
+    place = check_finite_number("at", at, lambda number: True, "a finite number of voxels")
     return np.insert(drawn / np.delete(sides, across), across, place, axis=1)
 
 
-def everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
+def seeds_everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
     """Spread particles evenly over a volume, at this distance [smallest sides of a voxel]; shape (N, 3) [voxels].
 
     Examples
@@ -178,7 +178,7 @@ def everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
     >>> cpm.everywhere(cpm.example("ball")).shape[1]
     3
     """
-    volume = _volume(volume)
+    volume = _require_volume(volume)
     pitch = np.array(pitch_of(volume.spacing))
     extent = tuple(int(side) for side in np.ceil((np.array(volume.shape) - 1) * pitch) + 1)
     places = uniform_grid(extent, spacing)
@@ -186,7 +186,7 @@ def everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
     return (places - inset) / pitch
 
 
-def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
+def seeds_on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG_EDGE_FRACTION, smoothing: float = 1.0) -> Array:
     """Place particles on every voxel with an edge strength above a fraction of the largest; shape (N, 3) [voxels].
 
     `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
@@ -197,19 +197,19 @@ def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothi
     >>> bool((np.abs(np.linalg.norm(seeds - 15, axis=1) - 9) < 3).all())
     True
     """
-    checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
-    sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
-    return above(strength_of(_volume(volume), sigma), fraction)
+    check_finite_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
+    sigma = check_finite_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
+    return pixels_above(volume_edge_strength(_require_volume(volume), sigma), fraction)
 
 
-def strength_of(volume: Image, smoothing: float) -> Array:
+def volume_edge_strength(volume: Image, smoothing: float) -> Array:
     """Return the edge strength of every voxel, shape (P, R, C); `smoothing` as for `on_strong_edges`."""
     pitch = pitch_of(volume.spacing)
-    slopes = Slopes.of(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch)
-    return slopes.strengths().astype(float)
+    slopes = VolumeSlopes.from_volume(smooth_volume(volume.values, [smoothing / side for side in pitch]), pitch)
+    return slopes.edge_strengths().astype(float)
 
 
-def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
+def seeds_at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
     """Place particles in the middle between edges, where the field diverges; shape (N, 3) [voxels].
 
     Parameters
@@ -238,21 +238,21 @@ def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float
     >>> bool((np.linalg.norm(seeds - 15, axis=1) < 2).any()), len(seeds) < len(cpm.everywhere(cpm.example("ball")))
     (True, True)
     """
-    sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
-    apart = checked_number("spacing", spacing, lambda number: number > 0.0, "above 0")
-    volume = _volume(volume)
+    sigma = check_finite_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
+    apart = check_finite_number("spacing", spacing, lambda number: number > 0.0, "above 0")
+    volume = _require_volume(volume)
     pitch = np.array(pitch_of(volume.spacing))
-    smooth = smoothed_volume(volume.values, (sigma / pitch).tolist())
+    smooth = smooth_volume(volume.values, (sigma / pitch).tolist())
     extent = np.maximum(np.array(volume.shape) - 1, 1) * pitch
     cube = max(1.0, float(np.prod(extent) / _MAX_CENTER_CUBES) ** (1.0 / 3.0))
     shape = np.maximum(np.rint(extent / cube).astype(int) + 1, 2)
     even = scipy.ndimage.zoom(smooth, shape / np.array(volume.shape), order=1, grid_mode=False)
-    strength = Slopes.of(even, (1.0, 1.0, 1.0)).strengths()
-    found = centers_between(np.asarray(strength, float), apart)
+    strength = VolumeSlopes.from_volume(even, (1.0, 1.0, 1.0)).edge_strengths()
+    found = field_divergence_centers(np.asarray(strength, float), apart)
     return found * (np.array(volume.shape) - 1) / (np.array(even.shape) - 1)
 
 
-def _volume(values: Image | ArrayLike) -> Image:
+def _require_volume(values: Image | ArrayLike) -> Image:
     """Return a volume from an image or from gray levels, whose voxels are cubes then."""
     volume = as_image(values)
     if len(volume.shape) != 3:

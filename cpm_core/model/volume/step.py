@@ -12,33 +12,33 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core.field.interpolation import interpolate
-from cpm_core.field.placed_charges import Placed, placed_potential, radius_at
+from cpm_core.field.interpolation import interpolate_field
+from cpm_core.field.placed_charges import ChargesAtScale, placed_potential, charge_radius_at
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.coverage import SurfaceCoverage, cover_surfaces, no_surface
-from cpm_core.model.equations import MIN_SCALE_STEPS, STILL, damping, epsilon, fast_speed
+from cpm_core.model.coverage import SurfaceCoverage, cover_surfaces, no_surface_coverage
+from cpm_core.model.equations import MIN_SCALE_STEPS, STILL_DISTANCE, damping_coefficient, equilibrium_epsilon, fast_speed
 from cpm_core.model.interventions import start_scale
-from cpm_core.model.measures import PAIR, Energies, Forces, kinetic_energy
+from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
 from cpm_core.model.state import Particles, SpaceState, State, SurfaceContact
-from cpm_core.model.volume.births import ROOM, Births, insertion, thinned
-from cpm_core.model.volume.completion import drop_unseated, reseed_surface
+from cpm_core.model.volume.births import NEW_PARTICLE_ROOM, VolumeBirths, find_surface_insertions, select_surface_survivors
+from cpm_core.model.volume.completion import drop_off_surface, reseed_surface
 from cpm_core.model.volume.motion import (
-    LEAST_CELL,
+    MIN_CELL_SIDE,
     MIN_SQUARED_DISTANCE,
-    REACH,
-    Cells,
-    build_cells,
-    held_back,
-    move,
-    near,
-    on_one_sheet,
-    parts_of_force,
-    room_for,
+    REPULSION_REACH,
+    VolumeCells,
+    build_volume_cells,
+    hold_at_walls,
+    move_in_volume,
+    find_near,
+    on_same_surface,
+    force_parts,
+    near_buffer,
 )
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.numerics.vectors import Vector, difference, dot, lengths, row_of
+from cpm_core.numerics.vectors import Vector, subtract_vectors, dot, row_lengths, row_of
 from cpm_core.parameters import Parameters
 
 _AWAKE_STEPS = 12
@@ -63,31 +63,31 @@ _LONG_IDLE_STEPS = 15
 """Steps without new coverage after which any number may be awake in a quiet step."""
 
 
-def moved_on(state: State, field: VolumeField, parameters: Parameters) -> State:
+def step_particles(state: State, field: VolumeField, parameters: Parameters) -> State:
     """Return the state after one time step, before it is decided whether the run continues."""
     space, step = state.space, state.step_of_scale
     assert space is not None
     extent, d_min = field.extent, parameters.d_min
     before = state.particles
-    cells = cells_of(before, field, d_min)
-    idle, awake = rested(before, step)
-    placed = Placed(state.placed, radius_at(state.scale))
-    moved = move(before, cells.order[awake[cells.order]], cells, idle, field, parameters, placed)
+    cells = repulsion_cells(before, field, d_min)
+    idle, awake = find_awake(before, step)
+    placed = ChargesAtScale(state.placed, charge_radius_at(state.scale))
+    moved = move_in_volume(before, cells.order[awake[cells.order]], cells, idle, field, parameters, placed)
     after, motion = moved.particles, moved.motion
     after.velocity[~awake] = 0.0
-    stays = _inside(after.position, extent, space) & (before.on_surface.seated | (idle < _SLOW_STEPS))
+    stays = _is_inside(after.position, extent, space) & (before.surface_contact.on_surface | (idle < _SLOW_STEPS))
     if field.walls is not None:
-        after = held_back(field.walls, before, after)
-    fast = lengths(after.velocity) > fast_speed(parameters)
-    in_flight = ~after.on_surface.seated & fast & (step < 2.0 * max(extent) + state.reactivated)
-    arrived = after.on_surface.seated & ~before.on_surface.seated
-    after = replace(after, contact=after.on_surface.woken_at(step + 1, in_flight))
-    particles, stay, cells = _thinned(after, stays, awake, cells, extent, d_min)
+        after = hold_at_walls(field.walls, before, after)
+    fast = row_lengths(after.velocity) > fast_speed(parameters)
+    in_flight = ~after.surface_contact.on_surface & fast & (step < 2.0 * max(extent) + state.reactivated)
+    arrived = after.surface_contact.on_surface & ~before.surface_contact.on_surface
+    after = replace(after, contact=after.surface_contact.reactivate(step + 1, in_flight))
+    particles, stay, cells = _delete_close(after, stays, awake, cells, extent, d_min)
     awake, arrived = awake[stay], arrived[stay]
     deleted = len(before) - len(particles)
     d_max = state.annealed * parameters.d_max
-    births = insertion(particles, cells, cells.order[awake[cells.order]], field, d_min, d_max, placed)
-    particles, covered, new = _joined(state, particles, births, cells, arrived, d_min)
+    births = find_surface_insertions(particles, cells, cells.order[awake[cells.order]], field, d_min, d_max, placed)
+    particles, covered, new = _insert_particles(state, particles, births, cells, arrived, d_min)
     few = new <= max(1.0, _QUIET_NEW_FRACTION * len(particles))
     idle_steps = state.idle + 1 if few else 0
     most = min(max(3.0, _QUIET_AWAKE_FRACTION * len(particles)), len(particles) - 1.0)  # of two, both are under way
@@ -102,78 +102,78 @@ def moved_on(state: State, field: VolumeField, parameters: Parameters) -> State:
         next_identity=state.next_identity + len(births.position),
         born=len(births.position),
         deleted=deleted,
-        epsilon=epsilon(after.distance),
+        epsilon=equilibrium_epsilon(after.distance),
         displacement=float(motion.mean()) if len(motion) else float("nan"),
-        moving=int(np.count_nonzero(motion > STILL)),
+        moving=int(np.count_nonzero(motion > STILL_DISTANCE)),
         idle=idle_steps,
         quiet=state.quiet + 1 if few and still else 0,
     )
 
 
-def cells_of(particles: Particles, field: VolumeField, d_min: float) -> Cells:
+def repulsion_cells(particles: Particles, field: VolumeField, d_min: float) -> VolumeCells:
     """Sort the particles into cells, to find those that repel each other."""
-    return build_cells(particles.position, field.extent, max(REACH * d_min, LEAST_CELL))
+    return build_volume_cells(particles.position, field.extent, max(REPULSION_REACH * d_min, MIN_CELL_SIDE))
 
 
-def rested(particles: Particles, step: int) -> tuple[Index, Mask]:
+def find_awake(particles: Particles, step: int) -> tuple[Index, Mask]:
     """Return the steps since something new was covered near each particle, and which are awake; both of shape (N,)."""
-    contact = particles.on_surface
-    idle = np.maximum(step - contact.woken, 0)
-    return idle, (idle < _AWAKE_STEPS) | (~contact.seated & (idle < _SLOW_STEPS))
+    contact = particles.surface_contact
+    idle = np.maximum(step - contact.reactivated_at, 0)
+    return idle, (idle < _AWAKE_STEPS) | (~contact.on_surface & (idle < _SLOW_STEPS))
 
 
-def _inside(position: Array, extent: Vector, space: SpaceState) -> Mask:
+def _is_inside(position: Array, extent: Vector, space: SpaceState) -> Mask:
     """Return a mask of the particles in the volume, between the centers of the outermost voxels."""
     last = np.array(extent) - np.array(space.pitch)
     within: Mask = (position >= 0.0) & (position <= last)
     return within[:, 0] & within[:, 1] & within[:, 2]  # much faster than along the axis
 
 
-def _thinned(
-    particles: Particles, stays: Mask, awake: Mask, cells: Cells, extent: Vector, d_min: float
-) -> tuple[Particles, Index, Cells]:
+def _delete_close(
+    particles: Particles, stays: Mask, awake: Mask, cells: VolumeCells, extent: Vector, d_min: float
+) -> tuple[Particles, Index, VolumeCells]:
     """Return the particles that stay and are not too near to others, their indices, and their cells."""
     stay = np.flatnonzero(stays)
-    particles = particles if stays.all() else particles.taken(stay)
-    cells = build_cells(particles.position, extent, cells.size)
-    kept = thinned(particles, cells, np.flatnonzero(awake[stay]), d_min)
+    particles = particles if stays.all() else particles.select(stay)
+    cells = build_volume_cells(particles.position, extent, cells.size)
+    kept = select_surface_survivors(particles, cells, np.flatnonzero(awake[stay]), d_min)
     if kept.all():
         return particles, stay, cells
     left = cells.order[kept[cells.order]]  # in the order of their cells: near in space, near in memory
-    particles = particles.taken(left)
-    return particles, stay[left], build_cells(particles.position, extent, cells.size)
+    particles = particles.select(left)
+    return particles, stay[left], build_volume_cells(particles.position, extent, cells.size)
 
 
-def _joined(
-    state: State, particles: Particles, births: Births, cells: Cells, arrived: Mask, d_min: float
+def _insert_particles(
+    state: State, particles: Particles, births: VolumeBirths, cells: VolumeCells, arrived: Mask, d_min: float
 ) -> tuple[Particles, SurfaceCoverage, int]:
     """Insert new particles and reactivate those near new coverage; return also coverage and how many are new in it."""
-    contact, step = particles.on_surface, state.step_of_scale + 1
+    contact, step = particles.surface_contact, state.step_of_scale + 1
     assert state.space is not None
     covered = state.space.covered
     if covered.side != d_min:  # the coverage of the present particles, in cells of another size
         covered, _ = cover_surfaces(
-            no_surface(d_min), particles.position[contact.seated], contact.normal[contact.seated]
+            no_surface_coverage(d_min), particles.position[contact.on_surface], contact.normal[contact.on_surface]
         )
     some = np.flatnonzero(arrived)
     places = np.concatenate([particles.position[some], births.position])
     covered, fresh = cover_surfaces(covered, places, np.concatenate([contact.normal[some], births.normal]))
-    met = SurfaceContact.of_seated(births.normal, births.strength, step)
-    met = met.woken_at(step - _COVERED_START_AGE, ~fresh[len(some) :])
+    met = SurfaceContact.from_surface(births.normal, births.strength, step)
+    met = met.reactivate(step - _COVERED_START_AGE, ~fresh[len(some) :])
     woken = np.zeros(len(particles), bool)
-    _wake(cells, places[fresh], _REACTIVATION_DISTANCE * ROOM * d_min, woken)
-    particles = replace(particles, contact=contact.woken_at(step, woken))
+    _mark_near(cells, places[fresh], _REACTIVATION_DISTANCE * NEW_PARTICLE_ROOM * d_min, woken)
+    particles = replace(particles, contact=contact.reactivate(step, woken))
     if len(births.position):
-        particles = particles.with_more(births.position, state.next_identity, met)
+        particles = particles.append(births.position, state.next_identity, met)
     return particles, covered, int(np.count_nonzero(fresh))
 
 
 @compiled
-def _wake(cells: Cells, places: Array, reach: float, woken: Mask) -> None:
+def _mark_near(cells: VolumeCells, places: Array, reach: float, woken: Mask) -> None:
     """Mark the particles that are within reach of places."""
-    found = room_for(cells)
+    found = near_buffer(cells)
     for q in range(len(places)):
-        for n in range(near(cells, row_of(places, q), reach, found)):
+        for n in range(find_near(cells, row_of(places, q), reach, found)):
             woken[cells.order[found[n]]] = True
 
 
@@ -187,37 +187,37 @@ _MAX_STEPS_PER_UNIT = 2.0
 """Greatest number of steps of a scale for each unit of the longest side."""
 
 
-def stepped(state: State, field: VolumeField, regions: AnyRegions | None, parameters: Parameters) -> State:
+def step_in_volume(state: State, field: VolumeField, regions: AnyRegions | None, parameters: Parameters) -> State:
     """Return the state after one time step, and after the end of its scale or its run if that has come."""
-    state = moved_on(state, field, parameters)
+    state = step_particles(state, field, parameters)
     if not state.count:
-        return state.stopped("all particles left the volume")
+        return state.stop("all particles left the volume")
     most = max(MIN_SCALE_STEPS, int(_MAX_STEPS_PER_UNIT * max(field.extent)))
     overdue = state.step_of_scale - state.reactivated >= most
     if state.scale > 0:
         if state.quiet < _QUIET_TO_RESEED and not overdue:
             return state
-        return start_scale(drop_unseated(state, field), state.scale - 1, regions)
+        return start_scale(drop_off_surface(state, field), state.scale - 1, regions)
     if state.quiet >= _QUIET_TO_RESEED:
         continued = reseed_surface(state, field, parameters.d_min)
         if continued is not None:
             return continued
     if state.quiet >= _QUIET_TO_END:
-        return drop_unseated(state, field).stopped("at rest: no particle finds anything new", True)
-    return state.stopped(f"not at rest after {most} steps at full size") if overdue else state
+        return drop_off_surface(state, field).stop("at rest: no particle finds anything new", True)
+    return state.stop(f"not at rest after {most} steps at full size") if overdue else state
 
 
-def forces(state: State, field: VolumeField, _charged: VolumeField, parameters: Parameters, which: Index) -> Forces:
+def volume_forces(state: State, field: VolumeField, _charged: VolumeField, parameters: Parameters, which: Index) -> Forces:
     """Return the forces on the particles `which`, shape (M,), of a state as the next step begins.
 
     See `Engine.forces`.
     """
-    charges = Placed(state.placed, radius_at(state.scale))
-    idle, awake = rested(state.particles, state.step_of_scale)
-    coulomb, lorentz, placed, friction = parts_of_force(
-        state.particles, which, cells_of(state.particles, field, parameters.d_min), idle, field, parameters, charges
+    charges = ChargesAtScale(state.placed, charge_radius_at(state.scale))
+    idle, awake = find_awake(state.particles, state.step_of_scale)
+    coulomb, lorentz, placed, friction = force_parts(
+        state.particles, which, repulsion_cells(state.particles, field, parameters.d_min), idle, field, parameters, charges
     )
-    beta = np.array([damping(parameters.beta, int(steps)) for steps in idle[which]])
+    beta = np.array([damping_coefficient(parameters.beta, int(steps)) for steps in idle[which]])
     damped = -beta[:, None] * state.particles.velocity[which]
     asleep = ~awake[which]
     friction[asleep] = -(coulomb + lorentz + placed)[asleep]
@@ -225,28 +225,28 @@ def forces(state: State, field: VolumeField, _charged: VolumeField, parameters: 
     return Forces(coulomb, lorentz, placed, friction, damped)
 
 
-def energies(state: State, field: VolumeField, parameters: Parameters) -> Energies:
+def volume_energies(state: State, field: VolumeField, parameters: Parameters) -> Energies:
     """Return the energies of a state with its placed charges; `field` is without them. See `Engine.energies`."""
-    particles, contact = state.particles, state.particles.on_surface
-    position, reach = particles.position, REACH * parameters.d_min
-    cells = cells_of(particles, field, parameters.d_min)
-    pairs = _pair_energy(cells, position, contact.normal, contact.seated, reach)
-    fixed = interpolate(field.potential[None], position / field.pitch).sum() / field.slope
-    placed = placed_potential(state.placed, radius_at(state.scale), position).sum()
-    mutual = PAIR * parameters.w1 * parameters.d_min**3 * pairs
+    particles, contact = state.particles, state.particles.surface_contact
+    position, reach = particles.position, REPULSION_REACH * parameters.d_min
+    cells = repulsion_cells(particles, field, parameters.d_min)
+    pairs = _pair_energy(cells, position, contact.normal, contact.on_surface, reach)
+    fixed = interpolate_field(field.potential[None], position / field.pitch).sum() / field.slope
+    placed = placed_potential(state.placed, charge_radius_at(state.scale), position).sum()
+    mutual = PAIR_FORCE * parameters.w1 * parameters.d_min**3 * pairs
     in_volume = 4.0**state.scale
     return Energies(kinetic_energy(state), in_volume * (mutual + parameters.w2 * float(fixed + placed)))
 
 
 @compiled
-def _pair_energy(cells: Cells, position: Array, normals: Array, seated: Mask, reach: float) -> float:
+def _pair_energy(cells: VolumeCells, position: Array, normals: Array, seated: Mask, reach: float) -> float:
     """Return the sum of ``(1/r^2 - 1/R^2) / 2`` over the pairs nearer than the reach R on the same sheet or on none."""
-    total, found = 0.0, room_for(cells)
+    total, found = 0.0, near_buffer(cells)
     for i in range(len(position)):
         place = row_of(position, i)
-        for n in range(near(cells, place, reach, found)):
+        for n in range(find_near(cells, place, reach, found)):
             k = found[n]
-            away = difference(place, row_of(cells.place, k))
-            if cells.order[k] < i and on_one_sheet(i, cells.order[k], normals, seated):
+            away = subtract_vectors(place, row_of(cells.place, k))
+            if cells.order[k] < i and on_same_surface(i, cells.order[k], normals, seated):
                 total += 0.5 * (1.0 / max(dot(away, away), MIN_SQUARED_DISTANCE) - 1.0 / (reach * reach))
     return total

@@ -16,11 +16,11 @@ import skimage
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.edge_map import edge_map
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.interpolation import interpolate_field
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
-from cpm_core.segmentation.reach.certain import MARGIN, is_certain
-from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
+from cpm_core.segmentation.reach.certain import OWN_EDGE_DISTANCE, is_unambiguous
+from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
 
 _MAJORITY_SHARE = 0.5
 """Share of a start above which it lies in a region, and of a contour above which it lies in another."""
@@ -209,7 +209,7 @@ class ClosedRegions:
     def _pieces(self, places: Array) -> Iterator[Index]:
         """Split a start into the pixels of its connected pieces, each of shape (N, 2)."""
         shape = self._values.shape
-        if len(places) < LEAST_PLACES:
+        if len(places) < MIN_DRAWN_PLACES:
             yield from np.rint(np.clip(places, 0, np.array(shape) - 1)).astype(np.int64)[:, None]
             return
         labels, count = scipy.ndimage.label(drawn_area(places, shape), np.ones((3, 3), bool))
@@ -252,7 +252,7 @@ class ClosedRegions:
 
     def _made(self, contour: Contour, within: Sequence[int]) -> ClosedRegion | None:
         """Build the region of a contour around others, and return it if it is unambiguous."""
-        margin = int(MARGIN) + 1
+        margin = int(OWN_EDGE_DISTANCE) + 1
         low = np.maximum(np.floor(contour.box[0]).astype(int) - margin, 0)
         high = np.minimum(np.ceil(contour.box[1]).astype(int) + margin + 1, self._values.shape)
         box = slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1]))
@@ -261,7 +261,7 @@ class ClosedRegions:
         rows, cols = (contour.points - low).T
         filled[skimage.draw.polygon(rows, cols, filled.shape)] = True  # type: ignore[no-untyped-call]
         off[_pixels(contour, low, off.shape)] = False
-        at_contour = scipy.ndimage.distance_transform_edt(off) <= MARGIN
+        at_contour = scipy.ndimage.distance_transform_edt(off) <= OWN_EDGE_DISTANCE
         if not (at_contour & filled).any() or not (at_contour & ~filled).any():
             return None
         rises = bool(values[at_contour & ~filled].mean() > values[at_contour & filled].mean())
@@ -276,12 +276,12 @@ class ClosedRegions:
                 if inner.rises != rises and not (known[part] & inner.filled).any():
                     mask[part] &= ~inner.filled
                 known[part] |= inner.filled
-        inside = strength[filled & (scipy.ndimage.distance_transform_edt(off) > MARGIN)]
-        along = interpolate(self._strength[None], polyline.sampled(contour.path, 0.5))[:, 0]
-        return ClosedRegion(box, filled, mask, rises) if is_certain(along, inside) else None
+        inside = strength[filled & (scipy.ndimage.distance_transform_edt(off) > OWN_EDGE_DISTANCE)]
+        along = interpolate_field(self._strength[None], polyline.sample_path(contour.path, 0.5))[:, 0]
+        return ClosedRegion(box, filled, mask, rises) if is_unambiguous(along, inside) else None
 
 
 def _pixels(contour: Contour, corner: Index, shape: Extent) -> tuple[Index, ...]:
     """Rasterize a contour: rows and columns of its pixels in a box of this shape at a corner."""
-    points = np.rint(polyline.sampled(contour.path, 0.5)).astype(np.int64) - corner
+    points = np.rint(polyline.sample_path(contour.path, 0.5)).astype(np.int64) - corner
     return tuple(np.clip(points, 0, np.array(shape) - 1).T)

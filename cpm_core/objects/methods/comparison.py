@@ -15,9 +15,9 @@ from cpm_core.contours.contour import Contour, sampled
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image, as_image
-from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Texts, frozen, record
 from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
 from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
@@ -148,7 +148,7 @@ def run_method(
     (1, 20)
     """
     if max_steps is not None:
-        checked_number(
+        check_finite_number(
             "max_steps", max_steps, lambda count: count >= 0 and count == int(count), "at least 0, and whole"
         )
     for last in moments(method, image, start, settings):
@@ -253,7 +253,7 @@ def result_of(facts: Facts, contours: Sequence[Contour], image: Image, start: St
     strength = edge_map(image.values, _STRENGTH_SMOOTHING) if contours else image.values
     numbered = []
     for number, contour in enumerate(contours, start=1):
-        mean = float(interpolate(strength[None], sampled([contour])).mean())
+        mean = float(interpolate_field(strength[None], sampled([contour])).mean())
         numbered.append(replace(contour, number=number, strength=mean))
     shapes = tuple({"shape": "polygon", "points": outline.tolist()} for outline in start.outlines)
     made = Provenance(

@@ -21,7 +21,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.edge_map import gradient
+from cpm_core.field.edge_map import smoothed_gradient
 from cpm_core.image.image import Image
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Mask, frozen
@@ -216,7 +216,7 @@ def stopping(image: Image, settings: GeodesicSettings) -> Array:
 def geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[ContourState]:
     """Evolve the geodesic active contour."""
     factor = stopping(image, settings)
-    pressure, velocity = start.onward * settings.balloon * factor, -settings.pull * gradient(factor, 0.0)
+    pressure, velocity = start.onward * settings.balloon * factor, -settings.pull * smoothed_gradient(factor, 0.0)
     return evolution(start.mask(image.shape), settings.curvature * factor, pressure, velocity)
 
 

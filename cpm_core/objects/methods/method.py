@@ -20,8 +20,8 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.rasterize import check_plane
 from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image
-from cpm_core.numerics.polyline import resampled
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.polyline import resample_path
+from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Arrays, Extent, Mask, frozen, record
 from cpm_core.parameters import ParameterInfo, Parameters
 from cpm_core.parameters.quotation import counted, described, shown
@@ -67,7 +67,7 @@ class Start:
     def __post_init__(self) -> None:
         if not isinstance(self.outlines, Iterable):
             raise ValueError(f"outlines is {shown(self.outlines)} but must be a sequence of outlines.")
-        made = tuple(real_numbers(outline) for outline in self.outlines)
+        made = tuple(as_real_array(outline) for outline in self.outlines)
         object.__setattr__(self, "outlines", made)
         if not made:
             raise ValueError("There is no start: draw a circle, an ellipse or a polygon, from which all methods begin.")
@@ -95,7 +95,7 @@ class Start:
     def curves(self, spacing: float) -> Arrays:
         """Sample each outline at equal distances of about `spacing`, each of shape (K, 2) [px]."""
         closed = (np.concatenate([outline, outline[:1]]) for outline in self.outlines)
-        return tuple(resampled(outline, spacing)[:-1] for outline in closed)
+        return tuple(resample_path(outline, spacing)[:-1] for outline in closed)
 
     def mask(self, shape: Extent) -> Mask:
         """Return the pixels inside at least one outline, shape (H, W); an outline inside others bounds a hole."""

@@ -14,7 +14,7 @@ from cpm_core.objects.methods.method import SPACING, ContourMethod, Contours, Co
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.evolve import Evolved, evolve
+from cpm_core.segmentation.evolve import RunState, evolve
 
 MOST_STEPS = 4000
 """Largest number of steps of a run of the particles."""
@@ -24,7 +24,7 @@ def _states(
     image: Image,
     start: Start,
     parameters: Parameters,
-    find: Callable[[Evolved], Contours] = lambda moment: moment.contours,
+    find: Callable[[RunState], Contours] = lambda moment: moment.contours,
 ) -> Iterator[ContourState]:
     """Yield the states of a run, which ends after `MOST_STEPS` at the latest."""
     chosen = replace(parameters, scales=min(parameters.scales, most_scales(image.shape)))
@@ -39,7 +39,7 @@ def _states(
 
 
 def _evolve_to_object(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
-    def find_boundaries(moment: Evolved) -> Contours:
+    def find_boundaries(moment: RunState) -> Contours:
         """Find the closed boundaries of the objects of all outlines of the start, united where they overlap."""
         cut = partition(moment.result)
         chosen = [cut.select(outline) for outline in start.curves(SPACING)]

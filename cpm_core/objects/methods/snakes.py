@@ -16,9 +16,9 @@ import scipy
 import skimage
 
 from cpm_core.contours.contour import Contour
-from cpm_core.field.edge_map import gradient
+from cpm_core.field.edge_map import smoothed_gradient
 from cpm_core.image.image import Image
-from cpm_core.numerics.polyline import length, resampled
+from cpm_core.numerics.polyline import path_length, resample_path
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Arrays, Extent, frozen
 from cpm_core.objects.methods.method import (
@@ -64,7 +64,7 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
     The equation is linear and its matrix symmetric and positive definite. It is solved by conjugate gradients; the
     preconditioner has the mean weight everywhere, so that cosine transforms invert it.
     """
-    slope = gradient(edges, 0.0)
+    slope = smoothed_gradient(edges, 0.0)
     weight = (slope**2).sum(axis=0)
     if not weight.any():
         return np.zeros_like(slope)
@@ -165,14 +165,14 @@ def evolution(curves: Arrays, force: Force, elasticity: Elasticity, shape: Exten
     for step in range(1, _MAX_SNAKE_STEPS + 1):
         paths = (_evened(moved(curve, force, elasticity, shape)) for curve in curves)
         curves = tuple(
-            path[:-1] for path in paths if len(path) > _MIN_CURVE_POINTS and length(path) >= _MIN_CURVE_LENGTH
+            path[:-1] for path in paths if len(path) > _MIN_CURVE_POINTS and path_length(path) >= _MIN_CURVE_LENGTH
         )
         reason, at_rest = "", False
         if not curves:
             reason = "the curve has collapsed"
         elif step % _CURVE_REST_INTERVAL == 0:
             at_rest = len(curves) == len(before) and all(
-                SegmentTree(former, np.roll(former, -1, axis=0)).distances(curve).max() < _MAX_REST_MOTION
+                SegmentTree(former, np.roll(former, -1, axis=0)).distances_to(curve).max() < _MAX_REST_MOTION
                 for curve, former in zip(curves, before, strict=True)
             )
             reason, before = "the curve is at rest" if at_rest else "", curves
@@ -193,7 +193,7 @@ def _evened(curve: Array) -> Array:
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     if steps.min() >= _SPACING_RANGE[0] * SPACING and steps.max() <= _SPACING_RANGE[1] * SPACING:
         return path
-    return resampled(path, SPACING)
+    return resample_path(path, SPACING)
 
 
 @frozen

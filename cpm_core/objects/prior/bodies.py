@@ -19,8 +19,8 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import ends
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.grids import true_bounds
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Mask, Single, record
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.prior import maps_of
@@ -150,7 +150,7 @@ def is_other(size: float, other: float) -> bool:
 
 def body_of(mask: Mask, size: Array) -> Body:
     """Build the body of some voxels, shape (P, R, C), whose sides are given, shape (3,), the smallest being 1."""
-    first, last = ends(mask)
+    first, last = true_bounds(mask)
     low, high = (first - 0.5) * size, (last + 0.5) * size
     cube = Cube(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
     logits = logits_of(mask, size, cube)
@@ -352,7 +352,7 @@ class BodyPrior:
             for k in range(first, end):
                 seen[k], overlap[k] = self.network(makers[k]())
 
-        share(predict_range, len(makers), 1)
+        run_in_parallel(predict_range, len(makers), 1)
         return _Asked(seen, overlap)
 
     def _ask_within(self, within: _Within, slices: Sequence[_Slice]) -> _Asked:

@@ -14,7 +14,7 @@ import scipy
 
 from cpm_core.contours.surface import Surface
 from cpm_core.field.interpolation import value_at
-from cpm_core.numerics.grids import parts_of, zero_surface
+from cpm_core.numerics.grids import find_connected_parts, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
 from cpm_core.objects.prior.bodies import FAR, Body
@@ -107,7 +107,7 @@ def _linked(body: Body, inside: Array, outside: Array, shape: Extent, size: Arra
     corners = [_corners(body.cube, places) for places in (inside, outside)]
     logits[tuple(corners[1].T)] = np.minimum(logits[tuple(corners[1].T)], -_MIN_POINT_LOGIT)
     logits[tuple(corners[0].T)] = np.maximum(logits[tuple(corners[0].T)], _MIN_POINT_LOGIT)
-    parts = parts_of(logits > 0.0, corners=True)
+    parts = find_connected_parts(logits > 0.0, corners=True)
     held = np.zeros(parts.count + 1, np.bool_)
     held[parts.part_at(corners[0]) + 1] = True
     held[0] = True

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import ends
+from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.windows import (
@@ -112,7 +112,7 @@ class Answer(NamedTuple):
     @property
     def places(self) -> Array:
         """First and last row and column of the object in the image, shape (2, 2)."""
-        on = ends(self.seen > INSIDE_PROBABILITY)
+        on = true_bounds(self.seen > INSIDE_PROBABILITY)
         return np.stack([line[on[:, axis]] for axis, line in enumerate(self.window.lines)], axis=1)
 
     def touches(self, shape: Extent) -> bool:
@@ -199,7 +199,7 @@ class Prior:
         """
         if prompt.former is not None and prompt.former.any():
             yield self._refined(
-                self._answer(_around(ends(prompt.former), prompt), prompt, None), prompt, 1.0, _MIN_CROP_REFINEMENTS
+                self._answer(_around(true_bounds(prompt.former), prompt), prompt, None), prompt, 1.0, _MIN_CROP_REFINEMENTS
             )
             return
         answers = [self._answer(window, prompt, None) for window in self._first_windows(prompt)]
@@ -218,7 +218,7 @@ class Prior:
     def judged(self, mask: Mask, inside: Index) -> Likely:
         """Evaluate an object, shape (H, W), that was found otherwise and holds pixels, shape (M, 2), by the network."""
         prompt = Prompt(inside, former=mask)
-        answer = self._answer(_around(ends(mask), prompt), prompt, None)
+        answer = self._answer(_around(true_bounds(mask), prompt), prompt, None)
         return self._likely(answer, 1.0, answer.window.of(mask))
 
     def _refined(self, answer: Answer, prompt: Prompt, agreement: float, rounds: int) -> Likely:

@@ -66,7 +66,7 @@ def _signed(voxels: Voxels, surface: Surface, begin: Index, shape: Extent) -> Ar
     near = away <= _EXACT_DISTANCE
     triangles = Triangles((surface.vertices - begin)[surface.faces])
     away = np.maximum(away - 0.5, 0.5)
-    away[near] = triangles.distances(np.argwhere(near).astype(float))
+    away[near] = triangles.distances_to(np.argwhere(near).astype(float))
     return np.where(inside, -away, away)
 
 
@@ -133,7 +133,7 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
 
 def lies_on(gap: Line, boundary: tuple[Line, ...]) -> bool:
     """Return whether most of a stretch lies on a boundary."""
-    away = polyline.distances_from_closed(boundary, polyline.middles(np.asarray(gap), 8))
+    away = polyline.distances_to_closed_paths(boundary, polyline.path_midpoints(np.asarray(gap), 8))
     return bool(np.median(away) <= _BOUNDARY_GAP_TOLERANCE)
 
 
@@ -155,5 +155,5 @@ def boundary_of(area: Any) -> tuple[Line, ...]:
     rings = [
         np.round(ring.coords, BOUNDARY_DECIMALS)[:-1] for part in parts for ring in (part.exterior, *part.interiors)
     ]
-    rings = [ring for ring in rings if polyline.area(ring) >= _MIN_RING_AREA]
+    rings = [ring for ring in rings if polyline.enclosed_area(ring) >= _MIN_RING_AREA]
     return tuple(as_line(ring) for ring in sorted(rings, key=lambda ring: -len(ring)))

@@ -165,14 +165,14 @@ class _Edges:
 
     def __init__(self, item: SegmentedObject, scale_field: ScaleField | None) -> None:
         self._field = scale_field
-        along = np.concatenate([polyline.sampled(np.array((*curve, curve[0])), 1.0) for curve in item.boundary])
+        along = np.concatenate([polyline.sample_path(np.array((*curve, curve[0])), 1.0) for curve in item.boundary])
         self._boundary = max(float(np.median(self._strength(along))), 1e-9)
 
     def _strength(self, places: Array) -> Array:
         """Measure the edge strength at points of the image, shape (N,); beyond the border as at the border."""
         if self._field is None:
             return np.zeros(len(places))
-        return self._field.strength(np.clip(places, 0.0, np.array(self._field.shape) - 1.0))
+        return self._field.strength_at(np.clip(places, 0.0, np.array(self._field.shape) - 1.0))
 
     def heights(self, places: Array) -> Array:
         """Measure the edge strength at points, shape (N, 2) [px], relative to that along the boundary, shape (N,)."""
@@ -191,15 +191,15 @@ class _Edges:
         if self._field is None:
             return cut
         moved = on_ridge(cut, self._field)
-        keep = self.on(moved) & (polyline.distances(cut, moved) <= _SNAP_TO_EDGE_DISTANCE)
+        keep = self.on(moved) & (polyline.distances_to_path(cut, moved) <= _SNAP_TO_EDGE_DISTANCE)
         keep[[0, -1]] = True
         return moved[keep] if keep.sum() > 2 else cut
 
     def gaps(self, path: Array) -> list[Line]:
         """Find the stretches of a path, shape (K, 2) [px], that follow no edge."""
-        path = polyline.resampled(path, 1.0)
+        path = polyline.resample_path(path, 1.0)
         off = scipy.ndimage.binary_dilation(~self.on(path))
-        return [line_of(path[run]) for run in polyline.stretches(off) if len(run) > 1]
+        return [line_of(path[run]) for run in polyline.find_marked_runs(off) if len(run) > 1]
 
 
 def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Array, float, Mask]:

@@ -149,7 +149,7 @@ class SegmentedObject:
         """Return which points, shape (N, 2) [px], lie inside, shape (N,)."""
         found = np.zeros(len(places), bool)
         for curve in self.boundary:
-            found ^= polyline.inside(curve, places)
+            found ^= polyline.points_inside(curve, places)
         return found
 
     def mask(self, shape: Extent) -> Mask:
@@ -169,7 +169,7 @@ class SegmentedObject:
         if len(self.boundary) == 1:
             return self.boundary
         around = [
-            sum(bool(polyline.inside(other, np.array(curve[:1]))[0]) for other in self.boundary if other is not curve)
+            sum(bool(polyline.points_inside(other, np.array(curve[:1]))[0]) for other in self.boundary if other is not curve)
             for curve in self.boundary
         ]
         return tuple(curve for curve, count in zip(self.boundary, around, strict=True) if count % 2 == 0)
@@ -178,16 +178,16 @@ class SegmentedObject:
     def area(self) -> float:
         """Area without holes [px²]."""
         outer = self.outer
-        return float(sum(polyline.area(curve) * (1.0 if curve in outer else -1.0) for curve in self.boundary))
+        return float(sum(polyline.enclosed_area(curve) * (1.0 if curve in outer else -1.0) for curve in self.boundary))
 
     def perimeter(self, spacing: Sides = (1.0, 1.0)) -> float:
         """Measure the length of the boundary, holes included, in the unit of the size of a pixel."""
         curves = (np.array((*curve, curve[0])) * spacing for curve in self.boundary)
-        return sum(polyline.length(curve) for curve in curves)
+        return sum(polyline.path_length(curve) for curve in curves)
 
     def bridged(self, spacing: Sides = (1.0, 1.0)) -> float:
         """Measure the length of the gaps: stretches of the boundary off the contours, in the unit of a pixel's size."""
-        return sum(polyline.length(np.array(gap) * spacing) for gap in self.gaps)
+        return sum(polyline.path_length(np.array(gap) * spacing) for gap in self.gaps)
 
     @cached_property
     def box(self) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.field.scale_field import FAINTEST, ScaleField
+from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Position
 from cpm_core.reconstruction.curve.gap_bridging import (
@@ -100,7 +100,7 @@ class LiveWire:
             float(np.percentile(above, _STRONG_EDGE_PERCENTILE)) if above.size else max(self._field.strongest, 1e-300)
         )
         costs = 1.0 / (1.0 + EXTRA_COST_OFF_EDGE * np.minimum(strength / strong, 1.0))
-        avoided = np.concatenate([np.empty((0, 2)), *(polyline.sampled(line, 0.25) for line in self._avoided)])
+        avoided = np.concatenate([np.empty((0, 2)), *(polyline.sample_path(line, 0.25) for line in self._avoided)])
         away = np.linalg.norm(avoided[:, None] - self._spared, axis=2).min(axis=1)
         pixels = np.rint(avoided[away > UNBLOCKED_RADIUS]).astype(np.int64) - self._low
         pixels = pixels[((pixels >= 0) & (pixels < costs.shape)).all(axis=1)]
@@ -115,13 +115,13 @@ def on_ridge(path: Array, scale_field: ScaleField) -> Array:
 
     Where there is no edge near enough, it stays as well, and in between it fades from one to the other.
     """
-    path = polyline.resampled(path, _PATH_SPACING)
+    path = polyline.resample_path(path, _PATH_SPACING)
     inner = path[1:-1]
     if not len(inner):
         return path
     ridge, found = ridge_points(inner, scale_field)
     found &= np.linalg.norm(ridge - inner, axis=1) <= _MAX_SNAP_DISTANCE
-    found &= scale_field.strength(ridge) >= FAINTEST * scale_field.floor
+    found &= scale_field.strength_at(ridge) >= EDGE_END_FRACTION * scale_field.floor
     move = np.where(found[:, None], ridge - inner, 0.0)
     calm = scipy.ndimage.gaussian_filter1d(move, _MOVE_SMOOTHING, axis=0, mode="nearest")
     alone = scipy.ndimage.minimum_filter1d(found, 5, mode="nearest") == 0
@@ -138,7 +138,7 @@ def on_ridge(path: Array, scale_field: ScaleField) -> Array:
 def nearest_ridge(place: Position, scale_field: ScaleField, reach: float) -> Position:
     """Move a place to the ridge of an edge within reach [px]; without one return the place itself."""
     ridge, found = ridge_points(np.array([place]), scale_field)
-    strong = scale_field.strength(ridge)[0] >= scale_field.floor
+    strong = scale_field.strength_at(ridge)[0] >= scale_field.floor
     if found[0] and strong and np.linalg.norm(ridge[0] - place) <= reach:
         return tuple(ridge[0].tolist())
     return place

@@ -87,7 +87,7 @@ class Contact:
             along %= whole
         elif by:
             along = max(along, 0.5 * self.along) if by < 0.0 else min(along, 0.5 * (self.along + whole))
-        return tuple(polyline.places_at(self.line.path, np.array([along]))[0].tolist())
+        return tuple(polyline.points_at_lengths(self.line.path, np.array([along]))[0].tolist())
 
     def same_contour(self, other: Contact) -> bool:
         """Return whether another place is on the same contour."""
@@ -131,7 +131,7 @@ def connect(path: Array, begin: Contact | None = None, end: Contact | None = Non
             stretch = line.part(begin.along, end.along)
             if line.closed:
                 other = line.part(end.along, begin.along + line.length)
-                if polyline.distances(path, other.path).mean() < polyline.distances(path, stretch.path).mean():
+                if polyline.distances_to_path(path, other.path).mean() < polyline.distances_to_path(path, stretch.path).mean():
                     stretch, begin, end, path = other, end, begin, path[::-1]
             return (_instead(stretch, path, begin, end),)
         if not end.at_end:
@@ -201,7 +201,7 @@ def pull(held: Contact, to: Position, scale_field: ScaleField | None = None) -> 
     begin, end = Contact(line, first), Contact(line, last % line.length if line.closed else last)
     stretch = line.part(first, last)
     if scale_field is None:
-        path = polyline.resampled(stretch.points, 1.0)
+        path = polyline.resample_path(stretch.points, 1.0)
         share = np.linspace(-1.0, 1.0, len(path))[:, None]
         path = path + (0.5 + 0.5 * np.cos(np.pi * share)) * np.subtract(to, held.place)
     else:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Index
 
 _LEAST_TRIANGULATED_POINTS = 4
@@ -83,7 +83,7 @@ def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
     >>> len(contours), contours[0].closed, round(contours[0].area / (np.pi * 20**2), 2)
     (1, True, 1.0)
     """
-    array = real_numbers(points)
+    array = as_real_array(points)
     if array.ndim != 2 or array.shape[1] != 2:
         raise ValueError(f"points have the shape {array.shape} but must be (N, 2).")
     if not np.isfinite(array).all():

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.graph import Graph
-from cpm_core.field.scale_field import FAINTEST, ScaleField
+from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 
 _LEAST_LOOP_LENGTH = 3.0
 """Least length of the path along a curve, in lengths of the gap, for an end to be joined to its own curve."""
@@ -37,8 +37,8 @@ def close_gaps(graph: Graph, scale_field: ScaleField, reach: float) -> None:
     end, other, gap = end[open_], other[open_], gap[open_]
     a, b = graph.points[end], graph.points[other]
     along = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, _GAP_SAMPLES)[:, None]
-    strength = scale_field.strength(along.reshape(-1, 2)).reshape(-1, _GAP_SAMPLES)
-    held = strength.min(axis=1) >= FAINTEST * np.minimum(strength[:, 0], strength[:, -1])
+    strength = scale_field.strength_at(along.reshape(-1, 2)).reshape(-1, _GAP_SAMPLES)
+    held = strength.min(axis=1) >= EDGE_END_FRACTION * np.minimum(strength[:, 0], strength[:, -1])
     held &= ~scale_field.barrier_map.crossed(a, b)
     end, other, gap = end[held], other[held], gap[held]
     cost = np.where(graph.degrees[other] == 1, gap, _SIDE_DISTANCE_FACTOR * gap)

@@ -16,7 +16,7 @@ import skimage
 from cpm_core.contours.contour import Bridge
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.polyline import length, lengths_along, resampled
+from cpm_core.numerics.polyline import path_length, lengths_along, resample_path
 from cpm_core.numerics.segments import first_crossing
 from cpm_core.numerics.types import Array, Index, Integers, Mask, record
 
@@ -104,10 +104,10 @@ def bridge_gaps(
         joins_end = way.other in ends
         if graph.degree(way.end) != 1 or (joins_end and graph.degree(way.other) != 1):
             continue
-        path = resampled(way.path, spacing)
+        path = resample_path(way.path, spacing)
         if site.free(path, (way.end, way.other)):
             site.build(way.end, path[1:-1], way.other)
-            built.append(Bridge(path, length(path), float(scale_field.strength(path).mean())))
+            built.append(Bridge(path, path_length(path), float(scale_field.strength_at(path).mean())))
     return tuple(built)
 
 
@@ -129,7 +129,7 @@ class _Site:
     def strength(self, end: int) -> float:
         """Measure the edge strength near a loose end, at least the floor."""
         stretch = last_stretch(self.graph.points[self.graph.branch(end)], _STRENGTH_LENGTH)
-        return max(float(self.scale_field.strength(stretch).max()), self.scale_field.floor)
+        return max(float(self.scale_field.strength_at(stretch).max()), self.scale_field.floor)
 
     def crossing(self, path: Array, spared: Integers) -> tuple[int, tuple[int, int]] | None:
         """Find the first segment of a path, shape (K, 2), that crosses an edge off `spared` vertices, and that edge."""
@@ -200,7 +200,7 @@ def _to_sides(graph: Graph, site: _Site, ends: dict[int, Array], longest: float)
         goal = np.argmin(np.linalg.norm(graph.points[near] - path[-1], axis=1))
         way = _stopped(graph, site, end, smoothed(path, place, graph.points[near[goal]]))
         gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a farther vertex
-        if way is not None and gap <= longest and length(way.path) <= _MAX_BRIDGE_DETOUR * gap:
+        if way is not None and gap <= longest and path_length(way.path) <= _MAX_BRIDGE_DETOUR * gap:
             yield _Way(_SIDE_COST_FACTOR * total, end, way.other, way.path)
 
 
@@ -252,7 +252,7 @@ def way_across(
         costs += BLOCKED_COST * (blocked[tuple(np.moveaxis(places, -1, 0))] & ~around)
     total, path = _cheapest(costs, places[0, 0], a, b[None])
     path = smoothed(path, a, b)
-    return (total, path) if length(path) <= _MAX_BRIDGE_DETOUR * gap else None
+    return (total, path) if path_length(path) <= _MAX_BRIDGE_DETOUR * gap else None
 
 
 def _costs(edges: Array, strength: float, points: Array, margin: float) -> tuple[Array, Index]:

@@ -37,13 +37,13 @@ def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> 
     Contours under `min_strength` or `min_contrast` are removed; of contours with a loose end only the weak stretches.
     The others stay if they are connected, through junctions and other contours, to one that reaches `sure_edge`.
     """
-    least = (parameters.min_strength, scale_field.strength), (parameters.min_contrast, scale_field.contrast)
+    least = (parameters.min_strength, scale_field.strength_at), (parameters.min_contrast, scale_field.contrast_at)
     for threshold, measure in least:
         if threshold > 0.0:
             edges, rating = ratings(graph, measure)
             graph.unlink(edges[rating < threshold])
     if parameters.sure_edge > 0.0:
-        drop_unconnected(graph, scale_field.strength(graph.points), parameters.sure_edge * scale_field.strongest)
+        drop_unconnected(graph, scale_field.strength_at(graph.points), parameters.sure_edge * scale_field.strongest)
 
 
 def drop_unreached(graph: Graph, reached: Mask) -> None:
@@ -103,7 +103,7 @@ def measured(contours: Sequence[Contour], scale_field: ScaleField) -> tuple[Cont
         return ()
     points = np.concatenate([c.points for c in contours])
     bounds = np.cumsum([0, *(len(c.points) for c in contours)])
-    strength, normals = scale_field.strength(points), scale_field.normals(points)
+    strength, normals = scale_field.strength_at(points), scale_field.normals_at(points)
     found = []
     for contour, a, b in zip(contours, bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
         sides = partial(mean_contrast, scale_field.values, contour.points, normals[a:b], scale_field.smoothing)

@@ -6,7 +6,7 @@ from cpm_core.contours.contour import Bridge, Contour, bridges_on
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.regions import BarrierMap
-from cpm_core.model.plane.births import deletion
+from cpm_core.model.plane.births import select_survivors
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.end_linking import close_gaps
@@ -54,10 +54,10 @@ def find_contours(
     bridges : tuple of Bridge
         Bridged gaps in the contours.
     """
-    on_edge = positions[scale_field.strength(positions) >= scale_field.floor]
+    on_edge = positions[scale_field.strength_at(positions) >= scale_field.floor]
     points, found = ridge_points(on_edge, scale_field)
     points = points[found & ~scale_field.barrier_map.crossed(on_edge, points)]
-    kept = deletion(points, scale_field.strength(points), parameters.d_min)
+    kept = select_survivors(points, scale_field.strength_at(points), parameters.d_min)
     reach = max(parameters.d_min + parameters.d_max, _LEAST_JOINING_REACH * parameters.d_min)
     graph = Graph(*trace(points[kept], scale_field, parameters.d_min, at_rest))
     if scale_field.reached is not None:

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.field.scale_field import FAINTEST, ScaleField
+from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.image.regions import BarrierMap
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, ridge_of
 from cpm_core.reconstruction.curve.ridge_tracing_kernels import Reach, Seeds, place_on_ridge, walk
@@ -74,7 +74,7 @@ def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = 
         dip=_LONGEST_DIP * d_min,
         fading=0.5 * _FADING_LENGTH * d_min,
         floor=scale_field.floor,
-        faintest=FAINTEST * scale_field.floor,
+        faintest=EDGE_END_FRACTION * scale_field.floor,
     )
     ridge = ridge_of(scale_field)
     seeds = _image_seeds(points, ridge, reach)
@@ -94,7 +94,7 @@ def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
     """Sort points into seeds by pixel, moved exactly onto the ridge."""
     place = np.array(points, dtype=float)
     ahead = np.zeros_like(place)
-    share(
+    run_in_parallel(
         lambda first, last: place_on_ridge(ridge, place, ahead, reach.step, first, last),
         len(place),
         _LEAST_SEEDS_PER_THREAD,
@@ -137,7 +137,7 @@ class _Walks:
                 first, added, joined = walk(*self._walked, seeds, met, sign, loose, first, last, way, vertices, edges)
                 own.append((vertices[:added], edges[:joined]))
 
-        share(follow_share, len(seeds), _LEAST_SEEDS_PER_THREAD)
+        run_in_parallel(follow_share, len(seeds), _LEAST_SEEDS_PER_THREAD)
         for first in sorted(found):
             for vertices, edges in found[first]:
                 self._vertices.append(vertices)

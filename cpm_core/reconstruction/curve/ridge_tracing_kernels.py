@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.scale_field import FAINTEST
+from cpm_core.field.scale_field import EDGE_END_FRACTION
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.types import Array, Index
@@ -175,9 +175,9 @@ def _follow(
         while length - way[before + 1, 3] > 2.0 * reach.fading:
             before += 1
         under = 0.0 if last >= reach.floor else under + step
-        if last < reach.faintest or last < FAINTEST * way[behind, 2] or under > reach.dip:
+        if last < reach.faintest or last < EDGE_END_FRACTION * way[behind, 2] or under > reach.dip:
             break
-        good = last >= max(reach.floor, FAINTEST * way[before, 2])
+        good = last >= max(reach.floor, EDGE_END_FRACTION * way[before, 2])
         if good and length <= reach.loose and loose == steps - 1:
             loose = steps
         met = _meets(seeds, i, sign, row, col, down, right, length, reach.step)

@@ -6,7 +6,7 @@ import numpy as np
 
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.reconstruction.curve.ridge import PROBE, Ridge, ridge_of, spline_height, uphill
 
@@ -53,7 +53,7 @@ def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask
     place = np.array(positions, dtype=float)
     move, bend = np.full(len(place), np.inf), np.zeros(len(place))
     for _ in range(_MAX_REFINEMENTS):
-        share(lambda first, last: _climb(ridge, place, move, bend, first, last), len(place), _LEAST_POINTS_PER_THREAD)
+        run_in_parallel(lambda first, last: _climb(ridge, place, move, bend, first, last), len(place), _LEAST_POINTS_PER_THREAD)
         if np.abs(move).max(initial=0.0) < _REFINEMENT_TOLERANCE:
             break
     inside = ((place >= 0.0) & (place <= np.array(scale_field.shape) - 1.0)).all(axis=1)

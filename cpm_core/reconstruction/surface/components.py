@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.grids import Labels, Parts, parts_of
+from cpm_core.numerics.grids import Labels, ConnectedParts, find_connected_parts
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Sides, Single
 
@@ -97,13 +97,13 @@ def fill_regions(height: Single) -> None:
     region, nor do others that are infinite.
     """
     parts, votes = unknown_regions(height)
-    parts.fill(np.where(votes > 0, np.float32(FAR), np.float32(-FAR)), height)
+    parts.fill_voxels(np.where(votes > 0, np.float32(FAR), np.float32(-FAR)), height)
 
 
-def unknown_regions(height: Single) -> tuple[Parts, Index]:
+def unknown_regions(height: Single) -> tuple[ConnectedParts, Index]:
     """Find regions of NaN in a height, shape (P, R, C), and for each the surplus of voxels around above zero."""
     set_border(height, np.inf)
-    parts = parts_of(np.isnan(height), corners=False)
+    parts = find_connected_parts(np.isnan(height), corners=False)
     votes = np.zeros(parts.count, np.int64)
     _vote(parts.begin, parts.first, parts.end, parts.part, height, votes)
     return parts, votes

@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.surface import Surface, rows_of_three
-from cpm_core.numerics.grids import parts_joined, zero_surface
+from cpm_core.numerics.grids import label_joined_pairs, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.components import fill_regions, set_border, support, typical_distance
@@ -105,7 +105,7 @@ def estimated_normals(points: Array, apart: float) -> Array:
     one, other = one[close], other[close]
     price = 1.0 - np.abs((normals[one] * normals[other]).sum(1)) + _LEAST_LINK_COST
     graph = scipy.sparse.csr_array((price, (one, other)), shape=(len(points), len(points)))
-    part = parts_joined((one, other), len(points))
+    part = label_joined_pairs((one, other), len(points))
     forest = scipy.sparse.csgraph.minimum_spanning_tree(graph)
     forest = forest + forest.T
     for number in range(part.max() + 1):

@@ -24,7 +24,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import Labels, Parts, parts_of, root
+from cpm_core.numerics.grids import Labels, ConnectedParts, find_connected_parts, find_root
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single, record
 from cpm_core.reconstruction.surface.components import FAR
@@ -133,7 +133,7 @@ def join(height: Single, begin: Index, surroundings: Surroundings) -> list[Index
 
     `begin` is the first voxel of the height in the volume.
     """
-    parts = parts_of(height > 0.0, corners=True)
+    parts = find_connected_parts(height > 0.0, corners=True)
     passable, every = (height <= 0.0) & (height > -DEEPEST), np.ones(parts.count, bool)
 
     def is_neck(way: Index, saddle: Index) -> bool:
@@ -157,7 +157,7 @@ def _raise(height: Single, way: Index) -> Index:
 def ways_over_saddles(
     values: Single,
     passable: Mask,
-    parts: Parts,
+    parts: ConnectedParts,
     wanted: Mask,
     apart: int,
     reach: int,
@@ -174,7 +174,7 @@ def ways_over_saddles(
     group = np.arange(parts.count)
     looked_at: dict[tuple[int, int], list[Index]] = {}
     for p, r, c, one, other in meetings_of(values, passable, parts, wanted):
-        a, b = root(group, one), root(group, other)
+        a, b = find_root(group, one), find_root(group, other)
         saddle, pair = np.array([p, r, c]), (min(one, other), max(one, other))
         tried = looked_at.setdefault(pair, [])
         if a == b or any((np.abs(saddle - before) < apart).all() for before in tried):
@@ -186,13 +186,13 @@ def ways_over_saddles(
             yield way
 
 
-def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> Index:
+def meetings_of(values: Single, passable: Mask, parts: ConnectedParts, wanted: Mask) -> Index:
     """Find the voxels, and the two parts, where the slopes of different parts meet, the highest first, shape (M, 5)."""
     low = np.argwhere(passable)
     low = low[parts.part_at(low) < 0]
     low = low[np.argsort(-values[tuple(low.T)], kind="stable")]
     number = np.where(wanted, np.arange(parts.count) + 1, 0).astype(np.int32)
-    labels = parts.fill(number, np.zeros(values.shape, np.int32))
+    labels = parts.fill_voxels(number, np.zeros(values.shape, np.int32))
     basin = np.arange(parts.count + len(low) + 1)
     found = np.empty((_MAX_MEETINGS * len(low), 5), np.int64)
     return found[: _descend(values, labels, low, parts.count, basin, found)]
@@ -215,7 +215,7 @@ def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, 
             for v in range(max(r - 1, 0), min(r + 2, rows)):
                 for w in range(max(c - 1, 0), min(c + 2, cols)):
                     if own[u, v, w] > 0:
-                        lead = root(basin, own[u, v, w])
+                        lead = find_root(basin, own[u, v, w])
                         if lead <= count and height[u, v, w] > highest:
                             highest, mine = height[u, v, w], lead
                         new = True
@@ -239,7 +239,7 @@ def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, 
     return met
 
 
-def way_between(values: Single, parts: Parts, saddle: Index, one: int, other: int, reach: int) -> Index | None:
+def way_between(values: Single, parts: ConnectedParts, saddle: Index, one: int, other: int, reach: int) -> Index | None:
     """Find the shortest path, shape (K, 3), between two parts through a saddle, over voxels no lower; None without.
 
     Both ends are included. Voxels up to `reach` from the saddle are examined.
@@ -314,7 +314,7 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
     returned voxels are those of the volume.
     """
     inner, low = height[1:-1, 1:-1, 1:-1], begin + 1
-    parts = parts_of(inner > 0.0, corners=True)
+    parts = find_connected_parts(inner > 0.0, corners=True)
     just_inside = surroundings.points - surroundings.normals / surroundings.size
     voxels = np.clip(np.rint(just_inside).astype(np.int64) - low, 0, np.array(inner.shape) - 1)
     part = parts.part_at(voxels)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Single, record
 
 _LEAST_PLANES_PER_THREAD = 4
@@ -83,7 +83,7 @@ def height(volume: Single, box: Box, levels: Levels, size: Array, width: float, 
     def compute_planes(first: int, last: int) -> None:
         _height(volume, box.begin, found, points, thresholds, slopes, begin, cells, size, reach, weight, first, last)
 
-    share(compute_planes, len(found), _LEAST_PLANES_PER_THREAD)
+    run_in_parallel(compute_planes, len(found), _LEAST_PLANES_PER_THREAD)
     return found
 
 

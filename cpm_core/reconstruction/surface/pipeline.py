@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
-from cpm_core.field.volume_edges import Edges
+from cpm_core.field.volume_edges import EdgeBricks
 from cpm_core.field.volume_field import pitch_of
-from cpm_core.field.volume_surface import on_ridges
-from cpm_core.numerics.grids import join_corners, zero_surface
+from cpm_core.field.volume_surface import project_all_to_ridge
+from cpm_core.numerics.grids import bridge_corner_contacts, zero_surface
 from cpm_core.numerics.types import Array, Mask, Sides, Single
 from cpm_core.reconstruction.surface.components import (
     fill_regions,
@@ -47,7 +47,7 @@ _LEAST_PARTICLES = 4
 
 def find_surface(
     volume: Single,
-    edges: Edges,
+    edges: EdgeBricks,
     points: Array,
     spacing: Sides = (1.0, 1.0, 1.0),
     unit: str | None = None,
@@ -82,7 +82,7 @@ def find_surface(
     surroundings = Surroundings(volume, sign, levels.points, sign * normals, levels.slopes, size)
     join(found, box.begin, surroundings)
     spin(found, box.begin, surroundings, step_width(smoothing))
-    join_corners(found, RAISED)
+    bridge_corner_contacts(found, RAISED)
     if left_out is not None:
         found[left_out] = -1.0
     vertices, faces = zero_surface(found)
@@ -91,13 +91,13 @@ def find_surface(
     return well_supported(vertices, faces, points, supported, spacing, unit)
 
 
-def levels_of(volume: Single, edges: Edges, points: Array, size: Array, smoothing: float) -> tuple[Levels, Array]:
+def levels_of(volume: Single, edges: EdgeBricks, points: Array, size: Array, smoothing: float) -> tuple[Levels, Array]:
     """Move particles, shape (N, 3) [voxels], to the ridge; return their thresholds, and their normals away from bright.
 
     The arguments are those of `find_surface`, and `size` holds the sides of a voxel.
     """
     pitch = tuple(size.tolist())
-    places = on_ridges(volume, edges, pitch, points * size, _RIDGE_STEPS) / size
+    places = project_all_to_ridge(volume, edges, pitch, points * size, _RIDGE_STEPS) / size
     places = np.clip(places, 0.0, np.array(volume.shape) - 1.0)
     return levels_at(volume, edges, places, size, step_width(smoothing))
 

@@ -11,8 +11,8 @@ from functools import cache
 import numpy as np
 import scipy
 
-from cpm_core.field.interpolation import interpolate
-from cpm_core.field.volume_edges import Edges
+from cpm_core.field.interpolation import interpolate_field
+from cpm_core.field.volume_edges import EdgeBricks
 from cpm_core.numerics.types import Array, Single
 from cpm_core.reconstruction.surface.local_threshold import Levels
 
@@ -25,7 +25,7 @@ _MAX_EDGE_SHIFT = 1.0
 
 def gray_at(volume: Single, points: Array) -> Array:
     """Interpolate the gray levels of a volume at points, shape (N, 3) [voxels], shape (N,)."""
-    return interpolate(volume[None], points)[:, 0]
+    return interpolate_field(volume[None], points)[:, 0]
 
 
 def step_width(smoothing: float) -> float:
@@ -33,7 +33,7 @@ def step_width(smoothing: float) -> float:
     return float(np.sqrt(smoothing**2 + _VOXEL_VARIANCE))
 
 
-def levels_at(volume: Single, edges: Edges, points: Array, size: Array, width: float) -> tuple[Levels, Array]:
+def levels_at(volume: Single, edges: EdgeBricks, points: Array, size: Array, width: float) -> tuple[Levels, Array]:
     """Measure the thresholds and slopes of particles on a ridge, shape (N, 3) [voxels], and their normals (N, 3).
 
     Normals point away from the bright side. `size` holds the sides of a voxel, and `width` is that of a smoothed step,
@@ -43,7 +43,7 @@ def levels_at(volume: Single, edges: Edges, points: Array, size: Array, width: f
     curved, shift = _shift_of_tubes()
     off = (np.sign(bent) * np.interp(np.abs(width * bent), curved, shift)).sum(1)  # in widths of the smoothed step
     thresholds = gray_at(volume, points + (width * off)[:, None] * normals / size)
-    return Levels(points, thresholds, edges.at(tuple(size.tolist()), points * size)), normals
+    return Levels(points, thresholds, edges.strengths_at(tuple(size.tolist()), points * size)), normals
 
 
 def _bends(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:

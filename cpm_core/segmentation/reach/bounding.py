@@ -20,12 +20,12 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.field.edge_map import background_strength, gradient, magnitude
+from cpm_core.field.edge_map import background_strength, smoothed_gradient, vector_magnitudes
 from cpm_core.field.scale_field import WEAKEST_EDGE
-from cpm_core.numerics.grids import Labels, parts_joined
+from cpm_core.numerics.grids import Labels, label_joined_pairs
 from cpm_core.numerics.types import Array, Extent, Mask
-from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part, is_everywhere, radius_of
-from cpm_core.segmentation.reach.surrounded import flooded, surrounded
+from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area, hollow_part, is_everywhere, typical_radius
+from cpm_core.segmentation.reach.surrounded import flood_from_markers, find_surrounded_object
 
 _SIGMA_PER_RADIUS = 0.1
 """Smoothing of the edge map in radii of the start: details much smaller than the start do not bound it."""
@@ -111,7 +111,7 @@ class Bounds(NamedTuple):
     around: bool
 
 
-def bounds_of(values: Array, start: Array, closed: Mask, beta: float) -> Bounds | None:
+def find_bounds(values: Array, start: Array, closed: Mask, beta: float) -> Bounds | None:
     """Find the boundary of the area that a start lies in or has been drawn around; None for one from everywhere.
 
     Parameters
@@ -127,53 +127,53 @@ def bounds_of(values: Array, start: Array, closed: Mask, beta: float) -> Bounds 
     """
     if is_everywhere(start, values.shape):
         return None
-    return _bounds_of(values, *_drawn(start, values.shape), closed, beta)
+    return _bounds_unless_everywhere(values, *_drawn_and_hollow(start, values.shape), closed, beta)
 
 
-def thing_within(values: Array, places: Array, closed: Mask) -> Mask | None:
+def object_enclosed_by(values: Array, places: Array, closed: Mask) -> Mask | None:
     """Return the object, shape (H, W), that places, shape (N, 2) [px], are drawn around; None when they lie in it.
 
     `closed` is as for `bounds_of`.
     """
-    if len(places) < LEAST_PLACES:
+    if len(places) < MIN_DRAWN_PLACES:
         return None
-    area, hollow = _drawn(places, values.shape)
-    bounds = _bounds_of(values, area, hollow, closed, _HOLDING_BETA) if hollow.any() else None
+    area, hollow = _drawn_and_hollow(places, values.shape)
+    bounds = _bounds_unless_everywhere(values, area, hollow, closed, _HOLDING_BETA) if hollow.any() else None
     return bounds.inside if bounds is not None and bounds.around else None
 
 
-def _drawn(start: Array, shape: Extent) -> tuple[Mask, Mask]:
+def _drawn_and_hollow(start: Array, shape: Extent) -> tuple[Mask, Mask]:
     """Return the area that a start covers, and the part of it that it only encloses."""
     area = drawn_area(start, shape)
     return area, hollow_part(start, area)
 
 
-def _bounds_of(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) -> Bounds | None:
+def _bounds_unless_everywhere(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) -> Bounds | None:
     """Return the bounds of a start, unless it covers so much of the image that it is one from everywhere."""
     if not area.any() or np.count_nonzero(area & ~hollow) > _MAX_COVERED_SHARE * area.size:
         return None
-    found = _bounds(values, area, hollow, closed, beta)
+    found = _compute_bounds(values, area, hollow, closed, beta)
     return found if found.around or area.mean() <= _MAX_COVERED_SHARE else None
 
 
-def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) -> Bounds:
+def _compute_bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) -> Bounds:
     """Compute the bounds of a start, on a coarser grid in a large image."""
-    sigma = float(np.clip(_SIGMA_PER_RADIUS * radius_of(area), _MIN_BOUNDS_SIGMA, _MAX_BOUNDS_SIGMA))
+    sigma = float(np.clip(_SIGMA_PER_RADIUS * typical_radius(area), _MIN_BOUNDS_SIGMA, _MAX_BOUNDS_SIGMA))
     stride = int(np.ceil(np.sqrt(values.size / _MAX_FLOODED_PIXELS)))
     sigma = max(sigma, 0.5 * stride)
-    strength = magnitude(gradient(values, sigma))[::stride, ::stride]
-    shut = closed[::stride, ::stride] | _frame(strength.shape, sigma / stride)
-    drawn = _pieces(area, closed, stride)
-    pieces, labels = _bounded(strength, drawn, shut, beta)
-    things = _things(values[::stride, ::stride], strength, drawn, hollow[::stride, ::stride], labels, shut)
+    strength = vector_magnitudes(smoothed_gradient(values, sigma))[::stride, ::stride]
+    shut = closed[::stride, ::stride] | _border_frame(strength.shape, sigma / stride)
+    drawn = _label_pieces(area, closed, stride)
+    pieces, labels = _split_basins(strength, drawn, shut, beta)
+    things = _find_enclosed_objects(values[::stride, ::stride], strength, drawn, hollow[::stride, ::stride], labels, shut)
     if things.any():
         rest = np.where(np.isin(drawn, np.setdiff1d(drawn[things], 0)), 0, drawn).astype(np.int32)
-        pieces, labels = _bounded(strength, rest, shut | things, beta)
+        pieces, labels = _split_basins(strength, rest, shut | things, beta)
         labels[things] = pieces[things] = max(int(labels.max()), int(pieces.max())) + 1
     touched = np.unique(np.stack([pieces, labels])[:, (pieces > 0) & (labels > 0)], axis=1)
     own = np.zeros(labels.max() + 1, bool)
     own[touched[1]] = True
-    beside = _beside(np.where(own[labels], labels, 0)) & ~_rim(shut)
+    beside = _label_borders(np.where(own[labels], labels, 0)) & ~_dilate_once(shut)
     sides = zip(values.shape, beside.shape, strict=True)
     grid = np.ix_(*(np.minimum((np.arange(n) + stride // 2) // stride, m - 1) for n, m in sides))
     beside, inside = beside[grid], own[labels][grid]
@@ -181,32 +181,32 @@ def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) 
     return Bounds(area, beside, inside, sigma, whole, bool(things.any()))
 
 
-def _bounded(strength: Array, pieces: Labels, shut: Mask, beta: float) -> tuple[Labels, Labels]:
+def _split_basins(strength: Array, pieces: Labels, shut: Mask, beta: float) -> tuple[Labels, Labels]:
     """Return the pieces of a start, one number for those in one basin, and the parts of their basins."""
-    pieces, basins = _basins(strength, pieces, shut)
-    return pieces, _parts(strength, pieces, basins, beta)
+    pieces, basins = _flood_basins(strength, pieces, shut)
+    return pieces, _label_basin_parts(strength, pieces, basins, beta)
 
 
-def _things(values: Array, strength: Array, pieces: Labels, hollow: Mask, labels: Labels, shut: Mask) -> Mask:
+def _find_enclosed_objects(values: Array, strength: Array, pieces: Labels, hollow: Mask, labels: Labels, shut: Mask) -> Mask:
     """Return the objects that pieces of a start have been drawn around."""
-    found, rim = np.zeros(pieces.shape, bool), _rim(shut)
+    found, rim = np.zeros(pieces.shape, bool), _dilate_once(shut)
     boxes = scipy.ndimage.find_objects(pieces)
     for number in np.setdiff1d(pieces[hollow], 0).tolist():
         box = tuple(slice(max(side.start - 1, 0), side.stop + 1) for side in boxes[number - 1])
         piece = pieces[box] == number
-        thing = surrounded(values[box], strength[box], piece & ~shut[box])
+        thing = find_surrounded_object(values[box], strength[box], piece & ~shut[box])
         if (
             np.count_nonzero(thing) < _MIN_OBJECT_SHARE * np.count_nonzero(piece)
-            or _crossed(piece, thing) > _MAX_SHARE_AT_LINE
+            or _share_at_line(piece, thing) > _MAX_SHARE_AT_LINE
         ):
             continue
         bounded = np.isin(labels, np.setdiff1d(labels[box][piece], 0))
-        if _usual(strength[box], thing, rim[box]) > _MIN_OBJECT_STRENGTH * _usual(strength, bounded, rim):
+        if _usual_strength(strength[box], thing, rim[box]) > _MIN_OBJECT_STRENGTH * _usual_strength(strength, bounded, rim):
             found[box] |= thing
     return found
 
 
-def _crossed(piece: Mask, thing: Mask) -> float:
+def _share_at_line(piece: Mask, thing: Mask) -> float:
     """Return the share of the boundary of an object that lies at the border of the piece of a start around it."""
     depth = scipy.ndimage.distance_transform_edt(piece)
     along = depth[thing & ~np.asarray(scipy.ndimage.binary_erosion(thing, border_value=1))]
@@ -214,13 +214,13 @@ def _crossed(piece: Mask, thing: Mask) -> float:
     return float((along <= near).mean()) if along.size else 0.0
 
 
-def _usual(strength: Array, mask: Mask, rim: Mask) -> float:
+def _usual_strength(strength: Array, mask: Mask, rim: Mask) -> float:
     """Return the median edge strength along the boundary of a mask, except at shut pixels; 0 where there is none."""
-    along = strength[_beside(mask.astype(np.int32)) & ~rim]
+    along = strength[_label_borders(mask.astype(np.int32)) & ~rim]
     return float(np.median(along)) if along.size else 0.0
 
 
-def _pieces(area: Mask, closed: Mask, stride: int) -> Labels:
+def _label_pieces(area: Mask, closed: Mask, stride: int) -> Labels:
     """Label the connected pieces of a start from 1, on a coarser grid; also those that lie between its pixels."""
     pieces, _ = scipy.ndimage.label(area, np.ones((3, 3), bool))
     coarse = np.where(closed, 0, pieces)[::stride, ::stride]
@@ -231,7 +231,7 @@ def _pieces(area: Mask, closed: Mask, stride: int) -> Labels:
     return np.asarray(np.where(coarse > 0, coarse, around), np.int32)
 
 
-def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels]:
+def _flood_basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels]:
     """Return the pieces of a start, and their basins, flooded in the edge map against each other and what is shut.
 
     Where flat parts of a piece are enclosed by edges and others are not, only the first count; where none is
@@ -244,7 +244,7 @@ def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels
     large = size >= np.maximum(_MIN_FLAT_SHARE * size.sum(axis=1, keepdims=True), 1)
     large[0], large[:, 0] = False, False
     open_ = np.zeros(count + 1, bool)
-    open_[flat[_rim(shut)]] = True
+    open_[flat[_dilate_once(shut)]] = True
     enclosed, opened = (large & ~open_).any(axis=1), (large & open_).any(axis=1)
     pieces = np.where((enclosed & opened)[pieces] & ~(large & ~open_)[pieces, flat], 0, pieces).astype(np.int32)
     background = int(pieces.max()) + 1
@@ -253,8 +253,8 @@ def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels
     markers[bounded] = pieces[bounded]
     basins = np.where(shut, background, 1).astype(np.int32)
     if bounded.any():
-        basins = flooded(strength, markers)
-    number = _joined(strength, basins, background)
+        basins = flood_from_markers(strength, markers)
+    number = _join_weak_borders(strength, basins, background)
     number[0], number[background] = 0, 0
     in_open = opened & ~enclosed
     if in_open.any():
@@ -264,7 +264,7 @@ def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels
     return number[pieces], number[basins]
 
 
-def _joined(strength: Array, basins: Labels, background: int) -> Labels:
+def _join_weak_borders(strength: Array, basins: Labels, background: int) -> Labels:
     """Label the basins, neighbors alike whose common border is weak next to the rest of their boundaries."""
     count = background + 1
     pairs, crossed = [np.zeros((2, 0), np.int32)], [np.zeros(0)]
@@ -282,13 +282,13 @@ def _joined(strength: Array, basins: Labels, background: int) -> Labels:
     outer[one[other == background]] = median[other == background]
     usual = np.minimum(outer[one], outer[other])
     weak = (other < background) & np.isfinite(usual) & (median < _JOINING_FRACTION * usual)
-    return (parts_joined((one[weak], other[weak]), count) + 1).astype(np.int32)
+    return (label_joined_pairs((one[weak], other[weak]), count) + 1).astype(np.int32)
 
 
-def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labels:
+def _label_basin_parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labels:
     """Label the parts of the basins that edges strong enough separate, from 1; 0 outside."""
     every = np.arange(basins.max() + 1)
-    rim = np.where(_beside(basins), basins, 0)
+    rim = np.where(_label_borders(basins), basins, 0)
     along = rim > 0
     along.flat[0] = True  # no median of nothing
     usual = np.nan_to_num(scipy.ndimage.median(strength[along], rim[along], every))
@@ -310,10 +310,10 @@ def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labe
     held[basins[(pieces > 0) & (pieces == basins) & (parts > 0)]] = True
     whole = ~held[basins] & (basins > 0)
     parts[whole] = parts.max() + basins[whole]
-    return flooded(strength, parts.astype(np.int32), basins > 0)
+    return flood_from_markers(strength, parts.astype(np.int32), basins > 0)
 
 
-def _frame(shape: Extent, sigma: float) -> Mask:
+def _border_frame(shape: Extent, sigma: float) -> Mask:
     """Return the pixels at the image border, which often has a line along it that bounds nothing."""
     frame = np.ones(shape, bool)
     width = 1 + round(sigma)
@@ -321,7 +321,7 @@ def _frame(shape: Extent, sigma: float) -> Mask:
     return frame
 
 
-def _beside(labels: Labels) -> Mask:
+def _label_borders(labels: Labels) -> Mask:
     """Return the pixels next to one of another label, not counting the image border."""
     beside = np.zeros(labels.shape, bool)
     for axis in range(2):
@@ -332,6 +332,6 @@ def _beside(labels: Labels) -> Mask:
     return beside
 
 
-def _rim(shut: Mask) -> Mask:
+def _dilate_once(shut: Mask) -> Mask:
     """Return the pixels of a mask and those next to it."""
     return scipy.ndimage.binary_dilation(shut)

@@ -16,7 +16,7 @@ _MIN_EDGE_RATIO = 3.0
 _MIN_WEAK_FRACTION = 0.5
 """Least strength of weak stretches of the edge, in multiples of its median: a weaker edge lies in something larger."""
 
-MARGIN = 3.0
+OWN_EDGE_DISTANCE = 3.0
 """Distance from an edge up to which the edge strength is its own [px]."""
 
 _EIGHT_NEIGHBORS = np.ones((3, 3), np.bool_)
@@ -26,7 +26,7 @@ _RIDGE_DISTANCE = 2
 """Distance from a region up to which a ridge is part of the edges around it [px]."""
 
 
-def is_certain(along: Array, inside: Array) -> bool:
+def is_unambiguous(along: Array, inside: Array) -> bool:
     """Return whether the image leaves no doubt about a closed edge.
 
     Parameters
@@ -45,7 +45,7 @@ def is_certain(along: Array, inside: Array) -> bool:
     )
 
 
-def certain_edges(strength: Array, ridge: Mask, area: Mask) -> Mask:
+def unambiguous_edges(strength: Array, ridge: Mask, area: Mask) -> Mask:
     """Find the edges around the region that holds most of a start, if they are unambiguous.
 
     They bound the object of the start even where it has been drawn across them, or where the boundary of its basin
@@ -87,14 +87,14 @@ def _edges_around(strength: Array, ridge: Mask, region: Mask) -> Mask:
     filled = np.asarray(scipy.ndimage.binary_fill_holes(region))
     depth = scipy.ndimage.distance_transform_edt(filled)
     outer = beside & (depth == 0.0)
-    holes = _holes(strength, beside, filled & ~region)
+    holes = _hole_edges(strength, beside, filled & ~region)
     away = np.minimum(depth, scipy.ndimage.distance_transform_edt(~holes)) if holes.any() else depth
-    if not is_certain(strength[outer], strength[away > MARGIN]):
+    if not is_unambiguous(strength[outer], strength[away > OWN_EDGE_DISTANCE]):
         return np.zeros_like(ridge)
     return outer | (beside & (strength > _MIN_WEAK_FRACTION * np.median(strength[outer])))
 
 
-def _holes(strength: Array, ridge: Mask, islands: Mask) -> Mask:
+def _hole_edges(strength: Array, ridge: Mask, islands: Mask) -> Mask:
     """Return the edges, pixels of a ridge, of the unambiguous islands in a region: holes or objects."""
     found = np.zeros_like(ridge)
     parts, _ = scipy.ndimage.label(islands, _EIGHT_NEIGHBORS)
@@ -102,7 +102,7 @@ def _holes(strength: Array, ridge: Mask, islands: Mask) -> Mask:
         island = np.pad(parts[box] == number, 1)
         depth = scipy.ndimage.distance_transform_edt(island)[1:-1, 1:-1]
         edge = ridge[box] & (depth > 0.0)
-        within = (depth > MARGIN) & (scipy.ndimage.distance_transform_edt(~edge) > MARGIN)
-        if is_certain(strength[box][edge], strength[box][within]):
+        within = (depth > OWN_EDGE_DISTANCE) & (scipy.ndimage.distance_transform_edt(~edge) > OWN_EDGE_DISTANCE)
+        if is_unambiguous(strength[box][edge], strength[box][within]):
             found[box] |= edge
     return found

@@ -11,7 +11,7 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.numerics.grids import Window, around, box_of, whole_window
+from cpm_core.numerics.grids import Window, expand_window, bounding_window, whole_window
 from cpm_core.numerics.types import Array, Extent, Mask
 
 _LINK_FACTOR = 0.75
@@ -29,7 +29,7 @@ _EVEN_SIDE = 1.5
 _EVEN_SHARE = 0.95
 """Least share of those cells with particles of a start from everywhere."""
 
-LEAST_PLACES = 8
+MIN_DRAWN_PLACES = 8
 """Number of places from which they are a drawn shape; fewer are clicks, and are drawn around nothing."""
 
 _MIN_HULL_SHARE = 0.8
@@ -42,25 +42,25 @@ def drawn_area(points: Array, shape: Extent) -> Mask:
     `points`, shape (N, 2), are its particles [px of the image]. Rows of particles are closed up to about the distance
     of neighbors, and the areas that they enclose, also together with the border of the image, are filled.
     """
-    on, usual = _marked(points, shape)
+    on, usual = _mark_particles(points, shape)
     if len(points) < 2:
         return on
     link = max(_MIN_LINK, _LINK_FACTOR * usual)
-    box = _box(on, link)
+    box = _window_around(on, link)
     near = scipy.ndimage.distance_transform_edt(~on[box]) <= link
-    filled = scipy.ndimage.binary_fill_holes(near) | _cut_off(near, on[box])
+    filled = scipy.ndimage.binary_fill_holes(near) | _enclosed_with_border(near, on[box])
     on[box] |= scipy.ndimage.distance_transform_edt(filled) > link
     return on
 
 
-def _box(mask: Mask, margin: float) -> Window:
+def _window_around(mask: Mask, margin: float) -> Window:
     """Return the window around a mask, which is not empty, with a margin; the whole image where it is at the border."""
-    window = around(box_of(mask), math.ceil(margin) + 1, mask.shape)
+    window = expand_window(bounding_window(mask), math.ceil(margin) + 1, mask.shape)
     inner = all(side.start > 0 and side.stop < n for side, n in zip(window, mask.shape, strict=True))
     return window if inner else whole_window(mask.shape)
 
 
-def _cut_off(near: Mask, on: Mask) -> Mask:
+def _enclosed_with_border(near: Mask, on: Mask) -> Mask:
     """Return the areas that rows of particles enclose with the image border, within the hull of a row.
 
     Rows that enclose nothing alone may be arcs of one line that leaves the image several times: their common hull
@@ -70,16 +70,16 @@ def _cut_off(near: Mask, on: Mask) -> Mask:
     rows, _ = scipy.ndimage.label(near, np.ones((3, 3), bool))
     enclosed, arcs = np.zeros(count + 1, bool), np.zeros_like(on)
     for row in np.setdiff1d(np.concatenate([rows[[0, -1]].ravel(), rows[:, [0, -1]].ravel()]), 0).tolist():
-        alone = _in_hull(on & (rows == row), parts, count)
+        alone = _are_in_hull(on & (rows == row), parts, count)
         enclosed |= alone
         if not alone.any():
             arcs |= on & (rows == row)
     if arcs.any():
-        enclosed |= _in_hull(arcs, parts, count)
+        enclosed |= _are_in_hull(arcs, parts, count)
     return enclosed[parts]
 
 
-def _in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
+def _are_in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
     """Return the parts, by number from 1 to `count`, that lie for the most part in the convex hull of some pixels."""
     hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
     share = np.asarray(scipy.ndimage.mean(hull(on), parts, np.arange(count + 1)))
@@ -96,13 +96,13 @@ def is_everywhere(points: Array, shape: Extent) -> bool:
 
 def hollow_part(points: Array, area: Mask) -> Mask:
     """Return the part of a start's area that its particles, shape (N, 2) [px], only enclose; none of a filled one."""
-    on, usual = _marked(points, area.shape)
-    hollow, box = np.zeros_like(area), box_of(area | on)
+    on, usual = _mark_particles(points, area.shape)
+    hollow, box = np.zeros_like(area), bounding_window(area | on)
     hollow[box] = area[box] & (scipy.ndimage.distance_transform_edt(~on[box]) > max(_MIN_LINK, _HOLLOW_FACTOR * usual))
     return hollow
 
 
-def _marked(points: Array, shape: Extent) -> tuple[Mask, float]:
+def _mark_particles(points: Array, shape: Extent) -> tuple[Mask, float]:
     """Return the pixels with particles, and the usual distance of neighbors [px], infinite where there are none."""
     on = np.zeros(shape, bool)
     on[tuple(np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1).T)] = True
@@ -111,11 +111,11 @@ def _marked(points: Array, shape: Extent) -> tuple[Mask, float]:
     return on, float(np.median(scipy.spatial.cKDTree(points).query(points, k=[2])[0]))
 
 
-def radius_of(area: Mask) -> float:
+def typical_radius(area: Mask) -> float:
     """Return the median radius of the largest disks in the connected parts of an area, shape (H, W) [px]."""
     if not area.any():
         return 0.0
-    area = area[_box(area, 0.0)]
+    area = area[_window_around(area, 0.0)]
     labels, count = scipy.ndimage.label(area, structure=np.ones((3, 3), bool))
     depth = scipy.ndimage.distance_transform_edt(area)
     return float(np.median(scipy.ndimage.maximum(depth, labels, np.arange(1, count + 1))))

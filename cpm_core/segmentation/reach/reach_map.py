@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Reached
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.grids import ends
+from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
-from cpm_core.segmentation.reach.bounding import MIN_DAMPING, Bounds, bounds_of
-from cpm_core.segmentation.reach.certain import certain_edges
+from cpm_core.segmentation.reach.bounding import MIN_DAMPING, Bounds, find_bounds
+from cpm_core.segmentation.reach.certain import unambiguous_edges
 
-WAYS: tuple[Reached, ...] = ("", "flight", "weak", "junction", "launched")
+REACH_WAYS: tuple[Reached, ...] = ("", "flight", "weak", "junction", "launched")
 """Ways by their numbers in a `ReachMap`."""
 
 _WAY_FLIGHT = 1
@@ -83,7 +83,7 @@ class ReachMap:
     shape: Extent
     leaves: bool
 
-    def within(self, budget: float) -> Mask:
+    def ridge_within(self, budget: float) -> Mask:
         """Return the pixels, shape (H, W), on the ridges of edges reached by creeping up to a distance [px]."""
         return self.ridge & np.isfinite(self.crept) & (self.crept <= budget)
 
@@ -91,11 +91,11 @@ class ReachMap:
         """Return how most of a contour with vertices of shape (K, 2) [px] is reached; empty where it is on no edge."""
         place = np.clip(np.rint(points).astype(int), 0, np.array(self.shape) - 1) - self.corner
         place = place[((place >= 0) & (place < self.way.shape)).all(axis=1)]
-        votes = np.bincount(self.way[tuple(place.T)], minlength=len(WAYS))
-        return WAYS[int(votes[1:].argmax()) + 1] if votes[1:].any() else ""
+        votes = np.bincount(self.way[tuple(place.T)], minlength=len(REACH_WAYS))
+        return REACH_WAYS[int(votes[1:].argmax()) + 1] if votes[1:].any() else ""
 
 
-def budget_of(parameters: Parameters) -> float:
+def creeping_distance(parameters: Parameters) -> float:
     """Return the distance that fronts creep over junctions [px]."""
     if parameters.reach >= UNLIMITED_REACH:
         return float("inf")
@@ -109,7 +109,7 @@ def is_limited(parameters: Parameters) -> bool:
     return parameters.reach < UNLIMITED_REACH or parameters.weakest_edge > 0.0
 
 
-def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: Parameters) -> ReachMap | None:
+def build_reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: Parameters) -> ReachMap | None:
     """Find how a start reaches the edges of an image; None for one from everywhere or bounded by no edge.
 
     Parameters
@@ -123,20 +123,20 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     parameters : Parameters
         For `beta`, `w2` and `weakest_edge`.
     """
-    bounds = bounds_of(scale_field.values.astype(np.float64, copy=False), start, closed, parameters.beta)
+    bounds = find_bounds(scale_field.values.astype(np.float64, copy=False), start, closed, parameters.beta)
     if bounds is None:
         return None
-    ridge = _ridge(scale_field)
+    ridge = _find_ridge(scale_field)
     if not bounds.boundary.any():
         return None
-    certain = certain_edges(scale_field.edge_map, ridge, bounds.area)
+    certain = unambiguous_edges(scale_field.edge_map, ridge, bounds.area)
     away = scipy.ndimage.distance_transform_edt(~bounds.boundary)
     beside = away <= _BOUNDARY_EDGE_DISTANCE + bounds.sigma
     if bounds.whole and parameters.weakest_edge > 0.0:
         along = ridge & beside
         ridge[along] = _has_sense(scale_field, bounds, along)
     flight = ridge & beside
-    ridge[ridge] = scale_field.edge_map[ridge] >= parameters.weakest_edge * _first_met(
+    ridge[ridge] = scale_field.edge_map[ridge] >= parameters.weakest_edge * _first_met_strength(
         scale_field.edge_map, bounds, flight, ridge
     )
     ridge |= certain
@@ -150,20 +150,20 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     way = np.where(np.isfinite(crept), _WAY_JUNCTION, np.where(edges, _WAY_LAUNCHED, 0)).astype(np.uint8)
     way[coasted], way[flight] = _WAY_WEAK, _WAY_FLIGHT
     shape = (scale_field.whole or scale_field).shape
-    return ReachMap(way, ridge, crept, scale_field.corner, shape, _leaves(bounds, scale_field.corner, shape))
+    return ReachMap(way, ridge, crept, scale_field.corner, shape, _leaves_window(bounds, scale_field.corner, shape))
 
 
-def _leaves(bounds: Bounds, corner: tuple[int, ...], shape: Extent) -> bool:
+def _leaves_window(bounds: Bounds, corner: tuple[int, ...], shape: Extent) -> bool:
     """Return whether the area inside a boundary reaches an end of its window that is no border of the image."""
     if not bounds.inside.any():
         return False
-    first, last = ends(bounds.inside)
+    first, last = true_bounds(bounds.inside)
     end, near = np.array(bounds.inside.shape) - 1, _WINDOW_FRAME_WIDTH + 2.0 * bounds.sigma
     beyond = (first < near) & (np.array(corner) > 0), (last > end - near) & (end + corner + 1 < shape)
     return bool(np.any(beyond))
 
 
-def _ridge(scale_field: ScaleField) -> Mask:
+def _find_ridge(scale_field: ScaleField) -> Mask:
     """Return the pixels on the ridge of an edge: neither of the two neighbors across it is stronger."""
     strength = scale_field.edge_map
     ridge = np.zeros(strength.shape, bool)
@@ -172,13 +172,13 @@ def _ridge(scale_field: ScaleField) -> Mask:
         return ridge
     here = strength[tuple(place.T)]
     normal = scale_field.gradient[(slice(None), *place.T)].T / np.maximum(here, 1e-300)[:, None]
-    both = [scale_field.strength(place + sign * normal) for sign in (-1.0, 1.0)]
+    both = [scale_field.strength_at(place + sign * normal) for sign in (-1.0, 1.0)]
     top = (here >= both[0]) & (here >= both[1])
     ridge[tuple(place[top].T)] = True
     return ridge
 
 
-def _first_met(strength: Array, bounds: Bounds, flight: Mask, ridge: Mask) -> Array:
+def _first_met_strength(strength: Array, bounds: Bounds, flight: Mask, ridge: Mask) -> Array:
     """Return the median strength of the edges around the part of the enclosed area nearest to each pixel of a ridge."""
     parts, count = scipy.ndimage.label(bounds.inside)
     medians = np.zeros(count + 1)

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import Labels, box_of
+from cpm_core.numerics.grids import Labels, bounding_window
 from cpm_core.numerics.types import Array, Index, Mask
 
 _SURROUNDINGS_WIDTH = 0.3
@@ -60,7 +60,7 @@ _MIN_KEPT_WEIGHT = 0.3
 """Least area, weighted by depth, of parts that are kept, as a fraction of the largest one."""
 
 
-def surrounded(values: Array, strength: Array, area: Mask) -> Mask:
+def find_surrounded_object(values: Array, strength: Array, area: Mask) -> Mask:
     """Find the object within the area of a start that differs from the surroundings along its border.
 
     Parameters
@@ -78,38 +78,38 @@ def surrounded(values: Array, strength: Array, area: Mask) -> Mask:
     found = np.zeros(area.shape, bool)
     if not area.any():
         return found
-    box = box_of(area)
+    box = bounding_window(area)
     depth = scipy.ndimage.distance_transform_edt(np.pad(area[box], 1))[1:-1, 1:-1]
     radius = float(depth.max())
     sigma = float(np.clip(_DENOISING_SIGMA * radius, _MIN_DENOISING_SIGMA, _MAX_DENOISING_SIGMA))
     smooth = scipy.ndimage.gaussian_filter(values[box].astype(float), sigma, mode="nearest")
     bins = np.searchsorted(np.quantile(smooth[area[box]], np.arange(1, _GRAY_BINS) / _GRAY_BINS), smooth)
-    thing = _parted(bins, depth / radius, max(_JUDGED_EXTENT * radius, _MIN_JUDGED_EXTENT))
-    found[box] = _on_edges(strength[box], area[box], thing, max(_SNAPPING_WIDTH * radius, 1.0))
+    thing = _separate_object(bins, depth / radius, max(_JUDGED_EXTENT * radius, _MIN_JUDGED_EXTENT))
+    found[box] = _snap_to_edges(strength[box], area[box], thing, max(_SNAPPING_WIDTH * radius, 1.0))
     return found
 
 
-def _on_edges(strength: Array, area: Mask, thing: Mask, width: float) -> Mask:
+def _snap_to_edges(strength: Array, area: Mask, thing: Mask, width: float) -> Mask:
     """Move the border of an object to the strongest edges within some width [px]."""
     core = scipy.ndimage.distance_transform_edt(np.pad(thing, 1))[1:-1, 1:-1] > width
     if not core.any():
         return thing & area
     outside = (scipy.ndimage.distance_transform_edt(~thing) > width) | ~area
-    return flooded(strength, core + 2 * outside.astype(np.int32)) == 1
+    return flood_from_markers(strength, core + 2 * outside.astype(np.int32)) == 1
 
 
-def flooded(strength: Array, markers: Labels, basin: Mask | None = None) -> Labels:
+def flood_from_markers(strength: Array, markers: Labels, basin: Mask | None = None) -> Labels:
     """Flood an image, shape (H, W), or a basin of it, from labeled markers over the lowest edges; return the labels."""
     flood: Callable[..., Labels] = skimage.segmentation.watershed
     return np.asarray(flood(strength, markers, mask=basin), np.int32)
 
 
-def _parted(bins: Index, depth: Array, extent: float) -> Mask:
+def _separate_object(bins: Index, depth: Array, extent: float) -> Mask:
     """Separate the object, shape (H, W), in a box of gray levels; `depth` [radii] is 0 outside the area."""
     thing = depth > _SURROUNDINGS_WIDTH
     area = depth > 0.0
     for _ in range(_MAX_HISTOGRAM_ROUNDS):
-        ratio = np.asarray(np.log(_histogram(bins[thing]) / _histogram(bins[area & ~thing])), np.float64)
+        ratio = np.asarray(np.log(_smoothed_histogram(bins[thing]) / _smoothed_histogram(bins[area & ~thing])), np.float64)
         ratio = np.round(ratio, _RATIO_DECIMALS)
         likely = (scipy.ndimage.gaussian_filter(ratio[bins], extent, mode="nearest") > 0.0) & (depth > _MIN_LINE_GAP)
         filled = np.asarray(scipy.ndimage.binary_fill_holes(likely))
@@ -123,7 +123,7 @@ def _parted(bins: Index, depth: Array, extent: float) -> Mask:
     return thing
 
 
-def _histogram(bins: Index) -> Array:
+def _smoothed_histogram(bins: Index) -> Array:
     """Return the share of the pixels in each bin, smoothed, nowhere 0."""
     counts = np.bincount(bins, minlength=_GRAY_BINS).astype(float)
     return (

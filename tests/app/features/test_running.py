@@ -152,7 +152,7 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
     )
     window.panels["layers"].boxes["field"].click()
     hand.wait(lambda: len(seen) == 3)
-    np.testing.assert_array_equal(seen[2].get("field"), engine.field(replace(PRESETS["shape"], smoothing=2.0)))
+    np.testing.assert_array_equal(seen[2].get("field"), engine.force_field(replace(PRESETS["shape"], smoothing=2.0)))
     window.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.0))
     hand.wait(lambda: window.session.idle)
     assert len(seen) == 3

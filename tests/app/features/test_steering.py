@@ -10,7 +10,7 @@ from cpm_app.session.worker.run import Run
 from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
 
-from cpm_core.field.placed_charges import RADIUS, PlacedCharge
+from cpm_core.field.placed_charges import CHARGE_RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Points
 
 pytestmark = pytest.mark.shared_window
@@ -55,7 +55,7 @@ def test_particles_at_rest_go_to_a_charge_that_is_dropped_beside_them_and_back_w
     rested, hand, shown
 ) -> None:
     generation = rested.session.generation
-    beside = (32.0, 32.0 + 18.0 + 0.7 * RADIUS)
+    beside = (32.0, 32.0 + 18.0 + 0.7 * CHARGE_RADIUS)
     assert near(shown(), beside, 8.0) == 0
     hand.key(KEY.Key_A)
     hand.click(*beside)
@@ -102,7 +102,7 @@ def test_the_field_is_shown_with_the_charge_that_is_dragged(begun, hand, record)
     plain, first, moved = (overlays["field"] for overlays in (fields[0], fields[1], fields[-1]))
     off = np.argwhere(np.abs(first - plain).sum(axis=0) > 0)
     assert len(off)
-    assert np.hypot(*(off - (32, 10)).T).max() < 5 * RADIUS
+    assert np.hypot(*(off - (32, 10)).T).max() < 5 * CHARGE_RADIUS
     toward = [(field - plain)[1, 32, 12] for field in (first, moved)]
     assert toward[0] < 0 < toward[1]
 

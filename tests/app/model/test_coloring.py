@@ -67,7 +67,7 @@ def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(comp
     seen: dict[int, int] = {}
     for _ in range(40):
         state = engine.step(state, parameters)
-        recorder.record(state.step, engine.measures(state, parameters))
+        recorder.record(state.step, engine.measure_state(state, parameters))
         for identity in state.particles.identity.tolist():
             seen.setdefault(identity, state.step)
     metrics = recorder.metrics()

@@ -38,7 +38,7 @@ def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
     states = []
     for _ in range(20):
         state = engine.step(state, parameters)
-        recorder.record(state.step, engine.measures(state, parameters))
+        recorder.record(state.step, engine.measure_state(state, parameters))
         states.append(state)
     metrics = recorder.metrics()
     for name in ("step", "count", "born", "deleted", "scale"):

@@ -289,7 +289,7 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
         action = features[step // 10]
         engine = engines[action.regions]
         states.append(engine.step(states[-1], action.parameters, action.charges))
-        timeline.record(action, states[-1], engine.measures(states[-1], action.parameters))
+        timeline.record(action, states[-1], engine.measure_state(states[-1], action.parameters))
     assert len(timeline._kept) <= 2
     for step in (49, 12, 31, 5):
         assert same(timeline.go(1, step), states[step])

@@ -55,10 +55,10 @@ class FakeState:
     position: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
     particles: Particles = field(default_factory=lambda: Particles.at_rest(np.zeros((2, 2))))
 
-    def resumed(self) -> FakeState:
+    def resume(self) -> FakeState:
         return replace(self, stop_reason="")
 
-    def arrays(self) -> tuple[np.ndarray, ...]:
+    def list_arrays(self) -> tuple[np.ndarray, ...]:
         return (self.position,)
 
 
@@ -120,15 +120,15 @@ class FakeEngine:
         return following
 
     steering = staticmethod(lambda parameters: parameters.steering)
-    edge_map = field = potential = joined = erased = forces = lambda *_: None  # not used here
+    edge_map = force_field = potential = add_particles = erase_particles = forces = lambda *_: None  # not used here
 
-    def suits(self, parameters: Parameters) -> bool:
+    def can_start(self, parameters: Parameters) -> bool:
         return parameters.scales == self.scales
 
-    def measures(self, state: FakeState, parameters: Parameters) -> dict[str, float]:
+    def measure_state(self, state: FakeState, parameters: Parameters) -> dict[str, float]:
         return {"epsilon": state.epsilon, "count": state.count}
 
-    def positions(self, state: FakeState) -> np.ndarray:
+    def display_positions(self, state: FakeState) -> np.ndarray:
         return state.position
 
     def result(self, state: FakeState, parameters: Parameters) -> FakeResult:

@@ -45,7 +45,7 @@ def near(path: tuple[tuple[float, float], ...]) -> np.ndarray:
     """Distance of each pixel from a path."""
     if len(path) == 1:
         return np.hypot(ROW - path[0][0], COL - path[0][1])
-    return polyline.distances(path, PIXELS).reshape(ROW.shape)
+    return polyline.distances_to_path(path, PIXELS).reshape(ROW.shape)
 
 
 def differ(found: np.ndarray, expected: np.ndarray, edge: np.ndarray, tolerance: float = 0.6) -> int:

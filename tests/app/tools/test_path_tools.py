@@ -63,8 +63,8 @@ def test_a_drag_draws_freehand_and_the_path_follows_the_pointer(window, hand, ca
         hand.drag(*way)
         shape = only(window)
         assert type(shape) is KINDS[key]
-        assert max(polyline.distance(shape.points, position) for position in way) < 1.5
-        assert max(polyline.distance(way, point) for point in shape.points) < 1.0
+        assert max(polyline.distance_to_path(shape.points, position) for position in way) < 1.5
+        assert max(polyline.distance_to_path(way, point) for point in shape.points) < 1.0
         assert 8 <= len(shape.points) < len(way)
 
 

@@ -52,7 +52,7 @@ def around() -> np.ndarray:
     """The line around both, shape (K, 2)."""
     angles = np.linspace(0.0, 2.0 * math.pi, 200, endpoint=False)
     disks = [np.stack([c[0] + r * np.sin(angles), c[1] + r * np.cos(angles)], axis=1) for c, r in NUCLEI]
-    outer = [d[~polyline.inside(o, d)] for d, o in (disks, disks[::-1])]
+    outer = [d[~polyline.points_inside(o, d)] for d, o in (disks, disks[::-1])]
     parts = [np.roll(part, -1 - int(np.linalg.norm(np.diff(part, axis=0), axis=1).argmax()), axis=0) for part in outer]
     return np.concatenate(parts)
 

@@ -117,8 +117,8 @@ def test_an_ellipse_is_resized_and_turned_by_its_handles_with_any_tool(window, h
 SIZES = [
     (Circle((30.0, 30.0), 10.0), lambda shape: shape.radius),
     (Ellipse((30.0, 30.0), (10.0, 5.0)), lambda shape: shape.radii[0]),
-    (Polygon(CORNERS), lambda shape: polyline.area(shape.points)),
-    (Region(CORNERS), lambda shape: polyline.area(shape.points)),
+    (Polygon(CORNERS), lambda shape: polyline.enclosed_area(shape.points)),
+    (Region(CORNERS), lambda shape: polyline.enclosed_area(shape.points)),
     (Grid(CORNERS), lambda shape: shape.spacing),
     (Threshold(CORNERS), lambda shape: shape.fraction),
     (Charge((30.0, 30.0), 2.0), lambda shape: shape.strength),
@@ -151,7 +151,7 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
     radius = window.canvas_area.canvas.hold.tool.radius
     positions = np.array(points.positions)
     assert len(positions) > 5
-    assert polyline.distances(way, positions).max() <= radius + PIXEL
+    assert polyline.distances_to_path(way, positions).max() <= radius + PIXEL
     between = np.hypot(*(positions[:, None] - positions[None]).transpose(2, 0, 1))
     assert between[np.triu_indices(len(positions), 1)].min() >= 2.0
     hand.key(KEY.Key_Z, MODIFIER.ControlModifier)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from importlib.metadata import version
 
 from cpm_core.image.image import Image
-from cpm_core.numerics.parallel import cores
+from cpm_core.numerics.parallel import count_cores
 from cpm_core.warm_up import warm_up
 from tests.benchmarks.speed.field import fields
 from tests.benchmarks.speed.measurement import Measurement, Patience
@@ -30,7 +30,7 @@ def measurements(patience: Patience, image: Image | None = None) -> Iterator[Mea
 def machine() -> dict[str, str | int]:
     """Properties that times depend on: cores, processor, system and libraries."""
     return {
-        "cores": cores(),
+        "cores": count_cores(),
         "processor": platform.machine(),
         "system": platform.system(),
         "python": platform.python_version(),

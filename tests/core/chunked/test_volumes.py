@@ -83,12 +83,12 @@ def files(found, tmp_path_factory):
 def apart(one, other):
     """Distances of vertices within the volume from another surface [voxels]."""
     inside = one.vertices[one.vertices[:, 0] < SHAPE[0] - 1]
-    return triangles_of(other, SHAPE).distances(inside * one.spacing) / one.spacing[0]
+    return triangles_of(other, SHAPE).distances_to(inside * one.spacing) / one.spacing[0]
 
 
 def test_surfaces_are_those_of_a_run_in_one_piece_and_of_the_bodies(source, files):
     image = cpm.load_volume(source.path)
-    one = cpm.segment(image, cpm.everywhere(image), PARAMETERS).surface
+    one = cpm.segment(image, cpm.seeds_everywhere(image), PARAMETERS).surface
     several = cpm.load_surface(files / "bodies.ply", image)
     assert several.closed
     assert (several.components, several.euler) == (one.components, one.euler) == (BODIES + 1, 2 * BODIES)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from cpm_core import Parameters
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane.births import EdgeContact
-from cpm_core.model.plane.motion import contact_at
-from cpm_core.model.plane.repulsion import build_cells
+from cpm_core.model.plane.motion import edge_contact_at
+from cpm_core.model.plane.repulsion import build_plane_cells
 
 Array = NDArray[np.float64]
 
@@ -19,7 +19,7 @@ NEIGHBOR_RANGE = 8.0
 
 def edge_contact(positions: Array, scale_field: ScaleField, distance: float) -> EdgeContact:
     """Edge contact of particles, with neighbors up to a distance."""
-    return EdgeContact(*contact_at(positions, scale_field), build_cells(positions, scale_field.shape, distance))
+    return EdgeContact(*edge_contact_at(positions, scale_field), build_plane_cells(positions, scale_field.shape, distance))
 
 
 def even_scale_field(

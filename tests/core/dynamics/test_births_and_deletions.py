@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Parameters, Regions
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import build_scale_field
-from cpm_core.model.plane.births import Search, deletion, examined, insertion, search_range
-from cpm_core.model.plane.motion import contact_at
-from cpm_core.model.plane.repulsion import build_cells
+from cpm_core.model.plane.births import SearchMasks, select_survivors, examine_contacts, find_insertions, search_range
+from cpm_core.model.plane.motion import edge_contact_at
+from cpm_core.model.plane.repulsion import build_plane_cells
 from cpm_core.model.state import Particles
 
 from ..scenes import disk, ring
@@ -48,20 +48,20 @@ class TestDeletion:
     def test_deletion_leaves_no_two_too_near_and_goes_no_further(self, seed, d_min):
         points = crowded(SHAPE, seed)
         strength = np.random.default_rng(seed).integers(0, 4, len(points)).astype(float)
-        kept = deletion(points, strength, d_min)
+        kept = select_survivors(points, strength, d_min)
         near = apart(points) < 0.5 * d_min
         assert not near[np.ix_(kept, kept)].any()
         for i in np.flatnonzero(~kept):
             assert (near[i] & kept & (strength >= strength[i])).any()
-        assert deletion(points[kept], strength[kept], d_min).all()
+        assert select_survivors(points[kept], strength[kept], d_min).all()
 
     @settings(max_examples=12, deadline=None)
     @given(seed=st.integers(0, 10**6))
     def test_deletion_does_not_depend_on_the_order_of_the_particles(self, seed):
         points, rng = crowded(SHAPE, seed), np.random.default_rng(seed)
         strength, order = rng.permutation(len(points)).astype(float), rng.permutation(len(points))
-        kept = deletion(points, strength, 2.0)
-        np.testing.assert_array_equal(deletion(points[order], strength[order], 2.0), kept[order])
+        kept = select_survivors(points, strength, 2.0)
+        np.testing.assert_array_equal(select_survivors(points[order], strength[order], 2.0), kept[order])
 
 
 coordinate = st.tuples(st.integers(-4, 39 * 8 + 4), st.integers(-4, 47 * 8 + 4)).map(lambda p: (p[0] / 8, p[1] / 8))
@@ -75,39 +75,39 @@ crowds = st.one_of(
 
 def test_deletion_keeps_the_one_on_the_stronger_edge_and_the_earlier_of_equals():
     pair = np.array([(10.0, 10.0), (10.0, 10.5)])
-    assert deletion(pair, np.array([1.0, 2.0]), 2.0).tolist() == [False, True]
-    assert deletion(pair, np.array([2.0, 2.0]), 2.0).tolist() == [True, False]
-    assert deletion(pair, np.array([1.0, 2.0]), 1.0).tolist() == [True, True]  # exactly d_min / 2 apart
+    assert select_survivors(pair, np.array([1.0, 2.0]), 2.0).tolist() == [False, True]
+    assert select_survivors(pair, np.array([2.0, 2.0]), 2.0).tolist() == [True, False]
+    assert select_survivors(pair, np.array([1.0, 2.0]), 1.0).tolist() == [True, True]  # exactly d_min / 2 apart
 
 
 @settings(max_examples=16, deadline=None)
 @given(crowds, crowds, st.integers(0, 10**6))
 def test_particles_close_to_one_that_has_moved_are_found(points, more, seed):
-    rest = deletion(points, np.zeros(len(points)), 2.0)
+    rest = select_survivors(points, np.zeros(len(points)), 2.0)
     every = np.concatenate([points[rest], more])
     has_moved = np.arange(len(every)) >= rest.sum()
     scale_field = even_scale_field(SHAPE, (0.0, 0.0))
-    cells = build_cells(every, SHAPE, search_range(Parameters()))
-    contact, close = examined(cells, has_moved, scale_field, 2.0)
+    cells = build_plane_cells(every, SHAPE, search_range(Parameters()))
+    contact, close = examine_contacts(cells, has_moved, scale_field, 2.0)
     np.testing.assert_array_equal(close, (apart(every) < 1.0).any(axis=1))
     for found, truth in zip(
-        (contact.strength, contact.on_edge, contact.normal), contact_at(every, scale_field), strict=True
+        (contact.strength, contact.on_edge, contact.normal), edge_contact_at(every, scale_field), strict=True
     ):
         np.testing.assert_array_equal(found, truth)
     strength = np.random.default_rng(seed).integers(0, 4, len(every)).astype(float)
-    np.testing.assert_array_equal(deletion(every, strength, 2.0, close), deletion(every, strength, 2.0))
+    np.testing.assert_array_equal(select_survivors(every, strength, 2.0, close), select_survivors(every, strength, 2.0))
 
 
 def test_edge_contact_follows_the_field_between_the_pixels(edge):
     points = np.random.default_rng(0).uniform(-0.5, 39.5, (2000, 2))
-    force = np.hypot(*interpolate(edge.lorentz, points).T)
-    strength = edge.strength(points)
+    force = np.hypot(*interpolate_field(edge.lorentz, points).T)
+    strength = edge.strength_at(points)
     clear = (np.abs(force - 0.93) > 1e-5) & (np.abs(strength - edge.floor) > 1e-4)
     truth = (force < 0.93) & (strength >= edge.floor)
     assert 50 < truth.sum() < 1000
-    np.testing.assert_array_equal(contact_at(points, edge)[1][clear], truth[clear])
+    np.testing.assert_array_equal(edge_contact_at(points, edge)[1][clear], truth[clear])
     contact = edge_contact(points, edge, search_range(Parameters()))
-    np.testing.assert_array_equal(contact.on_edge, contact_at(points, edge)[1])
+    np.testing.assert_array_equal(contact.on_edge, edge_contact_at(points, edge)[1])
     np.testing.assert_allclose(contact.strength, strength, rtol=1e-6, atol=1e-6 * edge.strongest)
 
 
@@ -132,7 +132,7 @@ def births_of(
         np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy() for mask in masks
     )
     contact = replace(edge_contact(points, scale_field, search_range(asked)), on_edge=contact_at)
-    return insertion(contact, Search(there, searching, careful, searching_ahead), scale_field, d_max, asked, turn)
+    return find_insertions(contact, SearchMasks(there, searching, careful, searching_ahead), scale_field, d_max, asked, turn)
 
 
 def births_between(scale_field, points, d_max=3.0, on_edge=True, d_min=2.0):
@@ -229,7 +229,7 @@ def on_the_ring(seed, count=120):
     rng = np.random.default_rng(seed)
     angle, radius = rng.uniform(0.0, 6.0, count), rng.choice([14.0, 22.0], count) + rng.normal(0.0, 0.3, count)
     points = np.stack([29.4 + radius * np.sin(angle), 31.2 + radius * np.cos(angle)], axis=1)
-    return points[deletion(points, np.zeros(count), 2.0)]
+    return points[select_survivors(points, np.zeros(count), 2.0)]
 
 
 @settings(max_examples=16, deadline=None)
@@ -244,7 +244,7 @@ def test_new_particles_keep_their_distance_from_all_and_from_each_other(curved, 
         distance = np.linalg.norm(there - place, axis=1)
         assert distance.min() >= room
         assert (distance < 3.0).sum() <= 3
-        assert curved.strength(place[None])[0] >= curved.floor * (1.0 - 1e-6)
+        assert curved.strength_at(place[None])[0] >= curved.floor * (1.0 - 1e-6)
         there = np.concatenate([there, place[None]])
 
 
@@ -254,7 +254,7 @@ def test_places_ahead_are_at_rest_on_the_edge_one_stride_off(curved, seed):
     points = on_the_ring(seed, 12)
     births = births_of(curved, points, d_max=0.0)
     assert np.all(births.parents[:, 0] == births.parents[:, 1])
-    force = np.hypot(*interpolate(curved.lorentz, births.position).T)
+    force = np.hypot(*interpolate_field(curved.lorentz, births.position).T)
     assert np.all(force < 0.2 + 1e-6)
     stride = np.linalg.norm(births.position - points[births.parents[:, 0]], axis=1)
     assert np.all((stride >= 1.6) & (stride < 2.8))
@@ -273,7 +273,7 @@ def test_new_particles_inherit_the_mean_motion_of_their_parents():
     pairs = np.array([(0, 1), (2, 2), (5, 3)])
     place = np.array([(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)])
     stay = np.array([4, 0, 1, 5, 2])
-    after = old.renewed(stay, place, pairs, 40)
+    after = old.replace_particles(stay, place, pairs, 40)
     assert len(after) == 8
     np.testing.assert_array_equal(after.position[5:], place)
     for n, (i, j) in enumerate(pairs):

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from cpm_core.model import equations
-from cpm_core.model.equations import coulomb_scale, damped_series, damping, is_stuck, repulsion_left
+from cpm_core.model.equations import coulomb_scale, damped_series, damping_coefficient, is_stuck, repulsion_left
 
 
 class Moving:
@@ -24,7 +24,7 @@ class Moving:
         series = damped_series(beta * dt)
         place, velocity = self.position.copy(), self.velocity.copy()
         for n in np.ndindex(place.shape):
-            place[n], velocity[n] = equations.advance(
+            place[n], velocity[n] = equations.advance_coordinate(
                 self.position[n], self.velocity[n], force[n], self.last[n], self.before[n], dt, series
             )
         return Moving(place, velocity, [force, self.last])
@@ -151,7 +151,7 @@ def test_repulsion_is_whole_at_first_and_fades_to_nothing():
 
 @pytest.mark.parametrize("beta", [0.0, 0.05, 0.4, 0.8, 4.0])
 def test_damping_is_beta_at_first_and_never_falls(beta):
-    coefficient = np.array([damping(beta, idle) for idle in range(2000)])
+    coefficient = np.array([damping_coefficient(beta, idle) for idle in range(2000)])
     assert coefficient[0] == beta
     assert np.all(np.diff(coefficient) >= 0.0)
     assert coefficient[-1] > 2.0 * max(beta, 0.01)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, uniform_grid
-from cpm_core.model.equations import EPSILON, QUIET_STEPS, epsilon, is_quiet
+from cpm_core.model.equations import EPSILON_BOUND, QUIET_STEPS, equilibrium_epsilon, is_quiet
 
 from ..scenes import disk
 
@@ -20,21 +20,21 @@ def test_epsilon_is_eq_23(history):
     total = 0.0
     for i in range(1, T + 1):
         total += (-1) ** i * sum(row[i - 1] for row in history)
-    assert epsilon(np.array(history)) == pytest.approx(abs(total) / len(history), abs=1e-9)
+    assert equilibrium_epsilon(np.array(history)) == pytest.approx(abs(total) / len(history), abs=1e-9)
 
 
 def test_particles_at_rest_have_no_epsilon_and_steady_motion_has():
     rest = np.repeat(np.array([[3.0], [40.0], [17.5]]), T, axis=1)
-    assert epsilon(rest) == 0.0
+    assert equilibrium_epsilon(rest) == 0.0
     moving = rest + 0.1 * np.arange(T)[::-1]
-    assert epsilon(moving) == pytest.approx(0.2)
+    assert equilibrium_epsilon(moving) == pytest.approx(0.2)
 
 
 @settings(max_examples=24, deadline=None)
 @given(st.floats(0, 0.01), st.integers(0, 40), st.integers(0, 40), st.integers(1, 5000))
 def test_a_quieter_step_is_never_less_quiet(value, moving, changed, count):
     if is_quiet(value, moving, changed, count):
-        assert value < EPSILON
+        assert value < EPSILON_BOUND
         assert is_quiet(0.5 * value, moving, changed, count)
         assert is_quiet(value, moving // 2, changed, count)
         assert is_quiet(value, moving, changed // 2, count)
@@ -53,7 +53,7 @@ def test_a_run_at_rest_would_stay_within_a_tenth_of_a_pixel():
     while not state.stop_reason:
         state = engine.step(state, parameters)
     assert state.converged
-    later = state.resumed()
+    later = state.resume()
     for _ in range(QUIET_STEPS):
         later = engine.step(later, parameters)
     before = dict(zip(state.particles.identity.tolist(), state.position, strict=True))

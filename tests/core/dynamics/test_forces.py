@@ -7,8 +7,8 @@ import pytest
 
 from cpm_core import Engine, Parameters, PlacedCharge, circle
 from cpm_core.field.convolution import convolved_potential
-from cpm_core.field.interpolation import interpolate
-from cpm_core.model.equations import damping, repulsion_left
+from cpm_core.field.interpolation import interpolate_field
+from cpm_core.model.equations import damping_coefficient, repulsion_left
 from cpm_core.model.plane.step import idle_steps_of
 
 from ..scenes import antialiased, disk
@@ -39,7 +39,7 @@ def after(engine, state, **changes):
     """Particles after a step, in the order of those before it that are still there, and the indices of those."""
     moved = engine.step(state, PARAMETERS, CHARGES).particles
     _, old, new = np.intersect1d(state.particles.identity, moved.identity, return_indices=True)
-    return moved.taken(new), old
+    return moved.select(new), old
 
 
 def scales_of(states):
@@ -81,13 +81,13 @@ def test_the_forces_are_those_of_eq_12(engine, states):
         scale_field = engine.scale_field(PARAMETERS, state.scale)
         idle = idle_steps_of(state, engine._field_with(scale_field, state.scale, state.charges), PARAMETERS)
         left = np.array([repulsion_left(int(steps)) for steps in idle])[:, None]
-        beta = np.array([damping(PARAMETERS.beta, int(steps)) for steps in idle])[:, None]
-        both = engine.field(PARAMETERS, state.scale, CHARGES)
-        alone = engine.field(PARAMETERS, state.scale)
+        beta = np.array([damping_coefficient(PARAMETERS.beta, int(steps)) for steps in idle])[:, None]
+        both = engine.force_field(PARAMETERS, state.scale, CHARGES)
+        alone = engine.force_field(PARAMETERS, state.scale)
         w1, w2 = PARAMETERS.w1, PARAMETERS.w2
         np.testing.assert_allclose(forces.coulomb, w1 * left * repulsion(position, PARAMETERS), atol=PAIRS)
-        np.testing.assert_allclose(forces.lorentz, w2 * interpolate(alone, position), atol=1e-5)
-        np.testing.assert_allclose(forces.placed, w2 * interpolate(both - alone, position), atol=1e-5)
+        np.testing.assert_allclose(forces.lorentz, w2 * interpolate_field(alone, position), atol=1e-5)
+        np.testing.assert_allclose(forces.placed, w2 * interpolate_field(both - alone, position), atol=1e-5)
         at_rest = ~forces.total.any(axis=1)
         np.testing.assert_allclose(forces.damping[~at_rest], (-beta * velocity)[~at_rest], rtol=1e-12)
         parts = sum(getattr(forces, name) for name in NAMES[:-1])
@@ -119,7 +119,7 @@ def test_placed_charges_add_to_the_potential_by_the_mean_slope_of_the_fixed_ones
     mean = np.hypot(*np.gradient(fixed)).mean()
     both = engine.potential(PARAMETERS, CHARGES) - fixed
     slope = -np.stack(np.gradient(both)) / mean
-    force = engine.field(PARAMETERS, 0, CHARGES) - engine.field(PARAMETERS)
+    force = engine.force_field(PARAMETERS, 0, CHARGES) - engine.force_field(PARAMETERS)
     np.testing.assert_allclose(slope[:, 1:-1, 1:-1], force[:, 1:-1, 1:-1], atol=0.02)
     assert engine.potential(PARAMETERS) is not engine.potential(PARAMETERS)
 
@@ -131,7 +131,7 @@ def test_the_energies_are_the_sums_over_particles_and_near_pairs(engine, states)
         size = 2.0**state.scale
         assert got.kinetic == pytest.approx(0.5 * ((size * velocity) ** 2).sum(), rel=1e-12)
         scale_field = engine.scale_field(PARAMETERS, state.scale)
-        fixed = interpolate(scale_field.potential[None], position).sum() / scale_field.slope
+        fixed = interpolate_field(scale_field.potential[None], position).sum() / scale_field.slope
         away = np.hypot(*(position[:, None] - position).transpose(2, 0, 1))[np.triu_indices(len(position), 1)]
         reach = PARAMETERS.d_min + PARAMETERS.d_max
         near = np.maximum(away[away < reach], 0.1)

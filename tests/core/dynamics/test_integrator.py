@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Parameters
-from cpm_core.field.scale_field import GATE
-from cpm_core.model.equations import Moved, damped_series, damping, is_stuck, repulsion_left
-from cpm_core.model.plane.motion import move
+from cpm_core.field.scale_field import ON_EDGE_FORCE
+from cpm_core.model.equations import MovedParticles, damped_series, damping_coefficient, is_stuck, repulsion_left
+from cpm_core.model.plane.motion import move_in_plane
 from cpm_core.model.plane.repulsion import NO_MESH, mesh_force
-from cpm_core.model.state import MEMORY, Particles
+from cpm_core.model.state import HISTORY_STEPS, Particles
 from cpm_core.numerics import parallel
 
 from .moving import even_scale_field, repulsion, spacing
@@ -30,7 +30,7 @@ def moved(points, parameters=DEFAULT, mesh=NO_MESH, shape=SHAPE, scale_field=Non
     """Particles, or those at some positions, after a step; `idle` steps after cells around each were newly covered."""
     particles = points if isinstance(points, Particles) else Particles.at_rest(points)
     scale_field = scale_field or even_scale_field(shape, LORENTZ)
-    after = move(particles, np.full(len(particles), idle), mesh, scale_field, parameters)
+    after = move_in_plane(particles, np.full(len(particles), idle), mesh, scale_field, parameters)
     return after.particles, after.motion
 
 
@@ -52,7 +52,7 @@ def aged(points, seed=0, speed=0.5):
         np.array(points, dtype=float),
         speed * rng.normal(size=(count, dimension)),
         rng.normal(size=(count, 2, dimension)),
-        rng.uniform(20.0, 50.0, (count, MEMORY)),
+        rng.uniform(20.0, 50.0, (count, HISTORY_STEPS)),
         np.arange(count),
     )
 
@@ -162,7 +162,7 @@ def test_step_is_eq_14_and_15_damped_by_the_idle_steps(beta, idle):
     np.testing.assert_array_equal(after.force[:, 1], before.force[:, 0])
     last, older = before.force[:, 0], before.force[:, 1]
     dt, slope = 0.3, (3.0 * after.force[:, 0] - 4.0 * last + older) / 0.6
-    keep, one, two, three = damped_series(damping(beta, idle) * dt)
+    keep, one, two, three = damped_series(damping_coefficient(beta, idle) * dt)
     v = before.velocity
     position = before.position + dt * one * v + dt**2 * two * after.force[:, 0] + dt**3 * three * slope
     np.testing.assert_allclose(after.position, position, atol=1e-12)
@@ -191,7 +191,7 @@ def test_friction_takes_what_goes_along_the_edge_or_nothing(seed, angle, size, i
     after, whole, normal = on_edge(before, angle, size, idle)
     tangent = np.array([-normal[1], normal[0]])
     pull, speed = np.abs(whole @ tangent), np.abs(before.velocity @ tangent)
-    held = np.array([is_stuck(p, s, 1.6, idle) for p, s in zip(pull, speed, strict=True)]) & (abs(size) < GATE)
+    held = np.array([is_stuck(p, s, 1.6, idle) for p, s in zip(pull, speed, strict=True)]) & (abs(size) < ON_EDGE_FORCE)
     for moving, one in ((~held, np.eye(2)), (held, np.outer(normal, normal))):
         force, v = whole[moving] @ one, before.velocity[moving] @ one
         last, older = before.force[moving, 0] @ one, before.force[moving, 1] @ one
@@ -240,7 +240,7 @@ def test_same_bits_on_any_number_of_cores(monkeypatch, mesh):
     served = mesh_force(before.position, SHAPE, 10.0) if mesh else NO_MESH
     bits = []
     for cores in (1, 2, 3):
-        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
+        monkeypatch.setattr(parallel, "count_cores", lambda cores=cores: cores)
         after, motion = moved(before, mesh=served)
         quantities = (after.position, after.velocity, after.force, after.distance, motion)
         bits.append([quantity.tobytes() for quantity in quantities])
@@ -249,8 +249,8 @@ def test_same_bits_on_any_number_of_cores(monkeypatch, mesh):
 
 def test_particles_behind_a_barrier_and_some_of_those_that_moved_keep_their_way():
     points = cloud(60, 3, (39, 47))
-    held = Moved.held_at(Particles.at_rest(points), points)
+    held = MovedParticles.held_at(Particles.at_rest(points), points)
     assert not held.motion.any()
     some = points[:, 0] > 20.0
-    np.testing.assert_array_equal(held.of(np.flatnonzero(some)).motion, held.motion[some])
-    np.testing.assert_array_equal(held.of(np.flatnonzero(some)).particles.position, points[some])
+    np.testing.assert_array_equal(held.select(np.flatnonzero(some)).motion, held.motion[some])
+    np.testing.assert_array_equal(held.select(np.flatnonzero(some)).particles.position, points[some])

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import PRESETS
-from cpm_core.field.volume_edges import Slopes
+from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import VolumeField, build_volume_field
-from cpm_core.model.coverage import cover_surfaces, no_surface
+from cpm_core.model.coverage import cover_surfaces, no_surface_coverage
 from cpm_core.model.state import Particles, SurfaceContact
-from cpm_core.model.volume.births import apart, insertion, thinned
-from cpm_core.model.volume.motion import build_cells, move
-from cpm_core.model.volume.step import _wake
+from cpm_core.model.volume.births import select_spaced, find_surface_insertions, select_surface_survivors
+from cpm_core.model.volume.motion import build_volume_cells, move_in_volume
+from cpm_core.model.volume.step import _mark_near
 
 from .moving import cloud, crowds
 
@@ -45,7 +45,7 @@ def crowd(seed):
 
 def on_one_sheet(some):
     """Which pairs count as neighbors: all but those that are seated and face apart."""
-    both = np.outer(some.contact.seated, some.contact.seated)
+    both = np.outer(some.contact.on_surface, some.contact.on_surface)
     return ~both | (some.contact.normal @ some.contact.normal.T > 0.0)
 
 
@@ -54,7 +54,7 @@ def distances(one, other):
 
 
 def cells_for(points, side=4.0):
-    return build_cells(points, SIZE, side)
+    return build_volume_cells(points, SIZE, side)
 
 
 @settings(max_examples=16, deadline=None)
@@ -63,7 +63,7 @@ def test_of_two_particles_too_near_on_one_sheet_the_one_on_the_weaker_edge_goes(
     some = crowd(seed)
     near = (distances(some.position, some.position) < 0.5 * d_min) & on_one_sheet(some)
     np.fill_diagonal(near, val=False)
-    kept = thinned(some, cells_for(some.position), np.arange(len(some)), d_min)
+    kept = select_surface_survivors(some, cells_for(some.position), np.arange(len(some)), d_min)
     truth = np.zeros(len(some), bool)
     for i in np.argsort(-some.contact.strength, kind="stable"):
         truth[i] = not (near[i] & truth).any()
@@ -88,12 +88,12 @@ def repulsion(some, i, d_min):
 @given(seeds, spacings)
 def test_near_pairs_on_one_sheet_repel_each_other_and_no_others(seed, d_min):
     nothing = np.zeros(SHAPE, np.float32)
-    field = VolumeField(Slopes.of(nothing, (1.0, 1.0, 1.0)), (1.0, 1.0, 1.0), 0.0, 1.0, 1.0)
+    field = VolumeField(VolumeSlopes.from_volume(nothing, (1.0, 1.0, 1.0)), (1.0, 1.0, 1.0), 0.0, 1.0, 1.0)
     some, law = crowd(seed), PRESETS["volume"]
     every = np.arange(len(some))
     law = type(law)(w1=law.w1, w2=law.w2, beta=law.beta, d_min=d_min, scales=1)
     cells = cells_for(some.position, max(2.2 * d_min, 4.0))
-    force = move(some, every, cells, np.zeros(len(some), np.int64), field, law).particles.force[:, 0]
+    force = move_in_volume(some, every, cells, np.zeros(len(some), np.int64), field, law).particles.force[:, 0]
     truth = np.array([repulsion(some, i, d_min) for i in every]).reshape(-1, 3)
     np.testing.assert_allclose(force, law.w1 * truth, atol=1e-9)
 
@@ -106,7 +106,7 @@ def test_of_places_too_near_on_one_sheet_the_first_stays(seed, room):
     truth = np.zeros(len(some), bool)
     for i in range(len(some)):
         truth[i] = not (near[i, :i] & truth[:i]).any()
-    np.testing.assert_array_equal(apart(some.position, some.contact.normal, room), truth)
+    np.testing.assert_array_equal(select_spaced(some.position, some.contact.normal, room), truth)
 
 
 @settings(max_examples=12, deadline=None)
@@ -114,14 +114,14 @@ def test_of_places_too_near_on_one_sheet_the_first_stays(seed, room):
 def test_new_ground_wakes_all_within_reach(seed, reach):
     points, places = crowds(SHAPE, seed), cloud(SHAPE, 4, seed + 1)
     woken = np.zeros(len(points), bool)
-    _wake(cells_for(points), places, reach, woken)
+    _mark_near(cells_for(points), places, reach, woken)
     np.testing.assert_array_equal(woken, (distances(points, places) < reach).any(axis=1))
 
 
 @settings(max_examples=12, deadline=None)
 @given(seeds, spacings)
 def test_a_cell_and_side_is_new_ground_once(seed, side):
-    coverage, known = no_surface(side), set()
+    coverage, known = no_surface_coverage(side), set()
     for step in range(4):
         some = crowd(seed + step)
         coverage, fresh = cover_surfaces(coverage, some.position, some.contact.normal)
@@ -149,7 +149,7 @@ def seated(points, side=1.0):
 
 def test_around_a_single_particle_there_are_six(edge):
     some = seated([[10.0, 12.0]])
-    born = insertion(some, cells_for(some.position), np.array([0]), edge, 2.0)
+    born = find_surface_insertions(some, cells_for(some.position), np.array([0]), edge, 2.0)
     assert len(born.position) == 6
     np.testing.assert_allclose(np.linalg.norm(born.position[:, :2] - (10.0, 12.0), axis=1), STRIDE * 2.0, atol=1e-6)
     np.testing.assert_allclose(born.position[:, 2], EDGE, atol=0.15)
@@ -164,7 +164,7 @@ def test_new_particles_lie_on_the_edge_a_stride_ahead_and_keep_their_room(edge, 
     rng = np.random.default_rng(seed)
     points = rng.uniform((0.0, 0.0), (19.0, 23.0), (rng.integers(1, 40), 2))
     some, turn = seated(points), np.flatnonzero(rng.uniform(size=len(points)) < 0.7)
-    born = insertion(some, cells_for(some.position), turn, edge, d_min).position
+    born = find_surface_insertions(some, cells_for(some.position), turn, edge, d_min).position
     from_all, among = distances(born, some.position), distances(born, born)
     np.fill_diagonal(among, np.inf)
     assert np.abs(born[:, 2] - EDGE).max(initial=0.0) < 0.15
@@ -180,7 +180,7 @@ def test_fronts_go_on_until_the_whole_edge_is_covered_and_no_denser(edge):
     points, d_min = np.array([[10.0, 12.0]]), 1.75
     for _ in range(40):
         some = seated(points)
-        born = insertion(some, cells_for(some.position), np.arange(len(some)), edge, d_min).position
+        born = find_surface_insertions(some, cells_for(some.position), np.arange(len(some)), edge, d_min).position
         if not len(born):
             break
         points = np.concatenate([points, born[:, :2]])
@@ -195,8 +195,8 @@ def test_fronts_go_on_until_the_whole_edge_is_covered_and_no_denser(edge):
 def between(edge, points, d_max, d_min=2.0):
     """Particles born between others on an upright edge, each too surrounded to be one of a front."""
     some = seated(points)
-    ahead = insertion(some, cells_for(some.position), np.arange(len(some)), edge, d_min).position
-    both = insertion(some, cells_for(some.position), np.arange(len(some)), edge, d_min, d_max).position
+    ahead = find_surface_insertions(some, cells_for(some.position), np.arange(len(some)), edge, d_min).position
+    both = find_surface_insertions(some, cells_for(some.position), np.arange(len(some)), edge, d_min, d_max).position
     gap = distances(both, ahead).min(axis=1, initial=np.inf)
     return both[gap > 1e-6]
 
@@ -208,7 +208,7 @@ def test_those_between_halve_a_pair_that_no_other_one_of_the_sheet_is_inside_of(
     points = rng.uniform((1.0, 1.0), (18.0, 22.0), (rng.integers(2, 60), 2))
     flat = seated(points).position
     some = seated(points)
-    for place in insertion(some, cells_for(flat), np.arange(len(flat)), edge, 2.0, d_max).position:
+    for place in find_surface_insertions(some, cells_for(flat), np.arange(len(flat)), edge, 2.0, d_max).position:
         away = np.linalg.norm(flat - place, axis=1)
         one, other = np.sort(away)[:2]
         halves = 1.9 < one + other < 2.1 + d_max and other - one < 0.05
@@ -223,7 +223,7 @@ def test_two_on_different_walls_get_none_between_them(edge):
         np.ones(2, bool),
         np.full(2, 9.0),
     )
-    born = insertion(both, cells_for(both.position), np.arange(2), edge, 2.0, 3.0).position
+    born = find_surface_insertions(both, cells_for(both.position), np.arange(2), edge, 2.0, 3.0).position
     assert np.linalg.norm(born - (10.0, 13.5, EDGE), axis=1).min(initial=np.inf) > 0.1
 
 
@@ -236,6 +236,6 @@ def test_particles_of_the_other_wall_of_a_thin_object_take_no_room(edge):
         np.ones(5, bool),
         np.full(5, 9.0),
     )
-    alone = insertion(some, cells_for(some.position), np.array([0]), edge, 2.0)
-    beside = insertion(both, cells_for(both.position), np.array([0]), edge, 2.0)
+    alone = find_surface_insertions(some, cells_for(some.position), np.array([0]), edge, 2.0)
+    beside = find_surface_insertions(both, cells_for(both.position), np.array([0]), edge, 2.0)
     np.testing.assert_array_equal(beside.position, alone.position)

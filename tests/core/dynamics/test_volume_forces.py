@@ -7,10 +7,10 @@ import pytest
 
 import cpm_core as cpm
 from cpm_core.field.convolution import convolved_potential
-from cpm_core.field.interpolation import interpolate
-from cpm_core.model.equations import damping, repulsion_left
+from cpm_core.field.interpolation import interpolate_field
+from cpm_core.model.equations import damping_coefficient, repulsion_left
 from cpm_core.model.volume import step as time_step
-from cpm_core.model.volume.births import Births
+from cpm_core.model.volume.births import VolumeBirths
 
 VOLUME = cpm.PRESETS["volume"]
 SPACING = (1.0, 1.0, 1.5)
@@ -40,7 +40,7 @@ def repulsion(state, left):
     for i in range(len(place)):
         away = place[i] - place
         distance = np.linalg.norm(away, axis=1)
-        other_sheet = contact.seated[i] & contact.seated & (contact.normal @ contact.normal[i] <= 0.0)
+        other_sheet = contact.on_surface[i] & contact.on_surface & (contact.normal @ contact.normal[i] <= 0.0)
         near = (distance < 2.2 * VOLUME.d_min) & (np.arange(len(place)) != i) & ~other_sheet
         if near.any():
             sum_ = (away[near] / np.maximum(distance[near, None], 1e-2) ** 4).sum(axis=0)
@@ -55,13 +55,13 @@ def test_the_forces_are_those_of_eq_12():
     for state in states()[3:-2:6]:
         forces = engine().forces(state, VOLUME, CHARGES)
         contact, position = state.particles.contact, state.particles.position
-        idle = np.maximum(state.step_of_scale - contact.woken, 0)
+        idle = np.maximum(state.step_of_scale - contact.reactivated_at, 0)
         coulomb = repulsion(state, [repulsion_left(int(steps)) for steps in idle])
         on_edge = ~np.isclose(forces.coulomb, coulomb, atol=1e-6).all(axis=1)
         field = engine().scale_field(VOLUME)
         slope = np.stack(
             [
-                np.array([np.asarray(interpolate(field.smoothed[None], (position + s) / SPACING)) for s in (d, -d)])[
+                np.array([np.asarray(interpolate_field(field.smoothed[None], (position + s) / SPACING)) for s in (d, -d)])[
                     ..., 0
                 ]
                 for d in np.eye(3)
@@ -71,15 +71,15 @@ def test_the_forces_are_those_of_eq_12():
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
         along = coulomb - np.einsum("ni,ni->n", coulomb, normal)[:, None] * normal
         np.testing.assert_allclose(forces.coulomb[on_edge], along[on_edge], atol=1e-4)
-        beta = np.array([damping(VOLUME.beta, int(steps)) for steps in idle])[:, None]
+        beta = np.array([damping_coefficient(VOLUME.beta, int(steps)) for steps in idle])[:, None]
         awake = forces.total.any(axis=1)
         np.testing.assert_allclose(forces.damping[awake], (-beta * state.particles.velocity)[awake])
         assert np.linalg.norm(forces.lorentz, axis=1).max() <= VOLUME.w2 * (1.0 + 1e-6)
         np.testing.assert_allclose(
             forces.total, forces.coulomb + forces.lorentz + forces.placed + forces.friction + forces.damping
         )
-        both = engine().field(VOLUME, charges=CHARGES) - engine().field(VOLUME)
-        placed = VOLUME.w2 * interpolate(both, position / SPACING)
+        both = engine().force_field(VOLUME, charges=CHARGES) - engine().force_field(VOLUME)
+        placed = VOLUME.w2 * interpolate_field(both, position / SPACING)
         np.testing.assert_allclose(forces.placed, placed, atol=0.01)
 
 
@@ -114,11 +114,11 @@ def test_the_energy_is_the_sum_over_all_pairs_and_charges():
         place, contact = state.particles.position, state.particles.contact
         reach = 2.2 * VOLUME.d_min
         distance = np.maximum(np.linalg.norm(place[:, None] - place, axis=2), 1e-2)
-        sheets = (contact.seated[:, None] & contact.seated) & (contact.normal @ contact.normal.T <= 0.0)
+        sheets = (contact.on_surface[:, None] & contact.on_surface) & (contact.normal @ contact.normal.T <= 0.0)
         acts = np.tril((distance < reach) & ~sheets, -1)
         pairs = 0.5 * (distance[acts] ** -2 - reach**-2).sum()
         field = engine().scale_field(VOLUME)
-        fixed = interpolate(engine().potential(VOLUME, CHARGES)[None], place / SPACING).sum() / field.slope
+        fixed = interpolate_field(engine().potential(VOLUME, CHARGES)[None], place / SPACING).sum() / field.slope
         wanted = 0.5 * VOLUME.w1 * VOLUME.d_min**3 * pairs + VOLUME.w2 * fixed
         assert energies.potential == pytest.approx(wanted, rel=2e-3)
         assert energies.kinetic == pytest.approx(0.5 * (state.particles.velocity**2).sum())
@@ -148,15 +148,15 @@ def test_the_potential_has_the_field_as_its_slope_between_edges(exponent):
 
 def test_the_energy_of_particles_that_stay_the_same_falls_until_they_settle(monkeypatch):
     """On the ridge of a curved edge the potential is a little higher than beside it, as the module tells."""
-    nothing = Births(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
-    monkeypatch.setattr(time_step, "insertion", lambda *_: nothing)
+    nothing = VolumeBirths(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+    monkeypatch.setattr(time_step, "find_surface_insertions", lambda *_: nothing)
     state = engine().start(cpm.sphere(tuple(CENTER), 4.0, 20, spacing=SPACING))
     energies, seated = [], []
     while state.step < 70:
-        state = time_step.moved_on(state, engine().scale_field(VOLUME), VOLUME)
+        state = time_step.step_particles(state, engine().scale_field(VOLUME), VOLUME)
         found = engine().energies(state, VOLUME)
         energies.append((found.kinetic + found.potential) / state.count)
-        seated.append(state.particles.contact.seated.mean())
+        seated.append(state.particles.contact.on_surface.mean())
     on_the_way = np.flatnonzero(np.array(seated) > 0.0)[0]
     assert on_the_way > 5
     assert (np.diff(energies[:on_the_way]) < 1e-9).all()

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from cpm_core import edge_map, electric_field
 from cpm_core.field.convolution import convolved_potential
-from cpm_core.field.edge_map import automatic_smoothing, background_strength, gradient, prepared
+from cpm_core.field.edge_map import automatic_smoothing, background_strength, smoothed_gradient, prepare_for_edges
 
 from ..scenes import disk
 
@@ -19,7 +19,7 @@ def test_gradient_of_a_ramp_is_its_slope(down, right, smoothing):
     row, col = np.indices((40, 44)).astype(float)
     inner = int(np.ceil(4.0 * smoothing)) + 2  # what the continued border does not reach
     inside = (slice(None), slice(inner, -inner), slice(inner, -inner))
-    found = gradient(100.0 + down * row + right * col, smoothing)[inside]
+    found = smoothed_gradient(100.0 + down * row + right * col, smoothing)[inside]
     np.testing.assert_allclose(found[0], down, atol=1e-9)
     np.testing.assert_allclose(found[1], right, atol=1e-9)
     slope = edge_map(100.0 + down * row + right * col, smoothing)[inside[1:]]
@@ -83,7 +83,7 @@ def test_more_noise_never_gives_less_automatic_smoothing():
 
 def test_light_noise_is_left_to_the_chosen_gaussian():
     image = disk((64, 64), (31.0, 33.0), 15.0).values + np.random.default_rng(8).normal(0.0, 20.0, (64, 64))
-    ready = prepared(image)
+    ready = prepare_for_edges(image)
     assert ready.image is image
     assert ready.floor == 0.0
     np.testing.assert_array_equal(edge_map(image, "auto"), edge_map(image, automatic_smoothing(image)))
@@ -92,7 +92,7 @@ def test_light_noise_is_left_to_the_chosen_gaussian():
 def test_heavy_noise_is_removed_before_the_search_for_edges():
     scene = disk((128, 128), (63.0, 65.0), 35.0).values
     image = scene + np.random.default_rng(8).normal(0.0, 150.0, scene.shape)
-    ready = prepared(image)
+    ready = prepare_for_edges(image)
     assert np.abs(ready.image - scene).mean() < 0.2 * np.abs(image - scene).mean()
     row, col = np.unravel_index(edge_map(image, "auto").argmax(), scene.shape)
     assert abs(np.hypot(row - 63.0, col - 65.0) - 35.0) < 3.0
@@ -128,6 +128,6 @@ def test_the_potential_is_the_sum_over_all_other_charges_and_the_field_its_slope
     np.testing.assert_allclose(convolved_potential(charges).ravel(), expected, rtol=2e-6)
     lonely = np.zeros((15,) * dimension)
     lonely[(7,) * dimension] = 1.0
-    force = -gradient(convolved_potential(lonely), 0.0)
+    force = -smoothed_gradient(convolved_potential(lonely), 0.0)
     far = (2,) * dimension
     np.testing.assert_allclose(force[(..., *far)], electric_field(lonely)[(..., *far)], rtol=0.1)

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from cpm_core.field.interpolation import between, component, interpolate, value_at
+from cpm_core.field.interpolation import pixel_before, interpolate_component, interpolate_field, value_at
 
 
 def random_field(shape, channels, seed):
@@ -22,13 +22,13 @@ def test_interpolation_is_multilinear_also_beyond_the_border(shape, channels, se
     field = random_field(shape, channels, seed)
     positions = np.random.default_rng(seed + 1).uniform(-3.0, np.array(shape) + 2.0, (40, len(shape)))
     truth = [ndimage.map_coordinates(part, positions.T, order=1, mode="nearest") for part in field]
-    np.testing.assert_allclose(interpolate(field, positions), np.transpose(truth), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(interpolate_field(field, positions), np.transpose(truth), rtol=0, atol=1e-12)
 
 
 def felt_at(packed, place):
     """All components of a packed field, shape (H, W, C), at a place."""
-    corner = between(packed, *place)
-    return [component(packed, c, corner) for c in range(packed.shape[2])]
+    corner = pixel_before(packed, *place)
+    return [interpolate_component(packed, c, corner) for c in range(packed.shape[2])]
 
 
 @settings(max_examples=24, deadline=None)
@@ -45,7 +45,7 @@ def test_a_place_that_is_no_number_is_read_within_the_field():
     """Else a loop would read from memory that is not of the field."""
     flat, space = random_field((4, 5), 1, 3)[0].astype(np.float32), random_field((3, 4, 5), 1, 3)[0].astype(np.float32)
     for y, x in [(np.nan, 2.0), (2.0, np.nan), (-np.inf, np.inf)]:
-        row, col, down, right = between(flat[..., None], y, x)
+        row, col, down, right = pixel_before(flat[..., None], y, x)
         assert 0 <= row <= 2
         assert 0 <= col <= 3
         assert 0.0 <= down <= 1.0

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.special import erf
 
 from cpm_core import edge_map, electric_field
-from cpm_core.field.pppm import CELLS_A_CUTOFF, mesh_field, short_range
+from cpm_core.field.pppm import CELLS_PER_CUTOFF, mesh_field, direct_field
 
 from ..scenes import disk, ring, u_shape
 
@@ -56,7 +56,7 @@ SHAPES = st.one_of(st.tuples(*[st.integers(1, 13)] * 2), st.tuples(*[st.integers
 def test_near_charges_act_by_what_the_error_function_leaves_of_their_potential(shape, seed, cutoff):
     f = charges(shape, seed)
     truth = near_sum(f, cutoff)
-    assert np.abs(short_range(f, cutoff) - truth).max() <= 1e-7 * max(np.abs(truth).max(), 1.0)
+    assert np.abs(direct_field(f, cutoff) - truth).max() <= 1e-7 * max(np.abs(truth).max(), 1.0)
 
 
 def smooth_sum(f, sigma):
@@ -81,7 +81,7 @@ def test_each_charge_acts_on_the_mesh_as_a_gaussian(values, cutoff):
     """Within 5 % (root mean square) for an edge all around; seen: 3 %."""
     f = edge_map(values, 1.0)
     truth = smooth_sum(f, 0.4 * cutoff)
-    error = mesh_field(f, cutoff / CELLS_A_CUTOFF) - truth
+    error = mesh_field(f, cutoff / CELLS_PER_CUTOFF) - truth
     assert np.sqrt((error**2).sum() / (truth**2).sum()) < 0.05
 
 

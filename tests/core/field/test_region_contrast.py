@@ -37,7 +37,7 @@ def test_the_contrast_of_a_contour_is_the_mean_along_it_and_stays_with_it_elsewh
     found, _ = find_contours(state.position, engine.scale_field(Parameters()), Parameters())
     assert found
     for contour in found:
-        expected = engine.scale_field(Parameters()).contrast(contour.points).mean()
+        expected = engine.scale_field(Parameters()).contrast_at(contour.points).mean()
         assert contour.contrast == pytest.approx(expected, rel=1e-12)
         assert replace(contour, points=2.0 * contour.points).contrast == contour.contrast
     assert Contour(POINTS, closed=False).contrast == 0.0

@@ -7,9 +7,9 @@ from scipy import ndimage, special
 from cpm_core import Engine, Parameters, Regions, circle, electric_field, segment
 from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field.convolution import convolved_potential
-from cpm_core.field.edge_map import magnitude
-from cpm_core.field.interpolation import interpolate
-from cpm_core.field.scale_field import WEAKEST_EDGE, build_scale_field, lorentz_force
+from cpm_core.field.edge_map import vector_magnitudes
+from cpm_core.field.interpolation import interpolate_field
+from cpm_core.field.scale_field import WEAKEST_EDGE, build_scale_field, write_lorentz_force
 
 from ..scenes import disk, outline_distance, ring, u_shape
 
@@ -61,7 +61,7 @@ def test_force_points_to_a_straight_edge_and_vanishes_on_it(offset):
     scale_field = build_scale_field(straight_edge((61, 61), 0.0, offset), 1.0, 0.0)
     edge = 30.0 + offset
     col = np.linspace(edge - 6.0, edge + 6.0, 481)
-    across = interpolate(scale_field.lorentz, np.stack([np.full(481, 30.0), col], axis=1))[:, 1]
+    across = interpolate_field(scale_field.lorentz, np.stack([np.full(481, 30.0), col], axis=1))[:, 1]
     assert np.all(across[col < edge - 0.1] > 0.0)
     assert np.all(across[col > edge + 0.1] < 0.0)
 
@@ -116,6 +116,6 @@ def test_the_fixed_charges_are_those_that_the_field_is_made_of(edge_floor, smoot
     expected = np.where(inside & (scale_field.edge_map >= floor), scale_field.edge_map, 0.0)
     np.testing.assert_array_equal(shown, expected)
     slope, packed = scale_field.gradient, np.empty((*image.shape, 5), np.float32)
-    lorentz_force(electric_field(shown).astype(np.float32), slope, magnitude(slope), shown.max(), packed)
+    write_lorentz_force(electric_field(shown).astype(np.float32), slope, vector_magnitudes(slope), shown.max(), packed)
     np.testing.assert_allclose(scale_field.packed[..., :4], packed[..., :4], atol=1e-4)
     np.testing.assert_allclose(engine.scale_field(parameters).potential, convolved_potential(expected))

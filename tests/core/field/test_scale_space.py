@@ -127,7 +127,7 @@ def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
     """Lines computed side by side are those of the whole: no seam, to the last bit."""
     image = np.random.default_rng(2).normal(0.0, 20.0, (150, 140)) + disk((150, 140), (70.0, 72.0), 40.0).values
     pieces = UsedFields(image, 1).at(0, START)
-    monkeypatch.setattr(scale_field_module, "in_bands", lambda work, rows: work(0, rows))
+    monkeypatch.setattr(scale_field_module, "run_in_bands", lambda work, rows: work(0, rows))
     monkeypatch.setattr(sys.modules["cpm_core.numerics.grids"], "share", lambda work, count, _least: work(0, count))
     np.testing.assert_array_equal(UsedFields(image, 1).at(0, START).packed, pieces.packed)
 
@@ -143,14 +143,14 @@ def test_the_force_of_a_field_is_made_when_particles_need_it_and_shared_beyond_b
 
 def test_fields_of_a_large_image_take_half_the_memory_and_differ_by_rounding_only(monkeypatch):
     double = ImageFields(IMAGE, START, REGIONS).scale_field(START)
-    monkeypatch.setattr(scale_field_module, "LARGE", 0)
+    monkeypatch.setattr(scale_field_module, "LARGE_IMAGE_PIXELS", 0)
     single = ImageFields(IMAGE, START, REGIONS).scale_field(START)
     for name in ("gradient", "edge_map", "fixed_charges"):
         assert getattr(single, name).dtype == np.float32
         np.testing.assert_allclose(getattr(single, name), getattr(double, name), rtol=0, atol=1e-6 * double.strongest)
     np.testing.assert_allclose(single.packed[..., :2], double.packed[..., :2], rtol=0, atol=2e-3)
     window = (slice(8, 40), slice(20, 75))
-    part = single.part(window)
+    part = single.crop(window)
     np.testing.assert_array_equal(part.gradient, single.gradient[:, *window])
     np.testing.assert_allclose(part.packed, single.packed[window], rtol=0, atol=1e-4)
     np.testing.assert_array_equal(part.potential, single.potential[window])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.field.edge_map import gradient, magnitude
+from cpm_core.field.edge_map import smoothed_gradient, vector_magnitudes
 from cpm_core.image.border import inside_border
 from cpm_core.model.starts import uniform_grid
 from cpm_core.parameters import Parameters
@@ -26,13 +26,13 @@ def bordered(width, gray=20.0, sides=("top", "bottom", "left", "right")):
 
 
 def inside_of(grad, widest):
-    return inside_border(lambda window: grad[(slice(None), *window)], magnitude(grad), 1.0, widest)
+    return inside_border(lambda window: grad[(slice(None), *window)], vector_magnitudes(grad), 1.0, widest)
 
 
 @pytest.mark.parametrize("gray", [20.0, 250.0])
 @pytest.mark.parametrize("sides", [("top", "bottom", "left", "right"), ("left",), ("bottom", "right")])
 def test_a_border_and_its_edge_are_left_out_and_nothing_else(gray, sides):
-    inside = inside_of(gradient(bordered(8, gray, sides), 1.0), 0.1)
+    inside = inside_of(smoothed_gradient(bordered(8, gray, sides), 1.0), 0.1)
     row, col = np.indices(inside.shape)
     depth = {"top": row, "bottom": 159 - row, "left": col, "right": 199 - col}
     nearest = np.min([depth[side] for side in sides], axis=0)
@@ -45,7 +45,7 @@ def test_an_object_at_the_side_of_the_image_is_no_border():
     image[:10, 40:120] = 20.0  # along less than half of the side
     row, col = np.indices(image.shape)
     image[np.hypot(row - 8, col - 160) < 20] = 200.0
-    assert inside_of(gradient(image, 1.0), 0.1).all()
+    assert inside_of(smoothed_gradient(image, 1.0), 0.1).all()
 
 
 def test_contours_of_an_object_do_not_depend_on_a_border():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.field.edge_map import gradient, magnitude
+from cpm_core.field.edge_map import smoothed_gradient, vector_magnitudes
 from cpm_core.image.denoising import clean, noise_level, total_variation
 
 from ..scenes import disk
@@ -21,7 +21,7 @@ def noisy(kind, seed=1):
 
 def off_the_circle(image, sigma):
     """Mean distance of the steepest place from the true circle, along rays [px]."""
-    strength = magnitude(gradient(image, sigma))
+    strength = vector_magnitudes(smoothed_gradient(image, sigma))
     angle = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)[:, None]
     radius = np.arange(20.0, 50.0, 0.5)
     rows = np.rint(63.0 + radius * np.sin(angle)).astype(int)
@@ -42,5 +42,5 @@ def test_what_is_left_away_from_edges_is_under_the_floor(kind):
     row, col = np.indices(SCENE.shape)
     away = np.abs(np.hypot(row - 63.0, col - 65.0) - 35.0) > 12.0
     cleaned = clean(noisy(kind))
-    strength = magnitude(gradient(cleaned.image, cleaned.sigma))
+    strength = vector_magnitudes(smoothed_gradient(cleaned.image, cleaned.sigma))
     assert np.mean(strength[away] > cleaned.floor * strength.max()) < 0.03

@@ -8,7 +8,7 @@ from skimage.measure import euler_number
 
 import cpm_core as cpm
 from cpm_core.medial_axis.centerlines import centerlines
-from cpm_core.numerics.voxel_graph import thinned
+from cpm_core.numerics.voxel_graph import thin_to_lines
 from tests.core.reconstruction.surface.solids import ball, grid, ring, rod, union
 
 MIDDLE = 19.5
@@ -94,7 +94,7 @@ def test_a_tree_with_bumps_has_its_own_branches_alone():
 @given(arrays(bool, st.tuples(*[st.integers(1, 6)] * 3)))
 def test_thinning_keeps_the_topology(mask):
     mask = np.pad(mask, 1)
-    lines = thinned(mask, distance_transform_edt(mask))
+    lines = thin_to_lines(mask, distance_transform_edt(mask))
     corners = np.ones((3, 3, 3))
     assert not (lines & ~mask).any()
     assert label(lines, corners)[1] == label(mask, corners)[1]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.numerics.voxel_graph import loops_of
+from cpm_core.numerics.voxel_graph import find_loops
 
 from ..reconstruction.surface.solids import MIDDLE, ball, brick, grid, ring, union, without
 
@@ -23,7 +23,7 @@ ASIDE = np.array([0.0, 7.0, 0.0])
 )
 def test_there_is_a_loop_for_each_tunnel(solid, count):
     value = solid(grid())
-    found = loops_of(np.argwhere(np.abs(value) < 0.6))
+    found = find_loops(np.argwhere(np.abs(value) < 0.6))
     assert len(found) == count
     for loop in found:
         steps = np.linalg.norm(np.diff(np.concatenate([loop, loop[:1]]), axis=0), axis=1)

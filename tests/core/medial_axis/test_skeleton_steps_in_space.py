@@ -46,12 +46,12 @@ def test_three_steps_find_what_the_function_finds(sides):
     assert found.thickness * min(sides) == pytest.approx(thick)
     assert encoded(found.lines, ".swc") == encoded(whole, ".swc")
     assert method.step(states[-1], VOLUME) is states[-1]
-    assert states[-1].arrays()
+    assert states[-1].list_arrays()
 
 
 def test_pruning_alone_begins_with_the_last_step_and_everything_else_with_the_first():
     method = METHODS["skeleton"](tubes())
-    last = run(method)[-1].resumed()
+    last = run(method)[-1].resume()
     pruned = method.step(last, replace(VOLUME, pruning=9.0))
     assert pruned.stop_reason
     assert pruned.structure is last.structure

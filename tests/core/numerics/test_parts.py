@@ -4,14 +4,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.ndimage import label
 
-from cpm_core.numerics.grids import parts_of
+from cpm_core.numerics.grids import find_connected_parts
 
 
 @settings(max_examples=24, deadline=None)
 @given(arrays(bool, st.tuples(*[st.integers(1, 7)] * 3)), st.booleans())
 def test_parts_of_a_mask_are_its_labels(mask, corners):
     labels, count = label(mask, np.ones((3, 3, 3)) if corners else None)
-    parts = parts_of(mask, corners=corners)
+    parts = find_connected_parts(mask, corners=corners)
     assert parts.count == count
     found = parts.part_at(np.argwhere(np.ones_like(mask)))
     assert (found.reshape(mask.shape) >= 0).tolist() == mask.tolist()

@@ -22,29 +22,29 @@ def test_the_distance_is_that_of_the_nearest_place_on_the_path(line, position) -
     share = np.linspace(0.0, 1.0, 2001)[:, None]
     places = np.concatenate([np.array(a) + share * (np.array(b) - a) for a, b in pairwise(line)])
     nearest = np.hypot(*(places - position).T).min()
-    assert polyline.distance(line, position) == pytest.approx(nearest, abs=0.05)
+    assert polyline.distance_to_path(line, position) == pytest.approx(nearest, abs=0.05)
 
 
 @settings(deadline=None)  # the first call may compile
 @given(lines)
 def test_a_thinned_path_has_the_same_ends_and_stays_within_a_quarter_of_a_pixel(line) -> None:
-    thin = polyline.thinned(line)
+    thin = polyline.simplify_path(line)
     assert (thin[0], thin[-1]) == (line[0], line[-1])
     assert set(thin) <= set(line)
-    assert all(polyline.distance(thin, corner) <= 0.25 + 1e-9 for corner in line)
+    assert all(polyline.distance_to_path(thin, corner) <= 0.25 + 1e-9 for corner in line)
 
 
 @settings(deadline=None)  # the first call may compile
 @given(st.lists(st.lists(positions, min_size=1, max_size=40), max_size=5), st.sampled_from([0.01, 0.4, 3.0]))
 def test_coarser_paths_have_the_same_ends_and_stay_near(lines, off) -> None:
-    coarse = polyline.coarser([np.array(line) for line in lines], off)
+    coarse = polyline.drop_flat_corners([np.array(line) for line in lines], off)
     assert len(coarse) == len(lines)
     for line, path in zip(lines, coarse, strict=True):
         kept = [tuple(corner) for corner in path.tolist()]
         assert (kept[0], kept[-1]) == (line[0], line[-1])
         followed = iter(line)
         assert all(corner in followed for corner in kept)
-        assert all(polyline.distance(kept, corner) <= 3 * off + 1e-9 for corner in line)
+        assert all(polyline.distance_to_path(kept, corner) <= 3 * off + 1e-9 for corner in line)
 
 
 def crossings(corners, place):
@@ -60,17 +60,17 @@ def crossings(corners, place):
 @given(st.lists(positions, min_size=3, max_size=8), positions)
 def test_a_polygon_contains_what_it_winds_around(corners, shift) -> None:
     place = (shift[0] + 0.337, shift[1] + 0.219)  # on no side, whose corners are integers
-    if polyline.distance((*corners, corners[0]), place) > 1e-6:
-        assert polyline.inside(corners, np.array([place]))[0] == (crossings(corners, place) != 0)
+    if polyline.distance_to_path((*corners, corners[0]), place) > 1e-6:
+        assert polyline.points_inside(corners, np.array([place]))[0] == (crossings(corners, place) != 0)
 
 
 @settings(deadline=None)  # the first call may compile
 @given(lines, st.floats(0.2, 5.0))
 def test_a_resampled_path_keeps_its_ends_and_has_one_vertex_between_at_least(line, spacing) -> None:
-    path = polyline.resampled(np.array(line), spacing)
+    path = polyline.resample_path(np.array(line), spacing)
     assert (tuple(path[0]), tuple(path[-1])) == (line[0], line[-1])
     assert len(path) >= 3
-    assert polyline.distances(line, path).max() < 1e-9
+    assert polyline.distances_to_path(line, path).max() < 1e-9
     assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= spacing + 1e-9
 
 
@@ -78,5 +78,5 @@ def test_a_resampled_path_keeps_its_ends_and_has_one_vertex_between_at_least(lin
 def test_the_middles_of_many_paths_are_those_of_each(paths, count) -> None:
     each = [np.array(path) for path in paths]
     np.testing.assert_allclose(
-        polyline.middles_of(each, count), [polyline.middles(path, count) for path in each], atol=1e-9
+        polyline.midpoints_of_paths(each, count), [polyline.path_midpoints(path, count) for path in each], atol=1e-9
     )

@@ -14,14 +14,14 @@ from cpm_core import (
     stroke,
     uniform_grid,
 )
-from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.parameters.quotation import shown
 
 
 @pytest.mark.parametrize("value", [None, "2", [1.0], np.nan, np.inf, -1, 10**400, 1j, object(), np.float32(-1.0)])
 def test_what_is_no_number_that_fits_is_named(value):
     with pytest.raises(ValueError, match=r"^size is .* but must be above 0\.$"):
-        checked_number("size", value, lambda size: size > 0.0, "above 0")
+        check_finite_number("size", value, lambda size: size > 0.0, "above 0")
 
 
 @pytest.mark.parametrize("value", ["x" * 10**6, "\x1b\n\x7f\u2028", list(range(99)), np.zeros((9, 9)), 10**90, 1e-300])

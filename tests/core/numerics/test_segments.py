@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cpm_core.numerics.segments import (
     SegmentTree,
     first_crossing,
-    meet,
+    segments_meet,
     nearest_distances,
 )
 
@@ -42,7 +42,7 @@ def common(one, other):
 @given(segments, segments)
 def test_segments_meet_where_they_have_a_place_in_common(one, other):
     flat = np.array(one, dtype=float).ravel()
-    assert meet(flat, *np.array(other, dtype=float)) == common(one, other)
+    assert segments_meet(flat, *np.array(other, dtype=float)) == common(one, other)
 
 
 @given(st.lists(places, min_size=2, max_size=5, unique=True), st.lists(segments, max_size=5))
@@ -64,12 +64,12 @@ def test_the_tree_and_the_search_of_all_give_the_same_distances(count):
     every = begin + share * (end - begin)
     brute = np.array([np.hypot(*(every - point).reshape(-1, 2).T).min() for point in points])
     for seen in (
-        SegmentTree(begin, end).distances(points),
+        SegmentTree(begin, end).distances_to(points),
         nearest_distances(points, np.concatenate([begin, end], axis=1)),
     ):
         np.testing.assert_allclose(seen, brute, atol=0.03)
     np.testing.assert_allclose(
-        SegmentTree(begin, end).distances(points),
+        SegmentTree(begin, end).distances_to(points),
         nearest_distances(points, np.concatenate([begin, end], axis=1)),
         atol=1e-12,
     )

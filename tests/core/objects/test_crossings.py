@@ -31,7 +31,7 @@ def test_a_closed_line_parts_the_pixels_inside_from_those_outside(seed):
         corners = np.rint(corners)  # through the centers of pixels
     found = crossings([np.concatenate([corners, corners[:1]])], shape)
     pixels = np.indices(shape).reshape(2, -1).T.astype(float)
-    inside = polyline.inside(corners - [1.37e-7, -2.61e-7] + [2.74e-7, 0.0], pixels).reshape(shape)
+    inside = polyline.points_inside(corners - [1.37e-7, -2.61e-7] + [2.74e-7, 0.0], pixels).reshape(shape)
     for p, q, down in links(shape):
         if inside[p] != inside[q]:
             assert (found.down if down else found.right)[p] >= 0.0

@@ -9,7 +9,7 @@ from scipy import ndimage
 from cpm_core import edge_map
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.rasterize import inside
-from cpm_core.numerics.segments import first_crossing, segments_of
+from cpm_core.numerics.segments import first_crossing, path_segments
 from cpm_core.objects.boundaries.ground import ground
 from cpm_core.objects.outline import outlines
 
@@ -19,7 +19,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def crosses_itself(contour):
-    segments = segments_of(contour.path)
+    segments = path_segments(contour.path)
     for k in range(len(segments) - 2):
         others = segments[k + 2 : len(segments) - (k == 0)]
         if len(others) and first_crossing(segments[k].reshape(2, 2), others)[0] >= 0:

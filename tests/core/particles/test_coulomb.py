@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import coulomb_force
-from cpm_core.model.coulomb import METHODS
+from cpm_core.model.coulomb import COULOMB_METHODS
 from cpm_core.numerics import parallel
 from tests.core.particles.crowds import PLANE, SPACE, relative_error
 
@@ -33,7 +33,7 @@ def test_the_force_is_the_sum_over_all_pairs_in_any_unit(seed, axes, scale):
 def test_two_particles_repel_with_the_inverse_square_and_one_spot_not_at_all():
     force = coulomb_force([(10.0, 20.0), (13.0, 24.0)])
     np.testing.assert_allclose(force, [(-0.6 / 25.0, -0.8 / 25.0), (0.6 / 25.0, 0.8 / 25.0)], rtol=1e-14)
-    for method in METHODS:
+    for method in COULOMB_METHODS:
         assert not coulomb_force(np.full((3000, 2), 7.25), method).any()
         assert coulomb_force(np.zeros((0, 3)), method).shape == (0, 3)
 
@@ -56,11 +56,11 @@ def test_the_error_of_the_tree_is_small_around_any_spots(axes, spots, copies, se
     assert relative_error(points, coulomb_force(points, "tree"), seed) <= 1e-3
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", COULOMB_METHODS)
 def test_same_bits_whatever_the_number_of_threads(method, monkeypatch):
     first = coulomb_force(PLANE["cloud"], method)
     for cores in (1, 3):
-        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
+        monkeypatch.setattr(parallel, "count_cores", lambda cores=cores: cores)
         assert coulomb_force(PLANE["cloud"], method).tobytes() == first.tobytes()
 
 

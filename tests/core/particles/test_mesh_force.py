@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.model.plane.repulsion import mesh_force, mesh_force_at, spline
+from cpm_core.model.plane.repulsion import mesh_force, mesh_force_at, spline_weights
 
 from ..dynamics.moving import coulomb, offsets
 
@@ -67,7 +67,7 @@ def test_force_on_curves_is_the_sum_over_all_pairs(points):
 @settings(max_examples=24, deadline=None)
 @given(st.floats(1.0, 1e3))
 def test_spline_spreads_a_whole_charge_about_its_own_place(place):
-    node, *weights = spline(place)
+    node, *weights = spline_weights(place)
     nodes_at = np.arange(node, node + 3)
     assert sum(weights) == pytest.approx(1.0, abs=1e-12)
     assert np.dot(weights, nodes_at) == pytest.approx(place, abs=1e-9)

@@ -164,5 +164,5 @@ def test_changed_contours_have_the_strength_of_the_edge_below_them():
     open_one = arc(0.4, 2.0 * np.pi)
     result = Result(np.empty((0, 2)), (open_one,), None, 1, True, "", SHAPE, (1.0, 1.0), None, "")
     (closed,) = carried_out(result, chain(field(), [open_one], closing=True), field())[0].contours
-    assert closed.strength == pytest.approx(field().strength(whole().points).mean(), rel=0.02)
+    assert closed.strength == pytest.approx(field().strength_at(whole().points).mean(), rel=0.02)
     assert closed.contrast > 0.5

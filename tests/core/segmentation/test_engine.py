@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cpm_core import Engine, Image, Parameters, circle
-from cpm_core.field.interpolation import interpolate
-from cpm_core.model.equations import STILL
+from cpm_core.field.interpolation import interpolate_field
+from cpm_core.model.equations import STILL_DISTANCE
 from cpm_core.numerics import parallel
 
 from ..dynamics.moving import repulsion
@@ -48,13 +48,13 @@ def frozen(state):
 
 def in_order(particles):
     """Particles in the order of their identities: a step may change their order."""
-    return particles.taken(np.argsort(particles.identity))
+    return particles.select(np.argsort(particles.identity))
 
 
 def common(one, other):
     """Those particles that two states share, of both, in the same order."""
     both = np.intersect1d(one.particles.identity, other.particles.identity)
-    return (in_order(s.particles.where(np.isin(s.particles.identity, both))) for s in (one, other))
+    return (in_order(s.particles.keep(np.isin(s.particles.identity, both))) for s in (one, other))
 
 
 def test_same_input_same_bits(engine, states):
@@ -74,7 +74,7 @@ def test_same_bits_on_any_number_of_cores(monkeypatch):
     assert len(seeds) > 3 * 600
     runs = []
     for cores in (1, 2, 3):
-        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
+        monkeypatch.setattr(parallel, "count_cores", lambda cores=cores: cores)
         runs.append([frozen(state) for state in run(engine, seeds, parameters, 25)])
     assert runs[0] == runs[1] == runs[2]
 
@@ -86,7 +86,7 @@ def test_a_run_can_be_continued_from_any_of_its_states(engine, states):
 
 def test_a_final_state_is_returned_unchanged(engine, states):
     assert engine.step(states[-1], Parameters()) is states[-1]
-    assert engine.step(states[5].stopped("enough"), Parameters()).step == states[5].step
+    assert engine.step(states[5].stop("enough"), Parameters()).step == states[5].step
 
 
 def test_steps_are_counted_and_scales_go_from_coarse_to_fine(states):
@@ -115,7 +115,7 @@ def test_no_particle_is_outside_the_image_after_a_step(engine):
 
 def test_a_run_without_particles_ends_with_a_reason(engine):
     state = engine.start(START)
-    empty = state.particles.where(np.zeros(state.count, bool))
+    empty = state.particles.keep(np.zeros(state.count, bool))
     ended = engine.step(dataclasses.replace(state, particles=empty, start=empty.position, scale=0), Parameters())
     assert ended.count == 0
     assert "left the image" in ended.stop_reason
@@ -161,7 +161,7 @@ def test_sleeping_particles_have_negligible_forces(states):
             one, other = common(before, state)
             asleep = (other.position == one.position).all(axis=1) & ~np.isnan(one.distance[:, -1])
             force = np.hypot(*other.force[asleep, 0].T)
-            assert np.all(0.5 * Parameters().time_step ** 2 * force < STILL)
+            assert np.all(0.5 * Parameters().time_step ** 2 * force < STILL_DISTANCE)
             slept += int(asleep.sum())
     assert slept > 500
 
@@ -169,7 +169,7 @@ def test_sleeping_particles_have_negligible_forces(states):
 def force_in_free_flight(engine, state, parameters):
     """Force of eq. (12) and its slope by eq. (15), for particles at rest and far from any edge."""
     position = state.particles.position
-    lorentz = interpolate(engine.field(parameters, state.scale), position)
+    lorentz = interpolate_field(engine.force_field(parameters, state.scale), position)
     force = parameters.w1 * repulsion(position, parameters)
     force += parameters.w2 * lorentz
     slope = 3.0 * force / (2.0 * parameters.time_step)
@@ -199,7 +199,7 @@ def test_the_first_step_is_eq_12_to_15(beta):
 def test_another_beta_acts_at_the_next_step(engine, states):
     state = states[3]
     plain, heavy = engine.step(state, Parameters()), engine.step(state, Parameters(beta=3.0))
-    same = [s.where(np.isin(s.identity, state.particles.identity)) for s in common(plain, heavy)]
+    same = [s.keep(np.isin(s.identity, state.particles.identity)) for s in common(plain, heavy)]
     assert len(same[0]) > 0.9 * state.count
     speed, slowed = (np.linalg.norm(particles.velocity, axis=1) for particles in same)
     assert slowed.mean() < 0.8 * speed.mean()

@@ -12,7 +12,7 @@ from cpm_core.model.state import Particles
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation import engine, finer_scale
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.finer_scale import begun
+from cpm_core.segmentation.finer_scale import begin_scale
 
 from ..scenes import disk
 
@@ -43,7 +43,7 @@ def ended(run, seeds, parameters):
 
 def test_the_same_contours_are_found_with_few_of_the_seeds(monkeypatch):
     values, parameters, seeds = scene(), PRESETS["automatic"], uniform_grid((SIDE, SIDE))
-    monkeypatch.setattr(finer_scale, "_LARGE", 0)  # so that the coarsest scale has fewer, too
+    monkeypatch.setattr(finer_scale, "_MIN_THINNED_PIXELS", 0)  # so that the coarsest scale has fewer, too
     found, few = ended(Engine(values, parameters), seeds, parameters)
     for name in ("begun", "thinned"):
         monkeypatch.setattr(engine, name, lambda state, field=None: state)
@@ -63,7 +63,7 @@ def began(coarse, seeds):
     while state.scale:
         state = run.step(state, parameters)
     first = Particles.at_rest(np.concatenate([coarse, state.at_scale(seeds, 0)]))
-    return begun(replace(state, particles=first), run.scale_field(parameters))
+    return begin_scale(replace(state, particles=first), run.scale_field(parameters))
 
 
 def test_one_side_of_a_thin_object_does_not_explain_the_other():

@@ -14,7 +14,7 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
 from cpm_core.image.pyramid import most_scales, shape_of_scale
 from cpm_core.model import interventions
-from cpm_core.model.coverage import NEVER, no_coverage
+from cpm_core.model.coverage import NEVER_COVERED, no_coverage
 from cpm_core.model.starts import circle
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation import large_images
@@ -51,9 +51,9 @@ def test_the_smoothing_is_that_of_the_strongest_edge_not_of_the_empty_background
 
 @pytest.fixture
 def windows(monkeypatch):
-    monkeypatch.setattr(local_fields, "LARGE", 100)
-    monkeypatch.setattr(interventions, "_WINDOWED", 100)
-    monkeypatch.setattr(interventions, "_ROOM", 24)
+    monkeypatch.setattr(local_fields, "LARGE_IMAGE_PIXELS", 100)
+    monkeypatch.setattr(interventions, "_MIN_WINDOWED_PIXELS", 100)
+    monkeypatch.setattr(interventions, "_MIN_WINDOW_ROOM", 24)
 
 
 BLOBS = sum(
@@ -91,12 +91,12 @@ def test_a_run_in_a_window_finds_what_one_in_the_whole_image_does(request, name)
 def test_a_window_widens_for_particles_near_its_end_and_forgets_nothing(windows):
     engine, parameters = Engine(BLOBS), Parameters()
     state = ended(engine, engine.start(START), parameters)
-    more = engine.joined(state, circle((300.0, 450.0), 9.0))
+    more = engine.add_particles(state, circle((300.0, 450.0), 9.0))
     assert more.window[1].stop > state.window[1].stop
     np.testing.assert_allclose(more.position[: state.count], state.position, rtol=0, atol=1e-9)
-    assert more.coverage.size == state.coverage.size == np.count_nonzero(more.coverage.found != NEVER)
+    assert more.coverage.size == state.coverage.size == np.count_nonzero(more.coverage.found != NEVER_COVERED)
     assert len(engine.result(ended(engine, more, parameters), parameters).contours) == 2
-    everywhere = engine.joined(state, [(10.0, 10.0), (590.0, 630.0)])
+    everywhere = engine.add_particles(state, [(10.0, 10.0), (590.0, 630.0)])
     assert everywhere.window is None and everywhere.coverage.found.shape == no_coverage(BLOBS.shape).found.shape
 
 

@@ -118,7 +118,7 @@ def test_a_contour_at_rest_does_not_drift(name):
     """Three hundred further steps insert and delete no particle and move none by 0.005 px; measured: 0.0008 px."""
     state = first = rest(name)
     for _ in range(300):
-        state = engine(name).step(state.resumed() if state.stop_reason else state, Parameters())
+        state = engine(name).step(state.resume() if state.stop_reason else state, Parameters())
     assert state.step == first.step + 300
     np.testing.assert_array_equal(state.particles.identity, first.particles.identity)
     assert np.linalg.norm(state.position - first.position, axis=1).max() < 0.005

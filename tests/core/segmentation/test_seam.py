@@ -7,7 +7,7 @@ import pytest
 
 import cpm_core as cpm
 from cpm_core import PARAMETERS, Parameters, PlacedCharge
-from cpm_core.segmentation.method import METHODS
+from cpm_core.segmentation.method import RUN_METHODS
 
 from ..scenes import ring
 
@@ -15,9 +15,9 @@ PARAMS = Parameters(scales=1, smoothing=1.5)
 SEEDS = cpm.circle((48.4, 49.7), 24.0)
 
 
-@pytest.fixture(scope="module", params=METHODS)
+@pytest.fixture(scope="module", params=RUN_METHODS)
 def method(request):
-    return METHODS[request.param](ring((96, 100), (48.4, 49.7), 20.0, 40.0).values, PARAMS)
+    return RUN_METHODS[request.param](ring((96, 100), (48.4, 49.7), 20.0, 40.0).values, PARAMS)
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def states(method):
 
 
 def arrays(state):
-    return [array.tobytes() for array in state.arrays()]
+    return [array.tobytes() for array in state.list_arrays()]
 
 
 def test_a_step_depends_on_the_state_alone_and_changes_nothing(method, states):
@@ -48,8 +48,8 @@ def test_a_run_ends_with_contours_and_stays_at_its_end_until_it_is_resumed(metho
     last = states[-1]
     assert last.converged
     assert method.step(last, PARAMS) is last
-    assert not last.resumed().stop_reason
-    assert method.step(last.resumed(), PARAMS).step == last.step + 1
+    assert not last.resume().stop_reason
+    assert method.step(last.resume(), PARAMS).step == last.step + 1
     result = method.result(last, PARAMS)
     assert result.shape == (96, 100)
     # a ring has two closed outlines, and one closed center line
@@ -58,7 +58,7 @@ def test_a_run_ends_with_contours_and_stays_at_its_end_until_it_is_resumed(metho
 
 def test_a_state_has_positions_in_the_image_and_metrics_by_name(method, states):
     for state in states[:3]:
-        positions, figures = method.positions(state), method.measures(state, PARAMS)
+        positions, figures = method.display_positions(state), method.measure_state(state, PARAMS)
         assert positions.shape == (state.count, 2) == state.particles.position.shape
         assert ((positions > -2.0) & (positions < 102.0)).all()
         assert len(set(state.particles.identity.tolist())) == state.count
@@ -79,7 +79,7 @@ def test_only_parameters_with_an_effect_are_steering(method):
 
 def test_the_skeleton_of_a_run_is_that_of_the_function_also_after_other_parameters():
     image = cpm.Image(ring((96, 100), (48.4, 49.7), 20.0, 40.0).values)
-    method = METHODS["skeleton"](image, PARAMS)
+    method = RUN_METHODS["skeleton"](image, PARAMS)
     state = method.start(())
     for parameters in (PARAMS, replace(PARAMS, smoothing=2.5), replace(PARAMS, smoothing=2.5, sure_edge=0.9)):
         while not state.stop_reason:
@@ -88,5 +88,5 @@ def test_the_skeleton_of_a_run_is_that_of_the_function_also_after_other_paramete
         assert len(found.contours) == len(expected.contours) > 0
         for one, other in zip(found.contours, expected.contours, strict=True):
             np.testing.assert_array_equal(one.points, other.points)
-        state = state.resumed()
+        state = state.resume()
     assert state.step == 9

@@ -49,7 +49,7 @@ def left(engine):
 
 
 def test_particles_that_join_a_run_at_rest_find_their_edges(engine, left):
-    state = engine.joined(left, np.concatenate([RIGHT, [(-5.0, 10.0), (40.0, 500.0)]]))
+    state = engine.add_particles(left, np.concatenate([RIGHT, [(-5.0, 10.0), (40.0, 500.0)]]))
     assert state.stop_reason == ""
     assert not state.converged
     assert state.count == left.count + len(RIGHT)
@@ -68,7 +68,7 @@ def test_particles_that_join_at_a_coarse_scale_are_seeds_of_the_finer_ones():
     engine = Engine(TWO, parameters)
     state = walked(engine, engine.start(LEFT), parameters, 3)[-1]
     assert state.scale == 2
-    joined = engine.joined(state, RIGHT)
+    joined = engine.add_particles(state, RIGHT)
     np.testing.assert_allclose(joined.position[state.count :], RIGHT)
     np.testing.assert_array_equal(joined.start, np.concatenate([LEFT, RIGHT]))
     assert len(engine.result(run(engine, joined, parameters), parameters).contours) == 2
@@ -76,7 +76,7 @@ def test_particles_that_join_at_a_coarse_scale_are_seeds_of_the_finer_ones():
 
 def test_erased_particles_are_gone_and_the_others_are_unchanged(engine, left):
     upper = left.position[:, 0] < 40.0
-    erased = engine.erased(left, upper)
+    erased = engine.erase_particles(left, upper)
     assert erased.count == int((~upper).sum())
     for name in ("position", "velocity", "force", "distance", "identity"):
         np.testing.assert_array_equal(getattr(erased.particles, name), getattr(left.particles, name)[~upper])
@@ -85,11 +85,11 @@ def test_erased_particles_are_gone_and_the_others_are_unchanged(engine, left):
     assert left.count == len(upper)
     [contour] = engine.result(erased, ONE_SCALE).contours
     assert not contour.closed
-    again = run(engine, erased.resumed(), ONE_SCALE)
+    again = run(engine, erased.resume(), ONE_SCALE)
     assert again.converged
     assert again.count == erased.count
     assert not engine.result(again, ONE_SCALE).contours[0].closed
-    assert engine.erased(left, np.zeros(left.count, bool)) is left
+    assert engine.erase_particles(left, np.zeros(left.count, bool)) is left
 
 
 def test_erased_particles_do_not_begin_again_at_a_finer_scale():
@@ -97,18 +97,18 @@ def test_erased_particles_do_not_begin_again_at_a_finer_scale():
     engine = Engine(TWO, parameters)
     state = walked(engine, engine.start([*LEFT, *RIGHT]), parameters, 5)[-1]
     assert state.scale == 1
-    erased = engine.erased(state, lambda points: points[:, 1] > 96.0)
+    erased = engine.erase_particles(state, lambda points: points[:, 1] > 96.0)
     assert run(engine, erased, parameters).position[:, 1].max() < 96.0
 
 
 def test_a_run_whose_particles_are_all_erased_ends_and_continues_with_new_ones(engine, left):
-    empty = engine.erased(left, np.ones(left.count, bool))
+    empty = engine.erase_particles(left, np.ones(left.count, bool))
     assert empty.count == 0
     assert "erased" in empty.stop_reason
     assert not empty.converged
     assert engine.step(empty, ONE_SCALE) is empty
-    assert run(engine, engine.joined(empty, LEFT), ONE_SCALE).converged
-    resumed = engine.step(empty.resumed(), ONE_SCALE)
+    assert run(engine, engine.add_particles(empty, LEFT), ONE_SCALE).converged
+    resumed = engine.step(empty.resume(), ONE_SCALE)
     assert resumed.count == 0
     assert resumed.stop_reason
 
@@ -123,7 +123,7 @@ def test_a_barrier_before_a_front_holds_it_until_it_is_removed():
     held = walked(barred, states[-1], ONE_SCALE, 120)
     assert max(state.position[:, 1].max() for state in held) < barrier_col + 0.7
     assert held[-1].position[:, 1].max() > barrier_col - 3.0
-    free = walked(barred.with_regions(None), held[-1].resumed(), ONE_SCALE, 150)
+    free = walked(barred.with_regions(None), held[-1].resume(), ONE_SCALE, 150)
     assert free[-1].position[:, 1].max() > 190.0
 
 
@@ -133,7 +133,7 @@ def test_particles_under_a_barrier_neither_stick_to_it_nor_cross_it(engine, left
     line = ((20.0, 45.0), (75.0, 45.0))
     points[:40, 1] = 45.0 + generator.choice([-1e-5, 1e-5, -1e-3, 1e-3], 40)
     points[40:45, 1] = 45.0
-    begun = engine.step(engine.joined(left, points), ONE_SCALE)
+    begun = engine.step(engine.add_particles(left, points), ONE_SCALE)
     barred = engine.with_regions(Regions(barriers=(line,)))
     states = walked(barred, begun, ONE_SCALE, 60)
     for one, other in pairwise(states):

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpm_core import Image, at_centers, everywhere, example, segment
+from cpm_core import Image, seeds_at_centers, seeds_everywhere, example, segment
 from cpm_core.formats.common.plain import shape_from_plain, shape_to_plain
-from cpm_core.model.volume.starts import strength_of
+from cpm_core.model.volume.starts import volume_edge_strength
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import BoxGrid, BoxThreshold, Threshold
 from cpm_core.shapes.image_starts import SeedCache
@@ -35,7 +35,7 @@ def test_a_threshold_takes_the_voxels_above_a_fraction_of_the_strongest_in_its_b
     volume = example("ball")
     box = BoxThreshold((2.0, 3.0, 4.0), (15.0, 28.0, 29.0), 0.5)
     (seeds,) = SeedCache(volume).seeds_for([box], smoothing).values()
-    strength = strength_of(volume, smoothing)[2:16, 3:29, 4:30]
+    strength = volume_edge_strength(volume, smoothing)[2:16, 3:29, 4:30]
     assert np.array_equal(seeds, np.argwhere(strength > 0.5 * strength.max()) + np.array((2, 3, 4)))
     assert box.resized(1).fraction == 0.52
     assert box.resized(100).fraction == 0.98
@@ -57,9 +57,9 @@ def test_centers_lie_in_the_middle_of_objects_and_lead_to_the_same_surface(sides
     places = np.moveaxis(np.indices((16 if sides[0] > 1 else 40, 40, 60)), 0, -1) * sides
     away = np.minimum(*(np.linalg.norm(places - np.array(at), axis=-1) for at in ((21, 20, 16), (21, 20, 44))))
     volume = Image(20.0 + 180.0 * np.clip(10.5 - away, 0, 1), spacing=sides)
-    seeds = at_centers(volume)
+    seeds = seeds_at_centers(volume)
     for center in ((21, 20, 16), (21, 20, 44)):
         assert np.linalg.norm(seeds * sides - center, axis=1).min() < 3.0
-    assert len(seeds) < 0.5 * len(everywhere(volume))
+    assert len(seeds) < 0.5 * len(seeds_everywhere(volume))
     found = segment(volume, seeds, PRESETS["volume"])
     assert found.surface.components == 2

@@ -8,7 +8,7 @@ import pytest
 
 import cpm_core as cpm
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.model.starts import starting_points
+from cpm_core.model.starts import check_seeds
 from cpm_core.shapes import Grid
 
 SQUARE = ((0.0, 0.0), (0.0, 100.0), (100.0, 100.0), (100.0, 0.0))
@@ -30,10 +30,10 @@ def test_a_grid_of_too_many_particles_is_refused_before_they_are_made(tmp_path, 
 
 def test_starts_that_crowd_a_pixel_are_thinned_and_others_are_not():
     spread = cpm.uniform_grid((40, 40), 1.0)
-    assert starting_points(spread, (40, 40), None) is not None
-    assert np.array_equal(starting_points(spread, (40, 40), None), spread)
+    assert check_seeds(spread, (40, 40), None) is not None
+    assert np.array_equal(check_seeds(spread, (40, 40), None), spread)
     crowd = np.random.default_rng(0).uniform(10.0, 14.0, (40_000, 2))
-    found = starting_points(np.concatenate([spread, crowd]), (40, 40), None)
+    found = check_seeds(np.concatenate([spread, crowd]), (40, 40), None)
     assert len(found) <= len(spread) + 16 * 25
     assert np.array_equal(found[: len(spread)], spread)
     assert np.bincount((np.rint(found) @ [40, 1]).astype(int)).max() <= 16

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from cpm_core import Image, gradient_threshold
 from cpm_core.field.edge_map import automatic_smoothing, edge_map
-from cpm_core.field.placed_charges import STRONGEST
+from cpm_core.field.placed_charges import MAX_CHARGE_STRENGTH
 from cpm_core.numerics import polyline
 from cpm_core.shapes import (
     SHAPES,
@@ -36,7 +36,7 @@ coordinates = st.floats(-100, 200, allow_nan=False).map(lambda number: round(num
 positions = st.tuples(coordinates, coordinates)
 radii = st.floats(2, 80)
 ellipses = st.builds(Ellipse, positions, st.tuples(radii, radii), st.floats(-math.pi, math.pi))
-charges = st.builds(Charge, positions, st.floats(0.5, STRONGEST) | st.floats(-STRONGEST, -0.5))
+charges = st.builds(Charge, positions, st.floats(0.5, MAX_CHARGE_STRENGTH) | st.floats(-MAX_CHARGE_STRENGTH, -0.5))
 
 
 @st.composite
@@ -81,7 +81,7 @@ def test_particles_move_with_their_shape_and_lie_two_px_apart_along_its_line(sha
     seeds = shape.seeds()
     np.testing.assert_allclose(shape.moved(by).seeds(), seeds + by, atol=1e-6)
     line = shape.outline
-    assert polyline.distances([tuple(p) for p in line.tolist()], seeds).max() < 1e-6
+    assert polyline.distances_to_path([tuple(p) for p in line.tolist()], seeds).max() < 1e-6
     along = np.hypot(*np.diff(line, axis=0).T).sum()
     count = max(1, round(along / 2.0))
     assert len(seeds) == count
@@ -91,9 +91,9 @@ def test_particles_move_with_their_shape_and_lie_two_px_apart_along_its_line(sha
 
 @given(areas, positions)
 def test_an_area_encloses_positions_that_its_line_winds_around(shape, position) -> None:
-    if polyline.distance((*shape.points, shape.points[0]), position) > 1e-6:
+    if polyline.distance_to_path((*shape.points, shape.points[0]), position) > 1e-6:
         inside = wound_around(shape.points, position)
-        assert bool(polyline.inside(shape.points, np.array([position]))[0]) == inside
+        assert bool(polyline.points_inside(shape.points, np.array([position]))[0]) == inside
         assert shape.encloses(position) == (inside and not isinstance(shape, Region))
 
 
@@ -126,7 +126,7 @@ def test_the_particles_of_a_grid_fill_its_area_at_its_spacing(grid) -> None:
     seeds = grid.seeds()
     if len(seeds) == 1:
         return
-    assert polyline.inside(grid.points, seeds).all()
+    assert polyline.points_inside(grid.points, seeds).all()
     off = (seeds - seeds[0]) / grid.spacing
     np.testing.assert_allclose(off, np.round(off), atol=1e-6)
     assert len(np.unique(np.round(off), axis=0)) == len(seeds)
@@ -134,7 +134,7 @@ def test_the_particles_of_a_grid_fill_its_area_at_its_spacing(grid) -> None:
     reach = np.ceil((high - low) / grid.spacing) + 1
     steps = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in reach), indexing="ij"), axis=-1).reshape(-1, 2)
     every = seeds[0] + grid.spacing * steps
-    well_inside = polyline.inside(grid.points, every) & (polyline.distances(grid.outline.tolist(), every) > 1e-6)
+    well_inside = polyline.points_inside(grid.points, every) & (polyline.distances_to_path(grid.outline.tolist(), every) > 1e-6)
     assert len(seeds) >= np.count_nonzero(well_inside)
 
 

@@ -155,7 +155,7 @@ _POINTS: tuple[Any, ...] = (
     np.indices((16, 18)).reshape(2, -1).T,
     cpm_core.sphere((6.0, 6.0, 6.0), 2.0, 40),
     cpm_core.sphere((6.0, 6.0, 6.0), 2.0, 40) * (1.0, 1e-9, 1e9),
-    cpm_core.box((2, 2, 2), (9, 9, 9)),
+    cpm_core.seeds_on_box((2, 2, 2), (9, 9, 9)),
     np.full((5, 3), 6.0),
     np.eye(4, 3) * 1e-300,
     np.full((4, 3), 1e300) * np.eye(4, 3),

@@ -47,7 +47,7 @@ def differences(contours: Contours, comparison: Comparison) -> tuple[Difference,
     for contour, away in zip(contours, comparison.distances, strict=True):
         far = away > comparison.tolerance
         around = np.pad(far, 1, "wrap" if contour.closed else "constant")  # with the near neighbors of far vertices
-        runs = polyline.stretches(around[:-2] | far | around[2:], contour.closed) if far.any() else []
+        runs = polyline.find_marked_runs(around[:-2] | far | around[2:], contour.closed) if far.any() else []
         found += [_difference("wrong", contour.points[piece], away[piece]) for piece in runs]
     missing = comparison.missing
     if len(missing):

@@ -11,7 +11,7 @@ import PIL.Image
 
 from cpm_core import Image
 from cpm_core.numerics import Array
-from cpm_core.numerics.grids import in_bands
+from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.types import Extent, Pixels, frozen, record
 
 _AT_ONCE = 1 << 16
@@ -124,7 +124,7 @@ def _halved(shades: Pixels) -> Pixels:
     def halve_rows(first: int, end: int) -> None:
         half[first:end] = PIL.Image.fromarray(shades[2 * first : 2 * end]).reduce(2)
 
-    in_bands(halve_rows, len(half))
+    run_in_bands(halve_rows, len(half))
     return half
 
 
@@ -158,7 +158,7 @@ def apply_window(values: Array, window: IntensityWindow) -> Pixels:
         codes = np.rint(np.clip((values[first:end] - window.low) * factor, 0.0, top))
         shown[first:end] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
 
-    in_bands(shade_rows, len(values), rows)
+    run_in_bands(shade_rows, len(values), rows)
     return shown
 
 

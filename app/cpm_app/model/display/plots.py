@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.text.language import tr
-from cpm_core.model import EPSILON
+from cpm_core.model import EPSILON_BOUND
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Integers, frozen, record
 
@@ -107,7 +107,7 @@ PLOTS = (
         tr("How much the particles still move (ε of eq. (23)); below the dashed line the run may come to rest."),
         (Series(tr("ε"), lambda metrics: metrics.epsilon, _CURVE_ORANGE),),
         "logarithmic",
-        EPSILON,
+        EPSILON_BOUND,
     ),
     Plot(
         tr("Kinetic energy of all particles."),

@@ -12,7 +12,7 @@ import numpy as np
 from cpm_app.model.document.document import Document
 from cpm_app.model.parameters import controls
 from cpm_core import Parameters
-from cpm_core.numerics import Array, Place, Position, polyline, voxel_sides
+from cpm_core.numerics import Array, Place, Position, polyline, check_voxel_sides
 from cpm_core.numerics.types import Sides, frozen
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
 
@@ -60,12 +60,12 @@ def erase(document: Document, path: Sequence[Place], radius: float) -> Document:
 def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) -> Shape | None:
     """Return what erasing leaves of a shape; None if nothing."""
     if isinstance(shape, Points):
-        near = polyline.distances(np.array(path) * sides, shape.seeds() * sides) <= radius
+        near = polyline.distances_to_path(np.array(path) * sides, shape.seeds() * sides) <= radius
         if not near.any():
             return shape
         left = tuple(point for point, gone in zip(shape.positions, near.tolist(), strict=True) if not gone)
         return Points(left) if left else None
-    stops = polyline.resampled(np.array(path, float), 0.5 * radius).tolist()
+    stops = polyline.resample_path(np.array(path, float), 0.5 * radius).tolist()
     return None if any(shape.distance(tuple(at)) <= radius for at in stops) else shape
 
 
@@ -87,7 +87,7 @@ def set_pixel_size(document: Document, spacing: Sides, unit: str | None, *, by_h
     if document.image is None:
         return document
     if by_hand and len(spacing) == 3:
-        voxel_sides("The size of a voxel", spacing)
+        check_voxel_sides("The size of a voxel", spacing)
     own = {"spacing": spacing, "unit": unit} if by_hand else {"spacing": None, "unit": None}
     reading = replace(document.image.reading, **own)
     return replace(document, image=replace(document.image, spacing=spacing, unit=unit, reading=reading))

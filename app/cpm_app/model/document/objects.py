@@ -15,7 +15,7 @@ from cpm_app.model.text.language import tr
 from cpm_core import Bridge, Result, Selection, Surface, VolumeSelection
 from cpm_core.contours import Label, PackedBody, surfaces_joined
 from cpm_core.contours.contour import Contours
-from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
+from cpm_core.numerics import Array, Place, Position, path_length, polyline, simplify_path
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Extent, Integers, Line, Sides
 from cpm_core.objects import boundaries_result
@@ -235,7 +235,7 @@ def _with_shapes(
         for surface in item.surface:
             document = edits.add_shape(document, in_volume(surface))
         for curve in item.boundary if holes else item.outer:
-            few = thinned(curve)
+            few = simplify_path(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))
     return document
 
@@ -280,7 +280,7 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
         for item in shown
         for contour in contours_of(item)
     ]
-    bridges = [Bridge(np.array(gap), length(gap), 0.0) for item in shown for gap in item.gaps]
+    bridges = [Bridge(np.array(gap), path_length(gap), 0.0) for item in shown for gap in item.gaps]
     found = boundaries_result(contours, bridges, image.shape, image.spacing, image.unit, image.name)
     return replace(found, surface=surface, provenance=Provenance("objects", sha256=image.sha256))
 
@@ -366,8 +366,8 @@ def brushed(
     kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
     painted = []
     for points in map(np.array, boundary):
-        on = np.abs(polyline.distances(path, points) - radius) <= _BRUSH_EDGE_TOLERANCE
-        runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
+        on = np.abs(polyline.distances_to_path(path, points) - radius) <= _BRUSH_EDGE_TOLERANCE
+        runs = (points[run].tolist() for run in polyline.find_marked_runs(on, closed=True) if len(run) > 1)
         painted += [tuple(map(tuple, run)) for run in runs]
     new = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))
     return accept(document, (new,), ends=document.objects.edited == number)

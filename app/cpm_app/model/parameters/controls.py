@@ -8,7 +8,7 @@ from dataclasses import asdict, replace
 from cpm_app.model.text.language import from_core, tr, written
 from cpm_app.model.text.wording import rich
 from cpm_core import PARAMETERS, Parameters
-from cpm_core.numerics.types import Entries, Texts, frozen
+from cpm_core.numerics.types import JsonDict, Texts, frozen
 from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, ParameterInfo
 
 RATIO = "ratio"
@@ -166,7 +166,7 @@ def with_value(parameters: Parameters, name: str, value: float | str) -> Paramet
         return replace(parameters, w2=weight, w1=min(parameters.w1 / parameters.w2, HIGHEST_RATIO) * weight)
     if name == "scales" and isinstance(value, float):
         value = round(value)
-    fields: Entries = {name: value}
+    fields: JsonDict = {name: value}
     return replace(parameters, **fields)
 
 

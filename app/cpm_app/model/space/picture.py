@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from cpm_core.numerics import compiled, share
+from cpm_core.numerics import compiled, run_in_parallel
 from cpm_core.numerics.types import Pixels, Single, record
 
 FAR = np.float32(3e38)
@@ -54,7 +54,7 @@ class Picture:
         def draw_band(begin: int, end: int) -> None:
             kernel(*drawn, self.colors, self.depths, begin, end)
 
-        share(draw_band, self.size[0], _MIN_BAND_ROWS)
+        run_in_parallel(draw_band, self.size[0], _MIN_BAND_ROWS)
 
 
 def draw_lines(picture: Picture, seen: Single, colors: Pixels) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import boundary_in
-from cpm_core.field import RADIUS
+from cpm_core.field import CHARGE_RADIUS
 from cpm_core.numerics import Array, Position
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Line, Sides, frozen
@@ -177,7 +177,7 @@ def _sections(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
             yield RegionSection(line) if isinstance(shape, EnclosedRegion) else Barrier((*line, line[0]))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
         away = abs(shape.position[here.axis] - here.index) * sides[here.axis]
-        if away <= RADIUS:
+        if away <= CHARGE_RADIUS:
             down, right = here.within(sides)
             yield ChargeSection(here.within(shape.position), shape.strength, away, (down, right))
     elif isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
@@ -290,7 +290,7 @@ def wires(shape: Shape, sides: Sides) -> Array:
     if isinstance(shape, Extruded):
         return _drawn_through(shape.flat(shape.points).outline, shape.axis, shape.first, shape.last)
     if isinstance(shape, Charge) and len(shape.position) == 3:
-        ball = _through_middle(Sphere(shape.position, RADIUS, sides))
+        ball = _through_middle(Sphere(shape.position, CHARGE_RADIUS, sides))
         return np.concatenate([ball, _crosses(np.array([shape.position]), sides)])
     if isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
         return _pieces_of(shape.outline) if len(shape.points) > 1 else _crosses(shape.outline, sides)

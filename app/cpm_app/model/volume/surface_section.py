@@ -119,7 +119,7 @@ def holds(item: SegmentedObject, place: Place) -> bool:
     here = Slice(0, round(place[0]))
     within = np.array([here.within(place)], float)
     lines = boundary_in(item.surface[0], here) if item.surface else ()
-    return bool(sum(bool(polyline.inside(line, within)[0]) for line in lines) % 2)
+    return bool(sum(bool(polyline.points_inside(line, within)[0]) for line in lines) % 2)
 
 
 def size_of(item: SegmentedObject) -> float:
@@ -149,7 +149,7 @@ def _pieces(path: Array, radii: Array, here: Slice) -> list[tuple[Array, Array]]
     """Return the stretches of a line near a slice, projected onto it, with the vertices before and after."""
     near = np.abs(path[:, here.axis] - here.index) <= _CENTERLINE_DISTANCE
     found = []
-    for run in polyline.stretches(scipy.ndimage.binary_dilation(near)):
+    for run in polyline.find_marked_runs(scipy.ndimage.binary_dilation(near)):
         flat = here.flattened(path[run])
         distinct = np.append(True, (np.diff(flat, axis=0) != 0.0).any(axis=1))
         if distinct.sum() > 1:

@@ -79,7 +79,7 @@ class ContourTracker:
         given = set()
         if contours and self.places:
             known = list(self.places)
-            near = neighborhood(contours).pairs(np.array(list(self.places.values())), REACH)
+            near = neighborhood(contours).pairs_within(np.array(list(self.places.values())), REACH)
             pairs = sorted(
                 (int(away), known[place], -contours[index].length, index)
                 for place, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)

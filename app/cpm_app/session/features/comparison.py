@@ -41,7 +41,7 @@ from cpm_core import (
 from cpm_core.contours import TOLERANCE, numbered, truth_of_contours
 from cpm_core.formats import TruthFile
 from cpm_core.formats.contours import mask
-from cpm_core.numerics.types import Entries, record
+from cpm_core.numerics.types import JsonDict, record
 from cpm_core.objects.segmented import SegmentedObject
 
 NOW = 0
@@ -334,7 +334,7 @@ class ComparedResults(QObject):
         self._compare()
         self.changed.emit()
 
-    def _change(self, key: int, parts: Entries) -> None:
+    def _change(self, key: int, parts: JsonDict) -> None:
         if key in self.rows:
             self.rows[key] = replace(self.rows[key], **parts)
             if key == self.chosen:

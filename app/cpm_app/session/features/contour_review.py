@@ -83,7 +83,7 @@ class ContourReview(QObject):
         """Find the shown contours within `reach` [px] of a place (row, col), nearest first."""
         if self._around is None:
             self._around = neighborhood([item.contour for item in self.items])
-        return list(filter(self.sees, map(self.items.__getitem__, self._around.passing(place, reach))))
+        return list(filter(self.sees, map(self.items.__getitem__, self._around.paths_near(place, reach))))
 
     def sees(self, item: Item) -> bool:
         """Return whether a contour is shown."""
@@ -91,7 +91,7 @@ class ContourReview(QObject):
 
     def within(self, outline: Sequence[Position]) -> frozenset[int]:
         """Find the keys of the shown contours at least half inside a closed outline of places (row, col)."""
-        inside = polyline.inside(outline, self._sampled).reshape(-1, _SAMPLES_PER_CONTOUR).mean(axis=1)
+        inside = polyline.points_inside(outline, self._sampled).reshape(-1, _SAMPLES_PER_CONTOUR).mean(axis=1)
         lie = zip(self.items, inside.tolist(), strict=True)
         return frozenset(item.key for item, part in lie if part >= 0.5 and self.sees(item))
 
@@ -118,7 +118,7 @@ class ContourReview(QObject):
             for first in range(0, len(path) - 1, _CORNERS_PER_PIECE)
         ]
         of = np.repeat(np.arange(len(paths)), [-(-(len(path) - 1) // _CORNERS_PER_PIECE) for path in paths])
-        place, piece, _ = PathTree(pieces).pairs(self._sampled, _ON_BOUNDARY_DISTANCE)
+        place, piece, _ = PathTree(pieces).pairs_within(self._sampled, _ON_BOUNDARY_DISTANCE)
         order = np.argsort(of[piece], kind="stable")
         found = np.split(place[order], np.searchsorted(of[piece][order], np.arange(1, len(paths))))
         self._along.update((id(line), (line, places)) for line, places in zip(lines, found, strict=True))
@@ -150,7 +150,7 @@ class ContourReview(QObject):
         if self._places is None:
             paths = [item.contour.path for item in self.items]
             self._places = (
-                polyline.middles_of(paths, _SAMPLES_PER_CONTOUR).reshape(-1, 2) if paths else np.empty((0, 2))
+                polyline.midpoints_of_paths(paths, _SAMPLES_PER_CONTOUR).reshape(-1, 2) if paths else np.empty((0, 2))
             )
         return self._places
 

@@ -110,7 +110,7 @@ class HandEditing(QObject):
             curves = [(item, contour) for item in shown for contour in contours_of(item)]
             self._lines = objects, curves, neighborhood([contour for _, contour in curves])
         _, curves, around = self._lines
-        found = around.passing(at, reach)
+        found = around.paths_near(at, reach)
         if not found:
             return None
         item, contour = curves[found[0]]

@@ -24,7 +24,7 @@ from cpm_core import Engine, Page, Result, State, load_pages
 from cpm_core.contours import middle
 from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
-from cpm_core.numerics.types import Entries, Plain, record
+from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
 from cpm_core.shapes import SeedCache, Start, check_axes
@@ -103,7 +103,7 @@ class KeptPage:
     """
 
     document: Document
-    runs: Plain = field(default_factory=dict)
+    runs: JsonObject = field(default_factory=dict)
     history: History = field(default_factory=History)
     known: Document | None = None
     given: tuple[Start, ...] = ()
@@ -161,7 +161,7 @@ class Linked(NamedTuple):
 def linked(
     source: StackSource,
     found: Mapping[int, Page],
-    drawn: tuple[Plain, ...],
+    drawn: tuple[JsonObject, ...],
     documents: Mapping[int, Document],
     known: Measured,
 ) -> Linked:
@@ -194,10 +194,10 @@ _MAX_PAGE_RUNS_CHARACTERS = 24 * 2**20
 def pages_to_plain(
     others: Mapping[int, KeptPage],
     following: bool,
-    drawn: tuple[Plain, ...],
+    drawn: tuple[JsonObject, ...],
     given: bool,
     result: StackResult | None,
-) -> Entries:
+) -> JsonDict:
     """Encode the pages of a stack for a session file, to be read by `StoredPages`; runs are left out beyond a size.
 
     `others` are the pages that are not open, `given` is whether the open page was given its starts.
@@ -244,15 +244,15 @@ class StoredPages:
     kept: dict[int, KeptPage]
     found: dict[int, Page]
     following: bool
-    drawn: tuple[Plain, ...]
+    drawn: tuple[JsonObject, ...]
     given: tuple[Start, ...]
     trouble: str
 
     @classmethod
-    def of(cls, plain: Plain, here: Document, source: StackSource) -> StoredPages:
+    def of(cls, plain: JsonObject, here: Document, source: StackSource) -> StoredPages:
         """Read the pages of a session file; damaged ones are left out. The open page has the document `here`."""
 
-        def read_session(entry: Plain) -> tuple[int, KeptPage]:
+        def read_session(entry: JsonObject) -> tuple[int, KeptPage]:
             number = _checked(entry["page"], source)
             file = decode(json.dumps(entry["session"]).encode(), tr("page {number}", number=number))
             image = here.image and replace(here.image, reading=source.reading_of(number))
@@ -263,7 +263,7 @@ class StoredPages:
             given = document.starts if entry.get("given") is True else ()
             return number, KeptPage(document, file.runs, known=document, given=given)
 
-        def read_page(entry: Plain) -> tuple[int, Page]:
+        def read_page(entry: JsonObject) -> tuple[int, Page]:
             page = page_from_plain(entry)
             return _checked(page.number, source), page
 
@@ -281,11 +281,11 @@ class StoredPages:
 class PlainPages(Mapping[str, Any]):
     """Pages as plain JSON, encoded on access: on the thread that writes a file, not on the window's."""
 
-    def __init__(self, make: Callable[[], Entries]) -> None:
+    def __init__(self, make: Callable[[], JsonDict]) -> None:
         self._make = make
 
     @cached_property
-    def _plain(self) -> Entries:
+    def _plain(self) -> JsonDict:
         return self._make()
 
     def __getitem__(self, name: str) -> Any:
@@ -311,7 +311,7 @@ class PageDone:
     page: Page
     document: Document
     given: tuple[Start, ...] = ()
-    runs: Plain = field(default_factory=dict)
+    runs: JsonObject = field(default_factory=dict)
 
 
 def _recorded(recorder: Recorder, task: Task, state: State) -> None:

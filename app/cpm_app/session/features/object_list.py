@@ -163,7 +163,7 @@ def _holds(row: Row, place: Place) -> bool:
     """Return whether a place (row, col) [px], or (plane, row, col), lies inside the object or contour of a row."""
     if row.drawn is None:
         line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
-        return line is not None and len(place) == 2 and bool(polyline.inside(line.points, np.array([place]))[0])
+        return line is not None and len(place) == 2 and bool(polyline.points_inside(line.points, np.array([place]))[0])
     return holds(row.drawn, place)
 
 
@@ -321,7 +321,7 @@ class ObjectList(QObject):
         if around:
             return min(around, key=_size).key
         away = [
-            (polyline.distances_from_closed(row.drawn.boundary, np.array([place]))[0], row.key)
+            (polyline.distances_to_closed_paths(row.drawn.boundary, np.array([place]))[0], row.key)
             for row in self.rows if lines and row.drawn is not None and row.drawn.boundary
         ]  # fmt: skip
         return min(away)[1] if away else None
@@ -334,7 +334,7 @@ class ObjectList(QObject):
             if row.contour is not None:
                 return row.contour.key in contours
             corners = row.drawn.boundary if row.drawn is not None else ()
-            return bool(corners) and bool(polyline.inside(outline, np.concatenate(corners)).mean() >= 0.5)
+            return bool(corners) and bool(polyline.points_inside(outline, np.concatenate(corners)).mean() >= 0.5)
 
         return frozenset(row.key for row in self.rows if is_inside(row))
 
@@ -734,10 +734,10 @@ class ObjectBrush:
         if len(newest[-1]) == 3:
             near = [one for one in self._list.objects.items if one.number in {*selected, under} and not one.hidden]
         else:
-            path = polyline.sampled(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
+            path = polyline.sample_path(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
             near = [
                 item for item in self._list.near(path, radius)
-                if item.encloses(path).any() or (polyline.distances_from_closed(item.boundary, path) < radius).any()
+                if item.encloses(path).any() or (polyline.distances_to_closed_paths(item.boundary, path) < radius).any()
             ]  # fmt: skip
         return min(near, key=lambda one: (one.number not in selected, one.number != under, one.area), default=None)
 

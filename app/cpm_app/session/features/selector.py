@@ -36,7 +36,7 @@ from cpm_core import (
 from cpm_core.image import AnyRegions, of_plane
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Entries, frozen
+from cpm_core.numerics.types import JsonDict, frozen
 from cpm_core.objects import EVERYWHERE, overlap
 from cpm_core.objects.everywhere import everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
@@ -310,7 +310,7 @@ class Selector:
         places = np.concatenate([np.array(each.places) for each in clicks])
         return bool(self.partition.bodies_at(places).all())
 
-    def _rest(self, clicks: Clicks) -> Entries:
+    def _rest(self, clicks: Clicks) -> JsonDict:
         """Return the arguments of a selection other than the positive points."""
         inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
         previous = self.selection(clicks[:-1])

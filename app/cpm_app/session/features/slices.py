@@ -25,7 +25,7 @@ from cpm_app.session.worker.requests import Probed
 from cpm_core import Image, Skeleton
 from cpm_core.contours import ReviewedContour
 from cpm_core.numerics import Array, Index, Place
-from cpm_core.numerics.types import Plain
+from cpm_core.numerics.types import JsonObject
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import ImageSeeds, ImageStart, Shape, sides_of
 
@@ -280,7 +280,7 @@ class ShownSlices:
         now = self.now
         return {} if now is None else {"slices": {"voxel": list(now.voxel), "axis": now.axis}}
 
-    def use_view_state(self, state: Plain) -> None:
+    def use_view_state(self, state: JsonObject) -> None:
         """Restore the slices from a session file; missing or invalid entries change nothing."""
         kept = state.get("slices")
         if self.now is None or not isinstance(kept, Mapping):

@@ -44,7 +44,7 @@ from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.contours import apply, centroid
 from cpm_core.formats import ImageFile, export_stack, plain_shapes
-from cpm_core.numerics.types import Plain
+from cpm_core.numerics.types import JsonObject
 from cpm_core.pages import StackResult
 from cpm_core.shapes import Start, starts_along
 
@@ -91,7 +91,7 @@ class StackPages(QObject):
         self._measured: Measured = {}
         self.task: Task | None = None
         self._seen: Result | None = None
-        self._drawn: tuple[Plain, ...] = ()
+        self._drawn: tuple[JsonObject, ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(
@@ -387,7 +387,7 @@ class StackPages(QObject):
             tr("Writing {name}…", name=path.name), write_stack, tr("writing {name}", name=path.name)
         )
 
-    def _plain(self) -> Plain:
+    def _plain(self) -> JsonObject:
         """Return the other pages as stored in a session."""
         if not self.count:
             return {}

@@ -17,7 +17,7 @@ from cpm_app.session.exchange.messages import Reconstruction, sentence
 from cpm_app.session.scene import ReviewedContours, Scene
 from cpm_app.session.tasks.tasks import Cancelled, Task
 from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, facts_of, measure, moments
-from cpm_core.numerics import cores
+from cpm_core.numerics import count_cores
 from cpm_core.objects.methods import result_of
 from cpm_core.shapes import SeedCache, outlines_of
 
@@ -88,6 +88,6 @@ def run_trials(
         except Exception as error:  # shown in its row, and the others continue
             report(key, {"state": sentence(error, tr("running {name}", name=trial.title))})
 
-    with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
+    with ThreadPoolExecutor(max(1, count_cores() - 1), thread_name_prefix="cpm-compare") as pool:
         for done, _ in enumerate(pool.map(run_trial, trials), start=1):
             task.fraction = done / len(trials)

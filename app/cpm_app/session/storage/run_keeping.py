@@ -10,7 +10,7 @@ from cpm_app.session.exchange.messages import Opened, RunsKept
 from cpm_app.session.session import Session
 from cpm_app.session.timeline.timeline import Outline
 from cpm_app.session.worker.commands import RunsCollected, RunsRestored, collect_runs
-from cpm_core.numerics.types import Callback, Plain
+from cpm_core.numerics.types import Callback, JsonObject
 
 _QUIET = 500
 """Time from a change of the runs until they are collected, together with all changes in between [ms]."""
@@ -24,7 +24,7 @@ class RunKeeping(QObject):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self.plain: Plain = {}
+        self.plain: JsonObject = {}
         self._session = session
         self._outline: Outline | None = None
         self._collected = self._saved = -1

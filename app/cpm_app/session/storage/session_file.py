@@ -19,7 +19,7 @@ from cpm_app.session.signals import SAVING
 from cpm_app.session.storage.run_keeping import RunKeeping
 from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
-from cpm_core.numerics.types import Plain, Texts, record
+from cpm_core.numerics.types import JsonObject, Texts, record
 
 _MAX_RUNS_WAIT = 10.0
 """Longest time that saving waits for the worker to finish its step; then the last collected runs are used [s]."""
@@ -56,7 +56,7 @@ class DocumentFile(QObject):
         self.runs = RunKeeping(session)
         self.truth: Callable[[], TruthFile | None] = lambda: None
         """Returns the ground truth to be saved; set by the window."""
-        self.pages: Callable[[], Plain] = dict
+        self.pages: Callable[[], JsonObject] = dict
         """Returns the other pages of a stack, as plain JSON; set by `StackPages`."""
         self.pages_unsaved: Callable[[], bool] = lambda: False
         """Returns whether closing would lose changes on other pages; set by `StackPages`."""

@@ -81,7 +81,7 @@ class KeptStates:
         """Keep the state of a node in place of the previous one."""
         self.drop(moment)
         self._states[moment] = state
-        for values in state.arrays():
+        for values in state.list_arrays():
             self.used += 0 if self._owners[id(values)] else values.nbytes
             self._owners[id(values)] += 1
         self.make_room()
@@ -90,7 +90,7 @@ class KeptStates:
         """Remove states."""
         for moment in moments:
             state = self._states.pop(moment, None)
-            for values in () if state is None else state.arrays():
+            for values in () if state is None else state.list_arrays():
                 self._owners[id(values)] -= 1
                 if not self._owners[id(values)]:
                     del self._owners[id(values)]
@@ -159,7 +159,7 @@ class Stepped:
 
     def apply(self, method: Method[Any], state: Any) -> Any:
         """Return the state after the step."""
-        state = state.resumed() if state.stop_reason else state
+        state = state.resume() if state.stop_reason else state
         return method.step(state, self.parameters, self.charges)
 
 
@@ -172,7 +172,7 @@ class Joined:
 
     def apply(self, method: Any, state: Any) -> Any:
         """Return the state with the particles."""
-        return method.joined(state, np.array(self.seeds))
+        return method.add_particles(state, np.array(self.seeds))
 
 
 @frozen
@@ -185,12 +185,12 @@ class Erased:
 
     def apply(self, method: Any, state: Any) -> Any:
         """Return the state without the particles."""
-        return method.erased(state, lambda at: self.reaches(at, method.image.spacing))
+        return method.erase_particles(state, lambda at: self.reaches(at, method.image.spacing))
 
     def reaches(self, places: Array, spacing: Sides) -> ArrayLike:
         """Return whether each place, shape (N, D) [px], is within the radius of the path, shape (N,) bool."""
         sides = np.array(spacing) / min(spacing) if len(self.path[0]) == 3 else 1.0
-        return polyline.distances(np.array(self.path) * sides, places * sides) <= self.radius
+        return polyline.distances_to_path(np.array(self.path) * sides, places * sides) <= self.radius
 
 
 RunAction = Stepped | Joined | Erased

@@ -19,7 +19,7 @@ from cpm_app.session.timeline.moments import FIGURES, BranchStep, Erased, Joined
 from cpm_app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns, starts_of
 from cpm_app.session.timeline.timeline import MOST_RUNS
 from cpm_core import Parameters, PlacedCharge, State
-from cpm_core.field import in_order
+from cpm_core.field import sort_charges
 from cpm_core.formats import (
     Reading,
     SessionFile,
@@ -42,7 +42,7 @@ from cpm_core.formats import (
 )
 from cpm_core.numerics import Position
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Entries, Plain, frozen
+from cpm_core.numerics.types import JsonDict, JsonObject, frozen
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import shown
 
@@ -63,7 +63,7 @@ class _Numbered:
     place: Position
 
 
-def runs_to_plain(stored: StoredRuns) -> Plain:
+def runs_to_plain(stored: StoredRuns) -> JsonObject:
     """Encode all runs; states, the shown one and then the newest, and figures as far as `MOST` characters allow."""
     if not stored.runs:
         return {}
@@ -87,13 +87,13 @@ def runs_to_plain(stored: StoredRuns) -> Plain:
 
 
 @lru_cache(2 * MOST_RUNS)
-def _packed(state: State) -> tuple[Entries, int]:
+def _packed(state: State) -> tuple[JsonDict, int]:
     """Return a state as plain JSON and its size [characters]; cached, as most states are collected repeatedly."""
     plain = state_to_plain(state)
     return plain, len(json.dumps(plain))
 
 
-def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, str]:
+def runs_from_plain(plain: JsonObject, image: ImageReference) -> tuple[StoredRuns, str]:
     """Read the runs of a session file on its image; return them and a message on what was left out, or ""."""
     faults: list[Exception] = []
     runs: list[StoredRun] = []
@@ -106,10 +106,10 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
             branches.update(found)
             runs.append(run)
 
-    def read_state(entry: Plain) -> tuple[BranchStep, State] | None:
+    def read_state(entry: JsonObject) -> tuple[BranchStep, State] | None:
         return _state(entry, branches, image) if entry.get("branch") in branches else None  # the oldest may be left out
 
-    def read_number(entry: Plain) -> tuple[int, Position]:
+    def read_number(entry: JsonObject) -> tuple[int, Position]:
         contour = from_plain(_Numbered, entry, "number of a contour")
         return contour.number, contour.place
 
@@ -126,7 +126,7 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
     return StoredRuns(tuple(runs), here, states, numbers), fault
 
 
-def sound(plain: Plain, name: str, read: Callable[[Plain], Entry], faults: list[Exception]) -> list[Entry]:
+def sound(plain: JsonObject, name: str, read: Callable[[JsonObject], Entry], faults: list[Exception]) -> list[Entry]:
     """Read the valid entries of a list; the errors of the others are added to `faults`."""
     found, entries = [], plain.get(name, [])
     for entry in entries if isinstance(entries, list) else [entries]:
@@ -137,7 +137,7 @@ def sound(plain: Plain, name: str, read: Callable[[Plain], Entry], faults: list[
     return found
 
 
-def _run_to_plain(run: StoredRun) -> Entries:
+def _run_to_plain(run: StoredRun) -> JsonDict:
     numbers: dict[RunAction, int] = {}
     branches = []
     for stored in run.branches:
@@ -160,9 +160,9 @@ def _run_to_plain(run: StoredRun) -> Entries:
     }
 
 
-def _action_to_plain(action: RunAction, usual: Parameters) -> Entries:
+def _action_to_plain(action: RunAction, usual: Parameters) -> JsonDict:
     """Encode an action; of its parameters only those that differ from the usual ones."""
-    plain: Entries = {}
+    plain: JsonDict = {}
     if isinstance(action, Stepped):
         known, taken = to_plain(usual), to_plain(action.parameters)
         plain["step"] = {name: value for name, value in taken.items() if value != known[name]}
@@ -174,7 +174,7 @@ def _action_to_plain(action: RunAction, usual: Parameters) -> Entries:
     return plain | regions_to_plain(action.regions)
 
 
-def _run(plain: Plain, image: ImageReference) -> StoredRun:
+def _run(plain: JsonObject, image: ImageReference) -> StoredRun:
     if plain.get("size") is not None:  # the pixel size may have been changed since
         size = from_plain(Reading, plain["size"], "size")
         if size.spacing is None or len(size.spacing) != len(image.shape):
@@ -200,7 +200,7 @@ def _run(plain: Plain, image: ImageReference) -> StoredRun:
     return StoredRun(document, Document(shapes=drawn).sources, tuple(branches.values()))
 
 
-def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
+def _branch(plain: JsonObject, actions: Sequence[RunAction]) -> StoredBranch:
     given = {name: value for name, value in plain.items() if name not in ("steps", "figures")}
     branch = from_plain(Branch, given, "branch")
     figures = None
@@ -223,7 +223,7 @@ def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
     return StoredBranch(replace(branch, name=branch.name[:40], last=last), tuple(steps), figures)
 
 
-def _action(plain: Plain, usual: Parameters) -> RunAction:
+def _action(plain: JsonObject, usual: Parameters) -> RunAction:
     regions = regions_from_plain(plain, "regions of a run")
     if "step" in plain:
         parameters, _ = parameters_from_plain({**to_plain(usual), **mapping(plain["step"], "step")})
@@ -240,7 +240,7 @@ def _action(plain: Plain, usual: Parameters) -> RunAction:
 
 
 def _state(
-    plain: Plain, branches: Mapping[int, tuple[StoredRun, StoredBranch]], image: ImageReference
+    plain: JsonObject, branches: Mapping[int, tuple[StoredRun, StoredBranch]], image: ImageReference
 ) -> tuple[BranchStep, State]:
     """Read a state and its place; steering, regions and charges are those of the action of its step."""
     number_of, step = (int(number(plain.get(name), f"{name} of a state")) for name in ("branch", "step"))
@@ -251,5 +251,5 @@ def _state(
     taken = stored.steps[step - stored.branch.first][0]
     if state.step != step or not isinstance(taken, Stepped):
         raise ValueError(f"the state of step {step} is that of step {state.step}.")
-    steering, regions, charges = taken.parameters.steering, taken.regions, in_order(taken.charges)
+    steering, regions, charges = taken.parameters.steering, taken.regions, sort_charges(taken.charges)
     return (number_of, step), replace(state, steering=steering, regions=regions, charges=charges)

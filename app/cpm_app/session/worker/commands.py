@@ -38,7 +38,7 @@ from cpm_app.session.timeline.plain_runs import runs_from_plain, runs_to_plain
 from cpm_app.session.worker.run import Run
 from cpm_core import Result, Skeleton
 from cpm_core.formats import DRAWN, descriptions, located, write_together
-from cpm_core.numerics.types import Plain, record
+from cpm_core.numerics.types import JsonObject, record
 from cpm_core.shapes import NO_SEEDS
 
 RunArguments = ParamSpec("RunArguments")
@@ -233,7 +233,7 @@ class RunsCollected(Report):
 
     generation: int
     edition: int
-    plain: Plain
+    plain: JsonObject
     fault: str = ""
 
 
@@ -273,7 +273,7 @@ class RunsRestored(Report):
     edition: int
 
 
-def restore_runs(generation: int, plain: Plain, image: ImageReference) -> Command:
+def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> Command:
     """Put the runs of a session file on the timeline, and go to the step that was shown.
 
     Damaged parts are left out and reported.

@@ -55,7 +55,7 @@ class PreparedMethods:
         name = MODES[document.mode].method
         image, method = self._sized(document), self._ready.get(name)
         other = method is None or (method.image.spacing, method.image.unit) != (image.spacing, image.unit)
-        if method is None or other or not method.suits(document.parameters):
+        if method is None or other or not method.can_start(document.parameters):
             method = self._makers[name](image, document.parameters, document.regions)
         elif method.regions != document.regions:
             method = method.with_regions(document.regions)
@@ -106,7 +106,7 @@ def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Seq
             raise ValueError(
                 tr("The volume is too large for arrows of the field: open a part of it, or reduce its size.")
             )
-        field = method.field(parameters, 0, charges)
+        field = method.force_field(parameters, 0, charges)
         return SampledForce.of(field, image.spacing) if deep else field
     shades = display_of_potential(method.potential(parameters, charges))
     return DisplayVolume(shades) if deep else DisplayImage.of(shades)

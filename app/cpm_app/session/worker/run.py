@@ -173,7 +173,7 @@ class Run:
         """Continue a run that has ended."""
         if not isinstance(self.method, Steerable) or self.state is None or not self.state.stop_reason:
             return False
-        self.state = self.state.resumed()
+        self.state = self.state.resume()
         self._send()
         return self._keep_going()
 
@@ -204,7 +204,7 @@ class Run:
         if self.method is None or self.state is None:
             return
         if self.state.stop_reason and self.state.steering != self.method.steering(self.parameters):
-            self.state = self.state.resumed()
+            self.state = self.state.resume()
         if not self.state.stop_reason:
             self._remaining = float("inf") if steps is None else self._remaining + steps
             self.pacer.begin()
@@ -246,7 +246,7 @@ class Run:
         state = self.state = method.step(self.state, parameters, self.charges)
         self._remaining = 0.0 if state.stop_reason else self._remaining - 1
         self.pacer.stepped()
-        measures = method.measures(state, parameters)
+        measures = method.measure_state(state, parameters)
         self.timeline.record(Stepped(parameters, self.charges, method.regions), state, measures)
         self._send()
 
@@ -338,7 +338,7 @@ class Run:
             generation=self.generation,
             method=self.method.name,
             state=state,
-            position=self.method.positions(state),
+            position=self.method.display_positions(state),
             resting=speed < RESTING_SPEED,
             steps_per_second=self.pacer.per_second,
             metrics=self.timeline.metrics(branch, state.step),

@@ -17,7 +17,7 @@ from cpm_app.views.layers.layer import NoRequests, Requests
 from cpm_app.views.theme import theme
 from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics import Place, Position
-from cpm_core.numerics.types import Entries, Extent, Plain
+from cpm_core.numerics.types import JsonDict, Extent, JsonObject
 
 _FIT_PADDING = 0.04
 """Padding around the whole image, as a fraction of its extent."""
@@ -156,13 +156,13 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         """Return the point of the widget over a position (row, col)."""
         return QPointF(self.mapFromScene(self.view.mapViewToScene(QPointF(position[1], position[0]))))
 
-    def view_state(self) -> Entries:
+    def view_state(self) -> JsonDict:
         """Return the state of each layer, and the visible part unless it is the whole image, as JSON."""
         seen = self.view.viewRect()
         place = {} if self._fitted else {"center": [seen.center().y(), seen.center().x()], "rows": seen.height()}
         return {"place": place, "layers": {layer.name: layer.view_state() for layer in self.layers}}
 
-    def use_view_state(self, state: Plain) -> None:
+    def use_view_state(self, state: JsonObject) -> None:
         """Restore the state from a session file; missing or invalid entries change nothing."""
         place, layers = (found if isinstance(found := state.get(name), dict) else {} for name in ("place", "layers"))
         for layer in self.layers:

@@ -46,7 +46,7 @@ from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Skeleton
 from cpm_core.formats import IN_SPACE, left_out
 from cpm_core.image import CONVENTIONS
-from cpm_core.numerics.types import Entries, frozen
+from cpm_core.numerics.types import JsonDict, frozen
 
 _EXPORT_KEY_PREFIX = "export/"
 """Start of the preferences of this dialog."""
@@ -119,7 +119,7 @@ class ExportDialog(QDialog):
         self.width_field = _number(tr("Width"), NARROWEST, WIDEST, 640, " px")
         self.speed = _number(tr("Speed"), 1, 50, 15, tr(" per second"))
         self._boxes = {"everywhere": self.everywhere, "units": self.units}
-        self._numbers: Entries = {
+        self._numbers: JsonDict = {
             "tolerance": self.tolerance, "every": self.stride, "width": self.width_field, "speed": self.speed
         }  # fmt: skip
         self.rows: dict[tuple[What, str], QTreeWidgetItem] = {}

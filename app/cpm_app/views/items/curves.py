@@ -18,7 +18,7 @@ from cpm_app.views.items.item import OverImage, cached, line_pen
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.theme import Kind, look
 from cpm_app.views.widgets.turns import Turns
-from cpm_core.numerics import Array, Mask, coarser
+from cpm_core.numerics import Array, Mask, drop_flat_corners
 
 _CURVE_RIM = 4.0
 """Margin around the image for curves on its border [px of the image]."""
@@ -194,7 +194,7 @@ class Curves(Parts):
             self._made_for, self._pieces = zoom, {}
         missing = [index for index in indices if self._keys[index] not in self._pieces]
         lines = [
-            [*pieces(path)] for path in coarser([self._paths[index] for index in missing], _MAX_UNSEEN_OFFSET / zoom)
+            [*pieces(path)] for path in drop_flat_corners([self._paths[index] for index in missing], _MAX_UNSEEN_OFFSET / zoom)
         ]
         each = [line for own in lines for line in own]
         made = zip(boxes(each).T, map(_polygon, each), strict=True)

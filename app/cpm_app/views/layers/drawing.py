@@ -19,7 +19,7 @@ from cpm_app.views.items.discs import NO_POSITIONS, Discs
 from cpm_app.views.items.item import Markers, OverImage, cached, line_pen, to_xy
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.theme import theme
-from cpm_core.field import RADIUS, REACH
+from cpm_core.field import CHARGE_RADIUS, CHARGE_REACH
 from cpm_core.numerics import Array, Place
 from cpm_core.numerics.types import Extent
 from cpm_core.shapes import (
@@ -207,7 +207,7 @@ class DrawingLayer(Layer):
         """Fit the items to an image of this shape, with a rim for shapes beyond its border."""
         for item, _ in self._items:
             if isinstance(item, OverImage):
-                item.use_shape(shape, 0.0 if item is self._dim else float(max(shape)) + REACH)
+                item.use_shape(shape, 0.0 if item is self._dim else float(max(shape)) + CHARGE_REACH)
 
     def follow(self, before: Scene) -> None:
         """Show other shapes, another selection, or fainter starts behind a run."""
@@ -306,8 +306,8 @@ class DrawingLayer(Layer):
         self._regions.show(_outlines(regions))
         self._barriers.show(_outlines([shape for shape in shapes if isinstance(shape, Barrier)]))
         charges = [shape for shape in shapes if isinstance(shape, _AnyCharge)]
-        self._rings.show([_ring(charge, RADIUS) for charge in charges], [_color(charge) for charge in charges])
-        self._reach.show([_ring(selected, REACH)] if isinstance(selected, _AnyCharge) else [])
+        self._rings.show([_ring(charge, CHARGE_RADIUS) for charge in charges], [_color(charge) for charge in charges])
+        self._reach.show([_ring(selected, CHARGE_REACH)] if isinstance(selected, _AnyCharge) else [])
         charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
         places = [charge.position for charge in charges]
         rims = [

@@ -128,7 +128,7 @@ class OutlineTool(Tool):
         if not pieces:
             return
         path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
-        if closed and polyline.area(path) < MIN_DRAWN_AREA:
+        if closed and polyline.enclosed_area(path) < MIN_DRAWN_AREA:
             self._session.say(tr("That is too small for an outline. {advice}", advice=self.tip), topic=EDITING)
         elif closed:
             self._workspace.object_list.choose((self._editing.outline(path[:-1]),))

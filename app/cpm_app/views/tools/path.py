@@ -133,10 +133,10 @@ class PathTool(Tool):
         if not self._corners:
             return
         begun, volume = self._begun, self.volume
-        path = tuple(self._corners) if self._boxed else polyline.thinned(self._corners)
+        path = tuple(self._corners) if self._boxed else polyline.simplify_path(self._corners)
         flat = path if begun is None or (self.spatial and not self.closed) else tuple(map(begun.within, path))
         shape: Shape | None = None
-        if polyline.area(flat) >= MIN_DRAWN_AREA if self.closed else polyline.length(flat) >= _MIN_PATH_LENGTH:
+        if polyline.enclosed_area(flat) >= MIN_DRAWN_AREA if self.closed else polyline.path_length(flat) >= _MIN_PATH_LENGTH:
             if begun is None or volume is None or self.spatial:
                 shape = self.made(path)
             else:

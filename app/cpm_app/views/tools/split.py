@@ -137,7 +137,7 @@ class SplitTool(Tool):
             self._session.say(tr("There is no object here. {advice}", advice=self.tip), topic=EDITING)
 
     def _split_along(self, path: list[Place]) -> None:
-        places = polyline.middles(np.array(path), _SAMPLED_PLACES).tolist()
+        places = polyline.path_midpoints(np.array(path), _SAMPLED_PLACES).tolist()
         crossed = [whole for row, col in places if (whole := self._whole_at((row, col))) is not None]
         if crossed:
             most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))

@@ -128,7 +128,7 @@ def test_the_lines_in_slices_enclose_the_voxels_that_have_been_painted(volume, h
         pixels = np.moveaxis(np.indices(expected.shape), 0, -1).reshape(-1, 2).astype(float)
         inside = np.zeros(len(pixels), bool)
         for line in cut.boundary:
-            inside ^= polyline.inside(line, pixels)
+            inside ^= polyline.points_inside(line, pixels)
         assert np.array_equal(inside.reshape(expected.shape), expected)
 
 

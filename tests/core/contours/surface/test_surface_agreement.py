@@ -38,7 +38,7 @@ def test_distances_are_those_to_the_nearest_place_on_the_triangles(seed):
     random = np.random.default_rng(seed)
     corners = random.uniform(0, 1, (30, 1, 3)) + random.uniform(-0.05, 0.05, (30, 3, 3))
     points = random.uniform(-1, 2, (20, 3))
-    found, filled = Triangles(corners).distances(points), brute(points, corners)
+    found, filled = Triangles(corners).distances_to(points), brute(points, corners)
     assert (found <= filled + 1e-9).all()
     assert (filled - found <= 0.03).all()
 

@@ -70,8 +70,8 @@ def test_a_run_goes_on_from_a_state_that_was_read_as_from_the_state_itself(data:
     read = state_from_plain(json.loads(json.dumps(state_to_plain(state))), SHAPE, 2)
     assert read.particles.distance.tobytes() == state.particles.distance.tobytes()
     assert (read.step, read.stop_reason, read.converged) == (state.step, state.stop_reason, state.converged)
-    same = [state.resumed(), state.resumed()]
-    same[1] = type(state)(**{**{n: getattr(read.resumed(), n) for n in vars(state)}, "steering": state.steering})
+    same = [state.resume(), state.resume()]
+    same[1] = type(state)(**{**{n: getattr(read.resume(), n) for n in vars(state)}, "steering": state.steering})
     one, other = (ENGINE.step(each, Parameters(scales=2)) for each in same)
     assert one.particles.position.tobytes() == other.particles.position.tobytes()
     assert one.particles.force.tobytes() == other.particles.force.tobytes()
@@ -124,7 +124,7 @@ def test_a_run_in_a_volume_goes_on_from_a_state_that_was_read_to_the_same_end(so
         read = replace(read, steering=state.steering, regions=state.regions, charges=state.charges)
         for later in solid_states[number + 1 :]:
             read = SOLID.step(read, VOLUME, CHARGES)
-            assert [a.tobytes() for a in read.arrays()] == [a.tobytes() for a in later.arrays()]
+            assert [a.tobytes() for a in read.list_arrays()] == [a.tobytes() for a in later.list_arrays()]
             assert (read.step, read.stop_reason) == (later.step, later.stop_reason)
         one, other = (SOLID.result(end, VOLUME) for end in (read, solid_states[-1]))
         assert one.surface is not None

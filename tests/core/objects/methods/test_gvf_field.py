@@ -5,14 +5,14 @@ import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.field.edge_map import edge_map, gradient
+from cpm_core.field.edge_map import edge_map, smoothed_gradient
 from cpm_core.objects.methods.snakes import evened, gradient_vector_flow
 
 
 def directly(edges, mu):
     """The field by a sparse matrix that is built from pairs of neighbors, and solved by elimination."""
     number = np.arange(edges.size).reshape(edges.shape)
-    slope = gradient(edges, 0.0)
+    slope = smoothed_gradient(edges, 0.0)
     weight = (slope**2).sum(axis=0).ravel()
     pairs = np.concatenate(
         [

@@ -37,7 +37,7 @@ def field_of(values):
 
 
 def gaps(item):
-    return sum(polyline.length(np.array(gap)) for gap in item.gaps)
+    return sum(polyline.path_length(np.array(gap)) for gap in item.gaps)
 
 
 TURNS = st.floats(0.0, 2.0 * math.pi)

@@ -25,13 +25,13 @@ def enclosed(boundary):
     """Which pixels an odd number of curves encloses."""
     found = np.zeros(len(PIXELS), bool)
     for curve in boundary:
-        found ^= polyline.inside(curve, PIXELS)
+        found ^= polyline.points_inside(curve, PIXELS)
     return found
 
 
 def off(boundary):
     """Distance of each pixel from the curves."""
-    return np.min([polyline.distances((*curve, curve[0]), PIXELS) for curve in boundary], axis=0)
+    return np.min([polyline.distances_to_path((*curve, curve[0]), PIXELS) for curve in boundary], axis=0)
 
 
 def alone(mask):
@@ -48,7 +48,7 @@ def test_the_boundary_encloses_the_area_and_what_the_disk_has_gone_over_or_the_a
     path, radius, adds, hole
 ):
     boundary = (STAR, SQUARE) if hole else (STAR,)
-    away = polyline.distances(path, PIXELS)
+    away = polyline.distances_to_path(path, PIXELS)
     expected = enclosed(boundary) | (away <= radius) if adds else enclosed(boundary) & (away > radius)
     at_once = painted(boundary, path, radius, adds, SHAPE)
     by_steps = painted(boundary, path[:1], radius, adds, SHAPE)
@@ -65,13 +65,13 @@ def test_far_from_the_brush_the_boundary_has_the_vertices_that_it_had(path, radi
     after = {corner for curve in painted((STAR, SQUARE), path, radius, adds, SHAPE) for corner in curve}
     for curve in (STAR, SQUARE):
         for corner in curve:
-            if polyline.distance(path, corner) > radius + 3.0:
+            if polyline.distance_to_path(path, corner) > radius + 3.0:
                 assert tuple(np.round(corner, 3).tolist()) in after
 
 
 def test_a_disk_has_its_area_and_is_round_to_a_hundredth_of_a_pixel():
     (curve,) = painted((), [(30.3, 31.7)], 10.0, True, SHAPE)
-    assert polyline.area(curve) == pytest.approx(100 * math.pi, rel=0.003)
+    assert polyline.enclosed_area(curve) == pytest.approx(100 * math.pi, rel=0.003)
     assert np.abs(np.hypot(*(np.array(curve) - (30.3, 31.7)).T) - 10.0).max() < 0.015
 
 

@@ -14,8 +14,8 @@ from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import segment
-from cpm_core.segmentation.reach.drawn_area import drawn_area, radius_of
-from cpm_core.segmentation.reach.reach_map import budget_of, reach_map
+from cpm_core.segmentation.reach.drawn_area import drawn_area, typical_radius
+from cpm_core.segmentation.reach.reach_map import creeping_distance, build_reach_map
 from tests.core import scenes
 
 SHAPE = PRESETS["shape"]
@@ -55,7 +55,7 @@ def closed_map(shape):
 
 
 def map_of(values, start=START, parameters=LOCAL):
-    return reach_map(build_scale_field(values, 1.0, 0.0), start, closed_map(values.shape), parameters)
+    return build_reach_map(build_scale_field(values, 1.0, 0.0), start, closed_map(values.shape), parameters)
 
 
 def covered(contours, center, radius):
@@ -126,7 +126,7 @@ def test_reach_is_a_length_along_the_edge_beyond_the_junction():
 
 def test_a_larger_budget_reaches_all_that_a_smaller_one_does_and_more():
     found = map_of(crossed())
-    masks = [found.within(budget) for budget in (0.0, 10.0, 30.0, 80.0)]
+    masks = [found.ridge_within(budget) for budget in (0.0, 10.0, 30.0, 80.0)]
     assert all((after >= before).all() and after.sum() > before.sum() for before, after in pairwise(masks))
 
 
@@ -135,7 +135,7 @@ def test_a_larger_budget_reaches_all_that_a_smaller_one_does_and_more():
                          ("w1", (0.0, 0.5, 1.6, 1.74))]
 )  # fmt: skip
 def test_fronts_creep_farther_with_more_reach_push_and_annealing(name, values):
-    budgets = [budget_of(replace(SHAPE, **{name: value})) for value in values]
+    budgets = [creeping_distance(replace(SHAPE, **{name: value})) for value in values]
     assert all(before < after for before, after in pairwise(budgets))
 
 
@@ -205,7 +205,7 @@ def test_another_reach_acts_at_the_next_step_and_wakes_a_run_at_rest():
     while not state.stop_reason:
         state = engine.step(state, small)
     before = length(engine.result(state, small))
-    state = engine.step(state.resumed(), large)
+    state = engine.step(state.resume(), large)
     while not state.stop_reason:
         state = engine.step(state, large)
     assert length(engine.result(state, large)) > before + 60.0
@@ -217,4 +217,4 @@ def test_the_area_of_a_start_is_what_it_encloses():
     away = np.hypot(row - 30.0, col - 40.0)
     assert area[away < 11.0].all()
     assert not area[away > 13.5].any()
-    assert radius_of(area) == pytest.approx(12.0, abs=1.5)
+    assert typical_radius(area) == pytest.approx(12.0, abs=1.5)

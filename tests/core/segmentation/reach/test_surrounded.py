@@ -9,7 +9,7 @@ from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.evolve import segment
-from cpm_core.segmentation.reach.bounding import thing_within
+from cpm_core.segmentation.reach.bounding import object_enclosed_by
 from cpm_core.segmentation.reach.drawn_area import drawn_area, hollow_part
 
 ROW, COL = np.indices((120, 160))
@@ -50,14 +50,14 @@ def test_a_circle_around_a_cell_finds_that_cell_alone(radius):
 
 @pytest.mark.parametrize("radius", [0.3 * RADIUS, 0.6 * RADIUS, 0.85 * RADIUS])
 def test_a_circle_in_a_cell_is_drawn_around_nothing(radius):
-    assert thing_within(VALUES, circle(CELL, radius), NOWHERE_CLOSED) is None
+    assert object_enclosed_by(VALUES, circle(CELL, radius), NOWHERE_CLOSED) is None
 
 
 @pytest.mark.parametrize("shift", [3.0, 5.0, 8.0])
 def test_the_outline_of_a_disk_before_it_moved_is_drawn_around_nothing_and_still_finds_it(shift):
     values = np.where(disk((60.0, 60.0 + shift), 10.0), 200.0, 0.0)
     outline = circle((60.0, 60.0), 10.0)
-    assert thing_within(values, outline, NOWHERE_CLOSED) is None
+    assert object_enclosed_by(values, outline, NOWHERE_CLOSED) is None
     (contour,) = segment(values, outline, PRESETS["shape"]).contours
     assert contour.closed
     assert contour.area == pytest.approx(np.pi * 10.0**2, rel=0.05)

@@ -58,7 +58,7 @@ def test_what_is_no_volume_is_refused(name, run):
 @pytest.mark.parametrize("run", [cpm.segment, lambda values, _seeds, parameters: cpm.Engine(values, parameters)])
 def test_a_volume_without_room_in_memory_is_refused_with_the_size_that_fits(monkeypatch, run):
     values = ball(64)
-    monkeypatch.setattr(memory, "free", lambda: 1e6)
+    monkeypatch.setattr(memory, "available_memory", lambda: 1e6)
     with pytest.raises(
         ValueError, match=r"64 × 64 × 64 px, which need .* GB of memory, .* about (\d+) × \1 × \1 px"
     ) as caught:

@@ -8,7 +8,7 @@ from scipy.spatial import KDTree
 
 import cpm_core as cpm
 from cpm_core.field.volume_field import build_volume_field
-from cpm_core.model.volume.inseparable import inseparable
+from cpm_core.model.volume.inseparable import find_inseparable
 
 from ...reconstruction.surface.solids import ball, brick, grid, ring, union, without
 
@@ -84,4 +84,4 @@ def test_a_region_that_particles_cannot_enter_encloses_nothing():
         wall = np.linalg.norm(field.ridges.place - M, axis=1) > 8.0
         reached = np.zeros(field.ridges.component.max() + 1, bool)
         reached[field.ridges.component[wall]] = True
-        assert inseparable(field, field.ridges, reached, wall).any() == expected
+        assert find_inseparable(field, field.ridges, reached, wall).any() == expected

@@ -81,7 +81,7 @@ def test_a_line_through_slices_holds_the_voxels_that_it_fills(axis, closed):
     if closed:
         others = [side for k, side in enumerate(SHAPE) if k != axis]
         centers = np.indices(others).reshape(2, -1).T.astype(float)
-        np.testing.assert_array_equal(one.ravel(), polyline.inside(line, centers))
+        np.testing.assert_array_equal(one.ravel(), polyline.points_inside(line, centers))
     else:
         assert scipy.ndimage.label(one, np.ones((3, 3)))[1] == 1, "a wall has no gap"
 

@@ -44,7 +44,7 @@ def states():
 
 
 def frozen(state):
-    return [array.tobytes() for array in state.arrays()]
+    return [array.tobytes() for array in state.list_arrays()]
 
 
 def test_a_ball_is_covered_from_inside_and_the_particles_lie_on_it():
@@ -68,7 +68,7 @@ def test_a_particle_on_a_surface_sleeps_when_nothing_new_has_been_found_near_it_
     slept = 0
     for before, after in pairwise(states()[:-1]):
         contact = before.particles.contact
-        asleep = contact.seated & (before.step_of_scale - contact.woken >= 12)
+        asleep = contact.on_surface & (before.step_of_scale - contact.reactivated_at >= 12)
         place = dict(zip(after.particles.identity.tolist(), after.particles.position, strict=True))
         for i in np.flatnonzero(asleep):
             kept = place.get(int(before.particles.identity[i]))
@@ -124,7 +124,7 @@ def test_noise_decides_on_the_smoothing_and_the_floor():
 
 
 def test_the_field_of_a_volume_pulls_to_the_edge_and_its_potential_is_lowest_there():
-    force, potential = engine().field(VOLUME), engine().potential(VOLUME)
+    force, potential = engine().force_field(VOLUME), engine().potential(VOLUME)
     assert force.shape == (3, *ball().shape)
     assert np.linalg.norm(force, axis=0).max() <= 1.0 + 1e-6
     grid = np.moveaxis(np.indices(ball().shape), 0, -1) - CENTER
