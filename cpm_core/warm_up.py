@@ -14,7 +14,7 @@ from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import smoothed_gradient, gradient_in_window
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.scale_field import build_scale_field, limit_field_to
-from cpm_core.image.denoising import clean
+from cpm_core.image.denoising import remove_noise
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.model.coverage import mark_covered, no_coverage
@@ -82,7 +82,7 @@ def extras_once() -> None:
     state = engine.step(engine.start(circle((15.5, 15.5), 5.0)), _PARAMETERS, _CHARGES)
     engine.forces(state, _PARAMETERS, _CHARGES)
     engine.energies(state, _PARAMETERS, _CHARGES)
-    clean(_IMAGE)
+    remove_noise(_IMAGE)
     Image(np.stack([_IMAGE, _IMAGE, 255.0 - _IMAGE], axis=-1).astype(np.uint8))
     start = Start((circle((15.5, 15.5), 5.0),))
     run_method(CONTOUR_METHODS["geodesic"], Image(_IMAGE), start, max_steps=_STEPS)

@@ -19,7 +19,7 @@ from cpm_core.formats.writers import FOR_VOLUMES
 from cpm_core.objects.methods import CONTOUR_METHODS, Settings
 from cpm_core.parameters import PARAMETERS
 from cpm_core.parameters.choices import CHOICES
-from cpm_core.shapes import SHAPES
+from cpm_core.shapes import SHAPES_BY_NAME
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
@@ -67,7 +67,7 @@ def in_tables() -> Iterator[tuple[str, str]]:
     for name, choice in CHOICES.items():
         for said in (choice.title, choice.meaning, *choice.choices.values()):
             yield said, f"parameter {name}"
-    for name, kind in SHAPES.items():
+    for name, kind in SHAPES_BY_NAME.items():
         if isinstance(kind.title, str):
             yield kind.title, f"shape {name}"
     for suffix, said in (*WRITABLE.items(), *FOR_VOLUMES.items()):

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from cpm_core.chunked.grid import Chunk, Grid, Source
 from cpm_core.chunked.run import Compute, Found, Task
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import contour_labels
-from cpm_core.contours.rasterize import paint
-from cpm_core.contours.region_table import region_table
+from cpm_core.contours.measurements import assign_labels
+from cpm_core.contours.rasterize import rasterize_labels
+from cpm_core.contours.region_table import measure_regions
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import write_together
 from cpm_core.formats.common.plain import encoded_json
@@ -85,13 +85,13 @@ def _paint(found: Found, path: Path, chunk: Chunk) -> None:
     """Write the labels in the core of a chunk, which are the numbers of the contours, or of objects."""
     contours = [one for one in found.near(chunk.core) if one.closed]
     if contours:
-        labels = paint(_moved(contours, chunk.core), window_shape(chunk.core))
+        labels = rasterize_labels(_moved(contours, chunk.core), window_shape(chunk.core))
         write_part(path, 0, chunk.core, np.array([0, *_numbers(contours)], np.uint32)[labels])
 
 
 def _numbers(contours: Sequence[Contour]) -> list[int]:
     """Return the number of each label that `paint` gives to contours."""
-    known = {label: one.group or one.number for one, label in zip(contours, contour_labels(contours), strict=True)}
+    known = {label: one.group or one.number for one, label in zip(contours, assign_labels(contours), strict=True)}
     return [known[label] for label in sorted(known) if label]
 
 
@@ -184,8 +184,8 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
         if some and some is short:
             window = _window(found, chunk, some)
             contours = [one for one in _with_inner(found, chunk, some) if one.closed]
-            labels, gray = paint(_moved(contours, window), window_shape(window)), source.gray(window)
-        table = region_table(contours, labels, gray, levels.spacing[1:], levels.unit)
+            labels, gray = rasterize_labels(_moved(contours, window), window_shape(window)), source.gray(window)
+        table = measure_regions(contours, labels, gray, levels.spacing[1:], levels.unit)
         for name in dict.fromkeys((*table, *_GRAY_COLUMNS)):
             if name not in ("label", "name"):
                 values = table[name][:count] if name in table else np.full(count, np.nan)

@@ -21,8 +21,8 @@ from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, JsonDict, Integers, frozen
 from cpm_core.objects.partition import Frame
 from cpm_core.parameters import Parameters
-from cpm_core.reconstruction.curve.hysteresis import shortest
-from cpm_core.shapes.everywhere import Kind
+from cpm_core.reconstruction.curve.hysteresis import least_contour_length
+from cpm_core.shapes.everywhere import SeedingKind
 
 Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[int, Any]]]
 """Applies a function to jobs, in any order and on any workers, under a title; yields the index and result of each."""
@@ -59,7 +59,7 @@ class Task:
 
     source: Source
     parameters: Parameters
-    kind: Kind
+    kind: SeedingKind
     store: Store
     max_steps: int | None = None
     objects: bool = False
@@ -145,7 +145,7 @@ def run(task: Task, compute: Compute, side: int) -> Found:
     task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
     grid, whole = surveyed(task, compute, side)
     in_each(compute, partial(find, task, grid, whole), task.store, grid.chunks, CONTOURS)
-    least = max(shortest(whole.tone.smoothing, task.parameters), task.parameters.min_length)
+    least = max(least_contour_length(whole.tone.smoothing, task.parameters), task.parameters.min_length)
     found = Found(task, grid, whole, _join(task.store, grid, least, CONTOURS))
     if whole.frame is None:
         return found

@@ -13,9 +13,9 @@ import numpy as np
 from cpm_core.chunked.grid import Chunk, Grid, Source
 from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, pack_force, weakest_edge
-from cpm_core.image.border import inside_border, within
-from cpm_core.image.gray_levels import automatic_gamma, on_power_scale
-from cpm_core.image.pyramid import pyramid
+from cpm_core.image.border import find_pixels_inside_border, dilate_by_distance
+from cpm_core.image.gray_levels import automatic_gamma, apply_power
+from cpm_core.image.pyramid import build_pyramid
 from cpm_core.numerics.grids import relative_window, whole_window
 from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
 from cpm_core.objects.partition import Frame
@@ -74,7 +74,7 @@ class Tone:
         """Scale gray levels, of any shape, as `gray_levels.toned` scales those of the whole image."""
         if self.exponent == 1.0 or self.high <= self.low:
             return values
-        return on_power_scale(values, self.low, self.high, self.exponent)
+        return apply_power(values, self.low, self.high, self.exponent)
 
     def parameters(self, parameters: Parameters) -> Parameters:
         """Adjust the parameters of a run to gray levels that have been scaled."""
@@ -131,7 +131,7 @@ class Whole:
         cut = not inside.all()
         charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
         if cut:
-            strength = np.where(within(inside, _EDGE_MAP_MARGIN), strength, strength.dtype.type(0))
+            strength = np.where(dilate_by_distance(inside, _EDGE_MAP_MARGIN), strength, strength.dtype.type(0))
         return replace(
             field,
             force=cache(partial(pack_force, field.exponent, charged, field.slopes, strength, strongest, cut)),
@@ -184,7 +184,7 @@ def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: 
         smoothing = _automatic(source, coarse, Tone(low, high, exponent, 0.0, (0, 0, 0, 0)))
     sigma = max(float(smoothing) / side, 1.0 if side > 1 else 0.0)
     slopes = smoothed_gradient(Tone(low, high, exponent, sigma, (0, 0, 0, 0)).apply(coarse), sigma)
-    inside = inside_border(lambda part: slopes[(slice(None), *part)], vector_magnitudes(slopes), sigma, parameters.max_border)
+    inside = find_pixels_inside_border(lambda part: slopes[(slice(None), *part)], vector_magnitudes(slopes), sigma, parameters.max_border)
     ends = []
     for axis, n in enumerate(grid.shape):
         free = np.flatnonzero(inside.any(axis=1 - axis))
@@ -224,7 +224,7 @@ def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> E
         for side, low, high in zip(chunk.core, (top, left), (bottom, right), strict=True)
     )
     strongest, samples = [], []
-    for scale, values in enumerate(pyramid(tone.apply(source.gray(chunk.padded)), parameters.scales)):
+    for scale, values in enumerate(build_pyramid(tone.apply(source.gray(chunk.padded)), parameters.scales)):
         strength = vector_magnitudes(smoothed_gradient(values, tone.smoothing))
         size = 2**scale
         part = strength[tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative_window(core, chunk.padded))]

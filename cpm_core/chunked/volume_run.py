@@ -23,15 +23,15 @@ from cpm_core.field.volume_field import (
     weakest_volume_edge,
 )
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import pyramid
+from cpm_core.image.pyramid import build_pyramid
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above
 from cpm_core.model.volume.starts import seeds_everywhere
 from cpm_core.numerics.grids import relative_window
 from cpm_core.numerics.types import Array, Index, Single, frozen
 from cpm_core.parameters import Parameters
-from cpm_core.reconstruction.surface.components import distances_between
-from cpm_core.reconstruction.surface.local_threshold import Levels
-from cpm_core.reconstruction.surface.pipeline import levels_of
+from cpm_core.reconstruction.surface.components import neighbor_distances
+from cpm_core.reconstruction.surface.local_threshold import LocalThresholds
+from cpm_core.reconstruction.surface.pipeline import find_local_thresholds
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution
 
@@ -75,7 +75,7 @@ class Volume:
         """Smooth what a chunk sees of the volume, shape (P, R, C)."""
         return smooth_volume(self.task.source.values(chunk.padded), (self.whole.tone.smoothing / self.size).tolist())
 
-    def particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[Levels, Array]:
+    def particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[LocalThresholds, Array]:
         """Load the particles of a chunk and its neighbors within limits, each of shape (3,) [voxels].
 
         Returns the levels of N particles and unit normals, shape (N, 3), that point away from bright.
@@ -88,7 +88,7 @@ class Volume:
             np.concatenate([like, *(one[name][here] for one, here in zip(found, inside, strict=True))])
             for name, like in zip(names, (np.empty((0, 3)), np.empty(0), np.empty(0), np.empty((0, 3))), strict=True)
         )
-        return Levels(points, thresholds, slopes), normals
+        return LocalThresholds(points, thresholds, slopes), normals
 
 
 def run_particles(task: Task, compute: Compute, side: int) -> tuple[Volume, float]:
@@ -142,7 +142,7 @@ def _edges(task: Task, sigma: float, chunk: Chunk) -> Edges:
     """Measure the edges in the core of a chunk at each scale, after a Gaussian."""
     pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
     step = BACKGROUND_STRIDE * -(-step_of(shape) // BACKGROUND_STRIDE)
-    for scale, values in enumerate(pyramid(task.source.values(chunk.padded), task.parameters.scales)):
+    for scale, values in enumerate(build_pyramid(task.source.values(chunk.padded), task.parameters.scales)):
         strength = VolumeSlopes.from_volume(smooth_volume(values, [sigma / side for side in pitch]), pitch).edge_strengths()
         size = 2**scale
         own = relative_window(chunk.core, chunk.padded)
@@ -171,12 +171,12 @@ def _find(volume: Volume, chunk: Chunk) -> None:
     )
 
 
-def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
+def _particles_in(volume: Volume, chunk: Chunk) -> tuple[LocalThresholds, Array, Array]:
     """Run in what a chunk sees; return particles at rest on edges, normals away from bright, and their distances."""
     task, whole = volume.task, volume.whole
     source, own = task.source, whole.tone.parameters(task.parameters)
     values = source.values(chunk.padded)
-    nothing = Levels(np.empty((0, 3)), np.empty(0), np.empty(0)), np.empty((0, 3)), np.empty(0)
+    nothing = LocalThresholds(np.empty((0, 3)), np.empty(0), np.empty(0)), np.empty((0, 3)), np.empty(0)
     if values.min() == values.max():
         return nothing
     image = Image(values, source.levels.spacing, source.levels.unit, source.path.name)
@@ -198,5 +198,5 @@ def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
     points = state.position[state.particles.surface_contact.on_surface]
     if not len(points):
         return nothing
-    levels, normals = levels_of(field.smoothed, field.edges, points, volume.size, field.smoothing)
-    return levels, normals, distances_between(levels.points * volume.size)
+    levels, normals = find_local_thresholds(field.smoothed, field.edges, points, volume.size, field.smoothing)
+    return levels, normals, neighbor_distances(levels.points * volume.size)

@@ -25,11 +25,11 @@ from cpm_core.formats.images.ome_zarr import create_levels, write_part
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, bridge_corner_contacts, label_joined_pairs, find_connected_parts, relative_window, window_shape, zero_surface
 from cpm_core.numerics.types import Array, JsonDict, Index, Mask, Single, frozen, record
-from cpm_core.reconstruction.surface.components import FAR, is_borne_out, support, unknown_regions
-from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
-from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
+from cpm_core.reconstruction.surface.components import HEIGHT_AWAY_FROM_PARTICLES, has_enough_support, has_point_within, vote_on_unknown_regions
+from cpm_core.reconstruction.surface.joints import RAISED_HEIGHT, SaddleSurroundings, bridge_necks, bridge_thin_vessels
+from cpm_core.reconstruction.surface.local_threshold import VoxelBox, LocalThresholds, height_over_threshold
 from cpm_core.reconstruction.surface.pipeline import width_and_band
-from cpm_core.reconstruction.surface.sharpened import step_width
+from cpm_core.reconstruction.surface.sharpened import blurred_edge_width
 
 _REGION_OFFSET = np.float32(2**20)
 """Offset of the numbers of regions away from particles, from 1, that are stored in place of heights.
@@ -176,7 +176,7 @@ def find_heights(volume: Volume, apart: float, compute: Compute) -> Heights:
     counts = np.array([len(one["votes"]) for one in known])
     group = regions.joined(counts, _region_of)
     votes = np.bincount(group, np.concatenate([one["votes"] for one in known]))
-    heights = np.where(votes > 0, np.float32(FAR), np.float32(-FAR))[group]
+    heights = np.where(votes > 0, np.float32(HEIGHT_AWAY_FROM_PARTICLES), np.float32(-HEIGHT_AWAY_FROM_PARTICLES))[group]
     # an object may be darker than its surroundings: the side with most of the border of the volume is the outside
     at_border = np.concatenate([one["at_border"] for one in known])
     bright = at_border[heights > 0.0].sum() + sum(int(one["bright"]) for one in known)
@@ -184,12 +184,12 @@ def find_heights(volume: Volume, apart: float, compute: Compute) -> Heights:
     return Heights(volume, apart, np.cumsum([0, *counts]), heights, -1.0 if 2 * bright > total else 1.0)
 
 
-def _particles_near(volume: Volume, chunk: Chunk, window: Window, margin: float) -> tuple[Levels, Array]:
+def _particles_near(volume: Volume, chunk: Chunk, window: Window, margin: float) -> tuple[LocalThresholds, Array]:
     """Load the particles around a window, in voxels of what a chunk sees."""
     low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T
     levels, normals = volume.particles(chunk, low, high)
     corner = [side.start for side in chunk.padded]
-    return Levels(levels.points - corner, levels.thresholds, levels.slopes), normals
+    return LocalThresholds(levels.points - corner, levels.thresholds, levels.slopes), normals
 
 
 def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
@@ -200,11 +200,11 @@ def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
     levels, _ = _particles_near(volume, chunk, beyond, max(_GAUSSIAN_REACH * width, band) + _PARTICLE_MARGIN)
     if len(levels.points):
         begin = np.array([side.start - 1 for side in relative_window(beyond, chunk.padded)])
-        box = Box(begin, tuple(n + 2 for n in window_shape(beyond)))  # type: ignore[arg-type]
-        found = height(volume.smoothed(chunk), box, levels, volume.size, width, band)
+        box = VoxelBox(begin, tuple(n + 2 for n in window_shape(beyond)))  # type: ignore[arg-type]
+        found = height_over_threshold(volume.smoothed(chunk), box, levels, volume.size, width, band)
         np.clip(found, -_MAX_HEIGHT, _MAX_HEIGHT, out=found)
         found[found == 0.0] = -np.finfo(np.float32).tiny
-        parts, votes = unknown_regions(found)
+        parts, votes = vote_on_unknown_regions(found)
         parts.fill_voxels(_REGION_OFFSET + 1 + np.arange(parts.count, dtype=np.float32), found)
         inner, votes = found[1:-1, 1:-1, 1:-1], np.append(0, votes)
     else:
@@ -236,9 +236,9 @@ def _necks_in(heights: Heights, chunk: Chunk) -> None:
     if len(levels.points):
         found = heights.read(tuple(slice(side.start - 1, side.stop + 1) for side in chunk.padded))
         smoothed, begin = volume.smoothed(chunk), np.array([-1, -1, -1])
-        around = Surroundings(smoothed, heights.sign, levels.points, heights.sign * normals, levels.slopes, volume.size)
-        ways = join(found, begin, around)
-        ways += spin(found, begin, around, step_width(volume.whole.tone.smoothing))
+        around = SaddleSurroundings(smoothed, heights.sign, levels.points, heights.sign * normals, levels.slopes, volume.size)
+        ways = bridge_necks(found, begin, around)
+        ways += bridge_thin_vessels(found, begin, around, blurred_edge_width(volume.whole.tone.smoothing))
         ways = [way + [side.start for side in chunk.padded] for way in ways]
         raised += [way for way in ways if volume.grid.chunk_at(way[len(way) // 2][None]) == chunk.number]
     volume.task.store.save(of_chunk(_NECKS_KIND, chunk.number), raised=np.concatenate(raised))
@@ -335,7 +335,7 @@ def find_bodies(heights: Heights, compute: Compute) -> Bodies:
     sums: JsonDict = {name: np.zeros((len(pairs), 3) if name == "moments" else len(pairs)) for name in _PAIR_SUMS}
     for name, total in sums.items():
         np.add.at(total, pair, np.concatenate([one[name] for one in known]))
-    kept = is_borne_out(sums["particles"], sums["supported"] / np.maximum(sums["corners"], 1))
+    kept = has_enough_support(sums["particles"], sums["supported"] / np.maximum(sums["corners"], 1))
     body = _bodies_of(pairs, kept, inside, outer)
     bounds = kept & (body[pairs[:, 0]] > 0)
     of = body[pairs[bounds, 0]]
@@ -381,8 +381,8 @@ def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
     for at in grid.around(chunk.number):
         voxels = store.load(of_chunk(_NECKS_KIND, at))["raised"] - corner
         raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
-        found[raised] = np.maximum(found[raised], RAISED)
-    bridge_corner_contacts(found, RAISED)
+        found[raised] = np.maximum(found[raised], RAISED_HEIGHT)
+    bridge_corner_contacts(found, RAISED_HEIGHT)
     found = np.ascontiguousarray(found[1:-1, 1:-1, 1:-1])
     inner, outside = find_connected_parts(found > 0.0, corners=True), find_connected_parts(found <= 0.0, corners=False)
     labels = inner.labels - 1
@@ -421,7 +421,7 @@ def _surface_in(heights: Heights, chunk: Chunk, found: Single, labels: NDArray[n
     particles, supported = np.empty(0, np.int64), np.zeros(len(vertices), bool)
     if len(vertices) and len(points):
         particles = pair[scipy.spatial.KDTree(vertices * volume.size).query(mine)[1]]
-        supported = support(vertices * volume.size, points, heights.apart)
+        supported = has_point_within(vertices * volume.size, points, heights.apart)
     of_face, (a, b, c) = pair[faces[:, 0]], (vertices * sides)[faces.T]
     cross, enclosed = np.cross(b - a, c - a), np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
     moments = enclosed[:, None] * (a + b + c) / 4.0 / sides

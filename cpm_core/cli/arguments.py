@@ -13,7 +13,7 @@ import numpy as np
 
 from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
-from cpm_core.image.colors import CONTRAST, LUMINANCE
+from cpm_core.image.colors import CONTRAST_CHOICE, LUMINANCE_CHOICE
 from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.numerics.types import JsonDict
 from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
@@ -137,11 +137,11 @@ def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool =
         raise ValueError(f"--page is {part['page']}, but a volume uses all pages of {arguments.image}: leave it out.")
     channel, in_reading = arguments.channel, volume or not runs
     if channel is not None and not isinstance(as_number(channel), str):
-        part["channel"], arguments.channel = as_number(channel), LUMINANCE
-    elif channel == CONTRAST:
-        part["color"], arguments.channel = channel, LUMINANCE
+        part["channel"], arguments.channel = as_number(channel), LUMINANCE_CHOICE
+    elif channel == CONTRAST_CHOICE:
+        part["color"], arguments.channel = channel, LUMINANCE_CHOICE
     elif channel is not None:
-        part["color"] = channel if in_reading else LUMINANCE
+        part["color"] = channel if in_reading else LUMINANCE_CHOICE
     if in_reading:
         arguments.channel = None
     if arguments.pixel_size is not None:

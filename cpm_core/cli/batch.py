@@ -24,7 +24,7 @@ from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, shown
-from cpm_core.shapes.document_shapes import starts_of
+from cpm_core.shapes.document_shapes import select_starts
 
 NAME = "summary.csv"
 """Name of the table of images in the folder of a batch."""
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
     for suffix in suffixes:
         if suffix not in WRITABLE:
             raise ValueError(f"--export is {shown(suffix)} but must be one of {', '.join(WRITABLE)}.")
-    if not starts_of(session.shapes):
+    if not select_starts(session.shapes):
         raise ValueError(f"{source} has no start: draw one, or start everywhere, and save it again.")
     output = Path(arguments.output)
     try:

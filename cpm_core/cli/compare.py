@@ -27,7 +27,7 @@ from cpm_core.formats import load_image
 from cpm_core.formats.comparison import check_comparison, files_of, write_comparison
 from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
-from cpm_core.image.colors import LUMINANCE
+from cpm_core.image.colors import LUMINANCE_CHOICE
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.objects.methods import (
@@ -43,8 +43,8 @@ from cpm_core.objects.methods import (
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, shown
 from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
-from cpm_core.shapes.document_shapes import check_axes, starts_of
-from cpm_core.shapes.outlines import outlines_of
+from cpm_core.shapes.document_shapes import check_axes, select_starts
+from cpm_core.shapes.outlines import drawn_outlines
 
 ABOUT = " ".join(f"{method.name}: {method.about}" for method in CONTOUR_METHODS.values())
 """Descriptions of the methods, for the help."""
@@ -167,8 +167,8 @@ def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequenc
     image = load_image(path, **(reading | part))
     channel = arguments.channel or session.parameters.channel
     fitted(image, replace(session.parameters, channel=channel), scales=False)
-    if image.colors is not None and channel != LUMINANCE:
-        image = replace(image, values=image.gray(channel), colors=None)
+    if image.colors is not None and channel != LUMINANCE_CHOICE:
+        image = replace(image, values=image.gray_levels(channel), colors=None)
     check_axes(session.shapes, image.shape, image.source)
     return image
 
@@ -214,23 +214,23 @@ def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
     drawn: list[Shape] = [Circle((row, col), radius) for row, col, radius in circles]
     drawn += [Polygon(places_in(numbers, 2)) for numbers in polygons]
     drawn += session.shapes
-    if not (outlines_of(drawn) or arguments.start):
+    if not (drawn_outlines(drawn) or arguments.start):
         raise ValueError(
             "No start is given: add --circle ROW,COL,RADIUS, --polygon ROW,COL,ROW,COL,... or --start FILE, or a "
             "session with a circle, an ellipse or a polygon."
         )
     if any(isinstance(shape, Region | Barrier | Charge) for shape in session.shapes):
         say("regions, barriers and charges of the session are left out: the other methods have none.")
-    _say_open("the session", starts_of(session.shapes))
+    _say_open("the session", select_starts(session.shapes))
     return drawn
 
 
 def _start_on(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespace, session: SessionFile) -> Start:
     """Return the start: lines that are drawn, and those of the files of ``--start``."""
-    found = list(outlines_of(drawn))
+    found = list(drawn_outlines(drawn))
     for path in arguments.start:
         shapes, name = starts_from_file(path, image), Path(path).name
-        closed = outlines_of(shapes)
+        closed = drawn_outlines(shapes)
         if not closed:
             raise ValueError(
                 f"{name} has no closed contour, but methods are compared from closed lines: close its contours, or add "
@@ -243,6 +243,6 @@ def _start_on(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespac
 
 def _say_open(where: str, shapes: Sequence[Shape]) -> None:
     """Report how many starts are left out since they enclose nothing."""
-    if loose := len(shapes) - len(outlines_of(shapes)):
+    if loose := len(shapes) - len(drawn_outlines(shapes)):
         what = counted(loose, "start without an inside", "starts without an inside")
         say(f"{where}: {what} left out, as most of the methods need one.")

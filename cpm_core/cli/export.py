@@ -45,7 +45,7 @@ from cpm_core.numerics.types import JsonDict, Extent
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted
 from cpm_core.segmentation.engine import Engine
-from cpm_core.shapes.document_shapes import starts_of
+from cpm_core.shapes.document_shapes import select_starts
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -71,8 +71,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the files, after all checks that need none of them."""
     source = Path(arguments.source)
-    check_exports(arguments.to, arguments)
-    suffix, wanted = source.suffix.lower(), {suffix_of(path) for path in arguments.to}
+    check_exports(arguments.path_to, arguments)
+    suffix, wanted = source.suffix.lower(), {suffix_of(path) for path in arguments.path_to}
     in_space = suffix in {*FOR_CENTERLINES, *SURFACES_READABLE} or wanted & (FOR_VOLUMES.keys() - WRITABLE.keys())
     of_volumes = bool(in_space)
     if arguments.page is None and suffix not in {SUFFIX, *CONTOURS_READABLE} and wanted <= FOR_VOLUMES.keys():
@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
         result = _in_volume(source, arguments) if of_volumes else _in_plane(source, arguments)
     files = Files()
     options = {"outlines": arguments.outlines, "space": arguments.space or "LPS"}
-    files.export(result, arguments.to, image=image, warn=say, **options)
+    files.export(result, arguments.path_to, image=image, warn=say, **options)
     missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files.written}
     said, line = _on_result(result, source)
     return report(arguments, {"source": str(source), "left_out": missing, **said}, [line], files)
@@ -113,7 +113,7 @@ def _of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, st
     if arguments.image is None and session.image is None:
         raise ValueError(f"{source.name} does not name an image: add --image IMAGE.")
     path, reading = image_of(arguments.image, session, source)
-    check_targets(arguments.to, arguments, path)
+    check_targets(arguments.path_to, arguments, path)
     image = (load_volume if in_volume(session) else load_image)(path, **reading)
     parameters = fitted(image, session.parameters)
     result = with_shapes(_found(session, parameters, image, source), session.shapes)
@@ -127,7 +127,7 @@ def _found(session: SessionFile, parameters: Parameters, image: Image, source: P
     if kept is not None:
         state, made_with = kept
         return replace(Engine(image, made_with, state.regions).result(state, made_with), source=image.source)
-    if not starts_of(session.shapes):
+    if not select_starts(session.shapes):
         raise ValueError(f"{source.name} has no start and no contours: draw a start in the window, and save it again.")
     with StatusLine() as line:
         return segmented(image, session.shapes, parameters, session, progress=line.show_state)
@@ -157,7 +157,7 @@ def _in_volume(source: Path, arguments: argparse.Namespace) -> Result | Centerli
         return load_centerlines(source, image, warn=say)
     if image is None and suffix not in SURFACES_READABLE:
         image = load_volume(source)
-    in_voxels = {path for path in arguments.to if suffix_of(path) in WRITABLE}
+    in_voxels = {path for path in arguments.path_to if suffix_of(path) in WRITABLE}
     if image is None and in_voxels:
         raise ValueError(f"{min(in_voxels)} has the voxels of a volume: name the volume with --image.")
     surface = load_surface(source, image, warn=say)

@@ -11,7 +11,7 @@ from pathlib import Path
 from cpm_core.cli.output import say, say_notes
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply, with_kept
+from cpm_core.contours.review import apply_marks, restore_kept_contours
 from cpm_core.formats import (
     CONTOURS_READABLE,
     FOR_CENTERLINES,
@@ -35,8 +35,8 @@ from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.segmentation.evolve import segment, with_hand_edits
 from cpm_core.shapes import Shape, Start
-from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
-from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
+from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds
+from cpm_core.shapes.outlines import start_from_surface, starts_from_contours, starts_from_centerlines
 
 
 def expanded(given: Sequence[str]) -> list[str]:
@@ -147,19 +147,19 @@ def segmented(
     """Run from shapes to a result, with the barriers of a session unless there are `regions`."""
     return segment(
         image,
-        seeds_on(image, shapes, parameters.smoothing, parameters.channel),
+        compute_seeds(image, shapes, parameters.smoothing, parameters.channel),
         parameters,
         max_steps=max_steps,
         progress=progress,
-        regions=regions or regions_of(shapes, session.objects.barriers),
-        charges=charges_of(shapes),
+        regions=regions or collect_regions(shapes, session.objects.barriers),
+        charges=collect_charges(shapes),
     )
 
 
 def reviewed(found: Result, image: Image, parameters: Parameters, session: SessionFile, *, kept: bool = True) -> Result:
     """Apply the hand edits and the review of a session; `kept` contours belong only to its own image."""
     edited = with_hand_edits(found, image, parameters, session.hand_edits)
-    return apply(with_kept(edited, session.marks) if kept else edited, session.marks)
+    return apply_marks(restore_kept_contours(edited, session.marks) if kept else edited, session.marks)
 
 
 def starts_from_file(path: str, image: Image) -> tuple[Start, ...]:
@@ -168,12 +168,12 @@ def starts_from_file(path: str, image: Image) -> tuple[Start, ...]:
     if image.ndim == 2:
         found = read_contours(path, plane_of(image))
         say_notes(Path(path).name, found.notes)
-        return starts_along(found.contours, found.places)
+        return starts_from_contours(found.contours, found.places)
     if suffix in CONTOURS_READABLE:
         raise ValueError(f"--start {path} has contours, which lie in a plane: name a surface or center lines.")
     if suffix in FOR_CENTERLINES:
-        return tuple(starts_in(load_centerlines(path, image, warn=say)))
-    return (start_on_surface(load_surface(path, image, warn=say)),)
+        return tuple(starts_from_centerlines(load_centerlines(path, image, warn=say)))
+    return (start_from_surface(load_surface(path, image, warn=say)),)
 
 
 def truth_for(arguments: argparse.Namespace, image: Image) -> Truth | VolumeTruth | None:

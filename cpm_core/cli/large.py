@@ -21,7 +21,7 @@ from cpm_core.field.volume_field import check_volume_parameters
 from cpm_core.formats.common.atomic import suffix_among
 from cpm_core.formats.images.ome_zarr import is_zarr, open_levels
 from cpm_core.formats.images.reading import Reading
-from cpm_core.image.colors import LUMINANCE
+from cpm_core.image.colors import LUMINANCE_CHOICE
 from cpm_core.numerics.types import JsonObject
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, sized
@@ -98,7 +98,7 @@ def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters, wr
     """Raise ValueError for what does not work chunk by chunk."""
     if arguments.auto not in KINDS:
         raise ValueError(f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(KINDS)}.")
-    if parameters.channel != LUMINANCE:
+    if parameters.channel != LUMINANCE_CHOICE:
         raise ValueError(f"--channel is {parameters.channel}, but its channels have numbers: give one from 1.")
     if parameters.edges == "vessels":
         raise ValueError("--edges vessels looks at the whole image at once: use gradient, or a smaller image.")

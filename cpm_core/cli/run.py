@@ -76,8 +76,8 @@ from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.objects import Selection, objects_result, partition, select_all
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, sized
-from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
-from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
+from cpm_core.shapes import SEEDING_KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
+from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds, select_starts
 
 _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
 """Advice where a format cannot hold open contours."""
@@ -130,7 +130,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "are written instead of the contours (without a start, particles start everywhere)",
     )
     start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
-    start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
+    start.add_argument("--auto", choices=SEEDING_KINDS, help="everywhere, on the strongest edges, or midway between edges")
     parameters = parser.add_argument_group("parameters")
     add(parameters, "--preset", help="named settings (default: the publication's values, or the session's)")
     add_parameters(parameters)
@@ -197,13 +197,13 @@ def run(arguments: argparse.Namespace) -> int:
         path,
         reading | part,
         parameters,
-        lambda image: seeds_on(
+        lambda image: compute_seeds(
             image, _starting(arguments, session, image, shapes), parameters.smoothing, parameters.channel
         ),
         places=(drawn["object"], drawn["not"]),
         drawn=(*plain_shapes((*session.shapes, *shapes)), *_files_drawn(arguments)),
-        regions=regions_of((*session.shapes, *shapes), session.objects.barriers),
-        charges=charges_of(session.shapes),
+        regions=collect_regions((*session.shapes, *shapes), session.objects.barriers),
+        charges=collect_charges(session.shapes),
     )
 
 
@@ -296,7 +296,7 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: 
         refuse(arguments, ("space",), "volumes, but an image is run")
     given = [*arguments.circle, *arguments.sphere, *arguments.stroke, *arguments.points, *arguments.start]
     named = arguments.objects or (arguments.object and not volume)
-    if not (given or arguments.auto or starts_of(session.shapes) or named):
+    if not (given or arguments.auto or select_starts(session.shapes) or named):
         if session.mode == "skeleton":
             raise ValueError("The session is for a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
         raise ValueError(
@@ -320,7 +320,7 @@ def _shapes(drawn: Drawn, arguments: argparse.Namespace, volume: Image | None = 
     shapes += [Points(as_line(load_points(path, axes))) for path in arguments.points]
     everywhere = [Everywhere(arguments.auto)] if arguments.auto else []
     if volume is not None:
-        spheres = (Sphere.round(tuple(center), radius, volume.spacing) for *center, radius in drawn["sphere"])
+        spheres = (Sphere.from_voxel_size(tuple(center), radius, volume.spacing) for *center, radius in drawn["sphere"])
         return (*spheres, *shapes, *everywhere)
     circles = (Circle((row, col), radius) for row, col, radius in drawn["circle"])
     regions = (Region(places_in(numbers, 2)) for numbers in drawn["region"])
@@ -334,14 +334,14 @@ def _starting(
     """Return all shapes of a run: those of the session, those drawn, and those of files."""
     files = (start for path in arguments.start for start in starts_from_file(path, image))
     shapes = (*session.shapes, *drawn, *files)
-    return shapes if starts_of(shapes) else (*shapes, Everywhere("grid"))  # only an object was named
+    return shapes if select_starts(shapes) else (*shapes, Everywhere("grid"))  # only an object was named
 
 
 def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
     """Return boxes of interest and planes as barriers, with the limits of a session; None where none is drawn."""
     if not (drawn["region"] or drawn["barrier"]):
         return None
-    saved = regions_of(session.shapes, session.objects.barriers)
+    saved = collect_regions(session.shapes, session.objects.barriers)
     before = saved if isinstance(saved, VolumeRegions) else VolumeRegions()
     boxes, planes = (
         tuple(((a, b, c), (d, e, f)) for a, b, c, d, e, f in drawn[name]) for name in ("region", "barrier")

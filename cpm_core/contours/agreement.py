@@ -11,15 +11,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contours, sampled, vertices_of
+from cpm_core.contours.contour import Contours, sample_contours, stack_vertices
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.rasterize import inside, paint
+from cpm_core.contours.rasterize import rasterize_mask, rasterize_labels
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Arrays, Index, Mask, frozen, record
 from cpm_core.parameters.quotation import described
 
-TOLERANCE = 2.0
+DEFAULT_TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
 
 
@@ -132,7 +132,7 @@ class Comparison(Agreement):
         )
 
 
-def agreement(contours: Contours, others: Contours, tolerance: float = TOLERANCE) -> Agreement:
+def compare_boundaries(contours: Contours, others: Contours, tolerance: float = DEFAULT_TOLERANCE) -> Agreement:
     """Compare the boundaries of contours with those of others.
 
     Parameters
@@ -152,11 +152,11 @@ def agreement(contours: Contours, others: Contours, tolerance: float = TOLERANCE
     ValueError
         When the tolerance is not a positive number.
     """
-    _check(tolerance)
-    return Agreement(**_boundaries(_Boundary(contours), _Boundary(others), tolerance))
+    _check_tolerance(tolerance)
+    return Agreement(**_measure_agreement(_SampledBoundary(contours), _SampledBoundary(others), tolerance))
 
 
-def compare(contours: Contours, truth: Truth, tolerance: float = TOLERANCE, *, holes: bool = True) -> Comparison:
+def compare(contours: Contours, truth: Truth, tolerance: float = DEFAULT_TOLERANCE, *, holes: bool = True) -> Comparison:
     """Compare contours with the ground truth.
 
     Parameters
@@ -191,42 +191,42 @@ def compare(contours: Contours, truth: Truth, tolerance: float = TOLERANCE, *, h
     >>> found.dice > 0.99, found.f, found.objects.found
     (True, 1.0, 1)
     """
-    _check(tolerance)
-    a, b = (_Boundary(some, truth, tolerance) for some in (contours, truth.contours))
-    found, true = inside(contours, truth.shape, holes=holes), truth.labels > 0
-    dice, jaccard = overlap(int((found & true).sum()), int(found.sum() + true.sum()))
+    _check_tolerance(tolerance)
+    a, b = (_SampledBoundary(some, truth, tolerance) for some in (contours, truth.contours))
+    found, true = rasterize_mask(contours, truth.shape, holes=holes), truth.labels > 0
+    dice, jaccard = dice_and_jaccard(int((found & true).sum()), int(found.sum() + true.sum()))
     starts = np.cumsum([len(contour.points) for contour in contours])[:-1]
     return Comparison(
-        **_boundaries(a, b, tolerance),
+        **_measure_agreement(a, b, tolerance),
         dice=dice,
         jaccard=jaccard,
-        distances=tuple(np.split(b.tree.distances_to(vertices_of(contours)), starts)) if contours else (),
+        distances=tuple(np.split(b.tree.distances_to(stack_vertices(contours)), starts)) if contours else (),
         missing=b.samples[a.tree.distances_to(b.samples) > tolerance],
-        objects=object_counts(pixels_in_common(truth.objects, paint(contours, truth.shape))),
+        objects=count_objects(count_common_pixels(truth.objects, rasterize_labels(contours, truth.shape))),
     )
 
 
-def distance_to(points: Array, contours: Contours) -> Array:
+def distances_to_contours(points: Array, contours: Contours) -> Array:
     """Measure the distance of points, shape (N, 2), from the nearest line of contours, shape (N,) [px]; inf if none."""
-    return _Boundary(contours).tree.distances_to(np.asarray(points, float))
+    return _SampledBoundary(contours).tree.distances_to(np.asarray(points, float))
 
 
-class _Boundary:
+class _SampledBoundary:
     """Samples and segments of contours; of a truth without the samples where its objects reach the image border."""
 
     def __init__(self, contours: Contours, truth: Truth | None = None, tolerance: float = 0.0) -> None:
         none = np.empty((0, 2))
         paths = [contour.path for contour in contours]
-        self.samples, self.vertices = sampled(contours), vertices_of(contours)
+        self.samples, self.vertices = sample_contours(contours), stack_vertices(contours)
         if truth is not None:
             self.samples, self.vertices = (
-                kept[~_cut(kept, truth, tolerance)] for kept in (self.samples, self.vertices)
+                kept[~_is_cut_by_border(kept, truth, tolerance)] for kept in (self.samples, self.vertices)
             )
         begin = np.concatenate([none, *(path[:-1] for path in paths)])
         self.tree = SegmentTree(begin, np.concatenate([none, *(path[1:] for path in paths)]))
 
 
-def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
+def _is_cut_by_border(points: Array, truth: Truth, tolerance: float) -> Mask:
     """Return whether points, shape (N, 2), lie near the image border where it cuts an object, shape (N,)."""
     last = np.array(truth.shape) - 1
     before, beyond = points + 0.5 <= tolerance, last + 0.5 - points <= tolerance
@@ -234,14 +234,14 @@ def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
     return np.any(before | beyond, axis=1) & (truth.labels[tuple(pixels.T)] > 0)
 
 
-def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float]:
+def _measure_agreement(a: _SampledBoundary, b: _SampledBoundary, tolerance: float) -> dict[str, float]:
     """Compute the attributes of `Agreement`."""
     there, back = b.tree.distances_to(a.samples), a.tree.distances_to(b.samples)
     corners = max(b.tree.distances_to(a.vertices).max(initial=0.0), a.tree.distances_to(b.vertices).max(initial=0.0))
-    return boundary_figures((there, np.ones(len(there))), (back, np.ones(len(back))), float(corners), tolerance)
+    return summarize_distances((there, np.ones(len(there))), (back, np.ones(len(back))), float(corners), tolerance)
 
 
-def boundary_figures(
+def summarize_distances(
     there: tuple[Array, Array], back: tuple[Array, Array], corners: float, tolerance: float
 ) -> dict[str, float]:
     """Compute the attributes of `Agreement` from distances and the sizes of the parts they belong to.
@@ -271,16 +271,16 @@ def boundary_figures(
     }
 
 
-def _check(tolerance: float) -> None:
+def _check_tolerance(tolerance: float) -> None:
     check_finite_number("tolerance", tolerance, lambda distance: distance > 0.0, "a number of px above 0")
 
 
-def overlap(common: int, both: int) -> tuple[float, float]:
+def dice_and_jaccard(common: int, both: int) -> tuple[float, float]:
     """Return the Dice and Jaccard coefficients of two masks, from their common pixels and the sum of their pixels."""
     return (2.0 * common / both, common / (both - common)) if both else (1.0, 1.0)
 
 
-def pixels_in_common(true: NDArray[np.integer], found: NDArray[np.integer]) -> Index:
+def count_common_pixels(true: NDArray[np.integer], found: NDArray[np.integer]) -> Index:
     """Count the pixels that each true object has in common with each found one.
 
     Parameters
@@ -298,7 +298,7 @@ def pixels_in_common(true: NDArray[np.integer], found: NDArray[np.integer]) -> I
     return np.bincount(pairs.ravel(), minlength=height * width).reshape(height, width)
 
 
-def object_counts(table: Index) -> ObjectCounts:
+def count_objects(table: Index) -> ObjectCounts:
     """Count objects from the pixels that each true one (rows) has in each found one (columns), shape (T + 1, F + 1).
 
     The first row and the first column are the background.

@@ -15,10 +15,10 @@ from cpm_core.numerics.segments import PathTree
 from cpm_core.numerics.types import Array, Arrays, Integers, frozen, record
 from cpm_core.parameters.quotation import counted, described, shown
 
-SAMPLING = 0.25
+SAMPLE_SPACING = 0.25
 """Distance between samples along contours that are compared [px]."""
 
-Reached = Literal["", "flight", "weak", "junction", "launched"]
+ReachedBy = Literal["", "flight", "weak", "junction", "launched"]
 """Way in which particles came to a contour: by their own flight from the start, beyond a weak edge, by creeping over a
 junction, or by being launched elsewhere; empty where it is not known."""
 
@@ -119,7 +119,7 @@ class Contour(Curve):
 
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
-    sides: Callable[[], float] | None = None
+    measure_contrast: Callable[[], float] | None = None
     name: str = ""
     color: str = ""
     number: int = 0
@@ -127,7 +127,7 @@ class Contour(Curve):
     group: int = 0
     hole: bool = False
     bridged: float = 0.0
-    way: Callable[[], str] | None = None
+    measure_origin: Callable[[], str] | None = None
     category: str = ""
     gray: float | None = None
 
@@ -140,12 +140,12 @@ class Contour(Curve):
 
         It takes longer to measure than a contour takes to find, and is measured at the first access.
         """
-        return self.sides() if self.sides else 0.0
+        return self.measure_contrast() if self.measure_contrast else 0.0
 
     @cached_property
     def reached(self) -> str:
         """Way in which particles came to most of it; the first access may take longer than finding the contours."""
-        return self.way() if self.way else ""
+        return self.measure_origin() if self.measure_origin else ""
 
     @cached_property
     def length(self) -> float:
@@ -204,24 +204,24 @@ class Bridge:
         return described("Bridge", f"{self.length:,.1f} px", f"strength {self.strength:.3g}")
 
 
-def numbers_of(contours: Contours) -> Integers:
+def assign_numbers(contours: Contours) -> Integers:
     """Assign each contour a number, no two equal: its own, or the next free one where it has none."""
     taken = {contour.number for contour in contours}
     free = (number for number in itertools.count(1) if number not in taken)
     return tuple(contour.number or next(free) for contour in contours)
 
 
-def vertices_of(contours: Contours) -> Array:
+def stack_vertices(contours: Contours) -> Array:
     """Stack the vertices of contours, shape (N, 2) [px]."""
     return np.concatenate([np.empty((0, 2)), *(contour.points for contour in contours)])
 
 
-def sampled(contours: Contours) -> Array:
+def sample_contours(contours: Contours) -> Array:
     """Sample contours every `SAMPLE_SPACING`, shape (N, 2) [px], for averages over their length."""
-    return np.concatenate([np.empty((0, 2)), *(polyline.sample_path(contour.path, SAMPLING) for contour in contours)])
+    return np.concatenate([np.empty((0, 2)), *(polyline.sample_path(contour.path, SAMPLE_SPACING) for contour in contours)])
 
 
-def neighborhood(contours: Contours) -> PathTree:
+def build_path_tree(contours: Contours) -> PathTree:
     """Build a spatial index of contours, to find those near a position."""
     return PathTree([contour.path for contour in contours])
 
@@ -230,10 +230,10 @@ _BRIDGE_ON_CONTOUR = 0.01
 """Distance from a contour up to which a bridge is part of it [px]: its vertices are also those of the contour."""
 
 
-def bridges_on(bridges: Sequence[Bridge], contours: Contours) -> tuple[Bridge, ...]:
+def select_bridges_on(bridges: Sequence[Bridge], contours: Contours) -> tuple[Bridge, ...]:
     """Select the bridges that are part of one of the contours."""
     if not bridges or not contours:
         return ()
     middles = np.array([bridge.points[len(bridge.points) // 2] for bridge in bridges])
-    there = set(neighborhood(contours).pairs_within(middles, _BRIDGE_ON_CONTOUR)[0].tolist())
+    there = set(build_path_tree(contours).pairs_within(middles, _BRIDGE_ON_CONTOUR)[0].tolist())
     return tuple(bridge for number, bridge in enumerate(bridges) if number in there)

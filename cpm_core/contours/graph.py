@@ -41,9 +41,9 @@ class Graph:
         self._near[one, slot] = other
         self.degrees = np.bincount(one, minlength=len(points))
         """Number of edges at each vertex, shape (N,)."""
-        self._paths: Ways | None = None
+        self._paths: GraphPaths | None = None
 
-    def link(self, a: int, b: int) -> None:
+    def add_edge(self, a: int, b: int) -> None:
         """Join two vertices."""
         for one, other in ((a, b), (b, a)):
             near = self._near[one].tolist()
@@ -56,16 +56,16 @@ class Graph:
             self.degrees[one] += 1
         self._paths = None
 
-    def insert(self, a: int, between: Array, b: int) -> None:
+    def add_path(self, a: int, between: Array, b: int) -> None:
         """Join two vertices through new ones at positions of shape (K, 2)."""
         first, count = len(self.points), len(between)
         self.points = np.concatenate([self.points, between])
         self._near = np.pad(self._near, [(0, count), (0, 0)], constant_values=-1)
         self.degrees = np.pad(self.degrees, (0, count))
         for one, other in pairwise([a, *range(first, first + count), b]):
-            self.link(one, other)
+            self.add_edge(one, other)
 
-    def unlink(self, edges: ArrayLike) -> None:
+    def remove_edges(self, edges: ArrayLike) -> None:
         """Remove the existing ones of distinct edges, shape (E, 2)."""
         pairs = np.asarray(edges, np.int64).reshape(-1, 2)
         pairs = pairs[(self._near[pairs[:, 0]] == pairs[:, 1:]).any(axis=1)]
@@ -74,11 +74,11 @@ class Graph:
         np.subtract.at(self.degrees, pairs.ravel(), 1)
         self._paths = None
 
-    def drop(self, path: Index) -> None:
+    def remove_path(self, path: Index) -> None:
         """Remove the edges along a path."""
-        self.unlink(np.stack([path[:-1], path[1:]], axis=1))
+        self.remove_edges(np.stack([path[:-1], path[1:]], axis=1))
 
-    def distance(self, a: int, b: int) -> float:
+    def distance_between(self, a: int, b: int) -> float:
         """Measure the distance of two vertices [px]."""
         return float(np.linalg.norm(self.points[a] - self.points[b]))
 
@@ -97,11 +97,11 @@ class Graph:
         order = np.lexsort((other, one))
         return np.stack([one[order], other[order]], axis=1)
 
-    def ends(self) -> Index:
+    def loose_ends(self) -> Index:
         """List the vertices with a single edge, shape (M,)."""
         return np.flatnonzero(self.degrees == 1)
 
-    def ways(self) -> Ways:
+    def find_paths(self) -> GraphPaths:
         """Find the paths between ends and junctions, then the cycles.
 
         They begin at the ends and junctions, then at the other vertices, in the order of their numbers, toward the
@@ -112,31 +112,31 @@ class Graph:
             vertices, start = np.empty(total, np.int64), np.zeros(total // 2 + 1, np.int64)
             closed = np.zeros(total // 2, bool)
             near = np.sort(self._near, axis=1)
-            count = _walk_all(near, self.degrees, np.zeros(near.shape, bool), vertices, start, closed)
+            count = _trace_all_paths(near, self.degrees, np.zeros(near.shape, bool), vertices, start, closed)
             start, closed = start[: count + 1], closed[:count]
-            self._paths = Ways(self.points, vertices[: start[-1]], start, closed)
+            self._paths = GraphPaths(self.points, vertices[: start[-1]], start, closed)
         return self._paths
 
-    def parts(self) -> Index:
+    def label_components(self) -> Index:
         """Label the connected parts of the graph; return the part of each path, shape (W,)."""
-        ways = self.ways()
+        ways = self.find_paths()
         return label_joined_pairs((ways.first, ways.last), len(self.points))[ways.first]
 
-    def branch(self, end: int) -> Index:
+    def branch_from(self, end: int) -> Index:
         """Trace the path from a loose end to the next end or junction, both included, shape (K,)."""
         near = self.neighbors(end)
         if not near:
             return np.array([end])
         path = np.empty(len(self.points) + 1, np.int64)
-        count = follow(self._near, self.degrees, np.zeros(self._near.shape, bool), end, near[0], path)
+        count = trace_path(self._near, self.degrees, np.zeros(self._near.shape, bool), end, near[0], path)
         return path[:count]
 
-    def way_between(self, end: Index, other: Index) -> Array:
+    def path_lengths_between(self, end: Index, other: Index) -> Array:
         """Measure the path length from loose ends to other vertices, shapes (N,) [px].
 
         It is taken along the branch of the end, and infinite for vertices off it.
         """
-        ways = self.ways()
+        ways = self.find_paths()
         along = lengths_along(self.points[ways.vertices])
         way = repeat_indices(np.diff(ways.start))
         place = np.empty(len(self.points), np.int64)
@@ -147,75 +147,75 @@ class Graph:
         length = np.where(within, np.abs(along[place[other]] - along[place[end]]), np.inf)
         return np.where(behind, ways.lengths[own], length)
 
-    def drop_spurs(self, longest: float) -> None:
+    def drop_spurs(self, max_length: float) -> None:
         """Remove branches with a loose end, up to a length of `max_length` [px], shortest first."""
-        ways, degrees = self.ways(), self.degrees
+        ways, degrees = self.find_paths(), self.degrees
         first, last = ways.first, ways.last
         backwards = degrees[last] == 1
         end, other = np.where(backwards, last, first), np.where(backwards, first, last)
-        spurs = np.flatnonzero((degrees[end] == 1) & (degrees[other] >= 3) & (ways.lengths <= longest))
+        spurs = np.flatnonzero((degrees[end] == 1) & (degrees[other] >= 3) & (ways.lengths <= max_length))
         for way in spurs[np.lexsort((end[spurs], ways.lengths[spurs]))].tolist():
-            path = ways.path(way)[:: -1 if backwards[way] else 1]
+            path = ways.path_vertices(way)[:: -1 if backwards[way] else 1]
             if self.degree(path[-1]) == 2:  # no longer a junction: the branch continues
-                path = self.branch(int(path[0]))
-                if self.path_length(path) > longest:
+                path = self.branch_from(int(path[0]))
+                if self.path_length(path) > max_length:
                     continue
             if self.degree(path[-1]) >= 3:
-                self.drop(path)
+                self.remove_path(path)
 
-    def drop_specks(self, longest: float) -> None:
+    def drop_specks(self, max_length: float) -> None:
         """Remove isolated open curves up to a length of `max_length` [px]."""
-        ways = self.ways()
+        ways = self.find_paths()
         alone = (self.degrees[ways.first] == 1) & (self.degrees[ways.last] == 1)
-        self.drop_ways(alone & (ways.lengths <= longest))
+        self.drop_paths(alone & (ways.lengths <= max_length))
 
-    def drop_ways(self, gone: Mask) -> None:
+    def drop_paths(self, gone: Mask) -> None:
         """Remove the paths that a mask of shape (W,) selects."""
         if gone.any():
-            edges, way = self.ways().edges()
-            self.unlink(edges[gone[way]])
+            edges, way = self.find_paths().path_edges()
+            self.remove_edges(edges[gone[way]])
 
-    def merge_junctions(self, longest: float, weights: Array | None = None) -> None:
+    def merge_junctions(self, max_length: float, weights: Array | None = None) -> None:
         """Merge junctions that are joined by a path up to a length of `max_length` [px].
 
         They meet halfway, or with `weights`, shape (N,), at the one with the larger weight.
         """
-        ways = self.ways()
+        ways = self.find_paths()
         self.points = self.points.copy()
         moved: set[int] = set()
-        for way in self._ties(ways).tolist():
-            path = ways.path(way)
+        for way in self._junction_links(ways).tolist():
+            path = ways.path_vertices(way)
             kept, gone = int(path[0]), int(path[-1])
-            if ways.lengths[way] > longest and not moved & {kept, gone}:
+            if ways.lengths[way] > max_length and not moved & {kept, gone}:
                 continue
             intact = (self._near[path[:-1]] == path[1:, None]).any(axis=1).all()
-            if not intact or min(map(self.degree, (kept, gone))) < 3 or self.path_length(path) > longest:
+            if not intact or min(map(self.degree, (kept, gone))) < 3 or self.path_length(path) > max_length:
                 continue
-            self.drop(path)
+            self.remove_path(path)
             if weights is None:
                 self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
                 moved.add(kept)
             elif weights[gone] > weights[kept]:
                 kept, gone = gone, kept
             for other in self.neighbors(gone):
-                self.unlink((gone, other))
+                self.remove_edges((gone, other))
                 if other != kept:
-                    self.link(kept, other)
+                    self.add_edge(kept, other)
 
-    def drop_ties(self, longest: float) -> None:
+    def drop_junction_links(self, max_length: float) -> None:
         """Remove paths between two junctions that are shorter than `max_length` [px], shortest first.
 
         Such links occur at the mouth of a narrow slit, where they connect its two sides.
         """
-        ways = self.ways()
-        ties = self._ties(ways)
-        ties = ties[ways.lengths[ties] < longest]
+        ways = self.find_paths()
+        ties = self._junction_links(ways)
+        ties = ties[ways.lengths[ties] < max_length]
         for way in ties[np.argsort(ways.lengths[ties], kind="stable")].tolist():
-            path = ways.path(way)
+            path = ways.path_vertices(way)
             if min(map(self.degree, (path[0], path[-1]))) > 2:
-                self.drop(path)
+                self.remove_path(path)
 
-    def _ties(self, ways: Ways) -> Index:
+    def _junction_links(self, ways: GraphPaths) -> Index:
         """List the paths between two junctions."""
         return np.flatnonzero(~ways.closed & (self.degrees[ways.first] > 2) & (self.degrees[ways.last] > 2))
 
@@ -223,38 +223,38 @@ class Graph:
         """Measure the length of a path [px]."""
         return path_length(self.points[path])
 
-    def contours(self, shortest: float = 0.0) -> tuple[Contour, ...]:
+    def extract_contours(self, min_length: float = 0.0) -> tuple[Contour, ...]:
         """Extract the contours with a length of at least `min_length` [px], longest first.
 
         A cycle is closed even if dead ends branch off it.
         """
-        ways = self.ways()
+        ways = self.find_paths()
         forks = np.stack([self.degrees[ways.first] > 2, self.degrees[ways.last] > 2], axis=1) & ~ways.closed[:, None]
-        rings, in_ring = self._rings(forks[:, 0] & forks[:, 1])
-        long = np.flatnonzero(rings.closed & (rings.lengths >= shortest))
-        found = [Contour(self.points[rings.path(ring)], True) for ring in long.tolist()]
-        for way in np.flatnonzero((ways.lengths >= shortest) & ~in_ring).tolist():
+        rings, in_ring = self._find_rings(forks[:, 0] & forks[:, 1])
+        long = np.flatnonzero(rings.closed & (rings.lengths >= min_length))
+        found = [Contour(self.points[rings.path_vertices(ring)], True) for ring in long.tolist()]
+        for way in np.flatnonzero((ways.lengths >= min_length) & ~in_ring).tolist():
             before, behind = forks[way].tolist()
-            found.append(Contour(self.points[ways.path(way)], bool(ways.closed[way]), junctions=(before, behind)))
+            found.append(Contour(self.points[ways.path_vertices(way)], bool(ways.closed[way]), junctions=(before, behind)))
         return tuple(sorted(found, key=lambda contour: -contour.length))
 
-    def _rings(self, between: Mask) -> tuple[Ways, Mask]:
+    def _find_rings(self, between: Mask) -> tuple[GraphPaths, Mask]:
         """Find the cycles of the paths `between` junctions without dead ends; mark the paths on them, shape (W,)."""
-        edges, way = self.ways().edges()
+        edges, way = self.find_paths().path_edges()
         rest = Graph(self.points, edges[between[way]])
         rest.drop_spurs(np.inf)
-        ways = rest.ways()
-        around, ring = ways.edges()
-        part = np.isin(self._keys(edges), self._keys(around[ways.closed[ring]]))
+        ways = rest.find_paths()
+        around, ring = ways.path_edges()
+        part = np.isin(self._edge_keys(edges), self._edge_keys(around[ways.closed[ring]]))
         return ways, np.bincount(way[part], minlength=len(between)) > 0
 
-    def _keys(self, edges: Index) -> Index:
+    def _edge_keys(self, edges: Index) -> Index:
         """Compute a key for each edge, independent of its direction."""
         return np.sort(edges, axis=1) @ (len(self.points), 1)
 
 
 @record
-class Ways:
+class GraphPaths:
     """Paths between ends and junctions, then cycles; every edge of a graph is in exactly one.
 
     Attributes
@@ -280,7 +280,7 @@ class Ways:
     @cached_property
     def lengths(self) -> Array:
         """Lengths of the paths [px], of cycles including the edge from the last vertex to the first, shape (W,)."""
-        edges, way = self.edges()
+        edges, way = self.path_edges()
         sides = self.points[edges[:, 0]] - self.points[edges[:, 1]]
         return np.bincount(way, np.linalg.norm(sides, axis=1), len(self)).astype(float)
 
@@ -294,11 +294,11 @@ class Ways:
         """Last vertex of each path."""
         return self.vertices[self.start[1:] - 1]
 
-    def path(self, way: int) -> Index:
+    def path_vertices(self, way: int) -> Index:
         """List the vertices of a path, shape (K,)."""
         return self.vertices[self.start[way] : self.start[way + 1]]
 
-    def edges(self) -> tuple[Index, Index]:
+    def path_edges(self) -> tuple[Index, Index]:
         """List the edges of all paths in order, shape (E, 2), and the path of each edge, shape (E,)."""
         way = repeat_indices(np.diff(self.start))
         following = np.roll(self.vertices, -1)
@@ -308,7 +308,7 @@ class Ways:
 
 
 @compiled
-def _walk_all(
+def _trace_all_paths(
     near: Index,
     degrees: Index,
     walked: Mask,
@@ -328,7 +328,7 @@ def _walk_all(
             for slot in range(near.shape[1]):
                 if near[v, slot] < 0 or walked[v, slot]:
                     continue
-                length = follow(near, degrees, walked, v, near[v, slot], vertices[filled:])
+                length = trace_path(near, degrees, walked, v, near[v, slot], vertices[filled:])
                 closed[count] = vertices[filled + length - 1] == v
                 filled += length - 1 if closed[count] else length
                 count += 1
@@ -337,7 +337,7 @@ def _walk_all(
 
 
 @compiled
-def follow(near: Index, degrees: Index, walked: Mask, first: int, towards: int, out: Index) -> int:
+def trace_path(near: Index, degrees: Index, walked: Mask, first: int, towards: int, out: Index) -> int:
     """Write the path from a vertex toward a neighbor, up to the next end or junction or itself; return its size.
 
     `near`, shape (N, K), holds the neighbors of each vertex, `degrees`, shape (N,), their numbers; `walked`, shape

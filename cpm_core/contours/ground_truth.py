@@ -10,10 +10,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour, Contours, sampled
+from cpm_core.contours.contour import Contour, Contours, sample_contours
 from cpm_core.contours.graph import Graph
-from cpm_core.contours.rasterize import inside, paint
-from cpm_core.contours.surface import Surface, surface_of_labels
+from cpm_core.contours.rasterize import rasterize_mask, rasterize_labels
+from cpm_core.contours.surface import Surface, surface_from_labels
 from cpm_core.image import drawing
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, record
@@ -28,7 +28,7 @@ _BLACK_WHITE_TOLERANCE = 0.125
 """Largest distance from black or white, as a fraction of the range, in a mask from a lossy format."""
 
 
-class _Labeled:
+class _LabeledTruth:
     """Properties of an image or a volume that follow from its labels."""
 
     labels: Labels
@@ -47,7 +47,7 @@ class _Labeled:
 
 
 @record
-class Truth(_Labeled, drawing.Pictured):
+class Truth(_LabeledTruth, drawing.Pictured):
     """The true objects and boundaries of an image.
 
     Attributes
@@ -78,7 +78,7 @@ class Truth(_Labeled, drawing.Pictured):
     @cached_property
     def boundary(self) -> Array:
         """Points every quarter of a pixel along the boundaries, shape (K, 2) [px]."""
-        return sampled(self.contours)
+        return sample_contours(self.contours)
 
     def __repr__(self) -> str:
         return described("Truth", self.source, sized(self.shape), counted(len(self.contours), "contour"))
@@ -91,7 +91,7 @@ class Truth(_Labeled, drawing.Pictured):
         return ax
 
 
-def truth_of_contours(
+def truth_from_contours(
     contours: Contours, shape: Sequence[int], source: str = "ground truth", *, holes: bool = True
 ) -> Truth:
     """Build a ground truth from contours: closed ones are objects, labeled as in the label mask except for holes.
@@ -108,11 +108,11 @@ def truth_of_contours(
         Whether a contour in another is a hole, and one in a hole another object; see `rasterize_mask`.
     """
     size = (int(shape[0]), int(shape[1]))
-    labels = np.where(inside(contours, size, holes=holes), paint(contours, size), 0)
+    labels = np.where(rasterize_mask(contours, size, holes=holes), rasterize_labels(contours, size), 0)
     return Truth(labels.astype(np.int32), tuple(contours), source)
 
 
-def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> Truth:
+def truth_from_mask(values: NDArray[np.generic], source: str = "ground truth") -> Truth:
     """Build a ground truth from a mask.
 
     Parameters
@@ -133,15 +133,15 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
     ValueError
         When all pixels are equal, or too many neighbors differ for a mask.
     """
-    labels = labels_of(values, source)
-    return Truth(labels, _between(labels), source)
+    labels = label_gray_levels(values, source)
+    return Truth(labels, _trace_label_boundaries(labels), source)
 
 
 _MAX_COUNTED_RANGE = 2**16
 """Largest range of whole gray levels that are counted rather than sorted."""
 
 
-def labels_of(values: NDArray[np.generic], source: str) -> Labels:
+def label_gray_levels(values: NDArray[np.generic], source: str) -> Labels:
     """Label the gray levels of a mask by numbers from 0.
 
     Parameters
@@ -186,7 +186,7 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     return labels
 
 
-def _between(labels: Labels) -> tuple[Contour, ...]:
+def _trace_label_boundaries(labels: Labels) -> tuple[Contour, ...]:
     """Trace the boundaries between pixels of different labels.
 
     Around each corner of four pixels up to four sides separate labels. Two of them are joined; three or four meet at
@@ -204,11 +204,11 @@ def _between(labels: Labels) -> tuple[Contour, ...]:
     pairs = sides[two][separating[two]].reshape(-1, 2)
     rays = np.stack(np.broadcast_arrays(sides, corner), axis=-1)[separating & ~two[:, None]]
     used, edges = np.unique(np.concatenate([pairs, rays]), return_inverse=True)
-    return Graph(0.5 * np.stack(np.divmod(used, width), axis=1), edges.reshape(-1, 2).astype(np.int64)).contours()
+    return Graph(0.5 * np.stack(np.divmod(used, width), axis=1), edges.reshape(-1, 2).astype(np.int64)).extract_contours()
 
 
 @record
-class VolumeTruth(_Labeled):
+class VolumeTruth(_LabeledTruth):
     """The true objects of a volume.
 
     Attributes
@@ -263,7 +263,7 @@ class VolumeTruth(_Labeled):
         """The boundaries of the objects, halfway between voxels unless known; the border of the volume is none."""
         if self.boundary is not None:
             return replace(self.boundary, spacing=self.spacing, unit=self.unit)
-        found = surface_of_labels(self.labels, self.spacing, self.unit, open_border=True)
+        found = surface_from_labels(self.labels, self.spacing, self.unit, open_border=True)
         return replace(found, numbers=None)
 
     def __repr__(self) -> str:

@@ -16,18 +16,18 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from cpm_core.contours.contour import Contour, Contours
-from cpm_core.contours.polygonal_line import PolygonalLine, joined, ring
-from cpm_core.contours.review import REACH
+from cpm_core.contours.polygonal_line import PolygonalLine, join_lines, close_line
+from cpm_core.contours.review import ANCHOR_REACH
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Integers, Line, Position, frozen
 
-Kind = Literal["cut", "deletion", "redrawing", "join", "extension", "line", "outline"]
+HandEditKind = Literal["cut", "deletion", "redrawing", "join", "extension", "line", "outline"]
 """Kind of an edit, by what it removes and adds."""
 
-_SEARCH_DISTANCES = (1.0, 2.0, REACH)
+_SEARCH_DISTANCES = (1.0, 2.0, ANCHOR_REACH)
 """Distances within which a removed stretch is searched, the first one that finds any [px]."""
 
-_JOINING_DISTANCE = 3.0 * REACH
+_JOINING_DISTANCE = 3.0 * ANCHOR_REACH
 """Distance from a piece up to which the end of its contour is joined to it after another run [px]."""
 
 _ALREADY_JOINED_DISTANCE = 1.5
@@ -70,7 +70,7 @@ class HandEdit:
     after: Line = ()
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> HandEditKind:
         """Kind of the edit, by what it removes and adds."""
         if self.removed:
             return "redrawing" if self.added else "cut" if len(self.removed) == 1 else "deletion"
@@ -79,7 +79,7 @@ class HandEdit:
         return "join" if self.before and self.after else "extension" if self.before or self.after else "line"
 
 
-def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], Integers]:
+def apply_hand_edits(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], Integers]:
     """Apply edits by hand to contours, in the order in which they were made.
 
     Parameters
@@ -98,46 +98,46 @@ def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour,
     """
     if not edits:
         return tuple(contours), ()
-    lines, missed = [PolygonalLine.of(contour) for contour in contours], []
+    lines, missed = [PolygonalLine.from_contour(contour) for contour in contours], []
     for number, edit in enumerate(edits):
         done = not edit.removed
         if len(edit.removed) == 1:
-            lines, done = _cut(lines, edit.removed[0])
+            lines, done = _cut_nearest_line(lines, edit.removed[0])
         for reach in _SEARCH_DISTANCES:
             if not done and len(edit.removed) > 1:
-                lines, done = _without(lines, np.array(edit.removed), reach)
+                lines, done = _remove_stretch(lines, np.array(edit.removed), reach)
         if edit.added:
-            lines, held = _added(lines, edit)
+            lines, held = _add_piece(lines, edit)
             done = done and held
         if not done:
             missed.append(number)
-    found = [line.contour() for line in lines]
+    found = [line.to_contour() for line in lines]
     return tuple(sorted(found, key=lambda contour: -contour.length)), tuple(missed)
 
 
 # Removing
 
 
-def _cut(lines: list[PolygonalLine], place: Position) -> tuple[list[PolygonalLine], bool]:
+def _cut_nearest_line(lines: list[PolygonalLine], place: Position) -> tuple[list[PolygonalLine], bool]:
     """Cut the nearest line within reach at a place; its end cannot be cut."""
-    near = [(line.nearest(place)[1], index) for index, line in enumerate(lines) if line.passes(place, REACH)]
+    near = [(line.project_point(place)[1], index) for index, line in enumerate(lines) if line.passes_near(place, ANCHOR_REACH)]
     for _, index in sorted(near):
         line = lines[index]
-        pieces = line.parts((line.nearest(place)[0],))
+        pieces = line.split_at((line.project_point(place)[0],))
         if line.closed or len(pieces) > 1:
             return [*lines[:index], *pieces, *lines[index + 1 :]], True
     return lines, False
 
 
-def _without(lines: list[PolygonalLine], path: Array, reach: float) -> tuple[list[PolygonalLine], bool]:
+def _remove_stretch(lines: list[PolygonalLine], path: Array, reach: float) -> tuple[list[PolygonalLine], bool]:
     """Remove the stretch that follows a path within reach from its first place to its last."""
     box = np.stack([path.min(axis=0) - reach, path.max(axis=0) + reach])
     pieces: dict[int, list[PolygonalLine]] = {}
     for number, line in enumerate(lines):
         if (line.box[1] >= box[0]).all() and (line.box[0] <= box[1]).all():
-            near = (line.nearest(path[0]), line.nearest(path[-1]))
-            pieces[number] = line.parts(along for along, away in near if away <= reach)
-    found = [(n, k) for n, some in pieces.items() for k, piece in enumerate(some) if piece.follows(path, reach)]
+            near = (line.project_point(path[0]), line.project_point(path[-1]))
+            pieces[number] = line.split_at(along for along, away in near if away <= reach)
+    found = [(n, k) for n, some in pieces.items() for k, piece in enumerate(some) if piece.follows_path(path, reach)]
     if found and reach > _SEARCH_DISTANCES[0]:  # the contour has moved: others may lie as near
         longest = max(found, key=lambda one: pieces[one[0]][one[1]].length)
         enough = pieces[longest[0]][longest[1]].length >= _LEAST_SHARE_FOUND * polyline.path_length(path)
@@ -160,16 +160,16 @@ class _Tie(NamedTuple):
     along: float
 
 
-def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLine], bool]:
+def _add_piece(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLine], bool]:
     """Add a piece, joined to the lines that it continues; also return whether all of them were found."""
     points = np.array(edit.added)
-    piece = PolygonalLine.by_hand(points, edit.closed)
+    piece = PolygonalLine.from_drawn_points(points, edit.closed)
     if edit.closed:
-        return [*(rest for line in lines for rest in _beside(line, piece)), piece], True
-    if edit.before and edit.after and any(_holds(line, piece, edit) for line in lines):
+        return [*(rest for line in lines for rest in _remove_covered_stretches(line, piece)), piece], True
+    if edit.before and edit.after and any(_already_joins(line, piece, edit) for line in lines):
         return lines, True
-    first = _tie(lines, points, edit.before)
-    last = _tie(lines, points[::-1], edit.after)
+    first = _find_tie(lines, points, edit.before)
+    last = _find_tie(lines, points[::-1], edit.after)
     if first is not None and last is not None and first.line == last.line and first.at_last == last.at_last:
         last = None
     piece = replace(piece, junctions=(_meets_side(lines, points[0]), _meets_side(lines, points[-1])))
@@ -178,18 +178,18 @@ def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLi
     if first is not None and last is not None and first.line == last.line:
         line = lines[first.line]
         begin, end = sorted((first.along, last.along))
-        kept = line.part(begin, end)
-        closed = ring(joined(kept if first.at_last else kept.reversed(), piece))
+        kept = line.part_between(begin, end)
+        closed = close_line(join_lines(kept if first.at_last else kept.reversed(), piece))
         # a piece that leads back along the line encloses nothing
         return ([*rest, closed] if len(closed.points) > 2 else lines), found
     if first is not None:
-        piece = joined(_up_to(lines, first), piece)
+        piece = join_lines(_line_up_to_tie(lines, first), piece)
     if last is not None:
-        piece = joined(piece, _up_to(lines, last).reversed())
+        piece = join_lines(piece, _line_up_to_tie(lines, last).reversed())
     return [*rest, piece], found
 
 
-def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
+def _remove_covered_stretches(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
     """Return the pieces of a line that remain where an outline takes its place: of an open one, those off it."""
     apart = (line.box[1] < outline.box[0] - _OUTLINE_COVER_DISTANCE).any() or (
         line.box[0] > outline.box[1] + _OUTLINE_COVER_DISTANCE
@@ -205,37 +205,37 @@ def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
         return [line]
     return [
         rest
-        for rest in line.parts(cuts)
+        for rest in line.split_at(cuts)
         if rest.length >= _SHORTEST_REMAINDER
-        and not rest.follows(outline.path, _OUTLINE_COVER_DISTANCE + _OUTLINE_SAMPLING)
+        and not rest.follows_path(outline.path, _OUTLINE_COVER_DISTANCE + _OUTLINE_SAMPLING)
     ]
 
 
-def _up_to(lines: list[PolygonalLine], tie: _Tie) -> PolygonalLine:
+def _line_up_to_tie(lines: list[PolygonalLine], tie: _Tie) -> PolygonalLine:
     """Return the line of a tie up to the place where the piece begins, which comes last."""
     line = lines[tie.line]
-    return line.part(0.0, tie.along) if tie.at_last else line.part(tie.along, line.length).reversed()
+    return line.part_between(0.0, tie.along) if tie.at_last else line.part_between(tie.along, line.length).reversed()
 
 
-def _tie(lines: list[PolygonalLine], piece: Array, behind: Line) -> _Tie | None:
+def _find_tie(lines: list[PolygonalLine], piece: Array, behind: Line) -> _Tie | None:
     """Find the line that a piece continues from its first vertex."""
     row, col = piece[0].tolist()
     found: list[tuple[float, _Tie]] = []
     for index, line in enumerate(lines):
-        if line.closed or not behind or not line.passes(behind[0], REACH):
+        if line.closed or not behind or not line.passes_near(behind[0], ANCHOR_REACH):
             continue
-        back, off = line.nearest(behind[0])
+        back, off = line.project_point(behind[0])
         away = [float(np.linalg.norm(line.points[n] - piece[0])) for n in (0, -1)]
-        along, aside = line.nearest((row, col))
-        near = [last for last in (False, True) if away[last] <= REACH]
+        along, aside = line.project_point((row, col))
+        near = [last for last in (False, True) if away[last] <= ANCHOR_REACH]
         if near:
             at_last = min(near, key=lambda last: abs((line.length if last else 0.0) - back))
-            room = min(2.0 * REACH, 0.5 * line.length)
+            room = min(2.0 * ANCHOR_REACH, 0.5 * line.length)
             begin = line.length - room if at_last else 0.0
             # it may reach beyond the end of the contour
-            overlap = line.part(begin, begin + room).nearest((row, col))[0]
+            overlap = line.part_between(begin, begin + room).project_point((row, col))[0]
             found.append((off + aside, _Tie(index, at_last, begin + overlap)))
-        elif aside <= REACH and line.part(*sorted((along, line.length if along > back else 0.0))).follows(piece, REACH):
+        elif aside <= ANCHOR_REACH and line.part_between(*sorted((along, line.length if along > back else 0.0))).follows_path(piece, ANCHOR_REACH):
             found.append((off + aside, _Tie(index, along > back, along)))
         elif min(away) <= _JOINING_DISTANCE:
             last = away[1] < away[0]
@@ -243,15 +243,15 @@ def _tie(lines: list[PolygonalLine], piece: Array, behind: Line) -> _Tie | None:
     return min(found)[1] if found else None
 
 
-def _holds(line: PolygonalLine, piece: PolygonalLine, edit: HandEdit) -> bool:
+def _already_joins(line: PolygonalLine, piece: PolygonalLine, edit: HandEdit) -> bool:
     """Return whether a line runs along a piece and both contours that it joins, as after a run that closed the gap."""
-    if not all(line.passes(behind, REACH) for behind in (*edit.before, *edit.after)):
+    if not all(line.passes_near(behind, ANCHOR_REACH) for behind in (*edit.before, *edit.after)):
         return False
-    begin, end = sorted(line.nearest(behind)[0] for behind in (*edit.before, *edit.after))
-    between = [line.part(begin, end), *([line.part(end, begin + line.length)] if line.closed else [])]
-    return any(piece.follows(part.path, _ALREADY_JOINED_DISTANCE) for part in between)
+    begin, end = sorted(line.project_point(behind)[0] for behind in (*edit.before, *edit.after))
+    between = [line.part_between(begin, end), *([line.part_between(end, begin + line.length)] if line.closed else [])]
+    return any(piece.follows_path(part.path, _ALREADY_JOINED_DISTANCE) for part in between)
 
 
 def _meets_side(lines: list[PolygonalLine], place: Array) -> bool:
     row, col = place.tolist()
-    return any(line.passes((row, col), _SEARCH_DISTANCES[0]) for line in lines)
+    return any(line.passes_near((row, col), _SEARCH_DISTANCES[0]) for line in lines)

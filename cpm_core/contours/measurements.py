@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Contours, numbers_of
+from cpm_core.contours.contour import Contour, Contours, assign_numbers
 from cpm_core.numerics.polyline import points_inside, path_length, path_midpoints
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Integers, Position, frozen
@@ -86,7 +86,7 @@ class Measures:
         )
 
 
-def contour_labels(contours: Contours) -> Integers:
+def assign_labels(contours: Contours) -> Integers:
     """Assign each contour its label: 1, 2, ... for the closed ones in their order, 0 for open ones and holes.
 
     The outlines of one object share a label.
@@ -146,7 +146,7 @@ def measure(
         raise ValueError(f"spacing is {shown(spacing)} but must be two positive numbers, (row, col).")
     around = containment(contours)
     net = _net_areas(contours, around)
-    numbers, labels = numbers_of(contours), contour_labels(contours)
+    numbers, labels = assign_numbers(contours), assign_labels(contours)
     return tuple(
         Measures(
             number=number,
@@ -158,7 +158,7 @@ def measure(
             length=contour.length,
             area=contour.area,
             strength=contour.strength,
-            contrast=contour.contrast if contrast and contour.sides else None,
+            contrast=contour.contrast if contrast and contour.measure_contrast else None,
             inside=0 if outer is None else numbers[outer],
             length_in_units=path_length(contour.path * spacing),
             area_in_units=contour.area * spacing[0] * spacing[1],
@@ -171,18 +171,18 @@ def measure(
     )
 
 
-def centroid(contour: Contour) -> Position:
+def compute_centroid(contour: Contour) -> Position:
     """Compute the center (row, col) of the area of a closed contour, or of the length of an open one [px]."""
     path = contour.path
     if contour.area > 0.0:
-        area, *first = moments(path)[:3].tolist()
+        area, *first = area_moments(path)[:3].tolist()
         row, col = first[0] / area, first[1] / area
     else:
         row, col = path_midpoints(path, _CONTAINMENT_SAMPLES * len(path)).mean(axis=0).tolist()
     return row, col
 
 
-def moments(path: Array) -> Array:
+def area_moments(path: Array) -> Array:
     """Compute the moments of the inside of a closed path about the origin by Green's theorem, shape (6,).
 
     The path, shape (K, 2), may run either way. The moments are the area, the first moments (row, col), and the second

@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 from numpy.typing import DTypeLike
 
-from cpm_core.contours.surface import Surface, inside_of
+from cpm_core.contours.surface import Surface, voxelize_surface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import true_bounds, zero_surface
 from cpm_core.numerics.types import Array, Index, Integers, Mask, Numbers, Pixels, Place, frozen
@@ -29,20 +29,20 @@ _MAX_ARRAY_BYTES = 256 * 2**20
 Corner = Sequence[int] | Index
 """A voxel, or the sides of a box, (plane, row, col)."""
 
-MOST_VOXELS = 2**28
+MAX_BOX_VOXELS = 2**28
 """Largest box around a surface [voxels]; filling it takes at least one byte per voxel."""
 
 _COMPRESSION_LEVEL = 1
 """Level of zlib: higher ones hardly shrink coordinates further, however long they take."""
 
 
-def packed(array: Numbers) -> str:
+def encode_array(array: Numbers) -> str:
     """Encode an array of any shape as text: its bytes in little-endian order, compressed."""
     data = np.ascontiguousarray(array).astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
     return base64.b64encode(zlib.compress(data, _COMPRESSION_LEVEL)).decode()
 
 
-def unpacked(text: object, dtype: DTypeLike, count: int | None, where: str) -> Numbers:
+def decode_array(text: object, dtype: DTypeLike, count: int | None, where: str) -> Numbers:
     """Decode numbers from text.
 
     Parameters
@@ -102,22 +102,22 @@ class PackedSurface:
         if not len(self.surface.faces) or not self.surface.closed:
             raise ValueError("The surface around an object is not closed, so nothing is inside.")
         sides = np.ceil(np.ptp(self.surface.vertices, axis=0)).tolist()
-        if math.prod(sides) > MOST_VOXELS:
+        if math.prod(sides) > MAX_BOX_VOXELS:
             raise ValueError(
                 f"The surface around an object spans {' x '.join(f'{side:g}' for side in sides)} voxels, but at most "
-                f"{MOST_VOXELS:,} in all can be filled: make it smaller."
+                f"{MAX_BOX_VOXELS:,} in all can be filled: make it smaller."
             )
 
     @classmethod
-    def of(cls, surface: Surface) -> PackedSurface:
+    def from_surface(cls, surface: Surface) -> PackedSurface:
         """Encode a surface."""
-        return cls(packed(surface.vertices.astype(np.float32)), packed(surface.faces.astype(np.int32)))
+        return cls(encode_array(surface.vertices.astype(np.float32)), encode_array(surface.faces.astype(np.int32)))
 
     @cached_property
     def surface(self) -> Surface:
         """The decoded surface [voxels]."""
-        vertices = unpacked(self.vertices, np.float32, None, "the surface of an object")
-        faces = unpacked(self.faces, np.int32, None, "the surface of an object")
+        vertices = decode_array(self.vertices, np.float32, None, "the surface of an object")
+        faces = decode_array(self.faces, np.int32, None, "the surface of an object")
         if len(vertices) % 3 or len(faces) % 3:
             raise ValueError("the surface of an object is damaged: it does not consist of triangles.")
         return Surface(vertices.reshape(-1, 3), faces.reshape(-1, 3))
@@ -129,16 +129,16 @@ class PackedSurface:
         first = np.floor(vertices.min(axis=0)).astype(int) - 1
         shape = np.ceil(vertices.max(axis=0)).astype(int) + 2 - first
         there = replace(self.surface, vertices=vertices - first)
-        return Voxels(inside_of(there, tuple(shape.tolist())), tuple(first.tolist()))
+        return Voxels(voxelize_surface(there, tuple(shape.tolist())), tuple(first.tolist()))
 
     @cached_property
-    def painted(self) -> PackedVoxels:
+    def as_packed_voxels(self) -> PackedVoxels:
         """Voxels of the same body, which a brush can change."""
-        return PackedVoxels.of(self.voxels)
+        return PackedVoxels.from_voxels(self.voxels)
 
-    def part(self, begin: Corner, shape: Corner) -> Mask:
+    def mask_in_box(self, begin: Corner, shape: Corner) -> Mask:
         """Return whether the voxels of a box, given its first voxel and its shape, have their centers inside."""
-        return self.painted.part(begin, shape)
+        return self.as_packed_voxels.mask_in_box(begin, shape)
 
     @property
     def volume(self) -> float:
@@ -154,11 +154,11 @@ class PackedSurface:
     @property
     def shell(self) -> Voxels:
         """Voxels inside that share a face with one outside."""
-        return _shell_of(self.voxels)
+        return _compute_shell(self.voxels)
 
-    def moved(self, by: Place) -> PackedSurface:
+    def translated(self, offset: Place) -> PackedSurface:
         """Return the surface displaced along each axis [voxels]."""
-        return PackedSurface.of(replace(self.surface, vertices=self.surface.vertices + np.array(by)))
+        return PackedSurface.from_surface(replace(self.surface, vertices=self.surface.vertices + np.array(offset)))
 
 
 _BITS_PER_BYTE = 8
@@ -207,11 +207,11 @@ class PackedVoxels:
     planes: tuple[bytes, ...]
 
     def __post_init__(self) -> None:
-        if not _any(self.planes):
+        if not _has_voxels(self.planes):
             raise ValueError("An object in a volume needs at least one voxel.")
 
     @classmethod
-    def of(cls, voxels: Voxels) -> PackedVoxels:
+    def from_voxels(cls, voxels: Voxels) -> PackedVoxels:
         """Pack voxels into bits."""
         bits = np.packbits(voxels.mask, axis=2)
         return cls(voxels.first or (0, 0, 0), bits.shape[2], tuple(plane.tobytes() for plane in bits))
@@ -221,19 +221,19 @@ class PackedVoxels:
         """Planes, rows and columns of the box."""
         return len(self.planes), len(self.planes[0]) // self.width, _BITS_PER_BYTE * self.width
 
-    def part(self, begin: Corner, shape: Corner) -> Mask:
+    def mask_in_box(self, begin: Corner, shape: Corner) -> Mask:
         """Return whether the voxels of another box, given its first voxel and its shape, are set."""
         found = np.zeros(tuple(shape), bool)
         low, high = np.maximum(begin, self.first), np.minimum(np.add(begin, shape), np.add(self.first, self.shape))
         if (low < high).all():
             (plane, row, col), (planes, rows, cols) = low - self.first, high - low
             width = slice(col // _BITS_PER_BYTE, -(-(col + cols) // _BITS_PER_BYTE))
-            raw = np.stack([self._rows(at)[row : row + rows, width] for at in range(plane, plane + planes)])
+            raw = np.stack([self._plane_bytes(at)[row : row + rows, width] for at in range(plane, plane + planes)])
             bits = np.unpackbits(raw, axis=2).view(np.bool_)
-            found[_window(low, high, begin)] = bits[:, :, col % _BITS_PER_BYTE :][:, :, :cols]
+            found[_box_slices(low, high, begin)] = bits[:, :, col % _BITS_PER_BYTE :][:, :, :cols]
         return found
 
-    def with_part(self, begin: Corner, mask: Mask) -> PackedVoxels | None:
+    def with_box_replaced(self, begin: Corner, mask: Mask) -> PackedVoxels | None:
         """Replace the voxels of a box, given its first voxel and a mask of its shape; None when no voxel remains."""
         low, high = np.array(begin), np.add(begin, mask.shape)
         first, last = np.minimum(self.first, low), np.maximum(np.add(self.first, self.shape), high)
@@ -246,47 +246,47 @@ class PackedVoxels:
             if same and not changed and 0 <= at - self.first[0] < len(self.planes):
                 planes.append(self.planes[at - self.first[0]])
                 continue
-            bits = self.part((at, first[1], first[2]), (1, rows, cols))[0]
+            bits = self.mask_in_box((at, first[1], first[2]), (1, rows, cols))[0]
             if changed:
-                bits[_window(low[1:], high[1:], first[1:])] = mask[at - low[0]]
+                bits[_box_slices(low[1:], high[1:], first[1:])] = mask[at - low[0]]
             planes.append(np.packbits(bits, axis=1).tobytes())
-        return PackedVoxels(tuple(first.tolist()), cols // _BITS_PER_BYTE, tuple(planes)) if _any(planes) else None
+        return PackedVoxels(tuple(first.tolist()), cols // _BITS_PER_BYTE, tuple(planes)) if _has_voxels(planes) else None
 
     @property
     def voxels(self) -> Voxels:
         """The voxels as a mask."""
-        return Voxels(self.part(self.first, self.shape), self.first)
+        return Voxels(self.mask_in_box(self.first, self.shape), self.first)
 
     @property
     def shell(self) -> Voxels:
         """Voxels that share a face with one outside."""
-        return _shell_of(self.voxels)
+        return _compute_shell(self.voxels)
 
     @property
     def surface(self) -> Surface:
         """Smooth surface around the voxels, which encloses exactly them [voxels]."""
-        return _surface(self)
+        return _build_surface(self)
 
     @property
-    def painted(self) -> PackedVoxels:
+    def as_packed_voxels(self) -> PackedVoxels:
         """The body itself."""
         return self
 
     @property
     def volume(self) -> float:
         """Number of voxels."""
-        return float(sum(int(np.bitwise_count(self._rows(at)).sum()) for at in range(len(self.planes))))
+        return float(sum(int(np.bitwise_count(self._plane_bytes(at)).sum()) for at in range(len(self.planes))))
 
     @property
     def box(self) -> Array:
         """First and last plane, row and column of the voxels, shape (2, 3)."""
-        return true_bounds(self.part(self.first, self.shape)).astype(float) + self.first
+        return true_bounds(self.mask_in_box(self.first, self.shape)).astype(float) + self.first
 
-    def moved(self, by: Place) -> PackedVoxels:
+    def translated(self, offset: Place) -> PackedVoxels:
         """Return the voxels displaced along each axis, to the nearest whole voxel."""
-        return replace(self, first=tuple(np.rint(np.add(self.first, by)).astype(int).tolist()))
+        return replace(self, first=tuple(np.rint(np.add(self.first, offset)).astype(int).tolist()))
 
-    def _rows(self, plane: int) -> Pixels:
+    def _plane_bytes(self, plane: int) -> Pixels:
         """Return the bytes of a plane of the box, shape (rows, width)."""
         return np.frombuffer(self.planes[plane], np.uint8).reshape(-1, self.width)
 
@@ -294,22 +294,22 @@ class PackedVoxels:
 PackedBody = PackedVoxels | PackedSurface
 
 
-def _any(planes: Sequence[bytes]) -> bool:
+def _has_voxels(planes: Sequence[bytes]) -> bool:
     return any(plane != bytes(len(plane)) for plane in planes)
 
 
-def _window(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
+def _box_slices(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
     """Return the slices of a box in an array that begins at a voxel."""
     return tuple(map(slice, low - begin, high - begin))
 
 
 @lru_cache(maxsize=_CACHED_BODIES)
-def _shell_of(voxels: Voxels) -> Voxels:
+def _compute_shell(voxels: Voxels) -> Voxels:
     return Voxels(voxels.mask & ~scipy.ndimage.binary_erosion(voxels.mask), voxels.first)
 
 
 @lru_cache(maxsize=_CACHED_BODIES)
-def _surface(body: PackedVoxels) -> Surface:
+def _build_surface(body: PackedVoxels) -> Surface:
     inside = np.pad(body.voxels.mask, _SURFACE_MARGIN)
     level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _VOXEL_SMOOTHING) - np.float32(0.5)
     level = np.where(inside, np.maximum(level, _LEAST_LEVEL_OFFSET), np.minimum(level, -_LEAST_LEVEL_OFFSET))

@@ -44,13 +44,13 @@ class PolygonalLine(Curve):
     source: Contour | None = field(default=None, repr=False)
 
     @classmethod
-    def of(cls, contour: Contour) -> PolygonalLine:
+    def from_contour(cls, contour: Contour) -> PolygonalLine:
         """Convert a contour to a line."""
         drawn = np.zeros(len(contour.path) - 1, bool)
         return cls(contour.points, contour.closed, drawn, contour.junctions, contour)
 
     @classmethod
-    def by_hand(cls, points: Array, closed: bool = False) -> PolygonalLine:
+    def from_drawn_points(cls, points: Array, closed: bool = False) -> PolygonalLine:
         """Build a line through vertices, shape (K, 2) [px], that is drawn by hand as a whole."""
         return cls(points, closed, np.ones(len(points) - (not closed), bool))
 
@@ -64,9 +64,9 @@ class PolygonalLine(Curve):
         """Length of the line [px]."""
         return float(self.lengths[-1])
 
-    def passes(self, place: Position, reach: float) -> bool:
+    def passes_near(self, place: Position, reach: float) -> bool:
         """Return whether the line passes within reach of a place [px]."""
-        return self.nearest(place)[1] <= reach
+        return self.project_point(place)[1] <= reach
 
     @cached_property
     def _line(self) -> Any:
@@ -75,14 +75,14 @@ class PolygonalLine(Curve):
 
         return shapely.LineString(np.concatenate([self.path, self.path[-1:]]))
 
-    def nearest(self, place: Position) -> tuple[float, float]:
+    def project_point(self, place: Position) -> tuple[float, float]:
         """Return the length along the line up to its place nearest to another one, and the distance of the two [px]."""
         import shapely  # noqa: PLC0415
 
         point = shapely.Point(place)
         return float(self._line.project(point)), float(self._line.distance(point))
 
-    def part(self, first: float, last: float) -> PolygonalLine:
+    def part_between(self, first: float, last: float) -> PolygonalLine:
         """Return the open line between two lengths along it; on a closed line the second may go once around."""
         path, drawn, lengths = self.path, self.drawn, self.lengths
         if self.closed:
@@ -98,7 +98,7 @@ class PolygonalLine(Curve):
         junctions = (begins and self.junctions[0], ends and self.junctions[1])
         return PolygonalLine(points, False, drawn[np.clip(segment, 0, len(drawn) - 1)], junctions)
 
-    def parts(self, cuts: Iterable[float]) -> list[PolygonalLine]:
+    def split_at(self, cuts: Iterable[float]) -> list[PolygonalLine]:
         """Split the line at lengths along it; without any a closed line stays whole, one opens it."""
         at = sorted(set(cuts))
         if self.closed:
@@ -107,10 +107,10 @@ class PolygonalLine(Curve):
             ends = [0.0, *(cut for cut in at if _LENGTH_TOLERANCE < cut < self.length - _LENGTH_TOLERANCE), self.length]
             if len(ends) == 2:
                 return [self]
-        found = [self.part(a, b) for a, b in pairwise(ends) if b - a > _LENGTH_TOLERANCE]
+        found = [self.part_between(a, b) for a, b in pairwise(ends) if b - a > _LENGTH_TOLERANCE]
         return found or [self]
 
-    def follows(self, path: Array, reach: float) -> bool:
+    def follows_path(self, path: Array, reach: float) -> bool:
         """Return whether all of the line lies within reach of a path, shape (K, 2) [px]."""
         samples = np.concatenate([self.path[[0, -1]], polyline.sample_path(self.path, _PATH_SAMPLING)])
         return bool((polyline.distances_to_path(path, samples) <= reach).all())
@@ -120,7 +120,7 @@ class PolygonalLine(Curve):
         drawn = np.concatenate([self.drawn[-2::-1], self.drawn[-1:]]) if self.closed else self.drawn[::-1]
         return replace(self, points=self.points[::-1], drawn=drawn, junctions=self.junctions[::-1])
 
-    def contour(self) -> Contour:
+    def to_contour(self) -> Contour:
         """Convert the line to a contour: its source, or a new one without strength and contrast."""
         if self.source is not None:
             return self.source
@@ -130,20 +130,20 @@ class PolygonalLine(Curve):
         return Contour(self.points, self.closed, junctions=self.junctions, by_hand=drawn)
 
 
-def joined(first: PolygonalLine, second: PolygonalLine) -> PolygonalLine:
+def join_lines(first: PolygonalLine, second: PolygonalLine) -> PolygonalLine:
     """Join two open lines, the end of the first to the beginning of the second; the gap counts as drawn by hand."""
-    touching = _touch(first.points[-1], second.points[0])
+    touching = _are_coincident(first.points[-1], second.points[0])
     points = np.concatenate([first.points, second.points[touching:]])
     drawn = np.concatenate([first.drawn, [] if touching else [True], second.drawn]).astype(bool)
     return PolygonalLine(points, False, drawn, (first.junctions[0], second.junctions[1]))
 
 
-def ring(line: PolygonalLine) -> PolygonalLine:
+def close_line(line: PolygonalLine) -> PolygonalLine:
     """Close an open line of three vertices or more; the segment between its ends counts as drawn by hand."""
-    if _touch(line.points[-1], line.points[0]):
+    if _are_coincident(line.points[-1], line.points[0]):
         return PolygonalLine(line.points[:-1], True, line.drawn)
     return PolygonalLine(line.points, True, np.append(line.drawn, True))
 
 
-def _touch(a: Array, b: Array) -> bool:
+def _are_coincident(a: Array, b: Array) -> bool:
     return float(np.linalg.norm(a - b)) <= _LENGTH_TOLERANCE

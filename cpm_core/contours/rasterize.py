@@ -9,21 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import containment, contour_labels
+from cpm_core.contours.measurements import containment, assign_labels
 from cpm_core.numerics.polyline import repeat_indices
 from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.parameters.quotation import shown
 
 Labels = NDArray[np.unsignedinteger]
 
-MOST_LABELS = 65535
+MAX_UINT16_LABELS = 65535
 """Largest number of labels that 16 bits can hold."""
 
 _ON_EDGE_DISTANCE = 1e-9
 """Distance from an edge up to which a pixel lies on it [px]."""
 
 
-def paint(contours: Sequence[Contour], shape: Extent) -> Labels:
+def rasterize_labels(contours: Sequence[Contour], shape: Extent) -> Labels:
     """Fill the inside of each closed contour with its label.
 
     A pixel is inside when its center is. Contours are filled from the largest to the smallest, so one inside another
@@ -43,13 +43,13 @@ def paint(contours: Sequence[Contour], shape: Extent) -> Labels:
     ndarray of uint16 or uint32, shape `shape`
         Labels, 0 outside every contour; 32 bits where there are more than 65535.
     """
-    check_plane(shape)
+    check_plane_shape(shape)
     mask = np.zeros(shape, label_type(len(contours)))
-    labels = contour_labels(contours)
+    labels = assign_labels(contours)
     of_group = {contour.group: label for contour, label in zip(contours, labels, strict=True) if label}
     closed = [(contour, label) for contour, label in zip(contours, labels, strict=True) if contour.closed]
     closed.sort(key=lambda pair: -pair[0].area)
-    for index, row, first, end in _runs([contour.points for contour, _ in closed], shape):
+    for index, row, first, end in _scan_rows([contour.points for contour, _ in closed], shape):
         contour, label = closed[index]
         pixels = mask[row, first:end]
         if contour.hole:  # other objects may be there already
@@ -59,7 +59,7 @@ def paint(contours: Sequence[Contour], shape: Extent) -> Labels:
     return mask
 
 
-def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
+def _scan_rows(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     """Find the pixels inside polygons or on their edges, as runs: the polygon, in order, row, first column and end."""
     if not polygons:
         return []
@@ -84,7 +84,7 @@ def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     return np.stack([crossed[0, ::2], crossed[2, ::2], *ends], axis=1).astype(int).tolist()
 
 
-def check_plane(shape: Sequence[int]) -> None:
+def check_plane_shape(shape: Sequence[int]) -> None:
     """Raise ValueError unless a shape has rows and columns: filling polygons would read memory beyond any other."""
     if len(shape) != 2:
         raise ValueError(f"shape of image is {shown(shape)} but must be rows and columns.")
@@ -92,10 +92,10 @@ def check_plane(shape: Sequence[int]) -> None:
 
 def label_type(count: int) -> type[np.unsignedinteger]:
     """Return the smallest type for this number of labels."""
-    return np.uint16 if count <= MOST_LABELS else np.uint32
+    return np.uint16 if count <= MAX_UINT16_LABELS else np.uint32
 
 
-def inside(contours: Sequence[Contour], shape: Extent, *, holes: bool = True) -> Mask:
+def rasterize_mask(contours: Sequence[Contour], shape: Extent, *, holes: bool = True) -> Mask:
     """Find the pixels inside closed contours.
 
     Parameters
@@ -113,7 +113,7 @@ def inside(contours: Sequence[Contour], shape: Extent, *, holes: bool = True) ->
         True where the center of a pixel is inside.
     """
     alone = [replace(contour, group=0, hole=False) for contour in contours]
-    labels = paint(alone, shape)
+    labels = rasterize_labels(alone, shape)
     if not holes:
         return labels > 0
     around = containment(contours)

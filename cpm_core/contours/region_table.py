@@ -14,7 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contours
-from cpm_core.contours.measurements import containment, contour_labels, moments
+from cpm_core.contours.measurements import containment, assign_labels, area_moments
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Numbers
 from cpm_core.parameters.quotation import counted, described
@@ -74,7 +74,7 @@ _AREA_COLUMNS = ("area", "area_filled", "area_convex")
 """Columns that hold areas."""
 
 
-def region_table(
+def measure_regions(
     contours: Contours,
     labels: NDArray[np.integer],
     gray: Array | None,
@@ -97,7 +97,7 @@ def region_table(
         Unit of lengths; px where None.
     """
     sides = np.array(spacing, float)
-    around, numbers = containment(contours), contour_labels(contours)
+    around, numbers = containment(contours), assign_labels(contours)
     inner: dict[int, list[int]] = {}
     for place, outer in enumerate(around):
         if outer is not None and contours[place].closed:
@@ -106,15 +106,15 @@ def region_table(
     for label in range(1, max(numbers, default=0) + 1):
         outlines = [place for place, number in enumerate(numbers) if number == label]
         holes = [place for outline in outlines for place in inner.get(outline, ()) if place not in outlines]
-        rows.append(_row(label, [contours[p] for p in outlines], [contours[p] for p in holes], sides))
-    names = list(rows[0]) if rows else list(_row(0, [], [], sides))
+        rows.append(_measure_region(label, [contours[p] for p in outlines], [contours[p] for p in holes], sides))
+    names = list(rows[0]) if rows else list(_measure_region(0, [], [], sides))
     columns = {name: np.array([row[name] for row in rows]) for name in names}
     columns["label"] = columns["label"].astype(np.int64)
     columns["name"] = columns["name"].astype(object)
-    return Table({**columns, **_gray_columns(columns["label"], labels, gray)}, _units(columns, unit or "px", "²"))
+    return Table({**columns, **_measure_gray_levels(columns["label"], labels, gray)}, _column_units(columns, unit or "px", "²"))
 
 
-def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Sequence[float], unit: str | None) -> Table:
+def measure_volume_objects(labels: NDArray[np.integer], gray: Array | None, spacing: Sequence[float], unit: str | None) -> Table:
     """Measure the objects of a label volume from the voxels inside, one row a label.
 
     Parameters
@@ -139,16 +139,16 @@ def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Seque
     columns |= {f"centroid-{axis}": column for axis, column in enumerate((centers * sides).T)}
     columns |= {f"box-{k}": column for k, column in enumerate((np.reshape(ends, (-1, 6)) * np.tile(sides, 2)).T)}
     units = {"volume": f"{unit or 'px'}³", "equivalent_diameter": unit or "px"}
-    return Table({**columns, **_gray_columns(numbers, labels, gray)}, _units(columns, unit or "px", "³") | units)
+    return Table({**columns, **_measure_gray_levels(numbers, labels, gray)}, _column_units(columns, unit or "px", "³") | units)
 
 
-def _row(label: int, outlines: Contours, holes: Contours, sides: Array) -> dict[str, object]:
+def _measure_region(label: int, outlines: Contours, holes: Contours, sides: Array) -> dict[str, object]:
     """Measure one label, without its gray levels."""
     import shapely  # noqa: PLC0415 - needed for tables only
 
     paths, cuts = ([contour.path * sides for contour in some] for some in (outlines, holes))
-    filled = sum((moments(path) for path in paths), np.zeros(6))
-    net = filled - sum((moments(path) for path in cuts), np.zeros(6))
+    filled = sum((area_moments(path) for path in paths), np.zeros(6))
+    net = filled - sum((area_moments(path) for path in cuts), np.zeros(6))
     area, whole = max(float(net[0]), 0.0), float(filled[0])
     outer = sum(polyline.path_length(path) for path in paths)
     points = np.concatenate([np.zeros((0, 2)), *paths])
@@ -164,14 +164,14 @@ def _row(label: int, outlines: Contours, holes: Contours, sides: Array) -> dict[
         "perimeter": outer + sum(polyline.path_length(path) for path in cuts),
         **{f"centroid-{axis}": place for axis, place in enumerate(center)},
         **{f"box-{k}": end for k, end in enumerate((*low, *high))},
-        **_ellipse(net, center),
+        **_fit_ellipse(net, center),
         "equivalent_diameter_area": float(np.sqrt(4.0 * area / np.pi)),
         "solidity": area / hull if hull > 0.0 else np.nan,
         "circularity": 4.0 * np.pi * whole / outer**2 if outer > 0.0 else np.nan,
     }
 
 
-def _ellipse(net: Array, center: Array) -> dict[str, object]:
+def _fit_ellipse(net: Array, center: Array) -> dict[str, object]:
     """Fit the ellipse of the same second moments: axes, eccentricity, and the angle between rows and its long axis."""
     if net[0] <= 0.0:
         return dict.fromkeys(("axis_major_length", "axis_minor_length", "eccentricity", "orientation"), np.nan)
@@ -189,7 +189,7 @@ _GRAY_STATISTICS = {"mean": "mean", "std": "standard_deviation", "min": "minimum
 """Suffix of each gray-level column -> function of scipy.ndimage that measures it."""
 
 
-def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | None) -> dict[str, Column]:
+def _measure_gray_levels(numbers: Index, labels: NDArray[np.integer], gray: Array | None) -> dict[str, Column]:
     """Measure the gray levels of each label; NaN where no center of a pixel lies inside."""
     if gray is None or not len(numbers):
         return {}
@@ -201,7 +201,7 @@ def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | Non
     return columns
 
 
-def _units(columns: dict[str, Column], unit: str, power: str) -> dict[str, str]:
+def _column_units(columns: dict[str, Column], unit: str, power: str) -> dict[str, str]:
     """Return the unit of each column of lengths and areas."""
     found = {name: unit for name in columns if name.startswith(_LENGTH_COLUMNS)}
     return {**found, **dict.fromkeys(_AREA_COLUMNS, f"{unit}{power}"), "orientation": "rad"}

@@ -9,11 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Bridge, Contour, bridges_on
-from cpm_core.contours.measurements import centroid, contour_labels
-from cpm_core.contours.rasterize import paint
-from cpm_core.contours.region_table import Table, region_table, volume_table
-from cpm_core.contours.surface import Surface, numbered
+from cpm_core.contours.contour import Bridge, Contour, select_bridges_on
+from cpm_core.contours.measurements import compute_centroid, assign_labels
+from cpm_core.contours.rasterize import rasterize_labels
+from cpm_core.contours.region_table import Table, measure_regions, measure_volume_objects
+from cpm_core.contours.surface import Surface, label_voxels
 from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
@@ -105,9 +105,9 @@ class Result(drawing.Pictured):
         """
         found = np.zeros(self.shape, np.int32)
         if self.surface is not None and self.surface.closed:
-            found[:] = numbered(self.surface, self.shape)
+            found[:] = label_voxels(self.surface, self.shape)
         elif len(self.shape) == 2:
-            found[:] = paint(self.contours, self.shape)
+            found[:] = rasterize_labels(self.contours, self.shape)
         found.flags.writeable = False
         return found
 
@@ -131,10 +131,10 @@ class Result(drawing.Pictured):
             ``intensity_max``. Of a volume: ``volume``, ``equivalent_diameter``, ``centroid``, ``box`` and gray levels.
         """
         sides, unit = (self.spacing, self.unit) if in_units else ((1.0,) * len(self.shape), None)
-        gray = None if self.image is None else self.image.gray(self.channel)
+        gray = None if self.image is None else self.image.gray_levels(self.channel)
         if len(self.shape) == 3:
-            return volume_table(self.labels, gray, sides, unit)
-        return region_table(self.contours, self.labels, gray, sides, unit)
+            return measure_volume_objects(self.labels, gray, sides, unit)
+        return measure_regions(self.contours, self.labels, gray, sides, unit)
 
     def plot(
         self,
@@ -172,17 +172,17 @@ class Result(drawing.Pictured):
         if image and self.image is not None:
             self.image.plot(ax, scale_bar=False)
         else:
-            drawing.frame(ax, self.shape, self.spacing)
+            drawing.frame_axes(ax, self.shape, self.spacing)
         if contours:
             drawing.show_curves(ax, self.contours)
         if particles and len(self.particles):
             drawing.show_particles(ax, self.particles)
         if labels:
-            labeled = zip(self.contours, contour_labels(self.contours), strict=True)
+            labeled = zip(self.contours, assign_labels(self.contours), strict=True)
             for contour, label in [one for one in labeled if one[1]][:_MAX_DRAWN_LABELS]:
-                row, col = centroid(contour)
+                row, col = compute_centroid(contour)
                 name = contour.name or str(label)
-                ax.text(col, row, name, color="#ffffff", ha="center", va="center", size=8, bbox=drawing.BOX, zorder=7)
+                ax.text(col, row, name, color="#ffffff", ha="center", va="center", size=8, bbox=drawing.TEXT_BOX_STYLE, zorder=7)
         if scale_bar:
             drawing.show_scale_bar(ax, self.shape, self.spacing, self.unit)
         return ax
@@ -208,9 +208,9 @@ class Result(drawing.Pictured):
         return None if self.image is None else self.image.geometry
 
 
-def remaining(result: Result, stays: Sequence[bool]) -> Result:
+def keep_contours(result: Result, is_kept: Sequence[bool]) -> Result:
     """Keep some contours of a result, marked by one value for each, and the bridges on them."""
-    if all(stays):
+    if all(is_kept):
         return result
-    kept = tuple(contour for contour, stay in zip(result.contours, stays, strict=True) if stay)
-    return replace(result, contours=kept, bridges=bridges_on(result.bridges, kept))
+    kept = tuple(contour for contour, stay in zip(result.contours, is_kept, strict=True) if stay)
+    return replace(result, contours=kept, bridges=select_bridges_on(result.bridges, kept))

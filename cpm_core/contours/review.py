@@ -13,26 +13,26 @@ from typing import Literal
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Contours, check_color, neighborhood
-from cpm_core.contours.result import Result, remaining
+from cpm_core.contours.contour import Contour, Contours, check_color, build_path_tree
+from cpm_core.contours.result import Result, keep_contours
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Line, Position, frozen, record
 
 Verdict = Literal["", "kept", "rejected"]
 """Verdict on a contour: none yet, kept, or rejected."""
 
-REACH = 4.0
+ANCHOR_REACH = 4.0
 """Greatest distance of a contour from an anchor that belongs to it [px]."""
 
 _ANCHOR_CANDIDATES = 24
 """Number of positions along a contour among which its anchor is selected."""
 
-_ISOLATED_DISTANCE = 3.0 * REACH
+_ISOLATED_DISTANCE = 3.0 * ANCHOR_REACH
 """Distance from all other contours beyond which positions are equally good [px]."""
 
 
 @frozen
-class Outline:
+class KeptOutline:
     """Course of a contour when it was kept; the attributes are those of `Contour`, by default none."""
 
     points: Line = ()
@@ -40,7 +40,7 @@ class Outline:
     strength: float = 0.0
     number: int = 0
 
-    def contour(self, name: str = "", color: str = "") -> Contour:
+    def to_contour(self, name: str = "", color: str = "") -> Contour:
         """Convert the outline to a contour."""
         points = np.array(self.points, float).reshape(-1, 2)
         return Contour(points, self.closed, self.strength, name=name, color=color, number=self.number)
@@ -68,7 +68,7 @@ class Mark:
     verdict: Verdict = ""
     name: str = ""
     color: str = ""
-    outline: Outline = Outline()
+    outline: KeptOutline = KeptOutline()
 
     def __post_init__(self) -> None:
         check_color("a mark", self.color)
@@ -103,9 +103,9 @@ class ReviewedContour:
         return self.verdict == "rejected"
 
 
-def reviewed(contours: Contours, marks: Sequence[Mark]) -> tuple[ReviewedContour, ...]:
+def pair_with_marks(contours: Contours, marks: Sequence[Mark]) -> tuple[ReviewedContour, ...]:
     """Pair each contour with its mark, in order; the marks may be from an earlier reconstruction."""
-    owner = attached(contours, [mark.anchor for mark in marks])
+    owner = assign_anchors(contours, [mark.anchor for mark in marks])
     by_contour = {contour: mark for contour, mark in zip(owner, marks, strict=True) if contour is not None}
     found = []
     for index, contour in enumerate(contours):
@@ -117,7 +117,7 @@ def reviewed(contours: Contours, marks: Sequence[Mark]) -> tuple[ReviewedContour
     return tuple(found)
 
 
-def apply(result: Result, marks: Sequence[Mark]) -> Result:
+def apply_marks(result: Result, marks: Sequence[Mark]) -> Result:
     """Apply marks to a result: leave out rejected contours, and set names and colors.
 
     Parameters
@@ -134,12 +134,12 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
     """
     if not marks:
         return result
-    every = reviewed(result.contours, marks)
+    every = pair_with_marks(result.contours, marks)
     named = replace(result, contours=tuple(one.contour for one in every))
-    return remaining(named, [not one.rejected for one in every])
+    return keep_contours(named, [not one.rejected for one in every])
 
 
-def attached(contours: Contours, anchors: Sequence[Position]) -> list[int | None]:
+def assign_anchors(contours: Contours, anchors: Sequence[Position]) -> list[int | None]:
     """Assign each anchor (row, col) the index of the nearest contour within `ANCHOR_REACH` [px]; None without one.
 
     Each anchor has at most one contour and each contour one anchor: the nearest pair is assigned first, then the
@@ -148,7 +148,7 @@ def attached(contours: Contours, anchors: Sequence[Position]) -> list[int | None
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
         return found
-    near = neighborhood(contours).pairs_within(np.array(anchors, float), REACH)
+    near = build_path_tree(contours).pairs_within(np.array(anchors, float), ANCHOR_REACH)
     pairs = sorted(
         (away, number, -contours[index].length, index)
         for number, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)
@@ -161,12 +161,12 @@ def attached(contours: Contours, anchors: Sequence[Position]) -> list[int | None
     return found
 
 
-def middle(contour: Contour) -> Position:
+def contour_midpoint(contour: Contour) -> Position:
     """Return the position halfway along a contour."""
     return tuple(polyline.path_midpoints(contour.path, 1)[0].tolist())
 
 
-def anchors(contours: Contours, indices: Sequence[int]) -> list[Position]:
+def find_anchors(contours: Contours, indices: Sequence[int]) -> list[Position]:
     """Find for each index a position (row, col) on its contour, far from other contours and from its own ends [px]."""
     if not indices:
         return []
@@ -196,7 +196,7 @@ _OVERLAP_SAMPLES = 24
 """Number of places along a contour that are compared."""
 
 
-def with_kept(result: Result, marks: Sequence[Mark]) -> Result:
+def restore_kept_contours(result: Result, marks: Sequence[Mark]) -> Result:
     """Restore each kept contour that is not in a result, or only in parts, as it was when it was kept.
 
     A contour is found again when another one runs along most of it. Otherwise the kept one is added,
@@ -219,7 +219,7 @@ def with_kept(result: Result, marks: Sequence[Mark]) -> Result:
         return result
     lost = []
     for mark in kept:
-        outline = mark.outline.contour(mark.name, mark.color)
+        outline = mark.outline.to_contour(mark.name, mark.color)
         if not any(_runs_along(outline, contour) for contour in result.contours):
             lost.append(outline)
     if not lost:
@@ -233,10 +233,10 @@ def with_kept(result: Result, marks: Sequence[Mark]) -> Result:
     return replace(result, contours=(*rest, *lost))
 
 
-def outline_of(contour: Contour) -> Outline:
+def capture_outline(contour: Contour) -> KeptOutline:
     """Capture the course of a contour, to restore it later."""
     points = tuple((round(row, 4), round(col, 4)) for row, col in contour.points.tolist())
-    return Outline(points, contour.closed, contour.strength, contour.number)
+    return KeptOutline(points, contour.closed, contour.strength, contour.number)
 
 
 def _runs_along(contour: Contour, other: Contour) -> bool:

@@ -68,8 +68,8 @@ class Surface:
     labels: tuple[Label, ...] = ()
 
     def __post_init__(self) -> None:
-        vertices = rows_of_three("vertices", self.vertices).copy()
-        faces = rows_of_three("faces", self.faces).astype(np.int64)
+        vertices = check_rows_of_three("vertices", self.vertices).copy()
+        faces = check_rows_of_three("faces", self.faces).astype(np.int64)
         wrong = faces[(faces < 0) | (faces >= len(vertices))]
         if len(wrong):
             raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")
@@ -189,7 +189,7 @@ class Surface:
         return np.unique(numbers, return_counts=True)[1]
 
 
-def rows_of_three(name: str, values: ArrayLike) -> Array:
+def check_rows_of_three(name: str, values: ArrayLike) -> Array:
     """Check that numbers are finite and have the shape (N, 3), else raise ValueError with their name."""
     rows = as_real_array(values)
     if rows.size == 0:
@@ -205,7 +205,7 @@ _LINE_OFFSET = (1.3e-6, 2.9e-6)
 """Offset of the probing lines from the voxel centers [voxels], so that they hit no vertex of a surface on the grid."""
 
 
-def inside_of(surface: Surface, shape: Extent) -> Mask:
+def voxelize_surface(surface: Surface, shape: Extent) -> Mask:
     """Mark the voxels of a volume whose centers lie inside a closed surface; hollows are outside.
 
     Parameters
@@ -233,13 +233,13 @@ def inside_of(surface: Surface, shape: Extent) -> Mask:
     return found
 
 
-def alone(surface: Surface, number: int) -> Surface:
+def extract_object_surface(surface: Surface, number: int) -> Surface:
     """Extract the surface of the object with a number, without the other vertices."""
     used, corners = np.unique(surface.faces[surface.numbers == number], return_inverse=True)
     return replace(surface, vertices=surface.vertices[used], faces=corners.reshape(-1, 3), numbers=None)
 
 
-def numbered(surface: Surface, shape: Extent) -> Index:
+def label_voxels(surface: Surface, shape: Extent) -> Index:
     """Label each voxel of a volume of shape `shape` with the object it lies in, 0 outside.
 
     Labels are the objects' own numbers, or else count from 1, the largest first.
@@ -247,9 +247,9 @@ def numbered(surface: Surface, shape: Extent) -> Index:
     found = np.zeros(shape, np.int64)
     if surface.numbers is not None:
         for number in np.unique(surface.numbers):  # where objects share voxels, the last one gets them
-            found[inside_of(alone(surface, number), shape)] = number
+            found[voxelize_surface(extract_object_surface(surface, number), shape)] = number
         return found
-    inside = inside_of(surface, shape)
+    inside = voxelize_surface(surface, shape)
     parts = find_connected_parts(inside, corners=True)
     order = np.argsort(-parts.sizes, kind="stable")
     rank = np.empty_like(order)
@@ -284,7 +284,7 @@ _LABEL_MARGIN = 1
 """Margin around an object in which its surface lies [voxels]."""
 
 
-def surface_of_labels(
+def surface_from_labels(
     labels: NDArray[np.int32], spacing: Sides, unit: str | None, *, open_border: bool = False
 ) -> Surface:
     """Build the surfaces halfway between the voxels of labels, shape (P, R, C), and their neighbors.
@@ -311,7 +311,7 @@ def surface_of_labels(
     return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=of)
 
 
-def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: Sides, unit: str | None) -> Surface:
+def join_surfaces(bodies: Sequence[tuple[int, Surface]], spacing: Sides, unit: str | None) -> Surface:
     """Join the surfaces of objects, each with its number, into one."""
     firsts = np.cumsum([0, *(len(body.vertices) for _, body in bodies)])
     return Surface(
@@ -323,7 +323,7 @@ def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: Sides, unit:
     )
 
 
-def section_of(surface: Surface, axis: int, index: int) -> tuple[Contour, ...]:
+def slice_surface(surface: Surface, axis: int, index: int) -> tuple[Contour, ...]:
     """Cut a surface by a slice of the volume: closed contours, and open ones where the surface has a rim."""
     heights = surface.vertices[:, axis] - index
     above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
@@ -337,4 +337,4 @@ def section_of(surface: Surface, axis: int, index: int) -> tuple[Contour, ...]:
     first, last = heights[edges].T
     share = (first / (first - last))[:, None]
     places = surface.vertices[edges[:, 0]] * (1.0 - share) + surface.vertices[edges[:, 1]] * share
-    return Graph(np.delete(places, axis, axis=1), numbers.reshape(-1, 2)).contours()
+    return Graph(np.delete(places, axis, axis=1), numbers.reshape(-1, 2)).extract_contours()

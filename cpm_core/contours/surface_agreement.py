@@ -14,16 +14,16 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.agreement import (
-    TOLERANCE,
+    DEFAULT_TOLERANCE,
     Agreement,
     ObjectCounts,
-    boundary_figures,
-    object_counts,
-    overlap,
-    pixels_in_common,
+    summarize_distances,
+    count_objects,
+    dice_and_jaccard,
+    count_common_pixels,
 )
 from cpm_core.contours.ground_truth import VolumeTruth
-from cpm_core.contours.surface import Surface, numbered
+from cpm_core.contours.surface import Surface, label_voxels
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters.quotation import described
@@ -42,7 +42,7 @@ _MAX_TRIANGLE_HALVINGS = 6
 
 
 @record
-class Triangles:
+class TriangleSamples:
     """Small triangles, whose centers stand for their area.
 
     Attributes
@@ -92,7 +92,7 @@ class Triangles:
         return found
 
 
-def triangles_of(surface: Surface, shape: Extent) -> Triangles:
+def sample_triangles(surface: Surface, shape: Extent) -> TriangleSamples:
     """Divide a surface into triangles no longer than one and a half of the smallest side of a voxel.
 
     Only triangles between the centers of the outermost voxels of a volume of this shape are kept: along its border a
@@ -107,10 +107,10 @@ def triangles_of(surface: Surface, shape: Extent) -> Triangles:
         halves = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
         four = (a, halves[0], halves[2]), (halves[0], b, halves[1]), (halves[2], halves[1], c), halves
         corners = np.concatenate([corners[~large], *(np.stack(some, axis=1) for some in four)])
-    return Triangles(corners[within_border(corners.mean(axis=1) / sides, shape)])
+    return TriangleSamples(corners[is_within_border(corners.mean(axis=1) / sides, shape)])
 
 
-def within_border(voxels: Array, shape: Extent) -> Mask:
+def is_within_border(voxels: Array, shape: Extent) -> Mask:
     """Return whether positions, shape (N, 3) [voxels], lie between the centers of the outermost voxels, shape (N,)."""
     return np.all((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0), axis=1)
 
@@ -192,7 +192,7 @@ def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: floa
     >>> agreed.dice, agreed.hausdorff < 1e-6, agreed.unit
     (1.0, True, 'mm')
     """
-    near = TOLERANCE * min(truth.spacing) if tolerance is None else tolerance
+    near = DEFAULT_TOLERANCE * min(truth.spacing) if tolerance is None else tolerance
     check_finite_number("tolerance", near, lambda distance: distance > 0.0, "a distance above 0")
     found = Surface(np.empty(0), np.empty(0, np.int64), truth.spacing) if surface is None else surface
     if not np.allclose(found.spacing, truth.spacing, rtol=1e-3):
@@ -202,18 +202,18 @@ def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: floa
             "ground truth of its own volume."
         )
     shape, sides = truth.shape, np.array(truth.spacing)
-    a, b = triangles_of(found, shape), triangles_of(truth.surface, shape)
+    a, b = sample_triangles(found, shape), sample_triangles(truth.surface, shape)
     wrong, missing = (
-        np.where(within_border(one.vertices, shape), other.distances_to(one.vertices * sides), 0.0)
+        np.where(is_within_border(one.vertices, shape), other.distances_to(one.vertices * sides), 0.0)
         for one, other in ((found, b), (truth.surface, a))
     )
     dice, jaccard, objects = np.nan, np.nan, ObjectCounts(0, 0, 0, 0)
     if found.closed or not len(found.faces):
-        table = pixels_in_common(truth.objects, numbered(found, shape))
-        dice, jaccard = overlap(int(table[1:, 1:].sum()), int(table[1:].sum() + table[:, 1:].sum()))
-        objects = object_counts(table)
+        table = count_common_pixels(truth.objects, label_voxels(found, shape))
+        dice, jaccard = dice_and_jaccard(int(table[1:, 1:].sum()), int(table[1:].sum() + table[:, 1:].sum()))
+        objects = count_objects(table)
     return SurfaceComparison(
-        **boundary_figures(
+        **summarize_distances(
             (b.distances_to(a.centers), a.areas),
             (a.distances_to(b.centers), b.areas),
             float(max(wrong.max(initial=0.0), missing.max(initial=0.0))),

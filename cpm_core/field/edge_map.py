@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cpm_core.image.denoising import Cleaned, clean, noise_level
+from cpm_core.image.denoising import DenoisedImage, remove_noise, noise_level
 from cpm_core.numerics.grids import Window, expand_window, gaussian_radius, run_in_bands, relative_window, smooth_rows
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
@@ -184,7 +184,7 @@ def _count_leading_bits(bits: Index, shift: int) -> Index:
     return counts
 
 
-def prepare_for_edges(values: Array) -> Cleaned:
+def prepare_for_edges(values: Array) -> DenoisedImage:
     """Prepare a noisy image for its edges: the image to smooth, its sigma, and the noise that remains.
 
     Light noise is left to a Gaussian, and the image is returned as it is, with a floor of 0. Where the Gaussian would
@@ -193,8 +193,8 @@ def prepare_for_edges(values: Array) -> Cleaned:
     """
     sigma = automatic_smoothing(values)
     if values.ndim != 2 or sigma <= _HEAVY_NOISE_SIGMA or noise_level(values) <= _FAINT_NOISE * float(values.std()):
-        return Cleaned(values, sigma, 0.0)
-    return clean(values)
+        return DenoisedImage(values, sigma, 0.0)
+    return remove_noise(values)
 
 
 def automatic_smoothing(values: ArrayLike) -> float:

@@ -17,7 +17,7 @@ from cpm_core.field.convolution import WindowedField, convolved_field, convolved
 from cpm_core.field.edge_map import background_strength, smoothed_gradient, gradient_in_window, vector_magnitudes
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.region_contrast import region_contrast
-from cpm_core.image.border import inside_border, within
+from cpm_core.image.border import find_pixels_inside_border, dilate_by_distance
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
 from cpm_core.numerics.grids import Window, expand_window, run_in_bands, relative_window, window_shape, split_into_tiles, whole_window
 from cpm_core.numerics.jit import compiled
@@ -142,7 +142,7 @@ class ScaleField:
             edge_map=self.edge_map[window],
             values=self.values[window],
             fixed_charges=self.fixed_charges[window],
-            barrier_map=self.barrier_map.within(window),
+            barrier_map=self.barrier_map.crop_to_window(window),
             corner=corner,
             whole=self,
         )
@@ -260,15 +260,15 @@ def build_scale_field(
     strength = _edge_strength(slopes, values.shape)
     if barrier_map is None:
         barrier_map = NO_BARRIERS if regions is None else build_barrier_map(regions, values.shape)
-    inside = inside_border(slopes, strength, smoothing, max_border)
+    inside = find_pixels_inside_border(slopes, strength, smoothing, max_border)
     if regions is not None and regions.interest:
-        inside &= regions.pixels(values.shape)
+        inside &= regions.pixel_mask(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
     everywhere, charged = bool(inside.all()), strength
     if edge_floor > 0.0 or not everywhere:
         charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
     if not everywhere:
-        strength[~within(inside, _KEPT_BEYOND_INTEREST)] = 0.0
+        strength[~dilate_by_distance(inside, _KEPT_BEYOND_INTEREST)] = 0.0
     return ScaleField(
         cache(partial(pack_force, exponent, charged, slopes, strength, strongest, not everywhere)),
         slopes,

@@ -17,13 +17,13 @@ import numpy as np
 
 from cpm_core.field.edge_map import automatic_smoothing, prepare_for_edges
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, WindowGradient, build_scale_field, gradient_provider
-from cpm_core.image.colors import LUMINANCE
-from cpm_core.image.denoising import Cleaned
-from cpm_core.image.gray_levels import toned
+from cpm_core.image.colors import LUMINANCE_CHOICE
+from cpm_core.image.denoising import DenoisedImage
+from cpm_core.image.gray_levels import apply_gamma
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import check_scales, pyramid, shape_of_scale
+from cpm_core.image.pyramid import check_scales, build_pyramid, shape_at_scale
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
-from cpm_core.image.vesselness import vesselness
+from cpm_core.image.vesselness import compute_vesselness
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
@@ -78,28 +78,28 @@ class SourceImages:
         @lru_cache(_KEPT_SETTINGS)
         def build_images(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:  # not before the image is shown
             """Return the image at each scale, shape (H, W), in its tone or as a vessel measure."""
-            own = image.colors is None or channel == LUMINANCE
-            given = image.gray(channel) if not own else image.stored if large else image.values
+            own = image.colors is None or channel == LUMINANCE_CHOICE
+            given = image.gray_levels(channel) if not own else image.stored if large else image.values
             if not own and given.min() == given.max():
                 raise ValueError(
                     f"The channel {channel} is the same everywhere and has no edges: choose another channel."
                 )
-            values = toned(given, gamma)
+            values = apply_gamma(given, gamma)
             if edges == "vessels":
-                values = vesselness(values.astype(np.float64, copy=False))
-            return pyramid(values, scales)
+                values = compute_vesselness(values.astype(np.float64, copy=False))
+            return build_pyramid(values, scales)
 
         @lru_cache(_KEPT_SETTINGS)
-        def clean_images(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], Cleaned]:
+        def clean_images(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], DenoisedImage]:
             """Return the cleaned image at each scale, shape (H, W), and how it was cleaned."""
             images = build_images(channel, edges, gamma)
             given = images[0].astype(np.float64, copy=False)
             ready = prepare_for_edges(given)
-            return images if ready.image is given else pyramid(ready.image, scales), ready
+            return images if ready.image is given else build_pyramid(ready.image, scales), ready
 
         @lru_cache(_KEPT_SETTINGS * scales)
         def source_at(scale: int, channel: str, edges: str, gamma: _Gamma, smoothing: _Gamma) -> EdgeSource:
-            of = image.channel(channel), edges, gamma
+            of = image.resolve_channel(channel), edges, gamma
             with lock:
                 images = build_images(*of)
                 if smoothing != "auto":
@@ -139,7 +139,7 @@ def plane_field_builders(
     @lru_cache(scales)
     def barriers_at(scale: int) -> BarrierMap:
         barred = regions and regions.at_scale(scale, shape)
-        return build_barrier_map(barred, shape_of_scale(shape, scale)) if barred else NO_BARRIERS
+        return build_barrier_map(barred, shape_at_scale(shape, scale)) if barred else NO_BARRIERS
 
     known = free or build_field
     fields = kept(lambda scale, *key: known(scale, *key).with_barriers(barriers_at(scale)))

@@ -17,7 +17,7 @@ from cpm_core.field.scale_field import MAX_BACKGROUND, WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
 from cpm_core.field.volume_edges import PLANES_PER_THREAD, EdgeBricks, VolumeSlopes
 from cpm_core.field.volume_surface import Ridges, force_on_voxels, find_ridges
-from cpm_core.image.pyramid import shape_of_scale, to_image
+from cpm_core.image.pyramid import shape_at_scale, to_image
 from cpm_core.image.volume_regions import VolumeRegions, Walls
 from cpm_core.numerics.grids import extend_line, half_gaussian_weights, sum_across, sum_along
 from cpm_core.numerics.jit import compiled
@@ -185,7 +185,7 @@ class VolumeField:
 
     def crosses_wall(self, start: Array, end: Array) -> Mask:
         """Return a mask, shape (N,), of the straight moves, from and to shape (N, 3) [units], that cross a wall."""
-        return np.zeros(len(start), bool) if self.walls is None else self.walls.crossed(start, end)
+        return np.zeros(len(start), bool) if self.walls is None else self.walls.is_crossed_by(start, end)
 
     @cached_property
     def ridges(self) -> Ridges:
@@ -308,7 +308,7 @@ def volume_field_builders(
         found = known(scale, *key)
         if (found.exponent, found.accuracy) != (exponent, accuracy):
             found = found.with_far_field(exponent, accuracy)
-        return found if regions is None else found.with_walls(regions.walls(shape).at_scale(scale, pitch))
+        return found if regions is None else found.with_walls(regions.build_walls(shape).at_scale(scale, pitch))
 
     def field_at(scale: int, parameters: Parameters) -> VolumeField:
         check_volume_parameters(parameters)
@@ -320,10 +320,10 @@ def volume_field_builders(
 
 def _interest_voxels(regions: VolumeRegions | None, shape: Extent, scale: int) -> Mask | None:
     """Return a mask of the voxels of a scale whose centers are of interest; None for all."""
-    voxels = None if regions is None else regions.voxels(shape)
+    voxels = None if regions is None else regions.voxel_mask(shape)
     if voxels is None or scale == 0:
         return voxels
-    count = shape_of_scale(shape, scale)
+    count = shape_at_scale(shape, scale)
     along = np.rint(to_image(np.arange(max(count))[:, None] * np.ones(3), scale, shape))
     along = np.clip(along, 0, np.array(shape) - 1).astype(int)
     return voxels[np.ix_(*(along[:n, axis] for axis, n in enumerate(count)))]

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import labels_of
+from cpm_core.contours.ground_truth import label_gray_levels
 from cpm_core.formats.common.content import AnyPath, content_of, decoding
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
 from cpm_core.formats.contours.contents import Contents, Plane
@@ -186,7 +186,7 @@ def _of_mask(file: Path) -> ContourFile:
     """Read the outlines of the objects in a label mask."""
     labels = mask.numbered_colors(file)
     if labels is None:
-        labels = labels_of(load_image(file).values, file.name)
+        labels = label_gray_levels(load_image(file).values, file.name)
     found = Contents(shape=(labels.shape[0], labels.shape[1]))
     for _, curves in mask.objects(labels):
         found.add_object(curves)

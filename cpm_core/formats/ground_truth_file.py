@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, VolumeTruth, labels_of, truth_of_contours, truth_of_mask
-from cpm_core.contours.surface import numbered
+from cpm_core.contours.ground_truth import Truth, VolumeTruth, label_gray_levels, truth_from_contours, truth_from_mask
+from cpm_core.contours.surface import label_voxels
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
 from cpm_core.formats.contours.contents import Plane
@@ -68,10 +68,10 @@ def load_truth(
     file, rows, cols = Path(path), *map(int, shape)
     if file.suffix.lower() in CONTOURS_READABLE:
         plane = Plane((rows, cols), (float(spacing[0]), float(spacing[1])), unit)
-        return truth_of_contours(_contours(file, plane, (rows, cols)), (rows, cols), file.name, holes=holes)
+        return truth_from_contours(_contours(file, plane, (rows, cols)), (rows, cols), file.name, holes=holes)
     image = load_image(file)
     _check_size(file.name, image.shape, (rows, cols))
-    return truth_of_mask(image.values, file.name)
+    return truth_from_mask(image.values, file.name)
 
 
 def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
@@ -110,9 +110,9 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
         surface = load_surface(file, volume)
         if not surface.closed:
             raise ValueError(f"The surface of {file.name} is not closed, so nothing is inside: choose another one.")
-        labels = numbered(surface, volume.shape).astype(np.int32)
+        labels = label_voxels(surface, volume.shape).astype(np.int32)
         return VolumeTruth(labels, volume.spacing, volume.unit, file.name, boundary=surface)
-    return VolumeTruth(labels_of(labels_like(file, volume), file.name), volume.spacing, volume.unit, file.name)
+    return VolumeTruth(label_gray_levels(labels_like(file, volume), file.name), volume.spacing, volume.unit, file.name)
 
 
 def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour, ...]:

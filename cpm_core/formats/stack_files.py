@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.contours.measurements import contour_labels
-from cpm_core.contours.rasterize import Labels, label_type, paint
+from cpm_core.contours.measurements import assign_labels
+from cpm_core.contours.rasterize import Labels, label_type, rasterize_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, drafts_of, suffix_among, write_together
 from cpm_core.formats.common.content import AnyPath
@@ -116,8 +116,8 @@ def write_labels(found: StackResult, target: Path) -> None:
 
 def tracks_on(result: Result, shape: Extent) -> Labels:
     """Paint the insides of closed contours with their tracks, ints of shape `shape`."""
-    numbers = {label: one.number for label, one in zip(contour_labels(result.contours), result.contours, strict=True)}
-    return np.array([0, *(numbers[label] for label in range(1, max(numbers) + 1))])[paint(result.contours, shape)]
+    numbers = {label: one.number for label, one in zip(assign_labels(result.contours), result.contours, strict=True)}
+    return np.array([0, *(numbers[label] for label in range(1, max(numbers) + 1))])[rasterize_labels(result.contours, shape)]
 
 
 _STACK_ENCODERS: dict[str, tuple[str, Callable[[StackResult], bytes]]] = {

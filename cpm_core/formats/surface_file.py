@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.contour import Label
-from cpm_core.contours.ground_truth import labels_of
-from cpm_core.contours.surface import Surface, surface_of_labels, surfaces_joined
+from cpm_core.contours.ground_truth import label_gray_levels
+from cpm_core.contours.surface import Surface, surface_from_labels, join_surfaces
 from cpm_core.formats.common.atomic import suffix_among
 from cpm_core.formats.common.content import AnyPath, content_of, decoding
 from cpm_core.formats.images.decoded import Decoded
@@ -116,7 +116,7 @@ def decode_surface(
     place, notes = place_of(content[:_COORDINATE_HEAD_SIZE].decode("latin-1"), image, space)
     faces = found.faces[:, ::-1] if place.mirrored else found.faces
     try:
-        surface = Surface(place.voxels(found.points), faces, place.spacing, place.unit, numbers=found.numbers)
+        surface = Surface(place.to_voxels(found.points), faces, place.spacing, place.unit, numbers=found.numbers)
     except ValueError as error:
         raise ValueError(f"{name} cannot be used. {error}") from error
     if surface.volume < 0.0 and surface.closed:
@@ -145,14 +145,14 @@ def _of_labels(file: Path, image: Image | None) -> Surface:
             for mask in masks:
                 _put(mask, file.name, image, inside)
             names.append(name)
-            bodies.append((name.number, surface_of_labels((inside > 0.0).astype(np.int32), image.spacing, image.unit)))
-        return replace(surfaces_joined(bodies, image.spacing, image.unit), labels=tuple(names))
+            bodies.append((name.number, surface_from_labels((inside > 0.0).astype(np.int32), image.spacing, image.unit)))
+        return replace(join_surfaces(bodies, image.spacing, image.unit), labels=tuple(names))
     volume = image or load_volume(file)
     values = volume.values if image is None else labels_like(file, image)
-    labels = labels_of(values, file.name)
+    labels = label_gray_levels(values, file.name)
     if values.min() == 0 and values.max() <= _MAX_OBJECT_LABEL and not (values % 1.0).any():
         labels = values.astype(np.int32)
-    surface = surface_of_labels(labels, volume.spacing, volume.unit)
+    surface = surface_from_labels(labels, volume.spacing, volume.unit)
     known = tuple(one.label for one in nrrd.segments_of(file)) or itk_snap.next_to(file, suffix_among(file, READABLE))
     if known and surface.numbers is None:
         surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))

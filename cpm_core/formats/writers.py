@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.contours.measurements import contour_labels
+from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, suffix_among, write_together
 from cpm_core.formats.common.content import AnyPath
@@ -303,7 +303,7 @@ def omission(result: Found, suffix: str, *, outlines: bool = False) -> str:
         )
     hidden = 0
     if suffix in OUTLINABLE and not outlines and isinstance(result, Result) and result.surface is None:
-        hidden = len(set(contour_labels(result.contours)) - {0, *np.unique(result.labels).tolist()})
+        hidden = len(set(assign_labels(result.contours)) - {0, *np.unique(result.labels).tolist()})
     if hidden:
         one, several = "has no pixel of its own and is", "contours have no pixel of their own and are"
         sentences.append(f"{counted(hidden, f'closed contour {one}', f'closed {several}')} not in a mask.")

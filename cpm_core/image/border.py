@@ -33,7 +33,7 @@ _FLANK_WIDTH = 3.0
 """Width of an edge's flank, in sigma."""
 
 
-def inside_border(slopes: Callable[[Window], Array], strength: Array, smoothing: float, widest: float) -> Mask:
+def find_pixels_inside_border(slopes: Callable[[Window], Array], strength: Array, smoothing: float, widest: float) -> Mask:
     r"""Pixels that do not belong to the image border, shape (\*shape): False on the border and on its edge.
 
     `slopes` gives the image gradient after a Gaussian of `smoothing` px in a window, `strength` is its magnitude. A
@@ -54,13 +54,13 @@ def inside_border(slopes: Callable[[Window], Array], strength: Array, smoothing:
             if reverse:
                 rim, slope, length = rim[::-1], slope[::-1], length[::-1]
             edge = np.where((length >= faint) & (np.abs(slope) >= _ALONG_SIDE_COSINE * length), slope, 0.0)
-            depth = _edge_of_border(edge, int(_MAX_BORDER_DEVIATION * min(shape)) + 1)
+            depth = _find_border_edge(edge, int(_MAX_BORDER_DEVIATION * min(shape)) + 1)
             if depth >= 0:
                 rim[: depth + 1 + int(_FLANK_WIDTH * max(smoothing, 1.0))] = False
     return inside
 
 
-def _edge_of_border(edge: Array, stray: int) -> int:
+def _find_border_edge(edge: Array, stray: int) -> int:
     """Find the farthest line along a side that an edge of one sign follows over most of its length; -1 for none."""
     steepest = np.abs(edge[1:-1])
     ridge = (steepest >= np.abs(edge[:-2])) & (steepest > np.abs(edge[2:]))
@@ -74,7 +74,7 @@ def _edge_of_border(edge: Array, stray: int) -> int:
     return farthest
 
 
-def within(inside: Mask, reach: int) -> Mask:
+def dilate_by_distance(inside: Mask, reach: int) -> Mask:
     r"""Pixels whose centers are at most `reach` px from the center of a pixel of the mask `inside`, shape (\*shape)."""
     found = inside.copy()
     for tile in split_into_tiles(inside.shape, _DISTANCE_TILE):

@@ -14,19 +14,19 @@ from cpm_core.parameters.quotation import shown
 _PRIMARY_COLORS = ("red", "green", "blue")
 """Names of the channels of a color image."""
 
-WEIGHTS = (0.2125, 0.7154, 0.0721)
+LUMINANCE_WEIGHTS = (0.2125, 0.7154, 0.0721)
 """Share of red, green and blue in the luminance (ITU-R BT.709)."""
 
 LUMINANCE_NOTE = "Color was turned into luminance."
 """Note on an image whose colors were reduced to luminance."""
 
-LUMINANCE = "luminance"
+LUMINANCE_CHOICE = "luminance"
 """Choice of the luminance in `COLOR_CHOICES`, and name of that channel."""
 
-CONTRAST = "contrast"
+CONTRAST_CHOICE = "contrast"
 """Choice of the channel whose gray levels vary the most, in place of the name of a channel."""
 
-COLORS = (LUMINANCE, *_PRIMARY_COLORS, CONTRAST)
+COLOR_CHOICES = (LUMINANCE_CHOICE, *_PRIMARY_COLORS, CONTRAST_CHOICE)
 """Ways to make gray levels of colors."""
 
 _STAIN_NAMES = ("hematoxylin", "eosin", "dab")
@@ -52,7 +52,7 @@ class Colors:
     white: float
 
 
-def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
+def extract_channel(luminance: Array, colors: Colors | None, channel: str) -> Array:
     """Extract the gray levels of one of the channels of `Parameters.channel`, shape (H, W).
 
     Parameters
@@ -85,7 +85,7 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
     return light
 
 
-Reduced = tuple[Numbers, Colors | None, Texts]
+ReducedSamples = tuple[Numbers, Colors | None, Texts]
 """Gray levels of pixels of several samples, their colors where they have any, and notes on the conversion."""
 
 
@@ -98,7 +98,7 @@ def full_scale(values: Numbers) -> float:
     return max(1.0, float(np.max(values, initial=1.0)))
 
 
-def reduced(samples: Numbers, alpha: Numbers | None = None, white: float | None = None) -> Reduced:
+def reduce_to_gray(samples: Numbers, alpha: Numbers | None = None, white: float | None = None) -> ReducedSamples:
     """Reduce the samples of each pixel to its gray level.
 
     Parameters
@@ -130,7 +130,7 @@ def reduced(samples: Numbers, alpha: Numbers | None = None, white: float | None 
         return samples[..., 0], None, tuple(said)
     gray = np.empty(shape)
     if opaque and samples.dtype == np.uint8:
-        run_in_bands(lambda first, end: _weigh_bytes(samples[first:end], WEIGHTS, gray[first:end]), shape[0])
+        run_in_bands(lambda first, end: _weigh_bytes(samples[first:end], LUMINANCE_WEIGHTS, gray[first:end]), shape[0])
         gray.flags.writeable = False  # an image takes them over
         return gray, Colors(samples, white), tuple(said)
     colors = None if alike else Colors(np.empty((*shape, count), np.uint8), white)
@@ -140,7 +140,7 @@ def reduced(samples: Numbers, alpha: Numbers | None = None, white: float | None 
         if alpha is not None and not opaque:
             opacity = alpha[first:end, :, None] / full_scale(alpha)
             line = line * opacity + white * (1.0 - opacity)
-        gray[first:end] = line[..., 0] if colors is None else luminance(line)
+        gray[first:end] = line[..., 0] if colors is None else compute_luminance(line)
         if colors is not None:
             shares = np.asarray(np.clip(line, 0.0, white), float) / white
             colors.samples[first:end] = np.rint(np.nan_to_num(255.0 * shares))
@@ -158,15 +158,15 @@ def _weigh_bytes(samples: Pixels, weights: tuple[float, float, float], gray: Arr
             gray[row, col] = weights[0] * red + weights[1] * green + weights[2] * blue
 
 
-def luminance(channels: Numbers) -> Array:
+def compute_luminance(channels: Numbers) -> Array:
     """Compute the luminance, shape (...), of red, green and blue, shape (..., 3), in their range."""
     gray = np.zeros(channels.shape[:-1])
-    for channel, weight in enumerate(WEIGHTS):
+    for channel, weight in enumerate(LUMINANCE_WEIGHTS):
         gray += np.float64(weight) * channels[..., channel]  # of half precision too
     return gray
 
 
-def in_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Array, str]:
+def gray_from_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Array, str]:
     """Compute gray levels, shape (H, W), by one of `COLOR_CHOICES`, and a sentence that states it.
 
     Raises
@@ -174,18 +174,18 @@ def in_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Array, str
     ValueError
         When there is no such choice.
     """
-    checked_color(color)
-    if color == LUMINANCE:
+    check_color_choice(color)
+    if color == LUMINANCE_CHOICE:
         return luminance, LUMINANCE_NOTE
     varies = ""
-    if color == CONTRAST:
+    if color == CONTRAST_CHOICE:
         spread = [float(colors.samples[..., place].std(dtype=np.float64)) for place in range(len(_PRIMARY_COLORS))]
         color, varies = _PRIMARY_COLORS[int(np.argmax(spread))], ", which varies the most"
-    return channel_of(luminance, colors, color), f"The channel {color} of its colors was taken{varies}."
+    return extract_channel(luminance, colors, color), f"The channel {color} of its colors was taken{varies}."
 
 
-def checked_color(given: object) -> str:
+def check_color_choice(given: object) -> str:
     """Check the choice of how gray levels are made of color; raise ValueError unless it is in `COLOR_CHOICES`."""
-    if not isinstance(given, str) or given not in COLORS:
-        raise ValueError(f"color is {shown(given)} but must be one of {', '.join(COLORS)}.")
+    if not isinstance(given, str) or given not in COLOR_CHOICES:
+        raise ValueError(f"color is {shown(given)} but must be one of {', '.join(COLOR_CHOICES)}.")
     return given

@@ -73,7 +73,7 @@ _STEP_PER_SLOPE = float(np.sqrt(2.0 * np.pi))
 """Height of a step over its slope, in widths of the Gaussian that smoothed it."""
 
 
-class Cleaned(NamedTuple):
+class DenoisedImage(NamedTuple):
     """Image without heavy noise, with the smoothing and the floor that its edges then need.
 
     Attributes
@@ -91,33 +91,33 @@ class Cleaned(NamedTuple):
     floor: float
 
 
-def clean(values: Array) -> Cleaned:
+def remove_noise(values: Array) -> DenoisedImage:
     """Remove heavy noise from an image, shape (H, W).
 
     The result is flat between edges, which are in their place to within about a pixel, and rounded where they bend
     within the length of the averages.
     """
-    seen = _estimate(values)
+    seen = _estimate_noise(values)
     length = np.clip(_SHORTEST_AVERAGE * seen.ratio**_AVERAGE_GROWTH, _SHORTEST_AVERAGE, _LONGEST_AVERAGE)
     if length < _HALF_SIZE_LENGTH:
-        image = _regions(
-            values, total_variation(values, _FIRST_TV_WEIGHT * seen.noise), seen.noise, length, _DENOISING_ROUNDS
+        image = _smooth_regions(
+            values, minimize_total_variation(values, _FIRST_TV_WEIGHT * seen.noise), seen.noise, length, _DENOISING_ROUNDS
         )
     else:
-        regression = _estimate(expected(values, _doubled(seen.rough, values.shape)))
+        regression = _estimate_noise(regress_gray_levels(values, _double_size(seen.rough, values.shape)))
         if _REGRESSION_GAIN * regression.ratio < seen.ratio:
             seen = regression
-        image = _regions(seen.halved, seen.rough, 0.5 * seen.noise, 0.5 * length, _DENOISING_ROUNDS - 1)
-        image = _regions(seen.values, _doubled(image, values.shape), seen.noise, length, 1)
+        image = _smooth_regions(seen.halved, seen.rough, 0.5 * seen.noise, 0.5 * length, _DENOISING_ROUNDS - 1)
+        image = _smooth_regions(seen.values, _double_size(image, values.shape), seen.noise, length, 1)
     width = max(_LEAST_RESULT_SIGMA, _EDGE_SLENDERNESS * length)
     step = (
         _STEP_PER_SLOPE * width * float(scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
     )
     remaining = _REMAINING_STEP * seen.noise / step if step > 0.0 else 0.0
-    return Cleaned(image, width, min(max(remaining, _LEAST_REMAINING_STEP), _MAX_REMAINING_STEP))
+    return DenoisedImage(image, width, min(max(remaining, _LEAST_REMAINING_STEP), _MAX_REMAINING_STEP))
 
 
-class _Estimate(NamedTuple):
+class _NoiseEstimate(NamedTuple):
     """First estimate: the image, its half size, its noise, the image without most noise, noise over contrast."""
 
     values: Array
@@ -127,38 +127,38 @@ class _Estimate(NamedTuple):
     ratio: float
 
 
-def _estimate(values: Array) -> _Estimate:
+def _estimate_noise(values: Array) -> _NoiseEstimate:
     """Estimate the noise and the contrast of an image, shape (H, W)."""
-    halved = _halved(values)
+    halved = _halve_size(values)
     # halving the size halves white noise, but leaves more than half of correlated noise and of texture
-    noise = max(2.0 * noise_level(halved), 4.0 * noise_level(_halved(halved)))
-    rough = total_variation(halved, 0.5 * _FIRST_TV_WEIGHT * noise)
+    noise = max(2.0 * noise_level(halved), 4.0 * noise_level(_halve_size(halved)))
+    rough = minimize_total_variation(halved, 0.5 * _FIRST_TV_WEIGHT * noise)
     # mean height of the steps, with most weight on the high and the long ones [gray levels]
     width, contrast = 2.0, 0.0
     slope = scipy.ndimage.gaussian_gradient_magnitude(rough, width, mode="nearest")
     if square := (slope**2).sum():
         # across a smoothed step, cubes over squares of the slopes give sqrt(2/3) of the largest slope
         contrast = _STEP_PER_SLOPE * width * np.sqrt(1.5) * (slope**3).sum() / square
-    return _Estimate(values, halved, noise, rough, noise / max(contrast, 1e-6 * noise, 1e-300))
+    return _NoiseEstimate(values, halved, noise, rough, noise / max(contrast, 1e-6 * noise, 1e-300))
 
 
-def _regions(values: Array, image: Array, noise: float, length: float, rounds: int) -> Array:
+def _smooth_regions(values: Array, image: Array, noise: float, length: float, rounds: int) -> Array:
     """Smooth an image into regions, by averages along the edges of `image`, which is computed again in every round."""
     surface = scipy.ndimage.gaussian_filter(values, _PIXEL_SMOOTHING, mode="nearest")
     for _ in range(rounds):
-        way = directions(image, max(_LEAST_DIRECTION_SIGMA, _EDGE_SLENDERNESS * length), _DIRECTION_AVERAGING * length)
-        image = total_variation(averaged_along(surface, way, length), _FURTHER_TV_WEIGHT * noise)
+        way = edge_directions(image, max(_LEAST_DIRECTION_SIGMA, _EDGE_SLENDERNESS * length), _DIRECTION_AVERAGING * length)
+        image = minimize_total_variation(average_along_edges(surface, way, length), _FURTHER_TV_WEIGHT * noise)
     return image
 
 
-def _halved(values: Array) -> Array:
+def _halve_size(values: Array) -> Array:
     """Halve the size of an image by means of 2 x 2 pixels; a missing last row or column is repeated."""
     rows, cols = values.shape
     even = np.pad(values, ((0, rows % 2), (0, cols % 2)), mode="edge")
     return even.reshape((rows + 1) // 2, 2, (cols + 1) // 2, 2).mean(axis=(1, 3))
 
 
-def _doubled(values: Array, shape: Extent) -> Array:
+def _double_size(values: Array, shape: Extent) -> Array:
     """Double the size of an image to a shape."""
     row, col = (0.5 * (np.arange(size) - 0.5) for size in shape)
     grid = np.meshgrid(row, col, indexing="ij")
@@ -183,7 +183,7 @@ def noise_level(values: Array) -> float:
     return float(np.sqrt(np.mean(response**2)) / np.linalg.norm(mask))
 
 
-def total_variation(values: Array, weight: float) -> Array:
+def minimize_total_variation(values: Array, weight: float) -> Array:
     """Minimize the total variation near the data: the u with least ``sum |grad u| + |u - values|^2 / (2 weight)``.
 
     Solved by the accelerated primal-dual iteration of Chambolle and Pock (2011, doi:10.1007/s10851-010-0251-1).
@@ -247,7 +247,7 @@ _LEAST_LINE_WEIGHT = 0.02
 """Fraction of a weight below which a line is not followed any further."""
 
 
-class Directions(NamedTuple):
+class EdgeDirections(NamedTuple):
     """Directions of edges.
 
     Attributes
@@ -263,7 +263,7 @@ class Directions(NamedTuple):
     coherence: Array
 
 
-def directions(values: Array, inner: float, outer: float) -> Directions:
+def edge_directions(values: Array, inner: float, outer: float) -> EdgeDirections:
     """Compute the directions of the edges of an image, shape (H, W), by its structure tensor.
 
     `inner` is the Gaussian before the gradient, `outer` the one over which directions are averaged [px].
@@ -280,10 +280,10 @@ def directions(values: Array, inner: float, outer: float) -> Directions:
     larger = np.sqrt(0.5 + 0.5 * np.abs(cosine))
     smaller, first = 0.5 * sine / larger, cosine >= 0.0
     row, col = np.where(first, -smaller, -np.copysign(larger, sine)), np.where(first, larger, np.abs(smaller))
-    return Directions(row, col, np.clip(coherence, 0.0, 1.0))
+    return EdgeDirections(row, col, np.clip(coherence, 0.0, 1.0))
 
 
-def averaged_along(values: Array, way: Directions, length: float) -> Array:
+def average_along_edges(values: Array, way: EdgeDirections, length: float) -> Array:
     """Average an image, shape (H, W), along the lines that follow its edges in the directions `way`.
 
     `length` is the standard deviation of the Gaussian along a line [px]. The average is shorter where directions are
@@ -292,11 +292,11 @@ def averaged_along(values: Array, way: Directions, length: float) -> Array:
     steps = np.arange(1 + int(_LINE_GAUSSIAN_CUTOFF * length))
     weights = np.exp(-0.5 * (steps / max(length, 1e-9)) ** 2)
     trust = way.coherence ** (_COHERENCE_POWER / max(length, 1e-9))
-    return _follow(np.ascontiguousarray(values), way.row, way.col, trust, weights)
+    return _average_along_lines(np.ascontiguousarray(values), way.row, way.col, trust, weights)
 
 
 @compiled
-def _follow(values: Array, down: Array, right: Array, trust: Array, weights: Array) -> Array:
+def _average_along_lines(values: Array, down: Array, right: Array, trust: Array, weights: Array) -> Array:
     rows, cols = values.shape
     out = np.empty_like(values)
     for i in range(rows):
@@ -332,7 +332,7 @@ _PRIOR_PIXELS = 16.0
 """Pixels of the mean gray level that are added to each class."""
 
 
-def expected(values: Array, estimate: Array) -> Array:
+def regress_gray_levels(values: Array, estimate: Array) -> Array:
     r"""Replace each gray level of a noisy image by the mean of an estimate over the pixels that have it.
 
     `estimate` is an image without most of the noise. All arrays have the shape (\*shape), and `values` must not be

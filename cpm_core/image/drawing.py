@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes  # noqa: PLC0414 - for the annotations of other modules
     from matplotlib.figure import Figure
 
-PARTICLE = "#f0e442"
+PARTICLE_COLOR = "#f0e442"
 """Color of particles, as in the window: a hue of Okabe and Ito that color-blind people can tell from the others."""
 
-CLOSED = "#56b4e9"
+CLOSED_CURVE_COLOR = "#56b4e9"
 """Color of closed curves."""
 
-OPEN = "#ff9d1e"
+OPEN_CURVE_COLOR = "#ff9d1e"
 """Color of open curves."""
 
-HALO = "#101216"
+HALO_COLOR = "#101216"
 """Color around lines and dots, so that they can be seen on any gray."""
 
 DARKEST_SHOWN = 0.1
@@ -44,7 +44,7 @@ _DOT_SIZES = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
 _MAX_BAR_SHARE = 0.3
 """Largest length of a scale bar, as a share of the width of the image."""
 
-BOX = {"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5}
+TEXT_BOX_STYLE = {"facecolor": HALO_COLOR, "edgecolor": "none", "alpha": 0.6, "pad": 1.5}
 """Style of the box behind texts, so that they are readable on any gray; outlined texts would be no texts in SVG."""
 
 _FIGURE_DPI = 200
@@ -56,11 +56,11 @@ _NOTEBOOK_DPI = 80
 _FIGURE_SIDE = 6.0
 """Longer side of the figure of a file [inches]."""
 
-FIGURES = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
+FIGURE_FORMATS = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
 """Suffix of a figure -> name of its format in matplotlib."""
 
 
-class Curve(Protocol):
+class DrawableCurve(Protocol):
     """Line that can be drawn."""
 
     @property
@@ -76,9 +76,9 @@ class Curve(Protocol):
         """Color, ``"#rrggbb"``; empty for the default one."""
 
 
-def color_of(curve: Curve) -> str:
+def curve_color(curve: DrawableCurve) -> str:
     """Return the color in which a curve is drawn."""
-    return curve.color or (CLOSED if curve.closed else OPEN)
+    return curve.color or (CLOSED_CURVE_COLOR if curve.closed else OPEN_CURVE_COLOR)
 
 
 def has_matplotlib() -> bool:
@@ -106,7 +106,7 @@ def show_image(ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), c
     else:
         darkest, brightest = gray_limits(values)
         ax.imshow(values, cmap="gray", vmin=darkest, vmax=brightest, interpolation="nearest")
-    frame(ax, (rows, cols), spacing)
+    frame_axes(ax, (rows, cols), spacing)
 
 
 def gray_limits(values: Array) -> tuple[float, float]:
@@ -116,7 +116,7 @@ def gray_limits(values: Array) -> tuple[float, float]:
     return low - DARKEST_SHOWN * unit, high + (1.0 - BRIGHTEST_SHOWN) * unit
 
 
-def frame(ax: Axes, shape: Extent, spacing: Sequence[float] = (1.0, 1.0)) -> None:
+def frame_axes(ax: Axes, shape: Extent, spacing: Sequence[float] = (1.0, 1.0)) -> None:
     """Set the limits of axes to an image of this shape, without ticks and a box."""
     ax.set(xlim=(-0.5, shape[1] - 0.5), ylim=(shape[0] - 0.5, -0.5), xticks=[], yticks=[])
     ax.set_aspect(float(spacing[0]) / float(spacing[1]))
@@ -124,12 +124,12 @@ def frame(ax: Axes, shape: Extent, spacing: Sequence[float] = (1.0, 1.0)) -> Non
         spine.set_visible(False)
 
 
-def show_curves(ax: Axes, curves: Sequence[Curve]) -> None:
+def show_curves(ax: Axes, curves: Sequence[DrawableCurve]) -> None:
     """Show lines with a dark halo: closed ones in blue, open ones in orange, or in a color of their own."""
     from matplotlib.collections import LineCollection
 
     paths = [curve.path[:, ::-1] for curve in curves]
-    for colors, thickness in ((HALO, 2.6), ([color_of(curve) for curve in curves], 1.5)):
+    for colors, thickness in ((HALO_COLOR, 2.6), ([curve_color(curve) for curve in curves], 1.5)):
         style = {"colors": colors, "linewidths": thickness, "capstyle": "projecting", "joinstyle": "round"}
         ax.add_collection(LineCollection(paths, zorder=2, **style))
 
@@ -139,8 +139,8 @@ def show_particles(ax: Axes, places: Array) -> None:
     row, col = places.T
     size = next(size for most, size in _DOT_SIZES if len(places) <= most)
     if size > _DOT_SIZES[-1][1]:
-        ax.scatter(col, row, s=2.4 * size, c=HALO, linewidths=0.0, zorder=5)
-    ax.scatter(col, row, s=size, c=PARTICLE, linewidths=0.0, zorder=6)
+        ax.scatter(col, row, s=2.4 * size, c=HALO_COLOR, linewidths=0.0, zorder=5)
+    ax.scatter(col, row, s=size, c=PARTICLE_COLOR, linewidths=0.0, zorder=6)
 
 
 def show_scale_bar(ax: Axes, shape: Extent, spacing: Sequence[float], unit: str | None) -> None:
@@ -148,9 +148,9 @@ def show_scale_bar(ax: Axes, shape: Extent, spacing: Sequence[float], unit: str 
     from matplotlib.patheffects import withStroke
 
     rows, cols = shape
-    bar = longest_bar(_MAX_BAR_SHARE * cols, float(spacing[1]), unit)
+    bar = fit_scale_bar(_MAX_BAR_SHARE * cols, float(spacing[1]), unit)
     left, down = 0.04 * cols, rows - 0.06 * rows
-    halo = [withStroke(linewidth=5.0, foreground=HALO)]
+    halo = [withStroke(linewidth=5.0, foreground=HALO_COLOR)]
     ax.plot(
         [left, left + bar.pixels], [down, down], color="#ffffff", linewidth=3.0, solid_capstyle="butt",
         path_effects=halo, zorder=8,
@@ -158,7 +158,7 @@ def show_scale_bar(ax: Axes, shape: Extent, spacing: Sequence[float], unit: str 
     middle = left + 0.5 * bar.pixels
     ax.annotate(
         bar.label, (middle, down), (0.0, 5.0), textcoords="offset points", color="#ffffff", ha="center", va="bottom",
-        fontsize=9, bbox=BOX, zorder=8,
+        fontsize=9, bbox=TEXT_BOX_STYLE, zorder=8,
     )  # fmt: skip
 
 
@@ -175,7 +175,7 @@ def new_figure(shape: Extent | None, spacing: Sequence[float] = (1.0, 1.0)) -> t
     return figure, figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
 
-def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _FIGURE_DPI) -> bytes:
+def render_figure(figure: Figure, suffix: str, about: str, dpi: int = _FIGURE_DPI) -> bytes:
     """Encode a figure as the bytes of a file with a description and without a time: equal figures are equal files."""
     import matplotlib as mpl
 
@@ -186,26 +186,26 @@ def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _FIGURE_D
         ".pdf": {"CreationDate": None, "Subject": about},
     }
     with mpl.rc_context({"svg.hashsalt": "cpm", "svg.fonttype": "none"}):
-        figure.savefig(stream, format=FIGURES[suffix], dpi=dpi, metadata=metadata[suffix])
+        figure.savefig(stream, format=FIGURE_FORMATS[suffix], dpi=dpi, metadata=metadata[suffix])
     return stream.getvalue()
 
 
-METRIC = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
+METRIC_UNITS = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
 """Unit of length -> its size [m]."""
 
-KNOWN = {**METRIC, "um": 1e-6, "cm": 1e-2}
+KNOWN_UNITS = {**METRIC_UNITS, "um": 1e-6, "cm": 1e-2}
 """Unit of the spacing of images -> its size [m]."""
 
 
 @frozen
-class Bar:
+class ScaleBar:
     """A scale bar of round length, `pixels` of the image long."""
 
     pixels: float
     label: str
 
 
-def longest_bar(most: float, spacing: float, unit: str | None, *, keep_unit: bool = False) -> Bar:
+def fit_scale_bar(most: float, spacing: float, unit: str | None, *, keep_unit: bool = False) -> ScaleBar:
     """Fit the longest scale bar of round length, 1, 2 or 5 times a power of ten, in a readable unit.
 
     `most` is its maximum length [px of the image], `spacing` the size of a pixel [unit], px without a unit. With
@@ -213,20 +213,20 @@ def longest_bar(most: float, spacing: float, unit: str | None, *, keep_unit: boo
     """
     size, name = (most * spacing, unit) if unit else (most, "px")
     if not keep_unit:
-        size, name = _readable(size, name)
+        size, name = _to_readable_unit(size, name)
     power = 10.0 ** math.floor(math.log10(size))
     length = next((factor * power for factor in (5.0, 2.0, 1.0) if factor * power <= size), power / 2.0)
-    return Bar(most * (length / size), f"{length:g} {name}" if length < 1e6 else f"{length:,.0f} {name}")
+    return ScaleBar(most * (length / size), f"{length:g} {name}" if length < 1e6 else f"{length:,.0f} {name}")
 
 
-def _readable(size: float, unit: str) -> tuple[float, str]:
+def _to_readable_unit(size: float, unit: str) -> tuple[float, str]:
     """Convert a size to the metric unit in which it has one to three digits; keep any other unit."""
-    if unit not in KNOWN:
+    if unit not in KNOWN_UNITS:
         return size, unit
-    meters = size * KNOWN[unit]
-    fitting = [name for name, worth in METRIC.items() if meters >= 0.999999 * worth]
+    meters = size * KNOWN_UNITS[unit]
+    fitting = [name for name, worth in METRIC_UNITS.items() if meters >= 0.999999 * worth]
     name = fitting[-1] if fitting else "nm"
-    return meters / METRIC[name], name
+    return meters / METRIC_UNITS[name], name
 
 
 class Pictured:
@@ -242,6 +242,6 @@ class Pictured:
         figure = pyplot.figure(dpi=_NOTEBOOK_DPI)
         in_space = getattr(self, "surface", None) is not None
         self.plot(figure.add_subplot(projection="3d" if in_space else None)).set_title(repr(self).strip("<>"))
-        png = encoded_figure(figure, ".png", repr(self), _NOTEBOOK_DPI)
+        png = render_figure(figure, ".png", repr(self), _NOTEBOOK_DPI)
         pyplot.close(figure)
         return png

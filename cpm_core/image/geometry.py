@@ -116,7 +116,7 @@ class Geometry:
             matrix[:3] *= _LPS_TO_RAS[:, None]
         return matrix
 
-    def moved(self, voxels: ArrayLike, spacing: Sides) -> Geometry:
+    def starting_at(self, voxels: ArrayLike, spacing: Sides) -> Geometry:
         """Return the geometry of the part of an image that begins at a voxel (plane, row, col), shape (3,)."""
         matrix = self.affine(spacing)
         x, y, z, _ = (matrix @ np.r_[as_real_array(voxels), 1.0]).tolist()
@@ -166,7 +166,7 @@ class Geometry:
         return described("Geometry", f"origin ({origin}) in {self.convention}", f"axes to {' '.join(self.letters)}")
 
 
-def from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:
+def geometry_from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:
     """Read geometry and spacing (plane, row, col) from a matrix (col, row, plane, 1) -> (x, y, z, 1), shape (4, 4)."""
     matrix = as_real_array(affine)
     along = matrix[:3, 2::-1].T

@@ -12,7 +12,7 @@ import skimage
 from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.types import Array, Mask, Numbers
 
-NO_DATA = float(np.finfo(np.float64).min)
+NO_DATA_VALUE = float(np.finfo(np.float64).min)
 """Gray level with which a reader marks pixels without data."""
 
 _LEAST_NO_DATA = 9e36
@@ -28,7 +28,7 @@ _KNOWN_RIM = 2
 """Number of pixels up to which a known pixel lies next to an unknown one."""
 
 
-def usable(values: Array, ends: tuple[float, float]) -> tuple[Array, tuple[str, ...]]:
+def make_usable(values: Array, ends: tuple[float, float]) -> tuple[Array, tuple[str, ...]]:
     r"""Fill pixels without data from their surroundings, and bring extreme gray levels into a range for fields.
 
     A single value of 9e36 or more, far beyond all others, stands for no data: geographic and medical programs write it.
@@ -51,9 +51,9 @@ def usable(values: Array, ends: tuple[float, float]) -> tuple[Array, tuple[str, 
     """
     notes: list[str] = []
     low, high = ends
-    absent = _absent(values) if max(-low, high) >= _LEAST_NO_DATA else None
+    absent = _find_no_data(values) if max(-low, high) >= _LEAST_NO_DATA else None
     if absent is not None:
-        values = _filled(np.where(absent, 0.0, values), ~absent)
+        values = _fill_no_data(np.where(absent, 0.0, values), ~absent)
         notes.append(no_data_note(int(absent.sum())))
         low, high = float(values.min()), float(values.max())
     half = high / 2.0 - low / 2.0
@@ -71,34 +71,34 @@ def no_data_note(count: int) -> str:
     return f"{what} no data, filled from around: contours there mean nothing."
 
 
-def _absent(values: Array) -> Mask | None:
+def _find_no_data(values: Array) -> Mask | None:
     """Find the pixels without data; None when there are none."""
     absent = np.abs(values) >= _LEAST_NO_DATA
     others = values[~absent]
     kinds = np.unique(values[absent])
     if len(kinds) != 1 or not others.size or np.abs(others).max() > _MAX_LEVEL_WITH_NO_DATA * _LEAST_NO_DATA:
         return None
-    if np.ptp(others) == 0.0 and kinds[0] != NO_DATA:
+    if np.ptp(others) == 0.0 and kinds[0] != NO_DATA_VALUE:
         return None
     return absent
 
 
-def _filled(values: Array, known: Mask) -> Array:
+def _fill_no_data(values: Array, known: Mask) -> Array:
     """Replace unknown pixels by means of known ones next to unknown ones, of more of them the farther away they are.
 
     Known pixels beyond that rim would put the brightness of an object at some distance next to the background.
     """
     beside = known & scipy.ndimage.binary_dilation(~known, iterations=_KNOWN_RIM)
-    return np.where(known, values, _spread(np.where(beside, values, 0.0), beside))
+    return np.where(known, values, _spread_known_values(np.where(beside, values, 0.0), beside))
 
 
-def _spread(values: Array, known: Mask) -> Array:
+def _spread_known_values(values: Array, known: Mask) -> Array:
     """Spread the known values over all unknown pixels, together over those that lie together."""
     if known.all():
         return values
     weight = skimage.measure.block_reduce(known.astype(float), 2, np.sum)  # type: ignore[no-untyped-call]
     total = skimage.measure.block_reduce(values * known, 2, np.sum)  # type: ignore[no-untyped-call]
-    coarse = _spread(total / np.maximum(weight, 1.0), weight > 0.0)
+    coarse = _spread_known_values(total / np.maximum(weight, 1.0), weight > 0.0)
     between = skimage.transform.resize(coarse, values.shape, order=1, mode="edge", anti_aliasing=False)  # type: ignore[no-untyped-call]
     return np.where(known, values, between)
 
@@ -138,7 +138,7 @@ def automatic_gamma(values: Array) -> float:
     return 1.0 - (1.0 - (_GAMMA_ON_DARK if aside < 0.0 else _GAMMA_ON_BRIGHT)) * share
 
 
-def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
+def apply_gamma(values: Array, gamma: float | Literal["auto"]) -> Array:
     r"""Put gray levels on a power scale, ``low + range * ((I - low) / range)**gamma``, within the same range.
 
     Parameters
@@ -158,7 +158,7 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
     if exponent == 1.0 or high <= low:
         return values
     if values.dtype.kind == "u":  # few gray levels, in images large enough to be kept in few bytes per pixel
-        table = toned(np.maximum(np.arange(high + 1.0), low), exponent)
+        table = apply_gamma(np.maximum(np.arange(high + 1.0), low), exponent)
         shown: Numbers = np.empty(values.shape, np.float32)
 
         def look_up(first: int, end: int) -> None:
@@ -166,9 +166,9 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
 
         run_in_bands(look_up, len(values))
         return shown
-    return on_power_scale(values, low, high, exponent)
+    return apply_power(values, low, high, exponent)
 
 
-def on_power_scale(values: Array, low: float, high: float, exponent: float) -> Array:
+def apply_power(values: Array, low: float, high: float, exponent: float) -> Array:
     """Put gray levels of any shape on a power scale within a range; see `apply_gamma`."""
     return low + (high - low) * ((values - low) / (high - low)) ** exponent

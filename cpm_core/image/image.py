@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.image import drawing
-from cpm_core.image.colors import LUMINANCE, Colors, channel_of, checked_color, in_color, reduced
+from cpm_core.image.colors import LUMINANCE_CHOICE, Colors, extract_channel, check_color_choice, gray_from_color, reduce_to_gray
 from cpm_core.image.geometry import Geometry
-from cpm_core.image.gray_levels import NO_DATA, usable
+from cpm_core.image.gray_levels import NO_DATA_VALUE, make_usable
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, record
@@ -109,19 +109,19 @@ class Image(drawing.Pictured):
     colors: Colors | None = None
     file_sha256: str = ""
     geometry: Geometry | None = None
-    color: InitVar[str] = LUMINANCE
+    color: InitVar[str] = LUMINANCE_CHOICE
     hounsfield: bool | None = None
     finer: tuple[Any, ...] = ()
 
     def __post_init__(self, color: str) -> None:
-        checked_color(color)
+        check_color_choice(color)
         given, masked = np.asarray(self.values), np.ma.getmask(self.values)
         if given.dtype.kind not in "buif":
             raise ValueError(f"{self.source} holds values of type {given.dtype}, but gray levels must be real numbers.")
         if given.ndim == 3 and given.shape[-1] in (3, 4) and min(given.shape[:2]) >= MINIMUM_SIDE:
             given = self._take_colors(given, color)
         if given.ndim not in (2, 3) or (given.ndim == 3 and given.shape[-1] < MINIMUM_SIDE):
-            raise _not_a_plane(self.source, given.shape)
+            raise _not_a_plane_error(self.source, given.shape)
         if given.ndim == 3 and min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
                 f"{self.source} has {sized(given.shape, 'voxels')}, but a volume needs at least {MINIMUM_SIDE} "
@@ -142,7 +142,7 @@ class Image(drawing.Pictured):
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
             values = given if unchanging else np.array(given, precision, order="C")
         if not whole:
-            values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA
+            values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA_VALUE
             given = values
         ends = float(given.min()), float(given.max())  # faster on few bytes per pixel than on eight
         if not all(map(math.isfinite, ends)):
@@ -151,11 +151,11 @@ class Image(drawing.Pictured):
                 f"{self.source} holds {unusable} value{'' if unusable == 1 else 's'} that "
                 f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
             )
-        values, changes = usable(values, ends)
+        values, changes = make_usable(values, ends)
         values.flags.writeable = False
         del known["values"]
         known["_stored" if small else "values"] = values
-        known.update(spacing=_sizes(self.source, self.spacing, values.ndim), notes=(*self.notes, *changes))
+        known.update(spacing=_check_spacing(self.source, self.spacing, values.ndim), notes=(*self.notes, *changes))
         if not changes:
             known["gray_range"] = ends
         if self.colors is not None and self.colors.samples.shape != (*self.shape, 3):
@@ -186,11 +186,11 @@ class Image(drawing.Pictured):
     def _take_colors(self, samples: NDArray[Any], color: str) -> NDArray[Any]:
         """Reduce colors to gray levels, and keep them next to the luminance."""
         alpha = samples[..., 3] if samples.shape[-1] == 4 else None
-        values, colors, notes = reduced(np.array(samples[..., :3]), alpha)
-        if colors is not None and color == LUMINANCE:
+        values, colors, notes = reduce_to_gray(np.array(samples[..., :3]), alpha)
+        if colors is not None and color == LUMINANCE_CHOICE:
             object.__setattr__(self, "colors", colors)
         elif colors is not None:
-            values, said = in_color(values, colors, color)
+            values, said = gray_from_color(values, colors, color)
             notes = (said, *notes[1:])
         object.__setattr__(self, "notes", (*self.notes, *notes))
         return values
@@ -259,19 +259,19 @@ class Image(drawing.Pictured):
         lowest, highest = _CT_AIR_RANGE
         return lowest <= self.gray_range[0] <= highest
 
-    def sized(self, spacing: Sides, unit: str | None, factor: float = 1.0) -> Image:
+    def with_spacing(self, spacing: Sides, unit: str | None, factor: float = 1.0) -> Image:
         """Return the image with another size of a pixel and shared gray levels; ValueError as for an image.
 
         `factor` of the new unit make one of the present unit: the place in space is converted.
         """
-        sizes = _sizes(self.source, spacing, self.ndim)
+        sizes = _check_spacing(self.source, spacing, self.ndim)
         self.values  # noqa: B018 - made once for both
         geometry = None if self.geometry is None else self.geometry.scaled(factor)
         made = copy.copy(self)
         vars(made).update(spacing=sizes, unit=unit, geometry=geometry)
         return made
 
-    def cut(self, axis: int, index: int) -> Image:
+    def slice_across(self, axis: int, index: int) -> Image:
         """Return a slice of a volume across an axis, as an image that shares the gray levels without another check."""
         sides = tuple(side for other, side in enumerate(self.spacing) if other != axis)
         made = object.__new__(type(self))
@@ -285,17 +285,17 @@ class Image(drawing.Pictured):
         """Number of pixels along each axis, (rows, columns) or (planes, rows, columns)."""
         return self.stored.shape
 
-    def gray(self, channel: str = "luminance") -> Array:
+    def gray_levels(self, channel: str = "luminance") -> Array:
         """Return the gray levels of a channel of `Parameters.channel`, in the shape of the image."""
-        return channel_of(self.values, self.colors, channel)
+        return extract_channel(self.values, self.colors, channel)
 
     def gray_at(self, pixel: tuple[int, ...], channel: str = "luminance") -> float:
         """Return the gray level of a pixel (row, col), or of a voxel (plane, row, col), in a channel."""
         place = tuple(slice(at, at + 1) for at in pixel)
         colors = self.colors and Colors(self.colors.samples[place], self.colors.white)
-        return float(channel_of(self.stored[place], colors, channel).item())
+        return float(extract_channel(self.stored[place], colors, channel).item())
 
-    def channel(self, wanted: str) -> str:
+    def resolve_channel(self, wanted: str) -> str:
         """Return the name of the channel that is used when one is wanted: a gray image has its luminance alone."""
         return wanted if self.colors is not None else "luminance"
 
@@ -305,7 +305,7 @@ class Image(drawing.Pictured):
         return self.stored.ndim
 
 
-def _sizes(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:
+def _check_spacing(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:
     """Check the size of a pixel along each axis, 1 where none is given; ValueError when it is not valid."""
     sizes = tuple(np.ravel(as_real_array(spacing)).tolist()) or (1.0,) * ndim
     if len(sizes) != ndim or not all(math.isfinite(size) and size > 0 for size in sizes):
@@ -321,7 +321,7 @@ def as_plane(values: ArrayLike | Image) -> Image:
     """Convert values, shape (H, W), to an image of two axes; ValueError for any other shape."""
     image = as_image(values)
     if image.ndim != 2:
-        raise _not_a_plane(image.source, image.shape)
+        raise _not_a_plane_error(image.source, image.shape)
     return image
 
 
@@ -330,7 +330,7 @@ def as_image(values: ArrayLike | Image) -> Image:
     return values if isinstance(values, Image) else Image(values)  # type: ignore[arg-type]
 
 
-def _not_a_plane(source: str, shape: Extent) -> ValueError:
+def _not_a_plane_error(source: str, shape: Extent) -> ValueError:
     return ValueError(
         f"{source} has {len(shape)} dimension{'' if len(shape) == 1 else 's'} {shape}, "
         "but an image has two, (rows, columns): choose one plane of it."

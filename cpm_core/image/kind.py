@@ -14,7 +14,7 @@ import skimage
 
 from cpm_core.numerics.types import Array
 
-Kind = Literal["line art", "fluorescence", "angiogram", "ultrasound"]
+ImageKind = Literal["line art", "fluorescence", "angiogram", "ultrasound"]
 
 _MAX_EXAMINED_SIDE = 512
 """Largest side of the image that is examined [px]; a larger one is reduced."""
@@ -29,7 +29,7 @@ _EXTREME_SHARE = 0.06
 """Part of the range of gray levels at either end that counts as dark or bright."""
 
 
-def guessed_kind(values: Array) -> Kind | None:
+def guess_kind(values: Array) -> ImageKind | None:
     """Guess the kind of an image, shape (H, W); None where it shows the signs of none.
 
     Gray levels are taken from 0 to 1, without half a percent at either end.
@@ -52,7 +52,7 @@ def guessed_kind(values: Array) -> Kind | None:
     if between < 0.15 and min(dark, bright) > 2.0 * between:  # except for blurred edges, two gray levels alone
         return "line art"
     quarter, median, three_quarters = np.percentile(levels, [25.0, 50.0, 75.0]).tolist()
-    mean, fine = _blocks(levels).mean(1), _blocks(levels - smooth(levels, 4.0)).std(1)
+    mean, fine = _split_into_blocks(levels).mean(1), _split_into_blocks(levels - smooth(levels, 4.0)).std(1)
     structured = (fine > 0.05).mean()  # share of the blocks that hold more than noise
     kept = (mean > 0.03) & (mean < 0.97)
     # whether noise or structure grows with the signal, as speckle does
@@ -75,7 +75,7 @@ def guessed_kind(values: Array) -> Kind | None:
     return None
 
 
-def _blocks(levels: Array) -> Array:
+def _split_into_blocks(levels: Array) -> Array:
     """Split gray levels into blocks, shape (blocks, pixels)."""
     rows, cols = (side // _BLOCK_SIDE * _BLOCK_SIDE for side in levels.shape)
     return skimage.util.view_as_blocks(levels[:rows, :cols], (_BLOCK_SIDE, _BLOCK_SIDE)).reshape(

@@ -63,17 +63,17 @@ class Regions:
     barriers: tuple[Line, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "interest", _lines("region of interest", self.interest, 3))
-        object.__setattr__(self, "barriers", _lines("barrier", self.barriers, 2))
+        object.__setattr__(self, "interest", _check_lines("region of interest", self.interest, 3))
+        object.__setattr__(self, "barriers", _check_lines("barrier", self.barriers, 2))
 
-    def check(self, shape: Extent) -> None:
+    def check_shape(self, shape: Extent) -> None:
         """Raise a `ValueError` unless every region of interest contains a pixel of an image of this shape."""
         if len(shape) != 2:
             raise ValueError(
                 f"these regions are for an image, but this is a volume of {sized(shape, '')}: use VolumeRegions."
             )
         for number, polygon in enumerate(self.interest, start=1):
-            if not pixels_in(polygon, shape).any():
+            if not pixels_in_polygon(polygon, shape).any():
                 raise ValueError(
                     f"region of interest {number} holds no pixel of the image ({sized(shape, 'pixels')}): "
                     "draw it inside the image, around an object."
@@ -95,21 +95,21 @@ class Regions:
 
     def allows(self, points: Array) -> Mask:
         """Return whether particles may be at points, shape (N, 2) [px]: in a region of interest, off all lines."""
-        lines = np.concatenate([self.rims(), self.lines()])
+        lines = np.concatenate([self.rim_segments(), self.barrier_segments()])
         away = nearest_distances(np.ascontiguousarray(points, float), lines)
         return self.contains(points) & (away >= _ON_LINE_DISTANCE)
 
-    def pixels(self, shape: Extent) -> Mask:
+    def pixel_mask(self, shape: Extent) -> Mask:
         """Mark the pixels of an image of this shape whose center lies in a region of interest."""
         if not self.interest:
             return np.ones(shape, bool)
-        return np.any([pixels_in(polygon, shape) for polygon in self.interest], axis=0)
+        return np.any([pixels_in_polygon(polygon, shape) for polygon in self.interest], axis=0)
 
-    def rims(self) -> Array:
+    def rim_segments(self) -> Array:
         """Return the boundary of the union of the regions of interest as segments, shape (S, 4) [px]."""
-        return _rims(self.interest)
+        return _union_rim(self.interest)
 
-    def lines(self) -> Array:
+    def barrier_segments(self) -> Array:
         """Return the barriers as segments, shape (S, 4) [px]."""
         return np.concatenate([np.zeros((0, 4)), *(path_segments(polyline.corners_of(line)) for line in self.barriers)])
 
@@ -118,7 +118,7 @@ class Regions:
         return described("Regions", interest, counted(len(self.barriers), "barrier"))
 
 
-def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:
+def _check_lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:
     """Check lines, and convert them to tuples."""
     checked = []
     if not isinstance(lines, Iterable) or (isinstance(lines, np.ndarray) and lines.ndim == 0):
@@ -142,14 +142,14 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
 
 
 @lru_cache(maxsize=_CACHED_POLYGONS)
-def pixels_in(polygon: Line, shape: Extent) -> Mask:
+def pixels_in_polygon(polygon: Line, shape: Extent) -> Mask:
     """Mark the pixels of an image of this shape whose center lies in a polygon."""
     places = np.indices(shape).reshape(2, -1).T.astype(float)
     return polyline.points_inside(polygon, places).reshape(shape)
 
 
 @lru_cache(maxsize=_CACHED_POLYGONS)
-def _rims(interest: tuple[Line, ...]) -> Array:
+def _union_rim(interest: tuple[Line, ...]) -> Array:
     """Compute the rim of the union of polygons; see `Regions.rim_segments`."""
     return union_boundary([polyline.corners_of(polygon) for polygon in interest])
 
@@ -179,13 +179,13 @@ class BarrierMap(NamedTuple):
     segments: Array
     clearance: Array
 
-    def crossed(self, start: Array, end: Array) -> Mask:
+    def is_crossed_by(self, start: Array, end: Array) -> Mask:
         """Return whether straight moves from `start` to `end`, shapes (N, 2) [px], cross or touch a barrier."""
         if not len(self.segments):
             return np.zeros(len(start), bool)
-        return _crossed(self, np.ascontiguousarray(start, float), np.ascontiguousarray(end, float))
+        return _find_crossings(self, np.ascontiguousarray(start, float), np.ascontiguousarray(end, float))
 
-    def within(self, window: Window) -> BarrierMap:
+    def crop_to_window(self, window: Window) -> BarrierMap:
         """Crop the barriers to a window of the image."""
         if not len(self.segments):
             return self
@@ -197,7 +197,7 @@ NO_BARRIERS = BarrierMap(np.zeros((0, 4)), np.zeros((1, 1)))
 
 def build_barrier_map(regions: Regions, shape: Extent) -> BarrierMap:
     """Build the map of barriers and boundaries of `regions`, in px of the scale, for an image of this shape."""
-    segments = np.concatenate([regions.rims(), regions.lines()])
+    segments = np.concatenate([regions.rim_segments(), regions.barrier_segments()])
     if not len(segments):
         return NO_BARRIERS
     import shapely  # noqa: PLC0415 - needed for regions and barriers only
@@ -215,7 +215,7 @@ def build_barrier_map(regions: Regions, shape: Extent) -> BarrierMap:
 
 
 @compiled
-def crosses(barrier_map: BarrierMap, a: Array, b: Array) -> bool:
+def crosses_barrier(barrier_map: BarrierMap, a: Array, b: Array) -> bool:
     """Return whether the straight line from a to b, shapes (2,), crosses or touches a barrier."""
     if len(barrier_map.segments) == 0:
         return False
@@ -232,8 +232,8 @@ def crosses(barrier_map: BarrierMap, a: Array, b: Array) -> bool:
 
 
 @compiled
-def _crossed(barrier_map: BarrierMap, start: Array, end: Array) -> Mask:
+def _find_crossings(barrier_map: BarrierMap, start: Array, end: Array) -> Mask:
     out = np.zeros(len(start), np.bool_)
     for i in range(len(start)):
-        out[i] = crosses(barrier_map, start[i], end[i])
+        out[i] = crosses_barrier(barrier_map, start[i], end[i])
     return out

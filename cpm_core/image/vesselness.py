@@ -18,7 +18,7 @@ from cpm_core.numerics.types import Array, Mask
 _VESSEL_SIGMAS = (1.0, 2.0, 4.0)
 """Widths of the Gaussians whose second derivatives are taken [px]; a vessel responds most at a third of its width."""
 
-_NORMALIZATION = 1.5
+_SIGMA_EXPONENT = 1.5
 """Power of sigma by which a curvature is multiplied: at 2 all widths would respond alike, and a wide vessel would hide
 thin ones."""
 
@@ -41,7 +41,7 @@ _IGNORED_FRAME = 0.1
 """Border that does not decide whether vessels are dark or bright, as a fraction of each side: frames are there."""
 
 
-class Lines(NamedTuple):
+class LineResponse(NamedTuple):
     """Response of dark lines, or of bright ones.
 
     Attributes
@@ -56,7 +56,7 @@ class Lines(NamedTuple):
     curvature: Array
     contrast: Array
 
-    def above_chance(self, other: Lines) -> Mask:
+    def find_pixels_above_chance(self, other: LineResponse) -> Mask:
         """Find the pixels, shape (H, W), of lines with more contrast than lines of the other kind have by chance."""
         level = max(
             float(np.quantile(other.contrast, _CHANCE_QUANTILE)), _LEAST_CHANCE_CONTRAST * float(self.curvature.max())
@@ -64,24 +64,24 @@ class Lines(NamedTuple):
         return skimage.filters.apply_hysteresis_threshold(self.contrast, _FAINT_VESSEL_SHARE * level, level)  # type: ignore[no-untyped-call]
 
 
-def vesselness(values: Array) -> Array:
+def compute_vesselness(values: Array) -> Array:
     """Measure the vessels of an image, shape (H, W), in gray levels: large within vessels, 0 next to them.
 
     Vessels are the dark or the bright lines, whichever cover more of the image above chance.
     """
     middle = tuple(slice(int(_IGNORED_FRAME * n), n - int(_IGNORED_FRAME * n)) for n in values.shape)
-    dark, bright = lines(values)
-    found = [(kind.above_chance(other), kind.curvature) for kind, other in ((dark, bright), (bright, dark))]
+    dark, bright = filter_lines(values)
+    found = [(kind.find_pixels_above_chance(other), kind.curvature) for kind, other in ((dark, bright), (bright, dark))]
     mask, curvature = max(found, key=lambda pair: np.count_nonzero(pair[0][middle]))
     return np.where(mask, curvature, 0.0)
 
 
-def lines(values: Array) -> tuple[Lines, Lines]:
+def filter_lines(values: Array) -> tuple[LineResponse, LineResponse]:
     """Filter an image, shape (H, W), for dark and for bright lines."""
     margin = round(_REFLECTED_MARGIN * _VESSEL_SIGMAS[-1])
     wider = np.pad(values, margin, mode="reflect", reflect_type="odd")  # a slope of light continues beyond the border
     place = np.indices(wider.shape, np.float64)
-    dark, bright = (Lines(np.zeros_like(wider), np.zeros_like(wider)) for _ in range(2))
+    dark, bright = (LineResponse(np.zeros_like(wider), np.zeros_like(wider)) for _ in range(2))
     for sigma in _VESSEL_SIGMAS:
         smooth = scipy.ndimage.gaussian_filter(wider, sigma, mode="nearest")
         down, right = (scipy.ndimage.correlate1d(smooth, (1.0, -2.0, 1.0), axis, mode="nearest") for axis in (0, 1))
@@ -92,7 +92,7 @@ def lines(values: Array) -> tuple[Lines, Lines]:
         step = _SIDE_DISTANCE * sigma * np.stack([np.cos(angle), np.sin(angle)])
         for sign, across, kind in ((1.0, step, dark), (-1.0, step[::-1] * [[[-1.0]], [[1.0]]], bright)):
             np.maximum(
-                kind.curvature, sigma**_NORMALIZATION * (0.5 * sign * (down + right) + apart), out=kind.curvature
+                kind.curvature, sigma**_SIGMA_EXPONENT * (0.5 * sign * (down + right) + apart), out=kind.curvature
             )
             beside = (
                 scipy.ndimage.map_coordinates(sign * smooth, place + way, order=1, mode="nearest")
@@ -101,4 +101,4 @@ def lines(values: Array) -> tuple[Lines, Lines]:
             bent = sign * (down + right) > 0.0  # more so across than along
             np.maximum(kind.contrast, bent * (np.minimum(*beside) - sign * smooth), out=kind.contrast)
     inner = slice(margin, -margin), slice(margin, -margin)
-    return Lines(*(part[inner] for part in dark)), Lines(*(part[inner] for part in bright))
+    return LineResponse(*(part[inner] for part in dark)), LineResponse(*(part[inner] for part in bright))

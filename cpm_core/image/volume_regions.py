@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.image.pyramid import to_image
-from cpm_core.image.regions import Regions, pixels_in
+from cpm_core.image.regions import Regions, pixels_in_polygon
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.jit import compiled
@@ -57,41 +57,41 @@ class Walls:
         ends = to_image(np.array([[0.0] * 3, [1.0] * 3]), scale, self.closed.shape)
         return replace(self, size=(ends[1] - ends[0]) / np.array(pitch), first=ends[0])
 
-    def voxels(self, positions: Array) -> Array:
+    def to_voxels(self, positions: Array) -> Array:
         """Convert positions of the scale, shape (N, 3), to voxels of the volume."""
         return positions * self.size + self.first
 
-    def crossed(self, start: Array, end: Array) -> Mask:
+    def is_crossed_by(self, start: Array, end: Array) -> Mask:
         """Return whether straight moves between positions of the scale, shapes (N, 3), cross or touch a wall."""
         out = np.zeros(len(start), bool)
         if len(start):
-            _crossed(self.closed, self.voxels(start), self.voxels(end), out)
+            _mark_wall_crossings(self.closed, self.to_voxels(start), self.to_voxels(end), out)
         return out
 
-    def rooms(self, positions: Array) -> Index:
+    def find_rooms(self, positions: Array) -> Index:
         """Find the number of the room in which each position of the scale, shape (N, 3), lies; -1 in a wall.
 
         No move leads from one room to another. Parts of a volume that are connected, but not straight, are one room.
         """
-        return self._open.part_at(self._nearest(positions))
+        return self._open.part_at(self._nearest_voxels(positions))
 
-    def shut(self, shape: Extent, pitch: Vector, positions: Array) -> Mask:
+    def find_shut_voxels(self, shape: Extent, pitch: Vector, positions: Array) -> Mask:
         """Mark the voxels of the scale, of this shape, in walls or in rooms without any of the positions (N, 3)."""
-        here = self._nearest_to_voxels(shape, pitch)
-        return self.closed[here] | ~np.isin(self._open.labels[here] - 1, self.rooms(positions))
+        here = self._voxels_at_scale(shape, pitch)
+        return self.closed[here] | ~np.isin(self._open.labels[here] - 1, self.find_rooms(positions))
 
-    def filled(self, shape: Extent, pitch: Vector) -> Mask:
+    def find_wall_voxels(self, shape: Extent, pitch: Vector) -> Mask:
         """Mark the voxels of the scale, of this shape, whose centers lie in a wall."""
-        return self.closed[self._nearest_to_voxels(shape, pitch)]
+        return self.closed[self._voxels_at_scale(shape, pitch)]
 
-    def _nearest_to_voxels(self, shape: Extent, pitch: Vector) -> tuple[Index, ...]:
+    def _voxels_at_scale(self, shape: Extent, pitch: Vector) -> tuple[Index, ...]:
         """Find the voxels of the volume, along each axis, nearest to the centers of those of the scale."""
-        along = self._nearest(np.arange(max(shape))[:, None] * np.array(pitch))
+        along = self._nearest_voxels(np.arange(max(shape))[:, None] * np.array(pitch))
         return np.ix_(*(along[:n, axis] for axis, n in enumerate(shape)))
 
-    def _nearest(self, positions: Array) -> Index:
+    def _nearest_voxels(self, positions: Array) -> Index:
         """Find the voxel of the volume nearest to each position of the scale, shape (N, 3)."""
-        voxels = np.rint(self.voxels(positions)).astype(np.int64)
+        voxels = np.rint(self.to_voxels(positions)).astype(np.int64)
         return np.clip(voxels, 0, np.array(self.closed.shape) - 1)
 
     @cached_property
@@ -101,7 +101,7 @@ class Walls:
 
 
 @compiled
-def _crossed(closed: Mask, start: Array, end: Array, out: Mask) -> None:
+def _mark_wall_crossings(closed: Mask, start: Array, end: Array, out: Mask) -> None:
     """Mark the straight lines that meet a closed voxel."""
     low, high = np.empty(3, np.int64), np.empty(3, np.int64)
     for n in range(len(start)):
@@ -114,11 +114,11 @@ def _crossed(closed: Mask, start: Array, end: Array, out: Mask) -> None:
             for j in range(low[1], high[1] + 1):
                 for k in range(low[2], high[2] + 1):
                     if closed[i, j, k] and not out[n]:
-                        out[n] = _enters(a, b, (float(i), float(j), float(k)))
+                        out[n] = _meets_voxel(a, b, (float(i), float(j), float(k)))
 
 
 @compiled
-def _enters(a: Vector, b: Vector, center: Vector) -> bool:
+def _meets_voxel(a: Vector, b: Vector, center: Vector) -> bool:
     """Return whether a straight line meets the cube around a voxel."""
     begin, end = 0.0, 1.0
     for axis in range(3):
@@ -170,7 +170,7 @@ class Voxels:
     def __hash__(self) -> int:
         return hash((self.mask.shape, int(np.count_nonzero(self.mask))))
 
-    def fill(self, filled: Mask) -> None:
+    def fill_into(self, filled: Mask) -> None:
         """Mark the voxels in a volume, shape (P, R, C)."""
         begin = np.array(self.first or (0, 0, 0))
         end = begin + self.mask.shape
@@ -220,11 +220,11 @@ class Extrusion:
         for name, place in (("first", self.first), ("last", self.last)):
             check_finite_number(f"the {name} slice of the line", place, lambda _: True, "a finite number")
 
-    def fill(self, filled: Mask) -> None:
+    def fill_into(self, filled: Mask) -> None:
         """Mark its voxels in a volume, shape (P, R, C)."""
         slices = np.moveaxis(filled, self.axis, 0)
         begin, end = np.clip([np.ceil(self.first), np.floor(self.last) + 1], 0, len(slices)).astype(int)
-        slices[begin:end] |= (pixels_in if self.closed else _pixels_on)(self.line, slices.shape[1:])
+        slices[begin:end] |= (pixels_in_polygon if self.closed else _pixels_on_line)(self.line, slices.shape[1:])
 
     def __repr__(self) -> str:
         slices = f"slices {self.first:g} to {self.last:g} across axis {self.axis}"
@@ -232,7 +232,7 @@ class Extrusion:
 
 
 @lru_cache(maxsize=_CACHED_REGIONS)
-def _pixels_on(line: Line, shape: Extent) -> Mask:
+def _pixels_on_line(line: Line, shape: Extent) -> Mask:
     """Mark the pixels of a slice that a line passes through."""
     pixels = np.rint(polyline.resample_path(polyline.corners_of(line), _LINE_SAMPLING)).astype(np.int64)
     pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
@@ -241,7 +241,7 @@ def _pixels_on(line: Line, shape: Extent) -> Mask:
     return filled
 
 
-Limit = Pair | Voxels | Extrusion
+VolumeLimit = Pair | Voxels | Extrusion
 
 
 @frozen
@@ -279,19 +279,19 @@ class VolumeRegions:
     (31, 31, 31)
     """
 
-    interest: tuple[Limit, ...] = ()
-    barriers: tuple[Limit, ...] = ()
+    interest: tuple[VolumeLimit, ...] = ()
+    barriers: tuple[VolumeLimit, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "interest", _limits("region of interest", "box of two corners", self.interest))
-        object.__setattr__(self, "barriers", _limits("barrier", "plane of a point and a direction", self.barriers))
+        object.__setattr__(self, "interest", _check_limits("region of interest", "box of two corners", self.interest))
+        object.__setattr__(self, "barriers", _check_limits("barrier", "plane of a point and a direction", self.barriers))
         for number, limit in enumerate(self.barriers, start=1):
             if isinstance(limit, tuple) and not np.linalg.norm(limit[1]) > 0.0:
                 raise ValueError(
                     f"the direction across barrier {number} is {shown(limit[1])} but must have a length above 0."
                 )
 
-    def check(self, shape: Extent) -> None:
+    def check_shape(self, shape: Extent) -> None:
         """Raise a `ValueError` unless masks have this shape and every region of interest holds one of its voxels."""
         size = sized(shape, "")
         if len(shape) != 3:
@@ -304,7 +304,7 @@ class VolumeRegions:
                         f"have those of the volume, {size}."
                     )
         for number, limit in enumerate(self.interest, start=1):
-            if not _filled((limit,), shape, _fill_box).any():
+            if not _fill_limits((limit,), shape, _fill_box).any():
                 raise ValueError(
                     f"region of interest {number} holds no voxel of the volume ({size} voxels): "
                     "place it inside the volume, around an object."
@@ -315,14 +315,14 @@ class VolumeRegions:
         if not self.interest:
             return np.ones(len(points), bool)
         voxels = np.maximum(np.rint(points), 0.0).astype(np.int64)
-        filled = _filled(self.interest, tuple(voxels.max(axis=0, initial=0) + 1), _fill_box)
+        filled = _fill_limits(self.interest, tuple(voxels.max(axis=0, initial=0) + 1), _fill_box)
         return filled[tuple(voxels.T)]
 
     def allows(self, points: Array) -> Mask:
         """Return whether a particle may be at points, shape (N, 3) [voxels]: in a region of interest, off barriers."""
         allowed = np.ones(len(points), bool)
         last = np.maximum(np.rint(points.max(axis=0, initial=0.0)), 0.0).astype(np.int64) + 1
-        closed = self.walls(tuple((last + 1).tolist())).closed
+        closed = self.build_walls(tuple((last + 1).tolist())).closed
         for corner in product(
             (-WALL_CONTACT_DISTANCE, WALL_CONTACT_DISTANCE), repeat=3
         ):  # on the faces between two voxels it must be allowed in both
@@ -330,13 +330,13 @@ class VolumeRegions:
             allowed &= ~closed[tuple(voxels.T)]
         return allowed
 
-    def voxels(self, shape: Extent) -> Mask | None:
+    def voxel_mask(self, shape: Extent) -> Mask | None:
         """Mark the voxels of interest of a volume of this shape; None when all of them are."""
-        return _filled(self.interest, shape, _fill_box) if self.interest else None
+        return _fill_limits(self.interest, shape, _fill_box) if self.interest else None
 
-    def walls(self, shape: Extent) -> Walls:
+    def build_walls(self, shape: Extent) -> Walls:
         """Build the walls that no particle crosses in a volume of this shape, at its full size."""
-        return _walls(self, shape)
+        return _build_walls(self, shape)
 
     def __repr__(self) -> str:
         interest = counted(len(self.interest), "region of interest", "regions of interest")
@@ -347,22 +347,22 @@ AnyRegions = Regions | VolumeRegions
 
 
 @lru_cache(maxsize=_CACHED_REGIONS)
-def _walls(regions: VolumeRegions, shape: Extent) -> Walls:
-    closed = _filled(regions.barriers, shape, _fill_plane)
-    interest = regions.voxels(shape)
+def _build_walls(regions: VolumeRegions, shape: Extent) -> Walls:
+    closed = _fill_limits(regions.barriers, shape, _fill_plane)
+    interest = regions.voxel_mask(shape)
     if interest is not None:
         closed |= ~interest
     return Walls(closed, np.ones(3), np.zeros(3))
 
 
-def _filled(limits: tuple[Limit, ...], shape: Extent, fill_pair: Callable[[Mask, Pair], None]) -> Mask:
+def _fill_limits(limits: tuple[VolumeLimit, ...], shape: Extent, fill_pair: Callable[[Mask, Pair], None]) -> Mask:
     """Mark the voxels of a volume in limits; a pair of places is filled by `fill_pair`."""
     filled = np.zeros(shape, bool)
     for limit in limits:
         if isinstance(limit, tuple):
             fill_pair(filled, limit)
         else:
-            limit.fill(filled)
+            limit.fill_into(filled)
     return filled
 
 
@@ -384,14 +384,14 @@ def _fill_plane(filled: Mask, plane: Pair) -> None:
     filled |= np.abs(distance) <= 0.5 * np.abs(normal).sum()
 
 
-def _limits(noun: str, form: str, given: Any) -> tuple[Limit, ...]:
+def _check_limits(noun: str, form: str, given: Any) -> tuple[VolumeLimit, ...]:
     """Check limits, and convert them to pairs of places and to voxels."""
     if isinstance(given, np.ndarray) or not isinstance(given, Iterable):
         raise ValueError(f"the limits of one kind must be a list, not {shown(given)}: give a list of every {noun}.")
-    return tuple(_limit(f"{noun} {number}", form, limit) for number, limit in enumerate(given, start=1))
+    return tuple(_check_limit(f"{noun} {number}", form, limit) for number, limit in enumerate(given, start=1))
 
 
-def _limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> Limit:
+def _check_limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> VolumeLimit:
     if isinstance(given, Voxels | Extrusion):
         return given
     try:
@@ -410,6 +410,6 @@ def _limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> Limit
     return tuple(map(tuple, pair.tolist()))  # type: ignore[return-value]
 
 
-def of_plane(regions: AnyRegions | None) -> Regions | None:
+def plane_regions(regions: AnyRegions | None) -> Regions | None:
     """Return the regions of an image; None for those of a volume."""
     return regions if isinstance(regions, Regions) else None

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import scipy
 
-from cpm_core.contours.contour import Contour, Contours, vertices_of
+from cpm_core.contours.contour import Contour, Contours, stack_vertices
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
@@ -76,7 +76,7 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     shortest = max(parameters.min_length, _LEAST_BOUNDARY_LENGTH)
     dense = replace(parameters, d_min=_BOUNDARY_SPACING, d_max=_BOUNDARY_SPACING, min_length=shortest)
     found, shape, contours = find_contours(pixels, scale_field, dense)[0], scale_field.shape, []
-    tree = scipy.spatial.cKDTree(vertices_of(found))
+    tree = scipy.spatial.cKDTree(stack_vertices(found))
     owner = polyline.repeat_indices([len(contour.points) for contour in found])
     for number, contour in enumerate(found):
         # a loose piece with more room on all sides than its length closes nothing off, such as a change of shade in
@@ -89,19 +89,19 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
         )
         if not loose or (owner[near] != number).any():
             contours.append(contour)
-    return _joined(contours, [_continued(_evenly(contour), shape) for contour in contours], scale_field)
+    return _boundary_along_paths(contours, [_extend_beyond_border(_sample_evenly(contour), shape) for contour in contours], scale_field)
 
 
-def outlined_boundary(outlines: Contours, scale_field: ScaleField) -> Boundary:
+def boundary_from_outlines(outlines: Contours, scale_field: ScaleField) -> Boundary:
     """Build the boundary from closed contours: outer boundaries of objects and of their holes.
 
     Where an outline follows the image border there is no edge: the object continues beyond it.
     """
-    paths = [piece for outline in outlines for piece in _without_border(_evenly(outline), scale_field.shape)]
-    return _joined(outlines, [_continued(path, scale_field.shape) for path in paths], scale_field)
+    paths = [piece for outline in outlines for piece in _split_off_border(_sample_evenly(outline), scale_field.shape)]
+    return _boundary_along_paths(outlines, [_extend_beyond_border(path, scale_field.shape) for path in paths], scale_field)
 
 
-def _joined(contours: Contours, paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:
+def _boundary_along_paths(contours: Contours, paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:
     """Build the boundary along paths, each with the part of it that lies in the image."""
     if not paths:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros((0, 2)))
@@ -132,7 +132,7 @@ def _loose_ends(contour: Contour, shape: Extent) -> Mask:
     return inside & ~np.array(contour.junctions) & (not contour.closed)
 
 
-def _without_border(path: Array, shape: Extent) -> list[Array]:
+def _split_off_border(path: Array, shape: Extent) -> list[Array]:
     """Split off the pieces of a closed path that follow the image border; the whole path if all of it does."""
     size = np.array(shape, float)
     away = np.minimum(path + 0.5, size - 0.5 - path).min(axis=1) > _ON_BORDER_DISTANCE
@@ -144,7 +144,7 @@ def _without_border(path: Array, shape: Extent) -> list[Array]:
     return [piece for piece in pieces[1::2] if len(piece) > 1]
 
 
-def _evenly(contour: Contour) -> Array:
+def _sample_evenly(contour: Contour) -> Array:
     """Sample points along a contour, including its vertices; of a closed one the first is repeated at the end."""
     path = contour.path
     counts = np.maximum(np.ceil(np.linalg.norm(np.diff(path, axis=0), axis=1) / _BOUNDARY_STRIDE), 1).astype(int)
@@ -152,15 +152,15 @@ def _evenly(contour: Contour) -> Array:
     return np.stack([np.interp(at, np.arange(len(path)), axis) for axis in path.T], axis=1)
 
 
-def _continued(path: Array, shape: Extent) -> tuple[Array, slice]:
+def _extend_beyond_border(path: Array, shape: Extent) -> tuple[Array, slice]:
     """Extend a path straight beyond the image border; also return the slice that is the path itself."""
     if (path[0] == path[-1]).all():
         return path, slice(0, len(path))
-    before, behind = _continuation(path[::-1], shape), _continuation(path, shape)
+    before, behind = _straight_extension(path[::-1], shape), _straight_extension(path, shape)
     return np.concatenate([before[::-1], path, behind]), slice(len(before), len(before) + len(path))
 
 
-def _continuation(path: Array, shape: Extent) -> Array:
+def _straight_extension(path: Array, shape: Extent) -> Array:
     """Return points from the end of a path out of the image; none if it ends inside."""
     size = np.array(shape, float)
     end = path[-1]

@@ -47,7 +47,7 @@ _SMOOTHING_MARGIN = 8
 
 
 @record
-class Branch:
+class CenterlineBranch:
     """A stretch of center line between junctions or ends.
 
     Attributes
@@ -101,7 +101,7 @@ class Centerlines:
     (1, True, (1,))
     """
 
-    branches: tuple[Branch, ...]
+    branches: tuple[CenterlineBranch, ...]
     spacing: Sides = (1.0, 1.0, 1.0)
     unit: str | None = None
     source: str = "volume"
@@ -134,7 +134,7 @@ class Centerlines:
         return described("Centerlines", self.source, branches, f"{self.lengths.sum():,.1f} {self.unit or 'voxels'}")
 
 
-def longest_first(lines: Centerlines) -> Centerlines:
+def sort_branches_by_length(lines: Centerlines) -> Centerlines:
     """Sort branches by length, the longest first."""
     order = np.argsort(-lines.lengths, kind="stable")
     return replace(lines, branches=tuple(lines.branches[k] for k in order))
@@ -206,11 +206,11 @@ def centerlines(
         chains = find_chains(lines)
     walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
     sides = depth / size.min()
-    branches = [_branch(chain, sides, walls, size, (low - 1).astype(float)) for chain in chains]
-    return longest_first(Centerlines(tuple(branches), tuple(spacing), unit))
+    branches = [_smooth_branch(chain, sides, walls, size, (low - 1).astype(float)) for chain in chains]
+    return sort_branches_by_length(Centerlines(tuple(branches), tuple(spacing), unit))
 
 
-def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array) -> Branch:
+def _smooth_branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array) -> CenterlineBranch:
     """Move a chain of voxels to the mean of those around that are about as deep as the deepest, and smooth it.
 
     Its ends are kept; `walls` are the voxels around the inside.
@@ -231,4 +231,4 @@ def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array
             + scipy.ndimage.gaussian_filter1d(bent, _CENTERLINE_SMOOTHING, axis=0)[_SMOOTHING_MARGIN:-_SMOOTHING_MARGIN]
         )
     distances = walls.query(points * size)[0]
-    return Branch(points + begin, np.maximum(distances - _WALL_OFFSET * size.min(), 0.0), chain.nodes)
+    return CenterlineBranch(points + begin, np.maximum(distances - _WALL_OFFSET * size.min(), 0.0), chain.nodes)

@@ -29,7 +29,7 @@ _MAX_AXIS_EDGE = 1.0
 
 
 @record
-class Axis:
+class MedialAxis:
     """A graph of positions with two or more nearest points on a boundary.
 
     Attributes
@@ -52,17 +52,17 @@ class Axis:
     nearest: Index
     sides: Index = field(default_factory=lambda: np.zeros((0, 2), np.int64))
 
-    def chosen(self, edges: Mask) -> Axis:
+    def select_edges(self, edges: Mask) -> MedialAxis:
         """Select edges by a mask of shape (M,)."""
-        return self.only(self.edges[edges], sides=self.sides[edges])
+        return self.keep_edges(self.edges[edges], sides=self.sides[edges])
 
-    def only(self, edges: Index, alone: Index | None = None, sides: Index | None = None) -> Axis:
+    def keep_edges(self, edges: Index, alone: Index | None = None, sides: Index | None = None) -> MedialAxis:
         """Keep some edges, shape (K, 2), the vertices that they join, and some isolated vertices, shape (L,)."""
         alone = np.zeros(0, np.int64) if alone is None else alone
         used, index = np.unique(np.concatenate([edges.ravel(), alone]), return_inverse=True)
         joined = index.ravel()[: edges.size].reshape(-1, 2)
         beside = np.zeros((0, 2), np.int64) if sides is None else sides
-        return Axis(self.points[used], joined, self.radius[used], self.nearest[used], beside)
+        return MedialAxis(self.points[used], joined, self.radius[used], self.nearest[used], beside)
 
     @property
     def middles(self) -> Array:
@@ -80,20 +80,20 @@ class Axis:
         return 2.0 * self.radius[self.edges].mean(axis=1)
 
     @property
-    def alone(self) -> Mask:
+    def is_isolated(self) -> Mask:
         """Whether no edge joins a vertex, shape (N,)."""
         return np.bincount(self.edges.ravel(), minlength=len(self.points)) == 0
 
-    def narrower(self, width: float) -> Axis:
+    def part_narrower_than(self, width: float) -> MedialAxis:
         """Return the part of the axis where disks are at most `width` across [px]."""
         thin = 2.0 * self.radius <= width
-        return self.only(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & self.alone))
+        return self.keep_edges(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & self.is_isolated))
 
-    def inside(self, low: Array | float, high: Array) -> Mask:
+    def is_in_rectangle(self, low: Array | float, high: Array) -> Mask:
         """Return whether vertices lie in a rectangle, shape (N,)."""
         return np.all((self.points >= low) & (self.points <= high), axis=1)
 
-    def within(self, low: Array, high: Array) -> Axis:
+    def clip_to_rectangle(self, low: Array, high: Array) -> MedialAxis:
         """Clip the axis, edges included, to a rectangle between two corners, shape (2,)."""
         places = np.column_stack([self.points, self.radius])
         nearest, edges, kept = self.nearest, self.edges.copy(), np.ones(len(self.edges), bool)
@@ -109,12 +109,12 @@ class Axis:
             edges[cut, np.where(one[cut] < 0.0, 0, 1)] = len(places) + np.arange(len(cut))
             places = np.concatenate([places, between])
             nearest = np.concatenate([nearest, nearest[np.where(share < 0.5, a, b)]])
-        alone = np.flatnonzero(self.inside(low, high) & self.alone)
-        clipped = Axis(places[:, :2], edges, places[:, 2], nearest)
-        return clipped.only(edges[kept], alone, self.sides[kept] if len(self.sides) else None)
+        alone = np.flatnonzero(self.is_in_rectangle(low, high) & self.is_isolated)
+        clipped = MedialAxis(places[:, :2], edges, places[:, 2], nearest)
+        return clipped.keep_edges(edges[kept], alone, self.sides[kept] if len(self.sides) else None)
 
 
-def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
+def compute_medial_axis(boundary: Boundary, shape: Extent) -> MedialAxis:
     """Compute the medial axis of all regions between edges, in objects and in the background.
 
     It covers the image of this shape and a margin around it. Edges are at most a pixel long, and every irregularity of
@@ -124,7 +124,7 @@ def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
     middle, widest = 0.5 * (size - 1.0), float(size.max())
     corners = middle + _BOUNDING_DISTANCE * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     if len(boundary.points) < 2:
-        return Axis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
+        return MedialAxis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
     diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
     count = len(boundary.points)
     sites = np.sort(diagram.ridge_points.astype(np.int64), axis=1)
@@ -135,18 +135,18 @@ def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
     kept = ~crossing & (sites[:, 1] < count) & (edges >= 0).all(axis=1)
     tree = scipy.spatial.cKDTree(boundary.points)
     reach = 0.5 * size + _AXIS_MARGIN * widest
-    whole = _measured(diagram.vertices, edges[kept], sites[kept], tree)
-    rough = whole.chosen(np.ones(len(whole.edges), bool)).within(middle - reach, middle + reach)
-    return _measured(*_divided(rough.points, rough.edges, rough.sides), tree)
+    whole = _axis_with_radii(diagram.vertices, edges[kept], sites[kept], tree)
+    rough = whole.select_edges(np.ones(len(whole.edges), bool)).clip_to_rectangle(middle - reach, middle + reach)
+    return _axis_with_radii(*_divide_long_edges(rough.points, rough.edges, rough.sides), tree)
 
 
-def _measured(points: Array, edges: Index, sides: Index, tree: scipy.spatial.cKDTree) -> Axis:
+def _axis_with_radii(points: Array, edges: Index, sides: Index, tree: scipy.spatial.cKDTree) -> MedialAxis:
     """Build an axis with the distances of its vertices from the boundary."""
     radius, nearest = tree.query(points)
-    return Axis(points, edges, np.asarray(radius), np.asarray(nearest, np.int64), sides)
+    return MedialAxis(points, edges, np.asarray(radius), np.asarray(nearest, np.int64), sides)
 
 
-def _divided(points: Array, edges: Index, sides: Index) -> tuple[Array, Index, Index]:
+def _divide_long_edges(points: Array, edges: Index, sides: Index) -> tuple[Array, Index, Index]:
     """Divide long edges, since the radius does not change linearly along them; return points, edges and their sides."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     pieces = np.maximum(np.ceil(np.linalg.norm(b - a, axis=1) / _MAX_AXIS_EDGE), 1).astype(np.int64)
@@ -167,7 +167,7 @@ _LEAST_BRANCH_LENGTH = 1.0
 """Least length of a branch, and of a path between two junctions [px]."""
 
 
-def prune(axis: Axis, pruning: float) -> Axis:
+def prune_axis(axis: MedialAxis, pruning: float) -> MedialAxis:
     """Shorten an axis from its tips.
 
     Every vertex is the center of a disk that reaches to the boundary; their union is the shape. The last vertex of a
@@ -179,7 +179,7 @@ def prune(axis: Axis, pruning: float) -> Axis:
     """
     if not len(axis.edges):
         return axis
-    count, part = parts(axis)
+    count, part = label_axis_parts(axis)
     order = np.argsort(axis.radius, kind="stable")
     roots = np.zeros(count, np.int64)  # the vertex with the largest disk of each part
     roots[part[order]] = order  # the last value written is kept
@@ -192,20 +192,20 @@ def prune(axis: Axis, pruning: float) -> Axis:
             reach[following] = max(reach[following], reached)
         return covered
 
-    graph = Graph(axis.points, without_tips(axis, is_covered, frozenset(roots.tolist())))
+    graph = Graph(axis.points, trim_tips(axis, is_covered, frozenset(roots.tolist())))
     graph.drop_spurs(_LEAST_BRANCH_LENGTH)
     graph.merge_junctions(_LEAST_BRANCH_LENGTH, axis.radius)
     edges = graph.edges()
-    return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
+    return axis.keep_edges(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
 
 
-def parts(axis: Axis) -> tuple[int, Index]:
+def label_axis_parts(axis: MedialAxis) -> tuple[int, Index]:
     """Label the connected parts of an axis; return their count and the part of each vertex, shape (N,)."""
     part = label_joined_pairs(axis.edges.T, len(axis.points))
     return int(part.max(initial=-1)) + 1, part
 
 
-def without_tips(axis: Axis, leaves: Callable[[int, int], bool], kept: frozenset[int] = frozenset()) -> Index:
+def trim_tips(axis: MedialAxis, should_remove: Callable[[int, int], bool], kept: frozenset[int] = frozenset()) -> Index:
     """Remove tips while `should_remove` of a tip and the vertex next to it; return the remaining edges, shape (K, 2).
 
     Vertices in `kept` are never removed.
@@ -220,7 +220,7 @@ def without_tips(axis: Axis, leaves: Callable[[int, int], bool], kept: frozenset
         if not links[tip]:  # the other end of the same edge has left
             continue
         (following,) = links[tip]
-        if leaves(tip, following):
+        if should_remove(tip, following):
             links[tip].clear()
             links[following].discard(tip)
             if len(links[following]) == 1 and following not in kept:

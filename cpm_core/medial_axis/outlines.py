@@ -15,7 +15,7 @@ from cpm_core.numerics.types import Array, Extent, Integers, Line, Mask, frozen
 
 
 @frozen
-class Outlined:
+class SkeletonTarget:
     """Objects or outlines that have a skeleton in place of what is found in an image; nothing for the image itself.
 
     Attributes
@@ -30,7 +30,7 @@ class Outlined:
     contours: tuple[Line, ...] = ()
 
 
-def outlines_of(within: Contours | ArrayLike, shape: Extent) -> tuple[Contour, ...]:
+def closed_outlines(within: Contours | ArrayLike, shape: Extent) -> tuple[Contour, ...]:
     """Collect the closed outlines among contours, or trace them in a mask of the shape of the image.
 
     Raises
@@ -41,7 +41,7 @@ def outlines_of(within: Contours | ArrayLike, shape: Extent) -> tuple[Contour, .
     if isinstance(within, Sequence) and all(isinstance(one, Contour) for one in within):
         found = tuple(one for one in within if isinstance(one, Contour) and one.closed and len(one.points) > 2)
     else:
-        mask = mask_of(within, shape)
+        mask = check_mask(within, shape)
         from skimage.measure import find_contours  # noqa: PLC0415 - takes long to load
 
         padded = np.pad(mask.astype(float), 1)
@@ -51,7 +51,7 @@ def outlines_of(within: Contours | ArrayLike, shape: Extent) -> tuple[Contour, .
     return found
 
 
-def mask_of(within: Contours | ArrayLike, shape: Extent) -> Mask:
+def check_mask(within: Contours | ArrayLike, shape: Extent) -> Mask:
     """Check that a mask has the shape of an image or a volume, else raise ValueError."""
     if isinstance(within, Sequence) and any(isinstance(one, Contour) for one in within):
         raise ValueError("within holds contours, which lie in a plane: give a mask in a volume.")
@@ -61,7 +61,7 @@ def mask_of(within: Contours | ArrayLike, shape: Extent) -> Mask:
     return mask
 
 
-def inside_outlines(outlines: Contours, places: Array) -> Mask:
+def is_inside_outlines(outlines: Contours, places: Array) -> Mask:
     """Return whether places, shape (N, 2) [px], lie inside an odd number of outlines: in objects, not in holes."""
     inside = np.zeros(len(places), bool)
     for outline in outlines:

@@ -23,8 +23,8 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.medial_axis.centerlines import Centerlines
-from cpm_core.medial_axis.medial_axis import Axis
-from cpm_core.medial_axis.structure import half_width
+from cpm_core.medial_axis.medial_axis import MedialAxis
+from cpm_core.medial_axis.structure import correct_half_width
 from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, record
 from cpm_core.parameters.provenance import Provenance
@@ -114,7 +114,7 @@ class Skeleton(drawing.Pictured):
             return float(self.lines.lengths.sum()) / min(self.spacing)
         return sum(contour.length for contour in self.contours)
 
-    def rebuilt(self) -> Mask:
+    def rebuild_shape(self) -> Mask:
         """Rebuild the shape that the skeleton represents: the disks around its vertices, and those between them.
 
         Returns
@@ -124,8 +124,8 @@ class Skeleton(drawing.Pictured):
         """
         disks = [np.zeros((0, 3))]
         for contour, radii in zip(self.contours, self.radii, strict=True):
-            disks.append(along(contour.path, np.append(radii, radii[0]) if contour.closed else radii))
-        return covered(np.concatenate(disks), self.shape)
+            disks.append(disks_along(contour.path, np.append(radii, radii[0]) if contour.closed else radii))
+        return paint_disks(np.concatenate(disks), self.shape)
 
     def plot(self, ax: drawing.Axes | None = None, *, image: bool = False, scale_bar: bool = True) -> drawing.Axes:
         """Draw the branches by matplotlib, on the image or on whatever `ax` shows.
@@ -141,7 +141,7 @@ class Skeleton(drawing.Pictured):
         if image and self.image is not None:
             self.image.plot(ax, scale_bar=False)
         else:
-            drawing.frame(ax, self.shape, self.spacing)
+            drawing.frame_axes(ax, self.shape, self.spacing)
         drawing.show_curves(ax, self.contours)
         if scale_bar:
             drawing.show_scale_bar(ax, self.shape, self.spacing, self.unit)
@@ -152,29 +152,29 @@ class Skeleton(drawing.Pictured):
         return described("Skeleton", self.source, branches, f"{self.length:,.1f} px")
 
 
-def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:
+def extract_branches(axis: MedialAxis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:
     """Extract the branches of an axis, and their radii, shape (K,) [px]."""
     graph = Graph(axis.points, axis.edges)
-    ways = graph.ways()
-    paths = [(ways.path(n), bool(ways.closed[n])) for n in range(len(ways))]
+    ways = graph.find_paths()
+    paths = [(ways.path_vertices(n), bool(ways.closed[n])) for n in range(len(ways))]
     points = [(np.array([v]), False) for v in np.flatnonzero(graph.degrees == 0)]
     found = []
     for path, closed in [*paths, *points]:
         forks = (False, False) if closed else (graph.degree(path[0]) > 2, graph.degree(path[-1]) > 2)
         strength = float(boundary.strength[axis.nearest[path]].mean())
         contour = Contour(axis.points[path], closed, strength, junctions=forks)
-        found.append((contour, half_width(axis.radius[path], smoothing)))
+        found.append((contour, correct_half_width(axis.radius[path], smoothing)))
     return found
 
 
-def along(points: Array, radii: Array) -> Array:
+def disks_along(points: Array, radii: Array) -> Array:
     """Interpolate disks (row, col, radius), shape (M, 3), along a path, shape (K, 2), with radii of shape (K,) [px]."""
     way = lengths_along(points)
     at = np.union1d(way, np.arange(0.0, way[-1], _DISK_STRIDE))
     return np.column_stack([np.interp(at, way, values) for values in (*points.T, radii)])
 
 
-def covered(disks: Array, shape: Extent) -> Mask:
+def paint_disks(disks: Array, shape: Extent) -> Mask:
     """Mark the pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px]."""
     found = np.zeros(shape, bool)
     for row, col, radius in disks.tolist():

@@ -16,18 +16,18 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
-from cpm_core.contours.surface import inside_of
+from cpm_core.contours.surface import voxelize_surface
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
-from cpm_core.medial_axis.boundary import outlined_boundary
+from cpm_core.medial_axis.boundary import boundary_from_outlines
 from cpm_core.medial_axis.centerlines import Centerlines, centerlines
-from cpm_core.medial_axis.medial_axis import Axis, medial_axis
-from cpm_core.medial_axis.outlines import inside_outlines, mask_of, outlines_of
-from cpm_core.medial_axis.skeleton import Skeleton, branches
-from cpm_core.medial_axis.structure import DARK, Structure, find_structure, with_axis
+from cpm_core.medial_axis.medial_axis import MedialAxis, compute_medial_axis
+from cpm_core.medial_axis.outlines import is_inside_outlines, check_mask, closed_outlines
+from cpm_core.medial_axis.skeleton import Skeleton, extract_branches
+from cpm_core.medial_axis.structure import DARK_POLARITY, Structure, find_structure, find_axis
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import Particles
@@ -84,7 +84,7 @@ class SkeletonState:
     steering: tuple[object, ...] = ()
     structure: Structure | Mask | None = None
     made_of: tuple[object, ...] = ()
-    axis: Axis | Centerlines | None = None
+    axis: MedialAxis | Centerlines | None = None
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
     first: int = 0
     contours: tuple[Contour, ...] = ()
@@ -169,12 +169,12 @@ class SkeletonMethod(ImageFields):
         image = as_image(values)
         plane = image.ndim == 2
         chosen = replace(parameters or PRESETS["noisy" if plane else "volume"], scales=1)
-        super().__init__(image, chosen, _in_plane(regions))
+        super().__init__(image, chosen, _plane_regions(regions))
         self.regions = regions
         self._outside = outside
         self._within: tuple[Contour | PackedBody | Mask, ...] = ()
         if within is not None:
-            self._within = outlines_of(within, image.shape) if plane else (mask_of(within, image.shape),)
+            self._within = closed_outlines(within, image.shape) if plane else (check_mask(within, image.shape),)
 
     @classmethod
     def steering(cls, parameters: Parameters) -> tuple[object, ...]:
@@ -187,11 +187,11 @@ class SkeletonMethod(ImageFields):
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
         """Return the method with other regions of interest."""
-        other = super().with_regions(_in_plane(regions))
+        other = super().with_regions(_plane_regions(regions))
         other.regions = regions
         return other
 
-    def of_objects(self, objects: Contours | Sequence[PackedBody]) -> Self:
+    def for_objects(self, objects: Contours | Sequence[PackedBody]) -> Self:
         """Return the method for closed outlines, or bodies in a volume; without any for what it finds itself."""
         other = copy(self)
         other._within = tuple(objects)
@@ -216,26 +216,26 @@ class SkeletonMethod(ImageFields):
             structure: Structure | Mask
             if self.image.ndim == 3:
                 structure = self._find_inside(parameters)
-                points = _shown(structure)
+                points = _boundary_voxels(structure)
             else:
                 if self._within:
-                    boundary = outlined_boundary(self._outlines, self.scale_field(parameters))
+                    boundary = boundary_from_outlines(self._outlines, self.scale_field(parameters))
                     structure = Structure(boundary, 0.0, 0, parameters.max_width)
                 else:
                     structure = find_structure(self.scale_field, parameters)
-                points = self._in_image(structure.boundary.points)
+                points = self._points_in_image(structure.boundary.points)
             return replace(state, made_of=made_of, structure=structure, axis=None, points=points, first=0)
         found, image = state.structure, self.image
         if isinstance(found, Structure):
-            if not isinstance(state.axis, Axis):
-                found, axis = self._with_axis(found, parameters)
-                points = self._in_image(axis.points[np.unique(axis.edges)])
+            if not isinstance(state.axis, MedialAxis):
+                found, axis = self._find_axis(found, parameters)
+                points = self._points_in_image(axis.points[np.unique(axis.edges)])
                 return replace(state, structure=found, axis=axis, points=points, first=len(state.points))
-            rest = found.pruned(state.axis, parameters.pruning, image.shape)
-            drawn = branches(rest, found.boundary, found.smoothing)
+            rest = found.prune_and_clip(state.axis, parameters.pruning, image.shape)
+            drawn = extract_branches(rest, found.boundary, found.smoothing)
             drawn.sort(key=lambda branch: -branch[0].length)
             contours, radii = tuple(contour for contour, _ in drawn), tuple(radii for _, radii in drawn)
-            reason = "the skeleton is found" if contours else _nothing(found)
+            reason = "the skeleton is found" if contours else _explain_no_skeleton(found)
             return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
         lines = centerlines(found, image.spacing, image.unit, 0.0 if state.axis is None else parameters.pruning)
         if state.axis is None:
@@ -253,7 +253,7 @@ class SkeletonMethod(ImageFields):
     def result(self, state: SkeletonState, parameters: Parameters) -> Skeleton:
         """Return the skeleton of a state; without branches until the first is found."""
         image, found, lines, names = self.image, state.structure, None, self.parameters
-        polarity, width, channel = 0, 0.0, image.channel(parameters.channel)
+        polarity, width, channel = 0, 0.0, image.resolve_channel(parameters.channel)
         if image.ndim == 3:
             names = ("pruning",) if self._within else OF_CENTERLINES
             polarity = 0 if self._within else -1 if parameters.polarity < 0.0 else 1
@@ -277,7 +277,7 @@ class SkeletonMethod(ImageFields):
         """Return the points of the next step, shape (N, D) [px]."""
         return state.position
 
-    def _in_image(self, points: Array) -> Array:
+    def _points_in_image(self, points: Array) -> Array:
         """Return the points that lie in the image; boundary and axis continue beyond it."""
         return points[is_inside_image(points, self.image.shape)]
 
@@ -285,19 +285,19 @@ class SkeletonMethod(ImageFields):
     def _outlines(self) -> list[Contour]:
         return [one for one in self._within if isinstance(one, Contour)]
 
-    def _with_axis(self, found: Structure, parameters: Parameters) -> tuple[Structure, Axis]:
+    def _find_axis(self, found: Structure, parameters: Parameters) -> tuple[Structure, MedialAxis]:
         """Find the structure in an image and its medial axis."""
         if self._within or self._outside:
-            axis = medial_axis(found.boundary, self.image.shape)
+            axis = compute_medial_axis(found.boundary, self.image.shape)
             if self._within:
                 continued = axis.middles.clip(
                     0.0, np.array(self.image.shape) - 1.0
                 )  # objects continue beyond the border
-                axis = axis.chosen(inside_outlines(self._outlines, continued))
+                axis = axis.select_edges(is_inside_outlines(self._outlines, continued))
         else:
-            found, axis = with_axis(found, self.image.gray(parameters.channel), parameters)
+            found, axis = find_axis(found, self.image.gray_levels(parameters.channel), parameters)
         if isinstance(self.regions, Regions):
-            axis = axis.chosen(np.all(self.regions.contains(axis.points)[axis.edges], axis=1))
+            axis = axis.select_edges(np.all(self.regions.contains(axis.points)[axis.edges], axis=1))
         return found, axis
 
     def _find_inside(self, parameters: Parameters) -> Mask:
@@ -308,7 +308,7 @@ class SkeletonMethod(ImageFields):
             inside = np.zeros(image.shape, bool)
             for one in self._within:
                 if isinstance(one, PackedSurface | PackedVoxels):
-                    one.voxels.fill(inside)
+                    one.voxels.fill_into(inside)
                 elif isinstance(one, np.ndarray):
                     inside |= one
         elif ((image.values == low) | (image.values == high)).all():  # a mask
@@ -318,29 +318,29 @@ class SkeletonMethod(ImageFields):
             smoothed = -field.smoothed if dark else field.smoothed  # the inside is lighter
             places = field.ridges.place / field.pitch
             surface = find_surface(smoothed, field.edges, places, image.spacing, image.unit, smoothing=field.smoothing)
-            inside = inside_of(surface, image.shape)
-        within = self.regions.voxels(image.shape) if isinstance(self.regions, VolumeRegions) else None
+            inside = voxelize_surface(surface, image.shape)
+        within = self.regions.voxel_mask(image.shape) if isinstance(self.regions, VolumeRegions) else None
         return inside if within is None else inside & within
 
     def __repr__(self) -> str:
         return described("SkeletonMethod", self.image.source, sized(self.image.shape, ""))
 
 
-def _in_plane(regions: AnyRegions | None) -> Regions | None:
+def _plane_regions(regions: AnyRegions | None) -> Regions | None:
     """Return the regions of interest in an image, without barriers."""
     return Regions(regions.interest) if isinstance(regions, Regions) and regions.interest else None
 
 
-def _shown(inside: Mask) -> Array:
+def _boundary_voxels(inside: Mask) -> Array:
     """Return the voxels at the boundary of the inside, shape (N, 3), thinned evenly where there are very many."""
     places = np.argwhere(inside & ~scipy.ndimage.binary_erosion(inside)).astype(float)
     return places[:: -(-max(len(places), 1) // _MAX_SHOWN_VOXELS)]
 
 
-def _nothing(found: Structure) -> str:
+def _explain_no_skeleton(found: Structure) -> str:
     """Explain why there is no skeleton in an image."""
     if found.width:
-        kind = "" if not found.polarity else "dark " if found.polarity == DARK else "light "
+        kind = "" if not found.polarity else "dark " if found.polarity == DARK_POLARITY else "light "
         return f"nothing {kind}up to {found.width:g} px wide is found; raise the width or lower the edge floor"
     return "no edge encloses anything; smooth less or lower the edge floor"
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cpm_core.field.edge_map import background_strength
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.medial_axis.boundary import Boundary, find_boundary
-from cpm_core.medial_axis.medial_axis import Axis, medial_axis, parts, prune, without_tips
+from cpm_core.medial_axis.medial_axis import MedialAxis, compute_medial_axis, label_axis_parts, prune_axis, trim_tips
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters import Parameters
 
@@ -32,12 +32,12 @@ _LARGEST_HALF_WIDTH = 6.0
 """Largest half width of lines that are corrected, in widths of the smoothed step: wider ones need no correction."""
 
 
-def step_width(smoothing: float) -> float:
+def smoothed_step_width(smoothing: float) -> float:
     """Return the width of a smoothed step: the standard deviation of its slope, with pixels and differences [px]."""
     return float(np.sqrt(smoothing**2 + _PIXEL_VARIANCE))
 
 
-def half_width(distance: Array, smoothing: float) -> Array:
+def correct_half_width(distance: Array, smoothing: float) -> Array:
     """Correct the distance of ridges from the center line, shape (N,), to the half width of the line, shape (N,) [px].
 
     The smoothing pushes the two edges of a thin line apart. With s the width of the smoothed step, the ridge of an edge
@@ -50,15 +50,15 @@ def half_width(distance: Array, smoothing: float) -> Array:
         middle = 0.5 * (low + high)
         beyond = (middle - half) > (middle + half) * np.exp(-2.0 * middle * half)
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-    scale = step_width(smoothing)
+    scale = smoothed_step_width(smoothing)
     corrected = scale * np.interp(distance / scale, high, half)
     return np.where(distance < scale * high[-1], np.minimum(corrected, distance), distance)
 
 
-DARK = -1
+DARK_POLARITY = -1
 """Polarity of regions darker than their surroundings; 0 stands for neither."""
 
-LIGHT = 1
+LIGHT_POLARITY = 1
 """Polarity of regions lighter than their surroundings."""
 
 _LEAST_GRADIENT_COSINE = 0.3
@@ -72,32 +72,32 @@ _MAX_MIXED_SHARE = 0.05
 for an image to have one."""
 
 
-def polarities(axis: Axis, boundary: Boundary) -> NDArray[np.int8]:
+def edge_polarities(axis: MedialAxis, boundary: Boundary) -> NDArray[np.int8]:
     """Compute the polarity of every edge of an axis, shape (M,): `DARK_POLARITY`, `LIGHT_POLARITY` or 0."""
     outward = boundary.points[axis.sides] - axis.middles[:, None]
     gradient = boundary.normals[axis.sides]
     size = np.linalg.norm(outward, axis=2) * np.linalg.norm(gradient, axis=2)
     rise = np.einsum("msk,msk->ms", outward, gradient) / np.maximum(size, 1e-300)
     dark, light = (rise > _LEAST_GRADIENT_COSINE).all(axis=1), (rise < -_LEAST_GRADIENT_COSINE).all(axis=1)
-    return np.where(dark, DARK, np.where(light, LIGHT, 0)).astype(np.int8)
+    return np.where(dark, DARK_POLARITY, np.where(light, LIGHT_POLARITY, 0)).astype(np.int8)
 
 
-def of_polarity(axis: Axis, polarity: NDArray[np.int8], sign: int) -> Axis:
+def select_polarity(axis: MedialAxis, polarity: NDArray[np.int8], sign: int) -> MedialAxis:
     """Select the parts of an axis whose edges have a polarity, given for all, shape (M,).
 
     A connected part is selected as a whole if nearly all of it has that polarity: at the sharp corners of a region,
     which smoothing rounds, the gradient does not point away from the axis.
     """
     length = axis.lengths
-    count, part = parts(axis)
+    count, part = label_axis_parts(axis)
     of_part = part[axis.edges[:, 0]]
     same = polarity == sign
     whole = np.bincount(of_part, length * same, count) >= (1.0 - _MAX_MIXED_SHARE) * np.bincount(of_part, length, count)
-    return axis.chosen(same | whole[of_part])
+    return axis.select_edges(same | whole[of_part])
 
 
-def common_polarity(
-    axis: Axis,
+def find_common_polarity(
+    axis: MedialAxis,
     boundary: Boundary,
     polarity: NDArray[np.int8],
     objects: Mask,
@@ -116,22 +116,22 @@ def common_polarity(
     shape : tuple of int
         Shape of the image; parts outside have no effect.
     """
-    inside = axis.inside(-0.5, np.array(shape) - 0.5)[axis.edges].all(axis=1)
+    inside = axis.is_in_rectangle(-0.5, np.array(shape) - 0.5)[axis.edges].all(axis=1)
     outward = boundary.points[axis.sides] - axis.middles[:, None]
     across = np.linalg.norm(outward[:, 1] - outward[:, 0], axis=1)
     # how far apart the sides of each edge are, 1 for opposite ones; small at irregularities
     breadth = (across / np.maximum(np.linalg.norm(outward, axis=2).sum(axis=1), 1e-300)) ** 2
     length = np.where(inside, axis.lengths * breadth, 0.0)
-    count, part = parts(axis)
+    count, part = label_axis_parts(axis)
     of_part = part[axis.edges[:, 0]]
-    dark, light, mixed = (np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK, LIGHT, 0))
+    dark, light, mixed = (np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK_POLARITY, LIGHT_POLARITY, 0))
     whole = length.sum()
     if mixed.sum() > _MAX_MIXED_SHARE * whole or np.minimum(dark, light).sum() > _MAX_MIXED_SHARE * whole:
         return 0
-    shares = [length[objects & (polarity == sign)].sum() for sign in (DARK, LIGHT)]
+    shares = [length[objects & (polarity == sign)].sum() for sign in (DARK_POLARITY, LIGHT_POLARITY)]
     if max(shares) <= _COMMON_POLARITY_SHARE * sum(shares):
         return 0
-    return DARK if shares[0] > shares[1] else LIGHT
+    return DARK_POLARITY if shares[0] > shares[1] else LIGHT_POLARITY
 
 
 _COMPARISON_DISTANCE = 2.5
@@ -147,7 +147,7 @@ _LEAST_GRAY_SMOOTHING = 1.0
 """Least smoothing of the compared gray levels [px]."""
 
 
-def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: float) -> Mask:
+def find_edges_in_objects(axis: MedialAxis, boundary: Boundary, values: Array, smoothing: float) -> Mask:
     """Find the edges of an axis that lie in objects.
 
     The gray level of the background is the median at the image border. A connected part of the axis lies in an object
@@ -170,7 +170,7 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     """
     if not len(axis.edges):
         return np.zeros(0, bool)
-    clear = _COMPARISON_DISTANCE * step_width(smoothing)
+    clear = _COMPARISON_DISTANCE * smoothed_step_width(smoothing)
     # two positions are compared: the vertex itself and one just next to the edge, since beyond a sharp tip the object
     # is still visible for some distance, and far away there may be something else without edges
     share = np.minimum(clear / np.maximum(axis.radius, clear), 1.0)
@@ -180,9 +180,9 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_GRAY_SMOOTHING), mode="nearest")
     gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
-    contrast = boundary.strength[axis.nearest] * np.sqrt(2.0 * np.pi) * step_width(smoothing)  # height of the steps
-    inside = axis.inside(-0.5, np.array(values.shape) - 0.5)
-    count, part = parts(axis)
+    contrast = boundary.strength[axis.nearest] * np.sqrt(2.0 * np.pi) * smoothed_step_width(smoothing)  # height of the steps
+    inside = axis.is_in_rectangle(-0.5, np.array(values.shape) - 0.5)
+    count, part = label_axis_parts(axis)
     every = np.arange(count)
     largest = scipy.ndimage.maximum(np.where(inside, axis.radius, 0.0), part, every)
     reliable = inside & (axis.radius >= np.minimum(clear, _COMPARISON_RADIUS_SHARE * largest[part]))
@@ -210,7 +210,7 @@ _STRIP_WIDTH_FACTOR = 1.5
 """Factor by which the image's own width exceeds them: forks are wider than their arms."""
 
 
-def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
+def select_strips(axis: MedialAxis, boundary: Boundary, width: float, sure: float) -> MedialAxis:
     """Select the parts of a pruned axis that lie in strips.
 
     Parameters
@@ -224,17 +224,17 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
     sure : float
         Least strength of edges that make a strip certain [gray levels / px].
     """
-    thin = axis.narrower(width)
+    thin = axis.part_narrower_than(width)
 
     def is_mouth(tip: int, following: int) -> bool:
         """Return whether a tip widens into an open region."""
         away = np.linalg.norm(thin.points[tip] - thin.points[following])
         return bool(thin.radius[tip] - thin.radius[following] > _MAX_RADIUS_CHANGE * away)
 
-    cut = thin.only(without_tips(thin, is_mouth))
+    cut = thin.keep_edges(trim_tips(thin, is_mouth))
     if not len(cut.edges):
         return cut
-    count, part = parts(cut)
+    count, part = label_axis_parts(cut)
     of_part, length = part[cut.edges[:, 0]], cut.lengths
     change = np.abs(np.diff(cut.radius[cut.edges], axis=1)[:, 0])
     opposite = change / np.maximum(length, 1e-300) <= _MAX_RADIUS_CHANGE
@@ -249,25 +249,25 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
         )
     )
     kept = (certain * total >= _LEAST_STRIP_LENGTH * area) & (between >= _LEAST_OPPOSITE_SHARE * total)
-    return cut.only(cut.edges[kept[of_part]])
+    return cut.keep_edges(cut.edges[kept[of_part]])
 
 
-def evidence(found: Axis, boundary: Boundary) -> float:
+def strip_evidence(found: MedialAxis, boundary: Boundary) -> float:
     """Sum the length of strips, in widths, times the strength of their edges [gray levels / px]."""
-    return float((_weights(found, boundary) / np.maximum(found.widths, 1e-300)).sum())
+    return float((_edge_weights(found, boundary) / np.maximum(found.widths, 1e-300)).sum())
 
 
-def own_width(found: Axis, boundary: Boundary) -> float:
+def typical_strip_width(found: MedialAxis, boundary: Boundary) -> float:
     """Estimate the width that nearly all of some strips stay well below [px]; 0 without any."""
     if not len(found.edges):
         return 0.0
-    weights = _weights(found, boundary)
+    weights = _edge_weights(found, boundary)
     return _STRIP_WIDTH_FACTOR * float(
         np.quantile(found.widths, _STRIP_WIDTH_QUANTILE, weights=weights, method="inverted_cdf")
     )
 
 
-def _weights(found: Axis, boundary: Boundary) -> Array:
+def _edge_weights(found: MedialAxis, boundary: Boundary) -> Array:
     """Compute the length of each edge of an axis times the strength of the boundary next to it, shape (M,)."""
     return found.lengths * boundary.strength[found.nearest[found.edges]].mean(axis=1)
 
@@ -318,12 +318,12 @@ class Structure:
     width: float
     sure: float | None = None
 
-    def pruned(self, axis: Axis, pruning: float, shape: Extent) -> Axis:
+    def prune_and_clip(self, axis: MedialAxis, pruning: float, shape: Extent) -> MedialAxis:
         """Prune an axis in an image of this shape, clip it, and leave out what is wider than allowed."""
-        rest = prune(axis, pruning).within(np.full(2, -0.5), np.array(shape) - 0.5)
+        rest = prune_axis(axis, pruning).clip_to_rectangle(np.full(2, -0.5), np.array(shape) - 0.5)
         if self.sure is not None:
-            return strips(rest, self.boundary, self.width, self.sure)
-        return rest.narrower(self.width) if self.width else rest
+            return select_strips(rest, self.boundary, self.width, self.sure)
+        return rest.part_narrower_than(self.width) if self.width else rest
 
 
 def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Parameters) -> Structure:
@@ -356,20 +356,20 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
     return Structure(boundary, usual.smoothing, polarity, width, sure)
 
 
-def with_axis(found: Structure, values: Array, parameters: Parameters) -> tuple[Structure, Axis]:
+def find_axis(found: Structure, values: Array, parameters: Parameters) -> tuple[Structure, MedialAxis]:
     """Find the polarity and the width of strips in an image, shape (H, W), and its medial axis."""
-    axis = medial_axis(found.boundary, values.shape)
-    sign = polarities(axis, found.boundary)
+    axis = compute_medial_axis(found.boundary, values.shape)
+    sign = edge_polarities(axis, found.boundary)
     if found.sure is None:
         polarity = found.polarity
-        objects = within_objects(axis, found.boundary, values, found.smoothing)
+        objects = find_edges_in_objects(axis, found.boundary, values, found.smoothing)
         if not polarity:
-            polarity = common_polarity(axis, found.boundary, sign, objects, values.shape)
-        chosen = of_polarity(axis, sign, polarity) if polarity else axis.chosen(objects)
+            polarity = find_common_polarity(axis, found.boundary, sign, objects, values.shape)
+        chosen = select_polarity(axis, sign, polarity) if polarity else axis.select_edges(objects)
         return replace(found, polarity=polarity), chosen
-    options = [(p, of_polarity(axis, sign, p)) for p in (DARK, LIGHT) if found.polarity in (0, p)]
-    tried = [found.pruned(option, parameters.pruning, values.shape) for _, option in options]
-    best = np.argmax([evidence(one, found.boundary) for one in tried])
-    width = parameters.max_width or own_width(tried[best], found.boundary) or found.width
+    options = [(p, select_polarity(axis, sign, p)) for p in (DARK_POLARITY, LIGHT_POLARITY) if found.polarity in (0, p)]
+    tried = [found.prune_and_clip(option, parameters.pruning, values.shape) for _, option in options]
+    best = np.argmax([strip_evidence(one, found.boundary) for one in tried])
+    width = parameters.max_width or typical_strip_width(tried[best], found.boundary) or found.width
     polarity, axis = options[best]
     return replace(found, polarity=polarity, width=width), axis

@@ -78,7 +78,7 @@ class ImageFields:
         self.image = as_image(values)
         shape = self.image.shape
         if regions is not None:
-            regions.check(shape)
+            regions.check_shape(shape)
         darkest, brightest = self.image.gray_range
         if darkest == brightest:
             raise ValueError(
@@ -121,7 +121,7 @@ class ImageFields:
         """
         others = regions is not None and (self.regions is None or regions.interest != self.regions.interest)
         if regions is not None and others:
-            regions.check(self.image.shape)
+            regions.check_shape(self.image.shape)
         same = (regions.interest if regions else ()) == (self.regions.interest if self.regions else ())
         other = copy(self)
         other._set_regions(regions, self._free if same else None)

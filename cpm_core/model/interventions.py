@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.field.placed_charges import CHARGE_REACH, Charges, PlacedCharge, changed_charges, near_charges, check_charges, charge_radius_at
-from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
+from cpm_core.image.pyramid import shape_at_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import (
     COVERAGE_CELL,
@@ -116,7 +116,7 @@ def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
     """Begin a scale with the particles of the coarser one and with all seeds."""
     coarser_and_seeds = (state.position, state.start)
     position = np.concatenate([allowed_places(places, scale, state.shape, regions) for places in coarser_and_seeds])
-    shape, first, space = shape_of_scale(state.shape, scale), state.next_identity, state.space
+    shape, first, space = shape_at_scale(state.shape, scale), state.next_identity, state.space
     if space is not None:
         position, space = position * space.pitch, replace(space, covered=no_surface_coverage())
     windowed = len(shape) == 2 and math.prod(state.shape) > _MIN_WINDOWED_PIXELS
@@ -144,7 +144,7 @@ def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
 def allowed_places(position: Array, scale: int, shape: Extent, regions: AnyRegions | None) -> Array:
     """Return positions, shape (N, D) [px of the image], at a scale, without those where no particle may be."""
     places = to_scale(position, scale, shape)
-    places = places[is_inside_image(places, shape_of_scale(shape, scale))]
+    places = places[is_inside_image(places, shape_at_scale(shape, scale))]
     return places[is_allowed(to_image(places, scale, shape), regions)]
 
 
@@ -181,7 +181,7 @@ def widen_window(state: State) -> State:
     """Widen the window of a state if particles have come near its end; else return the state."""
     if state.window is None or not state.count:
         return state
-    shape, position = shape_of_scale(state.shape, state.scale), state.particles.position + state.corner
+    shape, position = shape_at_scale(state.shape, state.scale), state.particles.position + state.corner
     first, last = np.transpose([(side.start, side.stop - 1) for side in state.window])
     near = (first > 0) & (position.min(axis=0) - first < _WINDOW_END_DISTANCE)
     if not (near | ((last + 1 < shape) & (last - position.max(axis=0) < _WINDOW_END_DISTANCE))).any():

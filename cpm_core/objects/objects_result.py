@@ -64,13 +64,13 @@ def objects_result(
         for number, (selection, title) in enumerate(zip(selections, titles, strict=True), start=1)
         for contour in selection.contours
     ]
-    strength = edge_map(image.gray(channel), SMOOTHING)
+    strength = edge_map(image.gray_levels(channel), SMOOTHING)
     bridges = []
     for gap in (gap for selection in selections for gap in selection.gaps):
         mean = float(interpolate_field(strength[None], polyline.sample_path(gap, 1.0)).mean())
         bridges.append(Bridge(gap, polyline.path_length(gap), mean))
     place = (image.shape, image.spacing, image.unit, image.source)
-    taken = image.channel(channel)
+    taken = image.resolve_channel(channel)
     clicks = tuple(
         {"shape": "object", "inside": selection.inside.tolist(), "outside": selection.outside.tolist()}
         for selection in selections

@@ -269,6 +269,6 @@ def _outline(points: Array, free: Mask, ground: Ground) -> Outline:
     bridged = free & np.roll(free, -1)
     row, col = points.T
     hole = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row) < 0.0  # the pixels are on the right hand
-    contour = Contour(points, True, strength, sides=sides, hole=hole)
+    contour = Contour(points, True, strength, measure_contrast=sides, hole=hole)
     found = Outline(contour, bridged)
     return replace(found, contour=replace(contour, bridged=sum(map(polyline.path_length, found.gaps))))

@@ -23,7 +23,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import of_plane
+from cpm_core.image.volume_regions import plane_regions
 from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import true_bounds
@@ -148,7 +148,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     if values.surface is not None:
         surface = values.surface if values.surface.closed else NO_SURFACE
         return VolumePartition(values.image, surface, values.regions)
-    return Partition(as_plane(values.image), tuple(values.contours), of_plane(values.regions), values.channel)
+    return Partition(as_plane(values.image), tuple(values.contours), plane_regions(values.regions), values.channel)
 
 
 def without_run(image: Image) -> Partition | VolumePartition:
@@ -480,12 +480,12 @@ class Partition(drawing.Pictured):
     @cached_property
     def values(self) -> Array:
         """Gray levels that boundaries are judged by, shape (H, W)."""
-        return self.image.gray(self.channel)
+        return self.image.gray_levels(self.channel)
 
     @cached_property
     def interest(self) -> Mask:
         """Pixels in the regions of interest, shape (H, W)."""
-        return (self.regions or Regions()).pixels(self.shape)
+        return (self.regions or Regions()).pixel_mask(self.shape)
 
     def _ground(self, box: tuple[slice, slice], corner: Index) -> Ground:
         """Build what outlines follow in a part of the image."""
@@ -495,7 +495,7 @@ class Partition(drawing.Pictured):
             edge_map(values, SMOOTHING),
             self._paths(box, corner),
             self._barriers(corner),
-            list(regions.rims().reshape(-1, 2, 2) - corner),
+            list(regions.rim_segments().reshape(-1, 2, 2) - corner),
             self.interest[box],
         )
 

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.image.vesselness import lines
+from cpm_core.image.vesselness import filter_lines
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Index, Mask
 
@@ -50,9 +50,9 @@ def vessel_tree(values: Array, pixels: Index) -> Mask | None:
 
 def _line_around(values: Array, pixels: Index, slender: float, thin: float) -> Mask | None:
     """Find the connected lines that hold pixels, if long in mean widths and filling little of their box."""
-    dark, bright = lines(values)
+    dark, bright = filter_lines(values)
     for kind, other in ((dark, bright), (bright, dark)):
-        parts, count = scipy.ndimage.label(kind.above_chance(other), np.ones((3, 3)))
+        parts, count = scipy.ndimage.label(kind.find_pixels_above_chance(other), np.ones((3, 3)))
         held = np.bincount(parts[tuple(pixels.T)], minlength=count + 1)
         held[0] = 0
         if held.max() < _MIN_POINT_SHARE * len(pixels):

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
-from cpm_core.contours.surface import section_of
+from cpm_core.contours.surface import slice_surface
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.types import JsonDict
@@ -155,7 +155,7 @@ class View(drawing.Pictured):
     @property
     def _image(self) -> Image:
         image: Image = self.partition.image
-        return image if self.plane is None else image.cut(0, self.plane)
+        return image if self.plane is None else image.slice_across(0, self.plane)
 
     def _lines(self, found: Sequence[Any]) -> list[Contour]:
         """Find the contours of results or objects, or where the plane cuts their surfaces."""
@@ -163,7 +163,7 @@ class View(drawing.Pictured):
         return [
             line
             for one in found
-            for line in (one.contours if at is None else section_of(one.surface or NO_SURFACE, 0, at))
+            for line in (one.contours if at is None else slice_surface(one.surface or NO_SURFACE, 0, at))
         ]
 
     def __repr__(self) -> str:
@@ -206,7 +206,7 @@ class View(drawing.Pictured):
         picture.reduce(-(-max(image.shape) // _WIDEST)).save(stream, "png")
         return {
             "picture": stream.getvalue(),
-            "lines": [(drawing.color_of(line), _path(line)) for line in self._lines(self._results)],
+            "lines": [(drawing.curve_color(line), _path(line)) for line in self._lines(self._results)],
             "shape": image.shape,
             "aspect": image.spacing[0] / image.spacing[1],
             "planes": 0 if self.plane is None else self.partition.shape[0],

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
-from cpm_core.contours.surface import Surface, inside_of
+from cpm_core.contours.surface import Surface, voxelize_surface
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
@@ -95,7 +95,7 @@ class VolumePartition:
     @cached_property
     def _parts(self) -> tuple[tuple[ConnectedParts, Index], ...]:
         """Parts of voxels inside the surface, and of those outside it, with the number of the body of each part."""
-        inside = inside_of(self.surface, self.shape)
+        inside = voxelize_surface(self.surface, self.shape)
         found = []
         count = 0
         for part, corners in ((inside, True), (~inside, False)):
@@ -220,8 +220,8 @@ class VolumePartition:
         if self._interest is not None:
             changed &= self._interest[tuple(map(slice, first, end))]
         changed[tuple(at - first)] = True
-        known = voxels.part(first, changed.shape)
-        return voxels.with_part(first, known | changed if adds else known & ~changed) or voxels
+        known = voxels.mask_in_box(first, changed.shape)
+        return voxels.with_box_replaced(first, known | changed if adds else known & ~changed) or voxels
 
     def selection_of(self, body: PackedBody, inside: ArrayLike = (), outside: ArrayLike = ()) -> VolumeSelection:
         """Build the selection of the body of an object, with its points, shape (M, 3) and (K, 3) [voxels]."""
@@ -250,7 +250,7 @@ class VolumePartition:
     @cached_property
     def _interest(self) -> Mask | None:
         """Voxels in the regions of interest; None when all are."""
-        return self.regions.voxels(self.shape) if isinstance(self.regions, VolumeRegions) else None
+        return self.regions.voxel_mask(self.shape) if isinstance(self.regions, VolumeRegions) else None
 
     @cached_property
     def _prior(self) -> BodyPrior:
@@ -355,7 +355,7 @@ class VolumeSelection:
         first = np.maximum(np.floor(every.min(axis=0)), 0).astype(np.int64) if len(every) else np.zeros(3, np.int64)
         end = np.minimum(np.ceil(every.max(axis=0)).astype(np.int64) + 1, shape) if len(every) else first
         there = replace(self.surface, vertices=self.surface.vertices - first)
-        part = inside_of(there, tuple((end - first).tolist())) if self.found else np.zeros(end - first, bool)
+        part = voxelize_surface(there, tuple((end - first).tolist())) if self.found else np.zeros(end - first, bool)
         for voxels, within in zip(places, (False, True), strict=True):
             if self.body is not None and self.remark != _CONFLICTING_POINT_REMARK:
                 part[tuple((voxels - first).T)] = within
@@ -364,7 +364,7 @@ class VolumeSelection:
     @cached_property
     def packed(self) -> PackedBody:
         """The body as a session holds it; ValueError when it is empty."""
-        return self.voxels or PackedSurface.of(self.surface)
+        return self.voxels or PackedSurface.from_surface(self.surface)
 
     @property
     def found(self) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
-from cpm_core.image.pyramid import most_scales
+from cpm_core.image.pyramid import max_scales
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Extent
 from cpm_core.pages.page import Page, without_image
@@ -20,7 +20,7 @@ from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.segmentation.evolve import segment
-from cpm_core.shapes import Start, seeds_of, starts_along
+from cpm_core.shapes import Start, collect_seeds, starts_from_contours
 
 Seeds = ArrayLike | Callable[[Image], ArrayLike]
 """Positions of particles, shape (N, 2), or a function that gives them for an image."""
@@ -90,7 +90,7 @@ def follow(
                 image = as_plane(pages[number - 1])
                 start = seeds(image) if callable(seeds) else seeds
                 if follower.starts and not fresh:
-                    start = seeds_of(follower.starts)
+                    start = collect_seeds(follower.starts)
                 chosen = fitting(parameters or Parameters(), image.shape)
                 found = segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
             except (ValueError, MemoryError) as error:
@@ -118,7 +118,7 @@ class Follower:
     @property
     def starts(self) -> tuple[Start, ...]:
         """Where the next page starts: along the contours of the last page that has any."""
-        return starts_along(self._last)
+        return starts_from_contours(self._last)
 
     def take(self, number: int, found: Result) -> Page:
         """Add the next page, with what was found on it; the numbers of its contours are their tracks."""
@@ -130,7 +130,7 @@ class Follower:
 
 def fitting(parameters: Parameters, shape: Extent) -> Parameters:
     """Limit the scales of parameters to those that an image of a shape has room for."""
-    most = most_scales(shape)
+    most = max_scales(shape)
     return replace(parameters, scales=most) if parameters.scales > most else parameters
 
 

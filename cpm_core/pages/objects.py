@@ -16,7 +16,7 @@ import skimage
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import centroid
+from cpm_core.contours.measurements import compute_centroid
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import true_bounds
@@ -187,7 +187,7 @@ def pages_of(found: Mapping[int, Result]) -> tuple[Page, ...]:
         )
         _, events = tracker.follow(number, tuple(outer.values()), result.shape, keep=True)
         speeds = {
-            each: np.subtract(centroid(outer[each]), centroid(before[each])) for each in outer.keys() & before.keys()
+            each: np.subtract(compute_centroid(outer[each]), compute_centroid(before[each])) for each in outer.keys() & before.keys()
         }
         before, tracks = outer, max(tracks, *outer)
         pages.append(Page(number, without_image(replace(result, contours=contours)), events))

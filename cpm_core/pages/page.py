@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import contour_labels
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.measurements import assign_labels
+from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Integers, JsonObject, frozen, record
 from cpm_core.pages.tracks import TrackEvent, origins_of
@@ -135,9 +135,9 @@ def without_image(result: Result) -> Result:
             contour,
             points=np.round(contour.points, _VERTEX_DECIMALS),
             strength=round(contour.strength, _MEASURE_DECIMALS),
-            sides=None if contour.sides is None else partial(round, contour.contrast, _MEASURE_DECIMALS),
+            measure_contrast=None if contour.measure_contrast is None else partial(round, contour.contrast, _MEASURE_DECIMALS),
             gray=gray,
-            way=partial(str, contour.reached),
+            measure_origin=partial(str, contour.reached),
         )
         for contour, gray in zip(result.contours, _grays(result), strict=True)
     )
@@ -155,10 +155,10 @@ def without_image(result: Result) -> Result:
 
 def _grays(result: Result) -> list[float | None]:
     """Measure the mean gray value of each closed contour as in the label mask, if there is an image."""
-    labels = contour_labels(result.contours)
+    labels = assign_labels(result.contours)
     if result.image is None:
         return [contour.gray for contour in result.contours]
-    painted, most = paint(result.contours, result.shape).ravel(), max(labels, default=0) + 1
+    painted, most = rasterize_labels(result.contours, result.shape).ravel(), max(labels, default=0) + 1
     sums = np.bincount(painted, result.image.values.ravel(), most)
     counts = np.bincount(painted, minlength=most)
     return [

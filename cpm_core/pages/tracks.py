@@ -13,9 +13,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Contours, neighborhood
+from cpm_core.contours.contour import Contour, Contours, build_path_tree
 from cpm_core.contours.measurements import containment
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.numerics.polyline import repeat_indices, sample_path
 from cpm_core.numerics.types import Array, Extent, Index, Integers, frozen
 from cpm_core.parameters.quotation import described
@@ -201,7 +201,7 @@ def _regions(contours: Contours, shape: Extent) -> Index:
     """Label each pixel with the innermost contour that encloses it, from 1; 0 for none."""
     alone = [replace(contour, group=0, hole=False) for contour in contours]
     places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
-    return places[paint(alone, shape)].ravel()
+    return places[rasterize_labels(alone, shape)].ravel()
 
 
 def _beside(before: Contours, now: Contours) -> Array:
@@ -216,7 +216,7 @@ def _beside(before: Contours, now: Contours) -> Array:
 def _samples_near(samples: Sequence[Array], contours: Contours) -> Array:
     """Count the samples of each line that lie next to each contour."""
     owner = repeat_indices([len(one) for one in samples])
-    place, contour, _ = neighborhood(contours).pairs_within(np.concatenate(samples), _LINE_TOLERANCE)
+    place, contour, _ = build_path_tree(contours).pairs_within(np.concatenate(samples), _LINE_TOLERANCE)
     count = np.zeros((len(samples), len(contours)))
     np.add.at(count, (owner[place], contour), 1.0)
     return count

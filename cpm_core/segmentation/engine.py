@@ -18,7 +18,7 @@ from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge, check_charges
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import AnyRegions, of_plane
+from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.model import interventions
 from cpm_core.model.coverage import no_coverage, no_surface_coverage
 from cpm_core.model.image_fields import ImageFields, FieldMeasure
@@ -105,12 +105,12 @@ class Engine(ImageFields):
     ) -> None:
         super().__init__(values, parameters, regions, measured)
         self._law = _LAW_BY_AXES[self.image.ndim]
-        self._local_fields = LocalFields(self.scale_field, of_plane(regions))
+        self._local_fields = LocalFields(self.scale_field, plane_regions(regions))
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
         """Return this engine with other regions; see `ImageFields.with_regions`."""
         other = super().with_regions(regions)
-        other._local_fields = LocalFields(other.scale_field, of_plane(regions))
+        other._local_fields = LocalFields(other.scale_field, plane_regions(regions))
         return other
 
     def reach_map(self, start: Array, parameters: Parameters) -> ReachMap | None:

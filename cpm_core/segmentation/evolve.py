@@ -22,7 +22,7 @@ from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, described, shown
-from cpm_core.reconstruction.by_hand.operations import carried_out
+from cpm_core.reconstruction.by_hand.operations import apply_edits_to_result
 from cpm_core.segmentation.engine import Engine
 
 
@@ -327,4 +327,4 @@ def with_hand_edits(
     """
     if not edits:
         return result
-    return carried_out(result, edits, ImageFields(values, parameters).scale_field(parameters))[0]
+    return apply_edits_to_result(result, edits, ImageFields(values, parameters).scale_field(parameters))[0]

@@ -8,7 +8,7 @@ import numpy as np
 
 from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS
-from cpm_core.image.pyramid import most_scales
+from cpm_core.image.pyramid import max_scales
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Extent, frozen
 
@@ -46,7 +46,7 @@ def large_image_settings(values: Array) -> LargeImageSettings | None:
 def scales_for(shape: Extent) -> int:
     """Return the number of scales of a large image of this shape, no more than it has room for."""
     wanted = 1 + max(math.ceil(math.log2(max(shape) / _COARSEST_SCALE_SIDE)), 0)
-    return min(wanted, most_scales(shape))
+    return min(wanted, max_scales(shape))
 
 
 def strongest_edge_window(blocks: Array, side: int, shape: Extent) -> Window:

@@ -33,7 +33,7 @@ def build_result(state: State, image: Image, parameters: Parameters, **found: An
         source=image.source,
         image=image,
         regions=state.regions,
-        channel=image.channel(parameters.channel),
+        channel=image.resolve_channel(parameters.channel),
         **found,
     )
 
@@ -61,7 +61,7 @@ def find_state_contours(
 
     places = [to_image_places(c.points) for c in found]
     contours = tuple(
-        replace(c, points=points, strength=c.strength / size, way=partial(way_of, points))
+        replace(c, points=points, strength=c.strength / size, measure_origin=partial(way_of, points))
         for c, points in zip(found, places, strict=True)
     )
     bridges = tuple(Bridge(to_image_places(b.points), b.length * size, b.strength / size) for b in bridged)
@@ -77,7 +77,7 @@ def find_state_surface(state: State, image: Image, field: VolumeField, parameter
     points = particles.position[particles.surface_contact.on_surface] / state.space.pitch
     shut = None
     if field.walls is not None:
-        shut = field.walls.shut(field.shape, field.pitch, particles.position[particles.surface_contact.on_surface])
+        shut = field.walls.find_shut_voxels(field.shape, field.pitch, particles.position[particles.surface_contact.on_surface])
     spacing = tuple(side * 2.0**scale for side in image.spacing)
     fields = field.smoothed, field.edges
     surface = find_surface(*fields, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)

@@ -42,10 +42,10 @@ class Spaced:
     def _lengths(self) -> list[float]:
         raise NotImplementedError
 
-    def resized(self, by: float) -> Self:
+    def resized_by(self, amount: float) -> Self:
         """Return the shape with its spacing changed, within the allowed density of particles."""
         finest = max(LEAST_GRID_SPACING, finest_spacing(self._lengths))
-        spacing = min(max(self.spacing + by, finest), max(LARGEST_GRID_SPACING, finest))
+        spacing = min(max(self.spacing + amount, finest), max(LARGEST_GRID_SPACING, finest))
         return replace(self, spacing=spacing)  # type: ignore[type-var]
 
 
@@ -57,11 +57,11 @@ class OnStrongEdges:
 
     fraction: float
 
-    def resized(self, by: float) -> Self:
+    def resized_by(self, steps: float) -> Self:
         """Return the shape with its threshold raised by a number of steps of 0.02."""
         fraction = round(
             min(
-                max(self.fraction + THRESHOLD_FRACTION_STEP * by, LEAST_THRESHOLD_FRACTION), LARGEST_THRESHOLD_FRACTION
+                max(self.fraction + THRESHOLD_FRACTION_STEP * steps, LEAST_THRESHOLD_FRACTION), LARGEST_THRESHOLD_FRACTION
             ),
             6,
         )
@@ -90,7 +90,7 @@ class Grid(Spaced, ClosedPath):
 
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 2), centered in the area; at least one."""
-        places = evenly(self._lengths, self.spacing) + np.min(self.points, axis=0)
+        places = place_evenly(self._lengths, self.spacing) + np.min(self.points, axis=0)
         found = places[polyline.points_inside(self.points, places)]
         return found if len(found) else np.mean(self.points, axis=0)[None]
 
@@ -146,7 +146,7 @@ def finest_spacing(lengths: Sequence[float]) -> int:
     return math.ceil(side)
 
 
-def evenly(lengths: Sequence[float], spacing: float) -> Array:
+def place_evenly(lengths: Sequence[float], spacing: float) -> Array:
     """Place positions evenly in a box of D lengths, shape (N, D), with the same margin on opposite sides."""
     along = []
     for length in lengths:

@@ -40,19 +40,19 @@ class Charge(WithoutOutline):
         return "attracting charge" if self.strength > 0 else "repelling charge"
 
     @property
-    def placed(self) -> PlacedCharge:
+    def placed_charge(self) -> PlacedCharge:
         """The charge as the engine takes it."""
         return PlacedCharge(self.position, self.strength)
 
-    def moved(self, by: Place) -> Charge:
+    def translated(self, offset: Place) -> Charge:
         """Return the charge displaced along each axis."""
-        return Charge(tuple(map(operator.add, self.position, by)), self.strength)
+        return Charge(tuple(map(operator.add, self.position, offset)), self.strength)
 
-    def resized(self, by: float) -> Charge:
+    def resized_by(self, by: float) -> Charge:
         """Return the charge with its absolute strength raised by a number of steps of a half."""
         size = min(max(abs(self.strength) + _CHARGE_STRENGTH_STEP * by, LEAST_CHARGE_STRENGTH), MAX_CHARGE_STRENGTH)
         return Charge(self.position, math.copysign(size, self.strength))
 
-    def distance(self, position: Place) -> float:
+    def distance_to(self, position: Place) -> float:
         """Measure the distance of a position from the charge [px]."""
         return math.dist(self.position, position)

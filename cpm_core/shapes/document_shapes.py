@@ -30,7 +30,7 @@ _IMAGE_ELEMENTS = {2: "pixels", 3: "voxels"}
 """Number of axes -> word for the elements."""
 
 
-def axes_of(shape: Shape) -> int | None:
+def count_axes(shape: Shape) -> int | None:
     """Count the axes of the images that a shape is for: 2, or 3 for a volume; None where any image will do."""
     match shape:
         case Everywhere():
@@ -54,7 +54,7 @@ def check_axes(shapes: Iterable[Shape], size: Extent = (), image: str = "the ima
     """
     axes, first = len(size), ""
     for number, shape in enumerate(shapes, 1):
-        own, this = axes_of(shape), f"shape {number} ({shape.title})"
+        own, this = count_axes(shape), f"shape {number} ({shape.title})"
         if own is None:
             continue
         if size and own != axes:
@@ -70,12 +70,12 @@ def check_axes(shapes: Iterable[Shape], size: Extent = (), image: str = "the ima
         axes, first = own, first or this
 
 
-def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
+def select_starts(shapes: Iterable[Shape]) -> tuple[Start, ...]:
     """Select the shapes that give particles."""
     return tuple(shape for shape in shapes if isinstance(shape, Start))
 
 
-def regions_of(shapes: Iterable[Shape], barriers: tuple[Line | Voxels, ...] = ()) -> AnyRegions | None:
+def collect_regions(shapes: Iterable[Shape], barriers: tuple[Line | Voxels, ...] = ()) -> AnyRegions | None:
     """Collect regions of interest and barriers, with further given barriers; None when there are none."""
     drawn = tuple(shapes)
     inside = tuple(shape.limit for shape in drawn if isinstance(shape, BoxRegion | PrismRegion | EnclosedRegion))
@@ -89,21 +89,21 @@ def regions_of(shapes: Iterable[Shape], barriers: tuple[Line | Voxels, ...] = ()
     return Regions(interest, lines) if interest or lines else None
 
 
-def charges_of(shapes: Iterable[Shape]) -> tuple[PlacedCharge, ...]:
+def collect_charges(shapes: Iterable[Shape]) -> tuple[PlacedCharge, ...]:
     """Collect the placed charges."""
-    return tuple(shape.placed for shape in shapes if isinstance(shape, Charge))
+    return tuple(shape.placed_charge for shape in shapes if isinstance(shape, Charge))
 
 
-def seeds_of(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Array:
+def collect_seeds(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Array:
     """Collect the positions of the particles of shapes, shape (N, 2), or (N, 3) in a volume, in their order.
 
     For starts that depend on the image the positions are taken from `image_seeds`.
     """
-    found = [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in starts_of(shapes)]
+    found = [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in select_starts(shapes)]
     return np.concatenate(found) if found else np.empty((0, 2))
 
 
-def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, channel: str = "luminance") -> Array:
+def compute_seeds(image: Image, shapes: Iterable[Shape], smoothing: float | str, channel: str = "luminance") -> Array:
     """Compute the positions of the particles of shapes on an image, shape (N, 2), or (N, 3) in a volume.
 
     `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it.
@@ -112,4 +112,4 @@ def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, chan
     drawn = tuple(shapes)
     check_axes(drawn, image.shape, image.source)
     dependent = [shape for shape in drawn if isinstance(shape, ImageStart)]
-    return seeds_of(drawn, SeedCache(image).seeds_for(dependent, smoothing, regions_of(drawn), channel))
+    return collect_seeds(drawn, SeedCache(image).seeds_for(dependent, smoothing, collect_regions(drawn), channel))

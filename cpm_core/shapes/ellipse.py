@@ -13,7 +13,7 @@ from cpm_core.model import starts as initialization
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Array, Line, Place, Position, frozen
-from cpm_core.shapes.path import LARGEST, check_number
+from cpm_core.shapes.path import LARGEST_SIZE, check_number
 
 SMALLEST_RADIUS = 1.0
 """Radius under which a drawn circle or sphere is taken for an accidental click [px, sides of the smallest voxel]."""
@@ -27,9 +27,9 @@ class Centered:
 
     center: Place
 
-    def moved(self, by: Place) -> Self:
+    def translated(self, offset: Place) -> Self:
         """Return the shape displaced along each axis."""
-        return replace(self, center=tuple(map(operator.add, self.center, by)))  # type: ignore[type-var]
+        return replace(self, center=tuple(map(operator.add, self.center, offset)))  # type: ignore[type-var]
 
 
 class Round(Centered):
@@ -37,28 +37,28 @@ class Round(Centered):
 
     radius: float
 
-    def resized(self, by: float) -> Self:
+    def resized_by(self, amount: float) -> Self:
         """Return the shape with its radius changed."""
-        return self._with_radius(self.radius + by)
+        return self._with_radius(self.radius + amount)
 
-    def with_handle_at(self, handle: Place, to: Place) -> Self:
+    def with_handle_at(self, handle: Place, position: Place) -> Self:
         """Return the shape with the same center through a position, for any handle."""
-        return self._with_radius(self.away(to))
+        return self._with_radius(self.distance_from_center(position))
 
-    def away(self, position: Place) -> float:
+    def distance_from_center(self, position: Place) -> float:
         """Measure the distance of a position from the center, in the unit of the radius."""
         return math.dist(self.center, position)
 
-    def distance(self, position: Place) -> float:
+    def distance_to(self, position: Place) -> float:
         """Measure the distance of a position from the line or the surface, in the unit of the radius."""
-        return abs(self.away(position) - self.radius)
+        return abs(self.distance_from_center(position) - self.radius)
 
     def encloses(self, position: Place) -> bool:
         """Return whether a position lies inside."""
-        return self.away(position) <= self.radius
+        return self.distance_from_center(position) <= self.radius
 
     def _with_radius(self, radius: float) -> Self:
-        return replace(self, radius=min(max(radius, SMALLEST_RADIUS), LARGEST))  # type: ignore[type-var]
+        return replace(self, radius=min(max(radius, SMALLEST_RADIUS), LARGEST_SIZE))  # type: ignore[type-var]
 
 
 @frozen
@@ -139,9 +139,9 @@ class Ellipse(Centered):
         (along, across), (first, second) = self._axes, self.radii
         return np.array(self.center) + first * np.cos(turn)[:, None] * along + second * np.sin(turn)[:, None] * across
 
-    def resized(self, by: float) -> Ellipse:
+    def resized_by(self, amount: float) -> Ellipse:
         """Return the ellipse with both radii changed by a number of px."""
-        return self._with_radii(self.radii[0] + by, self.radii[1] + by)
+        return self._with_radii(self.radii[0] + amount, self.radii[1] + amount)
 
     def handles(self) -> Line:
         """Return the four ends of the axes, for resizing, and one place beyond the first, for rotation."""
@@ -149,18 +149,18 @@ class Ellipse(Centered):
         beyond = (_ROTATION_ARM * self.radii[0] + _ROTATION_OFFSET) * self._axes[0]
         return as_line(np.array([first, second, -first, -second, beyond]) + self.center)
 
-    def with_handle_at(self, handle: Position, to: Position) -> Ellipse:
+    def with_handle_at(self, handle: Position, position: Position) -> Ellipse:
         """Return the ellipse with the radius of the handle reaching a position, or rotated toward it."""
         handles = self.handles()
         which = min(range(len(handles)), key=lambda index: math.dist(handles[index], handle))
-        row, col = map(operator.sub, to, self.center)
+        row, col = map(operator.sub, position, self.center)
         if which == len(handles) - 1:
             return replace(self, angle=math.atan2(row, col) if row or col else self.angle)
         reached = abs(float(self._axes[which % 2] @ (row, col)))
         first, second = self.radii
         return self._with_radii(reached, second) if which % 2 == 0 else self._with_radii(first, reached)
 
-    def distance(self, position: Position) -> float:
+    def distance_to(self, position: Position) -> float:
         """Measure the distance of a position from the line [px]."""
         return polyline.distance_to_path(self.outline, position)
 
@@ -176,5 +176,5 @@ class Ellipse(Centered):
         return np.array([(down, right), (right, -down)])
 
     def _with_radii(self, first: float, second: float) -> Ellipse:
-        first, second = (min(max(radius, SMALLEST_RADIUS), LARGEST) for radius in (first, second))
+        first, second = (min(max(radius, SMALLEST_RADIUS), LARGEST_SIZE) for radius in (first, second))
         return replace(self, radii=(first, second))

@@ -12,10 +12,10 @@ from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics.types import Array, Position, frozen
 from cpm_core.shapes.path import WithoutOutline
 
-Kind = Literal["grid", "gradient", "centers"]
+SeedingKind = Literal["grid", "gradient", "centers"]
 """Automatic seeding: evenly, on strong edges, or where the electric field diverges."""
 
-KINDS: tuple[Kind, ...] = get_args(Kind)
+SEEDING_KINDS: tuple[SeedingKind, ...] = get_args(SeedingKind)
 
 _SEEDING_TITLES = {
     "grid": "start everywhere",
@@ -35,7 +35,7 @@ class Everywhere(WithoutOutline):
         Evenly, on strong edges, or at the centers of divergence of the electric field.
     """
 
-    kind: Kind
+    kind: SeedingKind
 
     @property
     def title(self) -> str:
@@ -74,10 +74,10 @@ class Everywhere(WithoutOutline):
             return volume_starts.seeds_on_strong_edges(volume, smoothing=smoothing)
         return volume_starts.seeds_at_centers(volume)
 
-    def moved(self, by: Position) -> Everywhere:
+    def translated(self, offset: Position) -> Everywhere:
         """Return the shape itself: it has no position."""
         return self
 
-    def distance(self, position: Position) -> float:
+    def distance_to(self, position: Position) -> float:
         """Return infinity, so that it is never selected in place of a drawn shape."""
         return math.inf

@@ -31,7 +31,7 @@ class SeedCache:
     """Seeds on one image, computed once for each start and smoothing."""
 
     def __init__(self, image: Image) -> None:
-        volume, gray = image.ndim == 3, lru_cache(1)(image.gray)
+        volume, gray = image.ndim == 3, lru_cache(1)(image.gray_levels)
 
         @lru_cache(1)
         def automatic_sigma(channel: str) -> float:

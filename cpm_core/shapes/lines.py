@@ -81,10 +81,10 @@ class Points(WithoutOutline):
         """Return the positions of the particles, shape (N, 2), or (N, 3) in a volume."""
         return np.array(self.positions, float)
 
-    def moved(self, by: Place) -> Points:
+    def translated(self, offset: Place) -> Points:
         """Return the points displaced along each axis."""
-        return Points(polyline.translate_path(self.positions, by))
+        return Points(polyline.translate_path(self.positions, offset))
 
-    def distance(self, position: Place) -> float:
+    def distance_to(self, position: Place) -> float:
         """Measure the distance of a position from the nearest point [px]."""
         return min(math.dist(point, position) for point in self.positions)

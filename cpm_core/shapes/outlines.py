@@ -20,12 +20,12 @@ SURFACE_START_SPACING = 2.0
 """Distance of the particles of a start on a surface, equal to that along a stroke [smallest sides of a voxel]."""
 
 
-def outlines_of(shapes: Iterable[Shape]) -> Arrays:
+def drawn_outlines(shapes: Iterable[Shape]) -> Arrays:
     """Collect the corners of circles, ellipses and polygons, shape (K, 2) each [px], the first not repeated."""
     return tuple(shape.outline[:-1] for shape in shapes if isinstance(shape, Circle | Ellipse | Polygon))
 
 
-def starts_along(contours: Contours, places: Array | None = None) -> tuple[Polygon | Stroke | Points, ...]:
+def starts_from_contours(contours: Contours, places: Array | None = None) -> tuple[Polygon | Stroke | Points, ...]:
     """Convert contours to starts with the corners that matter: polygons and strokes.
 
     Single points, shape (N, 2) [px], make one more start.
@@ -40,7 +40,7 @@ def starts_along(contours: Contours, places: Array | None = None) -> tuple[Polyg
     return tuple(starts)
 
 
-def start_on_surface(surface: Surface) -> Points:
+def start_from_surface(surface: Surface) -> Points:
     """Sample a surface as a start: one vertex in each cube with sides of `SURFACE_START_SPACING`."""
     used = surface.vertices[np.unique(surface.faces)]
     cubes = np.floor(used * surface.spacing / (SURFACE_START_SPACING * min(surface.spacing))).astype(np.int64)
@@ -48,6 +48,6 @@ def start_on_surface(surface: Surface) -> Points:
     return Points(as_line(used[first]))
 
 
-def starts_in(lines: Centerlines) -> tuple[Stroke, ...]:
+def starts_from_centerlines(lines: Centerlines) -> tuple[Stroke, ...]:
     """Convert center lines to starts with the corners that matter."""
     return tuple(Stroke(polyline.simplify_path(branch.points.tolist())) for branch in lines.branches)

@@ -12,14 +12,14 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import MAX_CORNER_HANDLES
 from cpm_core.numerics.types import Array, Line, Place, frozen
 
-SMALLEST = 0.5
+LEAST_SIZE = 0.5
 """Least radius, and distance between particles [px]."""
 
-LARGEST = 1e5
+LARGEST_SIZE = 1e5
 """Largest radius, and distance between particles [px]."""
 
 
-def check_number(name: str, value: float, low: float = SMALLEST, high: float = LARGEST) -> None:
+def check_number(name: str, value: float, low: float = LEAST_SIZE, high: float = LARGEST_SIZE) -> None:
     """Check that a number of a shape lies within its bounds, else raise ValueError."""
     if not low <= value <= high:
         raise ValueError(f"{name} is {value:g} but must be a number from {low:g} to {high:g}.")
@@ -40,7 +40,7 @@ class WithoutOutline:
         """Empty outline, shape (0, 2)."""
         return np.empty((0, 2))
 
-    def resized(self, by: float) -> Self:
+    def resized_by(self, amount: float) -> Self:
         """Return the shape itself: it has no size."""
         return self
 
@@ -48,7 +48,7 @@ class WithoutOutline:
         """Return no handles: the shape is dragged as a whole."""
         return ()
 
-    def with_handle_at(self, handle: Place, to: Place) -> Self:
+    def with_handle_at(self, handle: Place, position: Place) -> Self:
         """Return the shape itself: it has no handles."""
         return self
 
@@ -83,9 +83,9 @@ class OpenPath(WithoutOutline):
         """Vertices of the line, shape (K, D)."""
         return polyline.corners_of(self.points)
 
-    def moved(self, by: Place) -> Self:
+    def translated(self, offset: Place) -> Self:
         """Return the shape displaced along each axis."""
-        return self._with_points(polyline.translate_path(self.points, by))
+        return self._with_points(polyline.translate_path(self.points, offset))
 
     def handles(self) -> tuple[Place, ...]:
         """Return the corners; none where there are so many that they would hide the line."""
@@ -95,7 +95,7 @@ class OpenPath(WithoutOutline):
         """Return the shape with the corner nearest to a handle moved; unchanged where too few corners would differ."""
         return self._with_points(polyline.move_corner(self.points, handle, to))
 
-    def distance(self, position: Place) -> float:
+    def distance_to(self, position: Place) -> float:
         """Measure the distance of a position from the line [px]."""
         return polyline.distance_to_path(self.points, position)
 
@@ -115,7 +115,7 @@ class ClosedPath(OpenPath):
         corners = polyline.corners_of(self.points)
         return np.concatenate([corners, corners[:1]])
 
-    def resized(self, by: float) -> Self:
+    def resized_by(self, by: float) -> Self:
         """Enlarge the shape around its center, so that its farthest corner moves outward by a number of px."""
         off = polyline.corners_of(self.points)
         center = off.mean(axis=0)
@@ -123,7 +123,7 @@ class ClosedPath(OpenPath):
         corners = (center + max(farthest + by, 1.0) / farthest * (off - center)).tolist()
         return self._with_points(tuple(map(tuple, corners)))
 
-    def distance(self, position: Place) -> float:
+    def distance_to(self, position: Place) -> float:
         """Measure the distance of a position from the line [px]."""
         return polyline.distance_to_path(self.outline, position)
 

@@ -33,5 +33,5 @@ Limit = Region | Barrier | BoxRegion | PrismRegion | Wall | EnclosedRegion | Enc
 
 Shape = Start | Limit | Charge
 
-SHAPES: Mapping[str, type[Shape]] = {kind.__name__.lower(): kind for kind in get_args(Shape)}
+SHAPES_BY_NAME: Mapping[str, type[Shape]] = {kind.__name__.lower(): kind for kind in get_args(Shape)}
 """Shapes by the names that files have for them."""

@@ -15,11 +15,11 @@ from cpm_core.image.volume_regions import Pair
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Sides, Voxel, frozen
-from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, evenly, finest_spacing
+from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, place_evenly, finest_spacing
 from cpm_core.shapes.ellipse import Round
-from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
+from cpm_core.shapes.path import LARGEST_SIZE, WithoutOutline, check_number
 
-SMALLEST = 1.0
+LEAST_BOX_SIDE = 1.0
 """Least side of a box [voxels], and radius of a sphere [sides of the smallest voxel]."""
 
 _LEAST_FACE_SPACING = 2.0
@@ -35,7 +35,7 @@ _BOX_CORNERS = np.array(list(product((False, True), repeat=3)))
 """Whether each corner of a box lies on the last face across each axis, shape (8, 3)."""
 
 
-def sides_of(spacing: Sequence[float]) -> Sides:
+def relative_sides(spacing: Sequence[float]) -> Sides:
     """Return the sides of a voxel relative to the smallest of them."""
     return tuple(side / min(spacing) for side in spacing)
 
@@ -55,9 +55,9 @@ class Cuboid(WithoutOutline):
 
     def __post_init__(self) -> None:
         low, high = np.sort([self.first, self.last], axis=0).tolist()
-        if not all(math.isfinite(end) and abs(end) <= LARGEST for end in (*low, *high)):
+        if not all(math.isfinite(end) and abs(end) <= LARGEST_SIZE for end in (*low, *high)):
             raise ValueError(f"the corners of the box are {self.first} and {self.last} but must be in the volume.")
-        if min(map(operator.sub, high, low)) < SMALLEST - _ON_FACE_DISTANCE:
+        if min(map(operator.sub, high, low)) < LEAST_BOX_SIDE - _ON_FACE_DISTANCE:
             raise ValueError(
                 f"the corners of the box are {self.first} and {self.last} but must be a voxel apart along every axis."
             )
@@ -74,27 +74,27 @@ class Cuboid(WithoutOutline):
         """Corners of the box, shape (8, 3)."""
         return np.where(_BOX_CORNERS, self.last, self.first)
 
-    def moved(self, by: Place) -> Self:
+    def translated(self, offset: Place) -> Self:
         """Return the box displaced along each axis."""
-        return self._between(*polyline.translate_path((self.first, self.last), by))
+        return self._with_corners(*polyline.translate_path((self.first, self.last), offset))
 
-    def resized(self, by: float) -> Self:
+    def resized_by(self, by: float) -> Self:
         """Return the box with each face moved outward."""
         low, high = np.array(self.first), np.array(self.last)
-        inward = np.minimum(-by, 0.5 * (high - low - SMALLEST))
-        return self._between((low + inward).tolist(), (high - inward).tolist())
+        inward = np.minimum(-by, 0.5 * (high - low - LEAST_BOX_SIDE))
+        return self._with_corners((low + inward).tolist(), (high - inward).tolist())
 
     def with_handle_at(self, handle: Place, to: Place) -> Self:
         """Return the box with the faces of a handle moved to a position; it never becomes too thin."""
         low, high = [*self.first], [*self.last]
         for axis, (at, end) in enumerate(zip(handle, to, strict=True)):
             if abs(at - low[axis]) <= _ON_FACE_DISTANCE:
-                low[axis] = _off(end, high[axis])
+                low[axis] = _keep_apart(end, high[axis])
             elif abs(at - high[axis]) <= _ON_FACE_DISTANCE:
-                high[axis] = _off(end, low[axis])
-        return self._between(low, high)
+                high[axis] = _keep_apart(end, low[axis])
+        return self._with_corners(low, high)
 
-    def distance(self, position: Place) -> float:
+    def distance_to(self, position: Place) -> float:
         """Measure the distance of a position from the nearest face [voxels]."""
         beside = [max(low - at, at - high) for low, at, high in zip(self.first, position, self.last, strict=True)]
         return math.hypot(*(max(off, 0.0) for off in beside)) if max(beside) > 0.0 else -max(beside)
@@ -103,13 +103,13 @@ class Cuboid(WithoutOutline):
         """Return whether a position lies inside."""
         return all(low <= at <= high for low, at, high in zip(self.first, position, self.last, strict=True))
 
-    def _between(self, first: Sequence[float], last: Sequence[float]) -> Self:
+    def _with_corners(self, first: Sequence[float], last: Sequence[float]) -> Self:
         return replace(self, first=tuple(first), last=tuple(last))
 
 
-def _off(end: float, other: float) -> float:
+def _keep_apart(end: float, other: float) -> float:
     """Keep the place of a face at least the smallest side away from the opposite one."""
-    return end if abs(end - other) >= SMALLEST else other + math.copysign(SMALLEST, end - other)
+    return end if abs(end - other) >= LEAST_BOX_SIDE else other + math.copysign(LEAST_BOX_SIDE, end - other)
 
 
 @frozen
@@ -120,10 +120,10 @@ class Box(Cuboid):
 
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 3)."""
-        return volume_starts.seeds_on_box(self.first, self.last, self.apart)
+        return volume_starts.seeds_on_box(self.first, self.last, self.particle_spacing)
 
     @property
-    def apart(self) -> float:
+    def particle_spacing(self) -> float:
         """Distance between particles [voxels]: larger on a large box."""
         down, along, across = map(operator.sub, self.last, self.first)
         area = 2.0 * (down * along + along * across + across * down)
@@ -172,15 +172,15 @@ class BoxGrid(Spaced, Cuboid):
         check_spacing(self.spacing, self._lengths)
 
     @classmethod
-    def between(cls, one: Voxel, other: Voxel, spacing: Sides) -> BoxGrid:
+    def from_corners(cls, one: Voxel, other: Voxel, spacing: Sides) -> BoxGrid:
         """Build a grid between two corners of a volume with this voxel size along each axis, no finer than allowed."""
-        sides = sides_of(spacing)
+        sides = relative_sides(spacing)
         lengths = [abs(b - a) * side for a, b, side in zip(one, other, sides, strict=True)]
         return cls(one, other, max(8.0, finest_spacing(lengths)), sides)
 
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 3), centered in the box."""
-        return evenly(self._lengths, self.spacing) / np.array(self.sides) + self.first
+        return place_evenly(self._lengths, self.spacing) / np.array(self.sides) + self.first
 
     @property
     def _lengths(self) -> list[float]:
@@ -245,15 +245,15 @@ class Sphere(Round, WithoutOutline):
             check_number("sides", side, 1e-3, 1e3)
 
     @classmethod
-    def round(cls, center: Voxel, radius: float, spacing: Sides) -> Sphere:
+    def from_voxel_size(cls, center: Voxel, radius: float, spacing: Sides) -> Sphere:
         """Build a sphere that is round in a volume with this voxel size along each axis."""
-        return cls(center, radius, sides_of(spacing))
+        return cls(center, radius, relative_sides(spacing))
 
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 3)."""
         return volume_starts.sphere(self.center, self.radius, spacing=self.sides)
 
-    def away(self, position: Place) -> float:
+    def distance_from_center(self, position: Place) -> float:
         """Measure the distance of a position from the center, in sides of the smallest voxel."""
         offsets = map(operator.sub, position, self.center)
         return math.hypot(*map(operator.mul, offsets, self.sides))

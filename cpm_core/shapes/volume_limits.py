@@ -57,37 +57,37 @@ class Extruded(WithoutOutline):
         """The line in the middle of the range, shape (K, 3)."""
         return np.insert(self.flat(self.points).outline, self.axis, 0.5 * (self.first + self.last), axis=1)
 
-    def moved(self, by: Place) -> Self:
+    def translated(self, offset: Place) -> Self:
         """Return the shape displaced along each axis."""
-        points = self.flat(self.points).moved(self.within(by)).points
-        return self._with(points, self.first + by[self.axis], self.last + by[self.axis])
+        points = self.flat(self.points).translated(self.project_to_slice(offset)).points
+        return self._with_range(points, self.first + offset[self.axis], self.last + offset[self.axis])
 
-    def resized(self, by: float) -> Self:
+    def resized_by(self, by: float) -> Self:
         """Enlarge a closed line in its slices."""
-        return self._with(self.flat(self.points).resized(by).points, self.first, self.last)
+        return self._with_range(self.flat(self.points).resized_by(by).points, self.first, self.last)
 
     def with_handle_at(self, handle: Place, to: Place) -> Self:
         """Return the shape with a corner moved in its slice, or with the nearer end of its range moved."""
-        at, flat = self.within(handle), self.flat(self.points)
+        at, flat = self.project_to_slice(handle), self.flat(self.points)
         if handle[self.axis] == to[self.axis] and any(
             math.dist(at, corner) <= _ON_CORNER_DISTANCE for corner in self.points
         ):
-            return self._with(flat.with_handle_at(at, self.within(to)).points, self.first, self.last)
+            return self._with_range(flat.with_handle_at(at, self.project_to_slice(to)).points, self.first, self.last)
         end = to[self.axis]
         if abs(handle[self.axis] - self.first) <= abs(handle[self.axis] - self.last):
-            return self._with(self.points, min(end, self.last), self.last)
-        return self._with(self.points, self.first, max(end, self.first))
+            return self._with_range(self.points, min(end, self.last), self.last)
+        return self._with_range(self.points, self.first, max(end, self.first))
 
-    def distance(self, position: Place) -> float:
+    def distance_to(self, position: Place) -> float:
         """Measure the distance of a position from the line through the slices [voxels]."""
         beyond = max(self.first - position[self.axis], position[self.axis] - self.last, 0.0)
-        return math.hypot(self.flat(self.points).distance(self.within(position)), beyond)
+        return math.hypot(self.flat(self.points).distance_to(self.project_to_slice(position)), beyond)
 
-    def within(self, place: Place) -> Position:
+    def project_to_slice(self, place: Place) -> Position:
         """Project a place to the slices across the axis."""
         return place[: self.axis] + place[self.axis + 1 :]
 
-    def _with(self, points: Line, first: float, last: float) -> Self:
+    def _with_range(self, points: Line, first: float, last: float) -> Self:
         return replace(self, points=points, first=first, last=last)
 
 
@@ -134,11 +134,11 @@ class Enclosed(WithoutOutline):
         """Corners of the triangles, shape (K, 3)."""
         return self.surface.surface.vertices
 
-    def moved(self, by: Place) -> Self:
+    def translated(self, offset: Place) -> Self:
         """Return the shape displaced along each axis."""
-        return replace(self, surface=self.surface.moved(by))
+        return replace(self, surface=self.surface.translated(offset))
 
-    def distance(self, position: Place) -> float:
+    def distance_to(self, position: Place) -> float:
         """Measure the distance of a position from the nearest corner of a triangle [voxels]."""
         return math.sqrt(float(((self.outline - position) ** 2).sum(axis=1).min()))
 

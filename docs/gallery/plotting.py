@@ -11,10 +11,10 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.image.drawing import (
-    CLOSED,
-    HALO,
-    OPEN,
-    PARTICLE,
+    CLOSED_CURVE_COLOR,
+    HALO_COLOR,
+    OPEN_CURVE_COLOR,
+    PARTICLE_COLOR,
     show_curves,
     show_image,
     show_particles,
@@ -142,7 +142,7 @@ def _picture(axes: Axes, panel: Picture) -> None:
 
 def show_junctions(ax: Axes, places: Array) -> None:
     """Junctions, shape (N, 2) [px]."""
-    ax.scatter(places[:, 1], places[:, 0], s=26.0, c=JUNCTION, edgecolors=HALO, linewidths=0.7, zorder=4)
+    ax.scatter(places[:, 1], places[:, 0], s=26.0, c=JUNCTION, edgecolors=HALO_COLOR, linewidths=0.7, zorder=4)
 
 
 def show_field(ax: Axes, field: Array) -> None:
@@ -183,7 +183,7 @@ def _map(axes: Axes, panel: Map) -> None:
     axes.set_xticklabels([f"{x:g}" for x in panel.x])
     axes.set_yticklabels([f"{y:g}" for y in panel.y])
     for (row, col), value in np.ndenumerate(panel.values):
-        color = HALO if value > 0.5 else PAPER
+        color = HALO_COLOR if value > 0.5 else PAPER
         axes.text(col, row, f"{value:.2f}", ha="center", va="center", fontsize=8, color=color)
     for spine in axes.spines.values():
         spine.set_visible(False)
@@ -196,9 +196,9 @@ def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
     pictures = [panel for panel in page.panels if isinstance(panel, Picture)]
     contours = [contour for panel in pictures for contour in panel.contours]
     entries = [
-        ("●", PARTICLE, "particle", any(panel.particles is not None for panel in pictures)),
-        ("━━", CLOSED, "closed contour", any(contour.closed for contour in contours)),
-        ("━━", OPEN, "open contour", any(not contour.closed for contour in contours)),
+        ("●", PARTICLE_COLOR, "particle", any(panel.particles is not None for panel in pictures)),
+        ("━━", CLOSED_CURVE_COLOR, "closed contour", any(contour.closed for contour in contours)),
+        ("━━", OPEN_CURVE_COLOR, "open contour", any(not contour.closed for contour in contours)),
         ("●", JUNCTION, "junction", any(len(_junctions(panel)) for panel in pictures)),
         ("→", FIELD, "direction of the field", any(panel.field is not None for panel in pictures)),
     ]
@@ -206,7 +206,7 @@ def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
     for sign, color, usual, used in entries:
         if used:
             words = page.words.get(usual, usual)
-            halo = [withStroke(linewidth=1.6, foreground=HALO)]
+            halo = [withStroke(linewidth=1.6, foreground=HALO_COLOR)]
             sheet.text(left, middle, sign, 11.0, color=color, path_effects=halo)
             left += sheet.width_of(sign, 11.0) + 6
             sheet.text(left, middle, words, 9.0, color=DIM)
@@ -239,9 +239,9 @@ def _palette() -> NDArray[np.uint8]:
 
     grays = np.repeat(np.linspace(0.0, 1.0, 56)[:, None], 3, axis=1)
     heat = colormaps[_HEAT](np.linspace(0.0, 1.0, 32))[:, :3]
-    named = [TEXT, DIM, HALO, PAPER]
-    hues = np.array([to_rgb(name) for name in (PARTICLE, CLOSED, OPEN, JUNCTION, FIELD, *_SERIES)])
-    backgrounds = np.array([to_rgb(HALO), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)])
+    named = [TEXT, DIM, HALO_COLOR, PAPER]
+    hues = np.array([to_rgb(name) for name in (PARTICLE_COLOR, CLOSED_CURVE_COLOR, OPEN_CURVE_COLOR, JUNCTION, FIELD, *_SERIES)])
+    backgrounds = np.array([to_rgb(HALO_COLOR), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)])
     shares = (0.25, 0.5, 0.75)
     transitions = [(1.0 - share) * hues + share * background for background in backgrounds for share in shares]
     colors = np.concatenate([grays, heat, np.array([to_rgb(name) for name in named]), hues, *transitions])

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.agreement import agreement
+from cpm_core.contours.agreement import compare_boundaries
 from cpm_core.model.plane import step as plane
 from cpm_core.model.plane.step import insert_and_delete
 from cpm_core.model.state import State
@@ -76,7 +76,7 @@ def _without_population(scene: Scene) -> Run:
     """A run with a constant number of particles, reconstructed from the particles alone."""
     done = run(scene, engine=_Constant(scene.values, scene.parameters))
     contours = reconstruct_curve(done.end.particles)
-    seen = agreement(contours, scene.truth, done.end.agreement.tolerance)
+    seen = compare_boundaries(contours, scene.truth, done.end.agreement.tolerance)
     closed = recovered(contours, scene.truth, seen.tolerance)
     return replace(done, end=replace(done.end, contours=contours, agreement=seen, closed=closed))
 
@@ -111,7 +111,7 @@ def count_over_damping(contrast: float, betas: Sequence[float] = BETAS) -> list[
 def objects_found(done: Run) -> int:
     """Number of true contours of which at least the share `_FOUND` was recovered."""
     return sum(
-        agreement(done.end.contours, [one], done.end.agreement.tolerance).recall >= _FOUND for one in done.scene.truth
+        compare_boundaries(done.end.contours, [one], done.end.agreement.tolerance).recall >= _FOUND for one in done.scene.truth
     )
 
 

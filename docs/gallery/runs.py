@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.contours.agreement import TOLERANCE, Agreement, agreement
+from cpm_core.contours.agreement import DEFAULT_TOLERANCE, Agreement, compare_boundaries
 from cpm_core.contours.contour import Contour
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Array
@@ -67,7 +67,7 @@ _WHOLE = 0.95
 """Share of the length of two contours that each has to cover of the other to be it."""
 
 
-def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: float = TOLERANCE) -> int:
+def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: float = DEFAULT_TOLERANCE) -> int:
     """Number of closed true contours that a closed contour matches: each covers 95 % of the other's length.
 
     Open contours do not count; boundaries within the tolerance [px] count as the same.
@@ -76,7 +76,7 @@ def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: 
     return sum(
         any(
             min(seen.recall, seen.precision) >= _WHOLE
-            for seen in (agreement([one], [true], tolerance) for one in closed)
+            for seen in (compare_boundaries([one], [true], tolerance) for one in closed)
         )
         for true in truth
         if true.closed
@@ -93,7 +93,7 @@ def run(scene: Scene, at: Sequence[int] = (), tolerance: float = 1.0, engine: En
 
     def look(state: State) -> Moment:
         result = engine.result(state, parameters)
-        seen = agreement(result.contours, scene.truth, tolerance)
+        seen = compare_boundaries(result.contours, scene.truth, tolerance)
         closed = recovered(result.contours, scene.truth, tolerance), sum(one.closed for one in scene.truth)
         return Moment(
             state.step, state.scale, result.particles, result.contours, seen, *closed, converged=result.converged

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.contours.agreement import agreement
+from cpm_core.contours.agreement import compare_boundaries
 from cpm_core.contours.contour import Contour
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
@@ -40,7 +40,7 @@ def skeletons() -> Page:
         measured.append(facts)
         above.append(Picture(name, shape.values, contours=found.contours, caption=_agreement(facts), facts=facts))
         overlap = f"overlap with the true shape {facts['overlap']:.3f}"
-        rebuilt, outline = found.rebuilt().astype(float), closed(shape.outline)
+        rebuilt, outline = found.rebuild_shape().astype(float), closed(shape.outline)
         below.append(Picture("rebuilt from its skeleton", rebuilt, contours=outline, caption=[overlap]))
     words = {"open contour": "skeleton", "closed contour": "true outline", "boundary": "medial axis"}
     return Page([above, below], note=_note(measured), alike=False, words=words)
@@ -52,7 +52,7 @@ def shapes() -> dict[str, Shape]:
 
 
 def _measure(shape: Shape, found: Skeleton) -> Facts:
-    true, rebuilt = coverage(shape.outline, _SIZE) >= 0.5, found.rebuilt()
+    true, rebuilt = coverage(shape.outline, _SIZE) >= 0.5, found.rebuild_shape()
     facts: dict[str, object] = {
         "branches": len(found.contours),
         "length_px": round(found.length, 2),
@@ -60,7 +60,7 @@ def _measure(shape: Shape, found: Skeleton) -> Facts:
     }
     if not shape.axis:
         return facts
-    seen = agreement(found.contours, shape.axis, _TOLERANCE)
+    seen = compare_boundaries(found.contours, shape.axis, _TOLERANCE)
     return {
         "recall": round(seen.recall, 4),
         "precision": round(seen.precision, 4),

@@ -37,5 +37,5 @@ axes = again.plot()
 
 # %%
 bones = cpm.skeleton(image)
-rebuilt, mask = bones.rebuilt(), result.labels > 0
+rebuilt, mask = bones.rebuild_shape(), result.labels > 0
 print(f"{len(bones.contours)} branches, {100 * (rebuilt & mask).sum() / mask.sum():.1f} % of the area rebuilt")

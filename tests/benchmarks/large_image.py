@@ -28,8 +28,8 @@ from cpm_core.chunked.run import CONTOURS, Task, find, run
 from cpm_core.chunked.store import Store
 from cpm_core.chunked.survey import Tone, Whole
 from cpm_core.cli.workers import cluster, finished, on_one_core
-from cpm_core.contours.agreement import TOLERANCE, distance_to
-from cpm_core.contours.contour import Contour, sampled
+from cpm_core.contours.agreement import DEFAULT_TOLERANCE, distances_to_contours
+from cpm_core.contours.contour import Contour, sample_contours
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import split_into_tiles
@@ -113,13 +113,13 @@ def judge(side, files):
     for place in places:
         mine, true = found.get(place, []), [outline(*place)]
         if mine:
-            away.append(distance_to(sampled(mine), true))
-        back.append(distance_to(sampled(true), mine))
+            away.append(distances_to_contours(sample_contours(mine), true))
+        back.append(distances_to_contours(sample_contours(true), mine))
     away, back = np.concatenate(away), np.concatenate(back)
-    precision, recall = (away <= TOLERANCE).mean(), (back <= TOLERANCE).mean()
+    precision, recall = (away <= DEFAULT_TOLERANCE).mean(), (back <= DEFAULT_TOLERANCE).mean()
     print(f"{len(places)} nuclei, {numbers.sum()} closed contours: {(numbers == 1).sum()} found once, "
           f"{(numbers == 0).sum()} missed, {(numbers > 1).sum()} more than once")  # fmt: skip
-    print(f"F {2 * precision * recall / (precision + recall):.5f} within {TOLERANCE:g} px, "
+    print(f"F {2 * precision * recall / (precision + recall):.5f} within {DEFAULT_TOLERANCE:g} px, "
           f"{away.mean():.3f} px apart on average, {np.percentile(away, 99):.3f} px for 99 %")  # fmt: skip
 
 
@@ -190,7 +190,7 @@ def objects(side, core):
                 if nearest and np.abs(box(nearest) - box(one.contours)).max() < 12.0:
                     left = [other for other in left if other is not nearest]
                     ways = ((one.contours, nearest), (nearest, one.contours))
-                    apart.append(max(distance_to(np.concatenate([c.points for c in a]), b).max() for a, b in ways))
+                    apart.append(max(distances_to_contours(np.concatenate([c.points for c in a]), b).max() for a, b in ways))
             print(f"{title}: {len(whole)} objects in one piece, {len(apart)} also in chunks, {len(left)} only there; "
                   f"{sum(np.array(apart) > 0.05)} differ by more than 0.05 px, at most {max(apart):.3f}")  # fmt: skip
 

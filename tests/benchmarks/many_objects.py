@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 
-from cpm_core.contours.agreement import distance_to
+from cpm_core.contours.agreement import distances_to_contours
 from cpm_core.contours.contour import Contour
 from cpm_core.model.starts import uniform_grid
 from cpm_core.parameters import PRESETS
@@ -55,7 +55,7 @@ def judged(contours, truth):
     away, missed = [], []
     for center, size, outline in truth:
         near = np.flatnonzero(np.hypot(*(centers - center).T) < max(NEAR * size, 2.0))
-        distances = [distance_to(contours[at].points, [outline]).mean() for at in near]
+        distances = [distances_to_contours(contours[at].points, [outline]).mean() for at in near]
         if len(distances) == 1 and distances[0] < max(NEAR * size, 1.0):
             away += distances
         else:
@@ -76,7 +76,7 @@ def main(side=2000, noise=10.0):
         print(f"{words} shortcuts: {spent:.1f} s of processor time, {len(results[-1])} contours, {found} of "
               f"{len(truth)} objects, {away:.3f} px from their outlines; largest radii missed {missed}")  # fmt: skip
     for some, others in (results, results[::-1]):
-        print(f"at most {distance_to(np.concatenate([one.points for one in some]), others).max():.3f} px apart")
+        print(f"at most {distances_to_contours(np.concatenate([one.points for one in some]), others).max():.3f} px apart")
 
 
 if __name__ == "__main__":

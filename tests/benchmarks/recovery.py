@@ -17,7 +17,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from cpm_core import circle, segment
-from cpm_core.contours.contour import sampled
+from cpm_core.contours.contour import sample_contours
 from cpm_core.warm_up import warm_up
 from tests.core.scenes import disk, ring, u_shape
 
@@ -37,7 +37,7 @@ def main() -> None:
             began = time.perf_counter()
             result = segment(scene.values, seeds)
             seconds.append(time.perf_counter() - began)
-        error = np.abs(scene.distance(sampled(result.contours)))
+        error = np.abs(scene.distance(sample_contours(result.contours)))
         closed = sum(contour.closed for contour in result.contours)
         sys.stdout.write(
             f"{name}: {len(result.contours)} contours, {closed} closed, mean error {error.mean():.3f} px, "

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from skimage import data
 
 from cpm_core import PRESETS, Engine, circle, load_image
-from cpm_core.contours.contour import sampled
+from cpm_core.contours.contour import sample_contours
 from cpm_core.model.starts import uniform_grid
 
 SAMPLES = (("coins", 40.0, 200.0, 10.0), ("camera", 150.0, 200.0, 12.0), ("cell", 350.0, 340.0, 30.0))
@@ -45,7 +45,7 @@ def measured(engine, first, parameters, usual):
     speed = np.mean([2.0**state.scale * state.displacement for state in states[:20]])
     near = cKDTree(last.position).query(last.position, 2)[0][:, 1].mean()
     length = sum(contour.length for contour in found)
-    return (speed, len(states), last.count, near, len(found), length, agreement(sampled(found), usual))
+    return (speed, len(states), last.count, near, len(found), length, agreement(sample_contours(found), usual))
 
 
 def main():
@@ -59,7 +59,7 @@ def main():
             shape = engine.image.shape
             start = engine.start(circle((row, col), radius) if preset == "shape" else uniform_grid(shape))
             states = list(to_rest(engine, start, usual))
-            points = sampled(engine.result(states[-1], usual).contours)
+            points = sample_contours(engine.result(states[-1], usual).contours)
             for slider, control in SLIDERS.items():
                 if preset == "automatic" and slider not in MOTION:
                     continue

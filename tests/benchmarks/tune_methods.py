@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.contours.agreement import agreement
+from cpm_core.contours.agreement import compare_boundaries
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
@@ -116,7 +116,7 @@ def mean_f(name, settings, among):
     """Mean F of a method over trials."""
     method = CONTOUR_METHODS[name]
     ends = (run_method(method, trial.image, trial.start, settings) for trial in among)
-    scores = [agreement(end.state.contours, trial.truth).f for end, trial in zip(ends, among, strict=True)]
+    scores = [compare_boundaries(end.state.contours, trial.truth).f for end, trial in zip(ends, among, strict=True)]
     return sum(scores) / len(scores)
 
 

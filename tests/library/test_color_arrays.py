@@ -7,12 +7,12 @@ import PIL.Image
 import pytest
 
 import cpm_core as cpm
-from cpm_core.image.colors import COLORS
+from cpm_core.image.colors import COLOR_CHOICES
 
 RGB = cpm.example("colors").colors.samples
 
 
-@pytest.mark.parametrize("color", COLORS)
+@pytest.mark.parametrize("color", COLOR_CHOICES)
 @pytest.mark.parametrize("opacity", [None, 255, 128])
 def test_an_array_has_the_gray_levels_of_its_file(color, opacity, tmp_path):
     alpha = () if opacity is None else (np.full((*RGB.shape[:2], 1), opacity, np.uint8),)

@@ -15,7 +15,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 import cpm_core as cpm
-from cpm_core.image.drawing import CLOSED, OPEN, longest_bar
+from cpm_core.image.drawing import CLOSED_CURVE_COLOR, OPEN_CURVE_COLOR, fit_scale_bar
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def test_result_is_plotted_on_the_axes_that_are_given(result):
     ax = Figure().add_subplot()
     assert result.plot(ax, particles=True, labels=True) is ax
     _, lines = (some for some in ax.collections if isinstance(some, LineCollection))  # the halos, then the lines
-    assert {to_hex(color) for color in lines.get_colors()} <= {CLOSED, OPEN}
+    assert {to_hex(color) for color in lines.get_colors()} <= {CLOSED_CURVE_COLOR, OPEN_CURVE_COLOR}
     assert len(lines.get_paths()) == len(result.contours)
     assert np.allclose(lines.get_paths()[0].vertices[:, ::-1], result.contours[0].path)
     texts = {text.get_text() for text in ax.texts}
@@ -67,7 +67,7 @@ def test_the_scale_bar_is_as_long_as_it_says(result):
     ax = result.plot()
     bar = next(line for line in ax.lines if to_hex(line.get_color()) == "#ffffff")
     assert np.ptp(bar.get_xdata()) * 0.5 == pytest.approx(5.0)
-    assert longest_bar(0.3 * 64, 0.5, "µm").label == "5 µm"
+    assert fit_scale_bar(0.3 * 64, 0.5, "µm").label == "5 µm"
     unmeasured = cpm.Image(result.image.values).plot()
     assert [text.get_text() for text in unmeasured.texts] == ["10 px"]
 
@@ -91,7 +91,7 @@ def test_figures_are_read_as_what_their_suffix_says(result, ball, tmp_path):
     svg = ET.parse(files[0]).getroot()
     assert svg.tag.endswith("svg")
     assert "5 µm" in "".join(svg.itertext())
-    assert CLOSED in files[0].read_text(encoding="utf-8")
+    assert CLOSED_CURVE_COLOR in files[0].read_text(encoding="utf-8")
     with PIL.Image.open(files[1]) as png:
         assert png.size == (1200, 1200)
         assert "disks" in png.info["Description"]

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.contours.rasterize import paint
-from cpm_core.contours.region_table import region_table, volume_table
+from cpm_core.contours.rasterize import rasterize_labels
+from cpm_core.contours.region_table import measure_regions, measure_volume_objects
 
 SHAPE = (120, 140)
 SAME = (
@@ -28,7 +28,7 @@ def ellipse(center, half_axes, angle=0.0, count=720):
 
 
 def table_of(contours, spacing=(1.0, 1.0), unit=None, gray=None):
-    return region_table(contours, paint(contours, SHAPE), gray, spacing, unit)
+    return measure_regions(contours, rasterize_labels(contours, SHAPE), gray, spacing, unit)
 
 
 @given(st.floats(8.0, 30.0), st.floats(0.3, 0.95), st.floats(-1.5, 1.5), st.floats(50.0, 60.0))
@@ -81,8 +81,8 @@ def test_large_regions_have_the_measures_that_scikit_image_finds_in_their_label_
     outline = np.stack([60.0 + radius * np.cos(turn), 70.0 + radius * np.sin(turn)], axis=1)
     contours = [cpm.Contour(np.clip(outline, 1.0, 118.0), closed=True), ellipse((60.0, 70.0), (10.0, 8.0), 0.4)]
     gray = np.random.default_rng(seed).uniform(0.0, 255.0, SHAPE)
-    labels = paint(contours, SHAPE)
-    table = region_table(contours, labels, gray, (1.0, 1.0), None)
+    labels = rasterize_labels(contours, SHAPE)
+    table = measure_regions(contours, labels, gray, (1.0, 1.0), None)
     theirs = skimage.measure.regionprops_table(labels.astype(int), gray, properties=[*SAME, "label", "centroid"])
     assert table["label"].tolist() == theirs["label"].tolist() == [1, 2]
     for name in SAME[-4:]:
@@ -119,7 +119,7 @@ def test_objects_in_a_volume_are_measured_in_units_along_each_axis():
     labels = np.zeros((10, 12, 14), int)
     labels[2:5, 3:8, 1:5], labels[6:8, 9:11, 10:12] = 1, 3  # an object in between has been taken away
     gray = np.arange(labels.size, dtype=float).reshape(labels.shape)
-    table = volume_table(labels, gray, (2.0, 1.0, 0.5), "mm")
+    table = measure_volume_objects(labels, gray, (2.0, 1.0, 0.5), "mm")
     theirs = skimage.measure.regionprops_table(
         labels, gray, ["area", "centroid", "intensity_mean"], spacing=(2.0, 1.0, 0.5)
     )

@@ -11,11 +11,11 @@ import numpy as np
 import skimage
 
 import cpm_core as cpm
-from cpm_core.contours import surfaces_joined
-from cpm_core.contours.surface import surface_of_labels
+from cpm_core.contours import join_surfaces
+from cpm_core.contours.surface import surface_from_labels
 from cpm_core.numerics import Array, Index
 from cpm_core.objects import boundaries_result, without_run
-from cpm_core.shapes import starts_along
+from cpm_core.shapes import starts_from_contours
 
 Said = tuple[str, Array | None]
 """Progress: a sentence, and positions of particles, shape (N, D), if any."""
@@ -74,7 +74,7 @@ def objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[
         raise ValueError("No object was found there: move the points, or draw a box around an object.")
     if image.ndim == 2:
         return cpm.objects_result(found, image)
-    surface = surfaces_joined([(at, one.surface) for at, one in enumerate(found, 1)], image.spacing, image.unit)
+    surface = join_surfaces([(at, one.surface) for at, one in enumerate(found, 1)], image.spacing, image.unit)
     empty = boundaries_result((), (), image.shape, image.spacing, image.unit, image.source)
     return replace(empty, surface=surface)
 
@@ -118,7 +118,7 @@ def corrected(image: cpm.Image, labels: Index, number: int, inside: Array, outsi
     if image.ndim == 2:
         previous = partition.selection_of(mask, middle)
     else:
-        surface = surface_of_labels(mask.astype(np.int32), image.spacing, image.unit)
+        surface = surface_from_labels(mask.astype(np.int32), image.spacing, image.unit)
         previous = cpm.VolumeSelection(partition, surface, middle, np.empty((0, 3)))
     better = partition.select(np.concatenate([middle, inside]), outside, previous=previous).mask
     return np.where(better & ((labels == 0) | mask), number, np.where(mask, 0, labels))
@@ -143,7 +143,7 @@ def seeds_of(drawn: Sequence[cpm.Contour], labels: Index | None) -> Array:
 
     `labels` have shape (H, W) or (P, H, W). ValueError when there are neither.
     """
-    seeds = [start.seeds() for start in starts_along(drawn)]
+    seeds = [start.seeds() for start in starts_from_contours(drawn)]
     if labels is not None:
         boundaries = skimage.segmentation.find_boundaries(labels, mode="inner")  # type: ignore[no-untyped-call]
         seeds.append(np.argwhere(boundaries)[::2].astype(float))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cpm_core import Contour, Result, measure
-from cpm_core.contours import numbers_of
+from cpm_core.contours import assign_numbers
 from cpm_core.formats import color_of, ellipse
 from cpm_core.formats.contours.contents import DEFAULT
 from cpm_core.numerics import Array
@@ -30,7 +30,7 @@ def layer_of_contours(contours: Sequence[Contour], name: str, shape: Sequence[in
     lines = [contour for contour in contours if len(contour.points) > 1]
     rows = measure(lines, contrast=False)
     features = {
-        "number": list(numbers_of(lines)),
+        "number": list(assign_numbers(lines)),
         "name": [contour.name for contour in lines],
         "closed": [contour.closed for contour in lines],
         "length": [row.length for row in rows],

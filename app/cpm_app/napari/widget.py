@@ -17,7 +17,7 @@ from qtpy.QtWidgets import QLineEdit
 import cpm_core as cpm
 from cpm_app.napari import finding
 from cpm_app.napari.layers import LayerData, drawn_lines, layers_of_result
-from cpm_core.image.drawing import PARTICLE
+from cpm_core.image.drawing import PARTICLE_COLOR
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import JsonDict
 
@@ -186,7 +186,7 @@ class FindWidget(Container):  # type: ignore[misc]
         self.said.value, position = said
         if position is not None:
             placing = {name: getattr(self.image.value, name) for name in _PLACING_ATTRIBUTES}
-            look = {"name": _PARTICLE_LAYER, "size": 2, "border_width": 0, "face_color": PARTICLE, **placing}
+            look = {"name": _PARTICLE_LAYER, "size": 2, "border_width": 0, "face_color": PARTICLE_COLOR, **placing}
             self._show(position, look, "points")
 
     def _take(self, found: list[LayerData] | str) -> None:

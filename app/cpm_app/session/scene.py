@@ -20,7 +20,7 @@ from cpm_app.session.exchange.contour_tracking import TrackedContours
 from cpm_app.session.exchange.messages import Drawn, Reconstruction, Snapshot
 from cpm_app.session.worker.requests import Probed, Shaded
 from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth
-from cpm_core.contours import Mark, Measures, ReviewedContour, reviewed
+from cpm_core.contours import Mark, Measures, ReviewedContour, pair_with_marks
 from cpm_core.numerics import Array, Index
 from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import SegmentedObject
@@ -65,7 +65,7 @@ class ReviewedContours:
         if tracked is None:
             return NO_CONTOURS
         whole = tracked.keeping(marks)
-        items = zip(whole.keys, reviewed(whole.result.contours, marks), whole.measures, strict=True)
+        items = zip(whole.keys, pair_with_marks(whole.result.contours, marks), whole.measures, strict=True)
         return ReviewedContours(tuple(Item(*one) for one in items), tracked, whole.result)
 
 

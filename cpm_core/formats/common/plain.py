@@ -17,13 +17,13 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 from numpy.typing import DTypeLike
 
-from cpm_core.contours.packed_surface import MOST_VOXELS, PackedVoxels, packed, unpacked
+from cpm_core.contours.packed_surface import MAX_BOX_VOXELS, PackedVoxels, encode_array, decode_array
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.numerics.types import JsonDict, Numbers, JsonObject, Texts, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.shapes import SHAPES, Shape
+from cpm_core.shapes import SHAPES_BY_NAME, Shape
 
 T = TypeVar("T")
 
@@ -52,7 +52,7 @@ def to_plain(value: object) -> Any:
     if isinstance(value, PackedVoxels):
         return to_plain(value.voxels)
     if isinstance(value, Voxels):
-        return {"first": to_plain(value.first), "shape": value.mask.shape, "voxels": packed(np.packbits(value.mask))}
+        return {"first": to_plain(value.first), "shape": value.mask.shape, "voxels": encode_array(np.packbits(value.mask))}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, bool | str | int) or value is None:
@@ -86,7 +86,7 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
 
 def shape_to_plain(shape: Shape) -> JsonDict:
     """Convert a shape to JSON: its kind and the values of its fields."""
-    kind = next(name for name, made in SHAPES.items() if type(shape) is made)
+    kind = next(name for name, made in SHAPES_BY_NAME.items() if type(shape) is made)
     return {"shape": kind, **to_plain(shape)}
 
 
@@ -94,9 +94,9 @@ def shape_from_plain(plain: object, where: str) -> Shape:
     """Build a shape from JSON; ValueError when it is not a valid shape."""
     values = dict(mapping(plain, where))
     kind = values.pop("shape", None)
-    if not isinstance(kind, str) or kind not in SHAPES:
-        raise ValueError(f"{where} is of the kind {shown(kind)} but must be one of {', '.join(SHAPES)}.")
-    return from_plain(SHAPES[kind], values, f"{where} ({kind})")
+    if not isinstance(kind, str) or kind not in SHAPES_BY_NAME:
+        raise ValueError(f"{where} is of the kind {shown(kind)} but must be one of {', '.join(SHAPES_BY_NAME)}.")
+    return from_plain(SHAPES_BY_NAME[kind], values, f"{where} ({kind})")
 
 
 def parameters_from_plain(plain: object) -> tuple[Parameters, Texts]:
@@ -192,9 +192,9 @@ def _voxels(plain: object, where: str) -> Voxels:
     """Parse the voxels of a box, checking their number before memory is allocated."""
     box = from_plain(_Packed, plain, where)
     count = math.prod(box.shape)
-    if min(box.shape) < 1 or count > MOST_VOXELS:
-        raise ValueError(f"shape of {where} is {shown(box.shape)} but may be {MOST_VOXELS:,} voxels at most.")
-    bits = unpacked(box.voxels, np.uint8, -(-count // 8), where)
+    if min(box.shape) < 1 or count > MAX_BOX_VOXELS:
+        raise ValueError(f"shape of {where} is {shown(box.shape)} but may be {MAX_BOX_VOXELS:,} voxels at most.")
+    bits = decode_array(box.voxels, np.uint8, -(-count // 8), where)
     return Voxels(np.unpackbits(bits, count=count).reshape(box.shape).astype(bool), box.first)
 
 
@@ -204,13 +204,13 @@ _VALUE_PARSERS: dict[Any, Callable[[object, str], Any]] = {
     str: text,
     bool: lambda plain, where: _checked(plain, bool, "true or false", where),
     Voxels: _voxels,
-    PackedVoxels: lambda plain, where: PackedVoxels.of(_voxels(plain, where)),
+    PackedVoxels: lambda plain, where: PackedVoxels.from_voxels(_voxels(plain, where)),
 }
 
 
 def array_to_plain(array: Numbers) -> JsonDict:
     """Convert an array of numbers of any shape to JSON, losslessly."""
-    return {"shape": list(array.shape), "data": packed(array)}
+    return {"shape": list(array.shape), "data": encode_array(array)}
 
 
 def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, ...], where: str) -> Numbers:
@@ -225,7 +225,7 @@ def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, .
     ):
         wanted = " x ".join("any" if side is None else str(side) for side in shape)
         raise ValueError(f"{where} has the shape {shown(sides)} but must have {wanted} entries.")
-    return unpacked(given.get("data"), dtype, math.prod(sides), where).reshape(sides)
+    return decode_array(given.get("data"), dtype, math.prod(sides), where).reshape(sides)
 
 
 def regions_to_plain(regions: AnyRegions | None) -> JsonDict:

@@ -19,7 +19,7 @@ from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.shapes import SHAPES, EnclosedRegion, EnclosingWall, Shape
+from cpm_core.shapes import SHAPES_BY_NAME, EnclosedRegion, EnclosingWall, Shape
 
 Outcome = Result | Skeleton
 """Outcome of a run on an image: contours, or a skeleton."""
@@ -112,7 +112,7 @@ def _flat(value: Any) -> Iterator[str]:
 
 def plain_shapes(shapes: Iterable[Shape]) -> tuple[JsonDict, ...]:
     """Describe shapes for `Provenance.shapes`, with the kinds and fields of session files."""
-    kinds = {kind: name for name, kind in SHAPES.items()}
+    kinds = {kind: name for name, kind in SHAPES_BY_NAME.items()}
     found = []
     for shape in shapes:
         fields = {}

@@ -8,7 +8,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, rounded
@@ -46,7 +46,7 @@ def encode(result: Outcome) -> bytes:
         )
     categories = sorted({_category(contour) for pairs in parts.values() for contour, _ in pairs})
     surrounding = {row.inside for row in rows if row.closed}
-    labels = paint(result.contours, result.shape) if surrounding - {0} else None
+    labels = rasterize_labels(result.contours, result.shape) if surrounding - {0} else None
     height, width = result.shape
     instances: list[JsonDict] = []
     for label, pairs in sorted(parts.items()):
@@ -70,7 +70,7 @@ def encode(result: Outcome) -> bytes:
             holes = [one for one in result.contours if one.hole and one.group == first.group and len(one.points) > 2]
             mask = labels == label
             if not mask.any():  # hidden by another object
-                mask = paint([*(contour for contour, _ in pairs), *holes], result.shape) > 0
+                mask = rasterize_labels([*(contour for contour, _ in pairs), *holes], result.shape) > 0
             changes = np.flatnonzero(np.diff(mask.T.ravel(), prepend=False, append=False))
             counts = np.diff(changes, prepend=0, append=labels.size).tolist()  # down one column after the other
             instance["segmentation"] = {"counts": counts, "size": [height, width]}

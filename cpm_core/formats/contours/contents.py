@@ -13,7 +13,7 @@ from typing import Any, get_args
 import numpy as np
 from PIL import ImageColor
 
-from cpm_core.contours.contour import Contour, Reached
+from cpm_core.contours.contour import Contour, ReachedBy
 from cpm_core.numerics.types import Array, JsonDict, frozen
 
 DEFAULT = "#d6006c"
@@ -133,7 +133,7 @@ def checked(properties: JsonDict) -> JsonDict:
         "bridged": _finite(properties.get("bridged")),
         "gray": None if properties.get("gray") is None else _finite(properties["gray"]),
         "number": max(0, int(properties.get("number") or 0)),
-        "way": partial(str, reached) if reached in get_args(Reached) else None,
+        "way": partial(str, reached) if reached in get_args(ReachedBy) else None,
     }
 
 

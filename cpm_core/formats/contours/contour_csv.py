@@ -13,8 +13,8 @@ from itertools import chain, groupby
 
 import numpy as np
 
-from cpm_core.contours.contour import numbers_of
-from cpm_core.contours.measurements import centroid, contour_labels, measure
+from cpm_core.contours.contour import assign_numbers
+from cpm_core.contours.measurements import compute_centroid, assign_labels, measure
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import cell, text_of_cell
 from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
@@ -48,15 +48,15 @@ def encode(result: Outcome) -> bytes:
 def _vertices(result: Outcome) -> list[Row]:
     """Build the rows of `encode`."""
     radii = result.radii if isinstance(result, Skeleton) else None
-    labels = range(1, len(result.contours) + 1) if radii is not None else contour_labels(result.contours)
+    labels = range(1, len(result.contours) + 1) if radii is not None else assign_labels(result.contours)
     has, unit, (high, wide) = _attributes(result), in_ascii(result.unit, ""), result.spacing[-2:]
     rows: list[Row] = []
-    for index, (number, contour) in enumerate(zip(numbers_of(result.contours), result.contours, strict=True)):
+    for index, (number, contour) in enumerate(zip(assign_numbers(result.contours), result.contours, strict=True)):
         fixed: Row = {"contour": number, "closed": _truth(contour.closed), "label": labels[index]}
         fixed["strength"] = f"{contour.strength:.6g}"
         common: Row = {}
         if radii is None:
-            common["contrast"] = f"{contour.contrast:.4f}" if contour.sides else ""
+            common["contrast"] = f"{contour.contrast:.4f}" if contour.measure_contrast else ""
         if has & {"name", "color"}:
             common |= {"name": cell(contour.name), "color": contour.color}
         if "category" in has:
@@ -158,7 +158,7 @@ def encode_table(result: Outcome) -> bytes:
         raise ValueError(
             f"{result.source} has no closed contour, so a table of objects would be empty: continue the run."
         )
-    firsts = {label: one for label, one in zip(contour_labels(result.contours), result.contours, strict=True) if label}
+    firsts = {label: one for label, one in zip(assign_labels(result.contours), result.contours, strict=True) if label}
     columns: Row = {}
     for name, unit in measured.units.items():
         power = {"²": "2", "³": "3"}.get(unit[-1:], "")
@@ -198,7 +198,7 @@ def encode_measures_of_pages(found: StackResult) -> bytes:
     def build_rows_with_centroids(result: Outcome) -> list[Row]:
         rows = []
         for contour, row in zip(result.contours, _measures(result), strict=True):
-            center = centroid(contour)
+            center = compute_centroid(contour)
             rows.append({"centroid_row": f"{center[0]:.4f}", "centroid_col": f"{center[1]:.4f}"} | row)
         return rows
 

@@ -149,7 +149,7 @@ def _result_from(plain: JsonObject) -> Result:
     contours = []
     for entry in plain["contours"]:
         contour, contrast = _contour_from(entry), entry["contrast"]
-        contours.append(contour if contrast is None else replace(contour, sides=partial(float, float(contrast))))
+        contours.append(contour if contrast is None else replace(contour, measure_contrast=partial(float, float(contrast))))
     facts = plain[ENTRY]
     return Result(
         np.zeros((int(run["particles"]), 2)),  # the file holds only their number

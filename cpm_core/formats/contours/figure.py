@@ -8,7 +8,7 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
-from cpm_core.image.drawing import FIGURES, encoded_figure, new_figure
+from cpm_core.image.drawing import FIGURE_FORMATS, render_figure, new_figure
 from cpm_core.medial_axis.skeleton import Skeleton
 
 
@@ -46,7 +46,7 @@ def write_figure(
     """
     files = list(map(Path, paths))
     for file in files:
-        check_target(file, FIGURES, "of a figure")
+        check_target(file, FIGURE_FORMATS, "of a figure")
     drawn = {"image": image, "contours": contours, "particles": particles, "labels": labels, "scale_bar": scale_bar}
     contents = [(file, encoded(file.suffix.lower(), result, **drawn)) for file in files]
     write_together(contents)
@@ -60,4 +60,4 @@ def encoded(suffix: str, result: Outcome, **drawn: bool) -> bytes:
         result.plot(ax, image=drawn.get("image", True), scale_bar=drawn.get("scale_bar", True))
     else:
         result.plot(ax, **drawn)
-    return encoded_figure(figure, suffix, text_of(facts_of(result)))
+    return render_figure(figure, suffix, text_of(facts_of(result)))

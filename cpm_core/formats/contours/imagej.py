@@ -13,7 +13,7 @@ import numpy as np
 import roifile
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
-from cpm_core.contours.contour import Contour, numbers_of
+from cpm_core.contours.contour import Contour, assign_numbers
 from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
@@ -52,7 +52,7 @@ def encode(result: Outcome) -> bytes:
             f"{result.source} has {len(result.contours) or 'no'} contours, but a .roi file holds exactly one: "
             + ("export to .zip, which holds them all." if result.contours else "continue the run.")
         )
-    (number,) = numbers_of(result.contours)
+    (number,) = assign_numbers(result.contours)
     return selection(result.contours[0], number, properties_of(result))
 
 
@@ -67,7 +67,7 @@ def encode_set(result: Outcome) -> bytes:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: continue the run.")
     properties, taken = properties_of(result), {""}
     found = {}
-    for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
+    for number, contour in zip(assign_numbers(result.contours), result.contours, strict=True):
         name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_MAX_ROI_FILE_NAME]
         while name.lower() in taken:  # some file systems ignore case
             name = f"{plain}-{number}" if name == plain else f"{name}-"

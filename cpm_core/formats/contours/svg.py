@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import contour_labels
+from cpm_core.contours.measurements import assign_labels
 from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
 from cpm_core.formats.contours.curves import bezier
@@ -64,7 +64,7 @@ def encode(result: Outcome) -> bytes:
         paths = [_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)]
     else:
         title = "Contours"
-        paths = [_path(contour, n) for contour, n in zip(result.contours, contour_labels(result.contours), strict=True)]
+        paths = [_path(contour, n) for contour, n in zip(result.contours, assign_labels(result.contours), strict=True)]
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="-0.5 -0.5 {cols} {rows}" '
@@ -84,7 +84,7 @@ def _path(contour: Contour, label: int, radii: Array | None = None) -> str:
     vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # a single vertex: a dot
     points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
-    known += "" if contour.sides is None else f'data-contrast="{contour.contrast:.4f}" '
+    known += "" if contour.measure_contrast is None else f'data-contrast="{contour.contrast:.4f}" '
     known += f'data-number="{contour.number}" ' if contour.number else ""
     known += f'data-by-hand="{contour.length_by_hand:.3f}" ' if contour.by_hand else ""
     known += f'stroke="{contour.color}" ' if contour.color else ""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.image.colors import Colors, reduced
+from cpm_core.image.colors import Colors, reduce_to_gray
 from cpm_core.image.geometry import Geometry
 from cpm_core.numerics.types import Numbers, Sides, Texts, record
 
@@ -85,7 +85,7 @@ def from_samples(
         Gray levels of shape (..., W), colors, and notes.
     """
     *shape, width, count = samples.shape
-    values, colors, said = reduced(
+    values, colors, said = reduce_to_gray(
         samples.reshape(-1, width, count), None if alpha is None else alpha.reshape(-1, width), white
     )
     colors = colors and replace(colors, samples=colors.samples.reshape(*shape, width, 3))

@@ -18,7 +18,7 @@ from cpm_core.formats.images.decoded import Decoded, check_size, from_bands, fro
 from cpm_core.formats.images.dicom_series import Frame, all_series, frames_of
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, joined
-from cpm_core.image.gray_levels import NO_DATA
+from cpm_core.image.gray_levels import NO_DATA_VALUE
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Numbers, Texts
 from cpm_core.parameters.quotation import shown
@@ -200,7 +200,7 @@ def _without_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:
     if int(dataset.get("PixelRepresentation", 0)):  # some programs write negative numbers without their sign
         first, last = (one - 2.0**bits if one >= 2.0 ** (bits - 1) else one for one in (first, last))
     absent = (stored >= min(first, last)) & (stored <= max(first, last))
-    return np.where(absent, np.float64(NO_DATA), values) if absent.any() else values
+    return np.where(absent, np.float64(NO_DATA_VALUE), values) if absent.any() else values
 
 
 def _unpacked(dataset: Any, frame: Frame, name: str) -> Numbers:

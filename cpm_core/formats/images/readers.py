@@ -22,8 +22,8 @@ from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, 
 from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.reading import Reading, checked_unit
 from cpm_core.formats.images.stack import Axis, Pages, Stack, plane_of, volume_of
-from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, in_color
-from cpm_core.image.gray_levels import NO_DATA, no_data_note
+from cpm_core.image.colors import LUMINANCE_CHOICE, LUMINANCE_NOTE, gray_from_color
+from cpm_core.image.gray_levels import NO_DATA_VALUE, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Callback, JsonDict
@@ -282,15 +282,15 @@ def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Im
     """Build the image, with the gray levels and the pixel size that were requested."""
     values, notes, colors = decoded.values, decoded.notes, decoded.colors
     spacing, unit, geometry = decoded.spacing, decoded.unit, decoded.geometry
-    if reading.color != LUMINANCE and colors is not None:
-        values, note = in_color(values, colors, reading.color)
+    if reading.color != LUMINANCE_CHOICE and colors is not None:
+        values, note = gray_from_color(values, colors, reading.color)
         notes, colors = tuple(note if one == LUMINANCE_NOTE else one for one in notes), None
     if reading.spacing is not None:
         given = reading.spacing
         spacing, unit = given * values.ndim if len(given) == 1 else given, checked_unit(reading.unit)
         if geometry is not None and unit and decoded.unit:
             geometry = geometry.scaled(resolution.factor(decoded.unit, unit))
-    if values.dtype == np.float64 and np.all(values == NO_DATA):  # a plane outside the recorded range
+    if values.dtype == np.float64 and np.all(values == NO_DATA_VALUE):  # a plane outside the recorded range
         notes = (*notes, no_data_note(values.size))
         values = np.zeros(values.shape)
     name, known = printable(file.name), decoded.hounsfield

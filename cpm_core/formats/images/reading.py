@@ -9,7 +9,7 @@ import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.images import resolution
-from cpm_core.image.colors import LUMINANCE, checked_color
+from cpm_core.image.colors import LUMINANCE_CHOICE, check_color_choice
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import JsonDict, Texts, frozen
 from cpm_core.parameters.quotation import shown
@@ -52,7 +52,7 @@ class Reading:
     channel: int | None = None
     time: int | None = None
     series: int | str | None = None
-    color: str = LUMINANCE
+    color: str = LUMINANCE_CHOICE
     spacing: Annotated[tuple[float, ...], 1, 2, 3] | None = None
     unit: str | None = None
 
@@ -64,7 +64,7 @@ class Reading:
             if not isinstance(given, int | np.integer) or isinstance(given, bool) or given < 1:
                 raise ValueError(f"{name} is {shown(given)} but must be a whole number from 1 up.")
             object.__setattr__(self, name, int(given))
-        checked_color(self.color)
+        check_color_choice(self.color)
         if self.spacing is not None:
             sides = (
                 check_finite_number("spacing", side, lambda number: number > 0.0, "numbers above 0") for side in self.spacing

@@ -14,7 +14,7 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.images.decoded import Decoded, check_size
 from cpm_core.formats.images.reading import Reading, index_of
 from cpm_core.image.colors import Colors
-from cpm_core.image.geometry import Convention, Geometry, Triple, from_affine
+from cpm_core.image.geometry import Convention, Geometry, Triple, geometry_from_affine
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.types import Array, Extent, Texts, record
@@ -124,7 +124,7 @@ def plane_of(stack: Stack, reading: Reading) -> Decoded:
     found = _first_plane(stack.take(time, channel, plane, plane + 1))
     place = stack.places[plane] if stack.places else None
     if place is None and stack.geometry is not None:
-        place = replace(stack.geometry.moved((plane, 0, 0), stack.spacing), depth=stack.spacing[0])
+        place = replace(stack.geometry.starting_at((plane, 0, 0), stack.spacing), depth=stack.spacing[0])
     return _of_stack(found, stack, place, notes)
 
 
@@ -162,7 +162,7 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
         found = stack.take(_chosen(stack, "time", reading.time, stack.times, notes), channel, first, end)
     geometry = stack.geometry
     if geometry is not None and first:
-        geometry = geometry.moved((first, 0, 0), stack.spacing)
+        geometry = geometry.starting_at((first, 0, 0), stack.spacing)
     if geometry is not None and geometry.slant > _MAX_SILENT_SLANT:
         notes.append(
             f"Its axes are {geometry.slant:.1f}° off right angles; lengths were taken as if they were at right angles."
@@ -221,7 +221,7 @@ def position_of(affine: Array, convention: Convention, sides: Sequence[float], u
         Voxel size, unit, geometry, and notes.
     """
     try:
-        geometry, spacing = from_affine(affine, convention)
+        geometry, spacing = geometry_from_affine(affine, convention)
     except ValueError:
         plane, row, col = sides if all(math.isfinite(side) and side > 0.0 for side in sides) else (1.0, 1.0, 1.0)
         return (plane, row, col), unit, None, ("Its matrix is not valid, so that it is not known where it lies.",)

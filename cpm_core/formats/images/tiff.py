@@ -18,7 +18,7 @@ from cpm_core.formats.images.decoded import Decoded, check_size, from_samples, u
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, joined
 from cpm_core.image.colors import full_scale
-from cpm_core.image.gray_levels import NO_DATA
+from cpm_core.image.gray_levels import NO_DATA_VALUE
 from cpm_core.numerics.types import Index, Numbers
 
 if TYPE_CHECKING:
@@ -229,7 +229,7 @@ def _without_no_data(page: tifffile.TiffPage, gray: Numbers, stored: Numbers) ->
     except (TypeError, ValueError):
         return gray
     absent = (np.isnan(stored) if math.isnan(absent_value) else stored == absent_value).all(axis=-1)
-    return np.where(absent, np.float64(NO_DATA), gray) if absent.any() else gray
+    return np.where(absent, np.float64(NO_DATA_VALUE), gray) if absent.any() else gray
 
 
 def _white(bits: object, samples: Numbers) -> float:

@@ -12,9 +12,9 @@ import PIL.PngImagePlugin
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contours, Label, numbers_of
-from cpm_core.contours.measurements import contour_labels
-from cpm_core.contours.rasterize import MOST_LABELS, label_type
+from cpm_core.contours.contour import Contours, Label, assign_numbers
+from cpm_core.contours.measurements import assign_labels
+from cpm_core.contours.rasterize import MAX_UINT16_LABELS, label_type
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
@@ -61,7 +61,7 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
     if isinstance(result, Skeleton):
         return paint_lines(result.contours, range(1, count + 1), result.shape)
     if outlines:
-        return paint_lines(result.contours, numbers_of(result.contours), result.shape)
+        return paint_lines(result.contours, assign_numbers(result.contours), result.shape)
     return result.labels.astype(label_type(len(result.contours)))
 
 
@@ -70,7 +70,7 @@ def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...
     if isinstance(result, Result) and result.surface is not None:
         labels = result.surface.labels
     else:
-        numbers = contour_labels(result.contours) if not outlines else numbers_of(result.contours)
+        numbers = assign_labels(result.contours) if not outlines else assign_numbers(result.contours)
         known = zip(numbers, result.contours, strict=True)
         labels = tuple({number: Label(number, one.name, one.color) for number, one in known if number}.values())
     if not any(label.name or label.color for label in labels):
@@ -102,9 +102,9 @@ def encode_png(result: Outcome, *, outlines: bool = False) -> bytes:
     more than 65535 labels.
     """
     count = _count(result, outlines)
-    if count > MOST_LABELS:
+    if count > MAX_UINT16_LABELS:
         raise ValueError(
-            f"{result.source} has {count} labels, but a PNG mask can hold at most {MOST_LABELS}: export to TIFF, or "
+            f"{result.source} has {count} labels, but a PNG mask can hold at most {MAX_UINT16_LABELS}: export to TIFF, or "
             "raise min_length, min_strength or pruning."
         )
     stream = io.BytesIO()
@@ -182,10 +182,10 @@ def _count(result: Outcome, outlines: bool = False) -> int:
         count = len(result.contours)
         nothing = f"{result.source} has no skeleton, so its picture would be empty: take less smoothing"
     elif outlines:
-        count = max(numbers_of(result.contours), default=0)
+        count = max(assign_numbers(result.contours), default=0)
         nothing = f"{result.source} has no contours, so a picture of them would be empty: continue the run"
     else:
-        count = max(contour_labels(result.contours), default=0)
+        count = max(assign_labels(result.contours), default=0)
         nothing = f"No contour of {result.source} is closed, so a label mask would be empty: continue the run"
     if count == 0:
         raise ValueError(f"{nothing}, or export to SVG or CSV.")

@@ -147,7 +147,7 @@ class Place:
         """Whether a triangle that is counterclockwise in the file is clockwise in voxels."""
         return bool(np.linalg.det(self.matrix[:3, :3]) < 0.0)
 
-    def voxels(self, positions: Array) -> Array:
+    def to_voxels(self, positions: Array) -> Array:
         """Convert positions (x, y, z), shape (N, 3), to (plane, row, col) [voxels]."""
         return np.asarray(np.linalg.solve(self.matrix[:3, :3], (positions - self.matrix[:3, 3]).T).T)
 

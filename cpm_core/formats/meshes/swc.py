@@ -18,7 +18,7 @@ from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.formats.meshes.coordinates import decimals_for, place_of, positions
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
-from cpm_core.medial_axis.centerlines import Branch, Centerlines, longest_first
+from cpm_core.medial_axis.centerlines import CenterlineBranch, Centerlines, sort_branches_by_length
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -119,7 +119,7 @@ def load_centerlines(
     rows = _rows(text, file.name)
     remarks = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
     place, notes = place_of(remarks, image, space)
-    points, radii = place.voxels(rows[:, 2:5]), rows[:, 5] * place.scale
+    points, radii = place.to_voxels(rows[:, 2:5]), rows[:, 5] * place.scale
     index = {number: k for k, number in enumerate(rows[:, 0].tolist())}
     parents = rows[:, 6].tolist()
     if len(index) < len(rows) or any(parent >= 0 and parent not in index for parent in parents):
@@ -143,7 +143,7 @@ def load_centerlines(
     for note in notes:
         warn(f"{file.name}: {note}")
     geometry = None if image is None else image.geometry
-    return longest_first(Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry))
+    return sort_branches_by_length(Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry))
 
 
 def _rows(text: str, name: str) -> Array:
@@ -162,7 +162,7 @@ def _rows(text: str, name: str) -> Array:
     return np.asarray(rows)
 
 
-def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[Branch]:
+def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[CenterlineBranch]:
     """Trace the chains of links between points where other than two meet; rings begin at any point."""
     neighbors: dict[int, list[int]] = {}
     for a, b in links:
@@ -181,5 +181,5 @@ def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list
                 one, other = neighbors[chain[-1]]
                 chain.append(other if one == chain[-2] else one)
                 open_links.discard(frozenset(chain[-2:]))
-            branches.append(Branch(points[chain], radii[chain], (chain[0], chain[-1])))
+            branches.append(CenterlineBranch(points[chain], radii[chain], (chain[0], chain[-1])))
     return branches

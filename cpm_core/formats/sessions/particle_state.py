@@ -14,7 +14,7 @@ from numpy.typing import DTypeLike
 
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.formats.common.plain import array_from_plain, array_to_plain, mapping, number, text
-from cpm_core.image.pyramid import shape_of_scale
+from cpm_core.image.pyramid import shape_at_scale
 from cpm_core.model.coverage import COVERAGE_CELL, NEVER_COVERED, Coverage, SurfaceCoverage, no_coverage
 from cpm_core.model.plane.repulsion import NO_MESH, MESH_PITCH, mesh_corner, mesh_shape, softening_coefficients
 from cpm_core.model.starts import is_inside_image
@@ -58,7 +58,7 @@ def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides =
     values = {name: _scalar(kind, given.get(name), f"{name} of state") for name, kind in _SCALAR_FIELDS.items()}
     if not values["scale"] < scales:
         raise ValueError(f"scale of state is {values['scale']} but must be from 0 to {scales - 1}.")
-    size, axes = shape_of_scale(shape, values["scale"]), len(shape)
+    size, axes = shape_at_scale(shape, values["scale"]), len(shape)
 
     def read_array(name: str, dtype: DTypeLike, *sides: int | None) -> Numbers:
         found = array_from_plain(given.get(name), dtype, sides, f"{name} of state")

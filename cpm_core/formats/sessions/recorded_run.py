@@ -24,7 +24,7 @@ from cpm_core.image.image import Image
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
 from cpm_core.parameters import Parameters
-from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
+from cpm_core.shapes.document_shapes import collect_charges, collect_regions, select_starts
 
 _ONLY_BRANCH = 1
 """Number of the only branch of a written run."""
@@ -49,8 +49,8 @@ def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> S
     state = recorder.state
     if state is None:
         return session
-    regions = regions_of(session.shapes, session.objects.barriers)
-    action: JsonDict = {"step": {}, "charges": [to_plain(charge) for charge in charges_of(session.shapes)]}
+    regions = collect_regions(session.shapes, session.objects.barriers)
+    action: JsonDict = {"step": {}, "charges": [to_plain(charge) for charge in collect_charges(session.shapes)]}
     action |= regions_to_plain(regions)
     bare = replace(session, image=None, marks=(), view={}, extra={}, hand_edits=(), runs={}, truth=None)
     branch = {
@@ -64,7 +64,7 @@ def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> S
     }
     run = {
         "document": json.loads(encode(replace(bare, pages={}), Path())),
-        "drawn": [shape_to_plain(start) for start in starts_of(session.shapes)],
+        "drawn": [shape_to_plain(start) for start in select_starts(session.shapes)],
         "actions": [action],
         "branches": [branch],
     }

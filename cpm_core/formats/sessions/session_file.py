@@ -32,7 +32,7 @@ from cpm_core.formats.common.plain import (
 from cpm_core.formats.common.provenance import PROGRAM
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT, Reading
-from cpm_core.medial_axis.outlines import Outlined
+from cpm_core.medial_axis.outlines import SkeletonTarget
 from cpm_core.numerics.types import Callback, JsonDict, Integers, JsonObject, Texts, frozen
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
@@ -147,7 +147,7 @@ class SessionFile:
     marks: tuple[Mark, ...] = ()
     mode: str = ""
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
-    outlined: Outlined = field(default_factory=Outlined)
+    outlined: SkeletonTarget = field(default_factory=SkeletonTarget)
     view: JsonObject = field(default_factory=dict)
     extra: JsonObject = field(default_factory=dict)
     notes: Texts = ()
@@ -270,7 +270,7 @@ def decode(content: bytes, name: str) -> SessionFile:
             marks=read_list("marks", "mark", partial(from_plain, Mark)),
             mode=text(plain.get("mode", ""), "mode"),
             objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
-            outlined=from_plain(Outlined, plain.get("outlined", {}), "outlined"),
+            outlined=from_plain(SkeletonTarget, plain.get("outlined", {}), "outlined"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN_ENTRIES},
             runs=read_optional("runs", "recorded runs were", partial(mapping, where="runs"), {}),

@@ -20,7 +20,7 @@ import numpy as np
 
 from cpm_core.field.interpolation import pixel_before, interpolate_component
 from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
-from cpm_core.image.regions import BarrierMap, crosses
+from cpm_core.image.regions import BarrierMap, crosses_barrier
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_STRIDE, INSERTION_ROOM
 from cpm_core.model.plane.motion import READ_AHEAD_COUNT, edge_state_at, prefetch_field
@@ -330,7 +330,7 @@ def _find_offers(
             if not found[0] or count - before == _MAX_OFFERS:
                 continue
             here[0], here[1], there[0], there[1] = y, x, far_y, far_x
-            if not crosses(barrier_map, here, there):
+            if not crosses_barrier(barrier_map, here, there):
                 offers[count, 0], offers[count, 1] = i, j
                 offers[count, 2], offers[count, 3], offers[count, 4], offers[count, 5] = found[1:]
                 count += 1

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import pixel_before, interpolate_component
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
-from cpm_core.image.regions import BarrierMap, crosses
+from cpm_core.image.regions import BarrierMap, crosses_barrier
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import (
     FADED_STEPS,
@@ -310,7 +310,7 @@ def hold_at_barriers(barrier_map: BarrierMap, before: Particles, after: Particle
     Such a particle keeps the part of its step and of its velocity that is along the barrier, if this part crosses no
     other barrier; otherwise it stays where it was before, at rest.
     """
-    blocked = barrier_map.crossed(before.position, after.position)
+    blocked = barrier_map.is_crossed_by(before.position, after.position)
     if not blocked.any():
         return after
     position, velocity = after.position.copy(), after.velocity.copy()
@@ -338,6 +338,6 @@ def _slide_along_barriers(barrier_map: BarrierMap, blocked: NDArray[np.int64], b
         speed = (velocity[i, 0] * row + velocity[i, 1] * col) / squared
         position[i, 0], position[i, 1] = before[i, 0] + row * slide, before[i, 1] + col * slide
         velocity[i, 0], velocity[i, 1] = row * speed, col * speed
-        if crosses(barrier_map, before[i], position[i]):
+        if crosses_barrier(barrier_map, before[i], position[i]):
             position[i, 0], position[i, 1] = before[i, 0], before[i, 1]
             velocity[i, 0], velocity[i, 1] = 0.0, 0.0

@@ -64,7 +64,7 @@ def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | No
         return None
     ridges = field.ridges
     if field.walls is not None:  # which divide connected parts: keep the ridges in rooms with particles
-        rooms, taken = field.walls.rooms(ridges.place), field.walls.rooms(state.particles.position)
+        rooms, taken = field.walls.find_rooms(ridges.place), field.walls.find_rooms(state.particles.position)
         _, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
         inside = np.flatnonzero((rooms >= 0) & np.isin(rooms, taken))
         ridges = ridges._replace(component=number.ravel()).select(inside)

@@ -64,7 +64,7 @@ def _find_enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: M
     regions = find_connected_parts(between, corners=False)
     open_ = regions.at_border
     if field.walls is not None:
-        crossed = regions.part_at(np.argwhere(field.walls.filled(field.shape, field.pitch)))
+        crossed = regions.part_at(np.argwhere(field.walls.find_wall_voxels(field.shape, field.pitch)))
         open_[crossed[crossed >= 0]] = True
     chosen = fitting.copy()
     chosen[ridges.component[covered]] = True

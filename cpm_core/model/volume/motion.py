@@ -347,14 +347,14 @@ def hold_at_walls(walls: Walls, before: Particles, after: Particles) -> Particle
     Such a particle keeps the part of its step and of its velocity along two axes or one, the faces and edges of voxels:
     the first of these parts that crosses no wall. Otherwise it stays where it was, at rest.
     """
-    blocked = np.flatnonzero(walls.crossed(before.position, after.position))
+    blocked = np.flatnonzero(walls.is_crossed_by(before.position, after.position))
     if not len(blocked):
         return after
     position, velocity = after.position.copy(), after.velocity.copy()
     for kept in (*combinations(range(3), 2), *combinations(range(3), 1)):
         along = np.isin(np.arange(3), kept)
         ends = before.position[blocked] + (position[blocked] - before.position[blocked]) * along
-        free = ~walls.crossed(before.position[blocked], ends)
+        free = ~walls.is_crossed_by(before.position[blocked], ends)
         chosen = blocked[free]
         position[chosen], velocity[chosen] = ends[free], velocity[chosen] * along
         blocked = blocked[~free]

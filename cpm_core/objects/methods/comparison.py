@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cpm_core.contours.agreement import compare
-from cpm_core.contours.contour import Contour, sampled
+from cpm_core.contours.contour import Contour, sample_contours
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
@@ -253,7 +253,7 @@ def result_of(facts: Facts, contours: Sequence[Contour], image: Image, start: St
     strength = edge_map(image.values, _STRENGTH_SMOOTHING) if contours else image.values
     numbered = []
     for number, contour in enumerate(contours, start=1):
-        mean = float(interpolate_field(strength[None], sampled([contour])).mean())
+        mean = float(interpolate_field(strength[None], sample_contours([contour])).mean())
         numbered.append(replace(contour, number=number, strength=mean))
     shapes = tuple({"shape": "polygon", "points": outline.tolist()} for outline in start.outlines)
     made = Provenance(

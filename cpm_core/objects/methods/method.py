@@ -17,7 +17,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.rasterize import check_plane
+from cpm_core.contours.rasterize import check_plane_shape
 from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resample_path
@@ -99,7 +99,7 @@ class Start:
 
     def mask(self, shape: Extent) -> Mask:
         """Return the pixels inside at least one outline, shape (H, W); an outline inside others bounds a hole."""
-        check_plane(shape)
+        check_plane_shape(shape)
         found = np.zeros(shape, bool)
         masks = (skimage.draw.polygon2mask(shape, outline) for outline in self.outlines)  # type: ignore[no-untyped-call]
         different = {mask.tobytes(): mask for mask in masks}.values()  # a line that is drawn twice bounds no hole

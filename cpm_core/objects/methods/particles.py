@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import most_scales
+from cpm_core.image.pyramid import max_scales
 from cpm_core.objects.methods.method import SPACING, ContourMethod, Contours, ContourState, Start
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
@@ -27,7 +27,7 @@ def _states(
     find: Callable[[RunState], Contours] = lambda moment: moment.contours,
 ) -> Iterator[ContourState]:
     """Yield the states of a run, which ends after `MOST_STEPS` at the latest."""
-    chosen = replace(parameters, scales=min(parameters.scales, most_scales(image.shape)))
+    chosen = replace(parameters, scales=min(parameters.scales, max_scales(image.shape)))
     run = evolve(image, start.points, chosen)
     for moment in run:
         if moment.step == MOST_STEPS:

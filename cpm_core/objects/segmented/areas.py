@@ -11,7 +11,7 @@ import scipy
 
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface_agreement import Triangles
+from cpm_core.contours.surface_agreement import TriangleSamples
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import zero_surface
@@ -37,9 +37,9 @@ def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
     smooth minimum (I. Quilez, 2013), which closes the slit between objects that touch.
     """
     if isinstance(first, PackedVoxels) or isinstance(second, PackedVoxels):
-        voxels = second.painted.voxels
+        voxels = second.as_packed_voxels.voxels
         assert voxels.first is not None
-        both = first.painted.with_part(voxels.first, voxels.mask | first.painted.part(voxels.first, voxels.mask.shape))
+        both = first.as_packed_voxels.with_box_replaced(voxels.first, voxels.mask | first.as_packed_voxels.mask_in_box(voxels.first, voxels.mask.shape))
         return both or first
     one, other = first.surface, second.surface
     low = np.minimum(one.vertices.min(axis=0), other.vertices.min(axis=0))
@@ -49,22 +49,22 @@ def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
     here, there = (_signed(packed.voxels, packed.surface, begin, shape) for packed in (first, second))
     if not ((here <= _BLENDING_RANGE) & (there <= _BLENDING_RANGE)).any():
         faces = np.concatenate([one.faces, other.faces + len(one.vertices)])
-        return PackedSurface.of(Surface(np.concatenate([one.vertices, other.vertices]), faces))
+        return PackedSurface.from_surface(Surface(np.concatenate([one.vertices, other.vertices]), faces))
     blend = np.maximum(_BLENDING_RANGE - np.abs(here - there), 0.0)
     facing = -sum(a * b for a, b in zip(np.gradient(here), np.gradient(there), strict=True))
     level = np.minimum(here, there) - np.clip(facing, 0.0, 1.0) * blend**2 / (4.0 * _BLENDING_RANGE)
     vertices, triangles = zero_surface(-level.astype(np.float32))
-    return PackedSurface.of(Surface(vertices + begin, triangles))
+    return PackedSurface.from_surface(Surface(vertices + begin, triangles))
 
 
 def _signed(voxels: Voxels, surface: Surface, begin: Index, shape: Extent) -> Array:
     """Compute the signed distance of voxels from a surface, negative inside, exact near it, of `shape` [voxels]."""
     inside = np.zeros(shape, bool)
     assert voxels.first is not None
-    Voxels(voxels.mask, tuple((np.array(voxels.first) - begin).tolist())).fill(inside)
+    Voxels(voxels.mask, tuple((np.array(voxels.first) - begin).tolist())).fill_into(inside)
     away = np.where(inside, scipy.ndimage.distance_transform_edt(inside), scipy.ndimage.distance_transform_edt(~inside))
     near = away <= _EXACT_DISTANCE
-    triangles = Triangles((surface.vertices - begin)[surface.faces])
+    triangles = TriangleSamples((surface.vertices - begin)[surface.faces])
     away = np.maximum(away - 0.5, 0.5)
     away[near] = triangles.distances_to(np.argwhere(near).astype(float))
     return np.where(inside, -away, away)

@@ -11,14 +11,14 @@ import scipy
 import skimage
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.hand_edits import HandEdit, apply
+from cpm_core.contours.hand_edits import HandEdit, apply_hand_edits
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Arrays, Index, Line, Mask, Position, frozen
 from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, area_of, boundary_of, lies_on
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
-from cpm_core.reconstruction.by_hand.live_wire import on_ridge
-from cpm_core.reconstruction.curve.subpixel import ridge_points
+from cpm_core.reconstruction.by_hand.live_wire import snap_path_to_ridge
+from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 
 _MAX_WATERSHED_PIXELS = 40_000
 """Largest number of pixels of the watershed; those of a larger object are larger."""
@@ -143,7 +143,7 @@ def redrawn(item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field
 
     New stretches follow the edges of the fields; where there are none, they are gaps.
     """
-    changed = [line_of(one.points) for one in apply((contour,), (edit,))[0] if one.closed]
+    changed = [line_of(one.points) for one in apply_hand_edits((contour,), (edit,))[0] if one.closed]
     rest = [curve for curve in item.boundary if not np.array_equal(curve, contour.points)]
     boundary = boundary_of(area_of([*rest, *changed]))
     return _bounded(item, boundary, [np.array(edit.added)], _Edges(item, scale_field)) if boundary else item
@@ -182,7 +182,7 @@ class _Edges:
         """Return which vertices of a path, shape (K, 2) [px], lie on the ridge of an edge, shape (K,)."""
         if self._field is None:
             return np.zeros(len(path), bool)
-        ridge, found = ridge_points(path, self._field)
+        ridge, found = refine_to_ridge(path, self._field)
         strong = self._strength(ridge) >= max(_MIN_CUT_STRENGTH * self._boundary, self._field.floor)
         return found & strong & (np.linalg.norm(ridge - path, axis=1) <= _CUT_ON_EDGE_DISTANCE)
 
@@ -190,7 +190,7 @@ class _Edges:
         """Snap a line, shape (K, 2) [px], to edges next to it; its ends stay on the boundary."""
         if self._field is None:
             return cut
-        moved = on_ridge(cut, self._field)
+        moved = snap_path_to_ridge(cut, self._field)
         keep = self.on(moved) & (polyline.distances_to_path(cut, moved) <= _SNAP_TO_EDGE_DISTANCE)
         keep[[0, -1]] = True
         return moved[keep] if keep.sum() > 2 else cut

@@ -86,7 +86,7 @@ def painted_in(
     known = {item.number: item for item in objects.items}
     taken: dict[int, Mask] = {}
     for item in objects.items if adds else ():
-        there = item.surface[0].part(begin, mask.shape) & mask
+        there = item.surface[0].mask_in_box(begin, mask.shape) & mask
         if item.number == number or not there.any():
             continue
         if over_others and not item.frozen and not item.hidden:
@@ -96,12 +96,12 @@ def painted_in(
     if number in known:
         taken[number] = mask
     elif adds and mask.any():
-        voxels = PackedVoxels.of(Voxels(mask, tuple(begin.tolist())))
+        voxels = PackedVoxels.from_voxels(Voxels(mask, tuple(begin.tolist())))
         known[number] = SegmentedObject(number, (), category=objects.category, surface=(voxels,))
     for other, part_taken in taken.items():
-        body = known[other].surface[0].painted
-        there, here = body.part(begin, mask.shape), part_taken & mask
-        left = body.with_part(begin, there | here if adds and other == number else there & ~here)
+        body = known[other].surface[0].as_packed_voxels
+        there, here = body.mask_in_box(begin, mask.shape), part_taken & mask
+        left = body.with_box_replaced(begin, there | here if adds and other == number else there & ~here)
         if left is None:
             del known[other]
         elif left != body:
@@ -119,7 +119,7 @@ def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: S
     voxels = item.surface[0].voxels
     inside, begin = np.pad(voxels.mask, 1), np.array(voxels.first or (0, 0, 0)) - 1
     places = [np.rint(place).astype(np.int64) - begin for place in (first, second)]
-    if not all(item.surface[0].part(place + begin, (1, 1, 1)).all() for place in places):
+    if not all(item.surface[0].mask_in_box(place + begin, (1, 1, 1)).all() for place in places):
         raise ValueError(OUTSIDE)
     depth = scipy.ndimage.distance_transform_edt(inside, sampling=sides)
     height = -scipy.ndimage.gaussian_filter(depth, 1.0)
@@ -132,7 +132,7 @@ def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: S
     found = skimage.segmentation.watershed(height, seeds, mask=inside)  # type: ignore[no-untyped-call]
     around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
     found = np.where(inside, found[tuple(around)], 0)  # assign pieces that are connected to neither point
-    halves = (PackedVoxels.of(Voxels(found == number, tuple(begin.tolist()))) for number in (1, 2))
+    halves = (PackedVoxels.from_voxels(Voxels(found == number, tuple(begin.tolist()))) for number in (1, 2))
     one, other = (replace(item, clicks=(), surface=(half,)) for half in halves)
     return Halves(one, other, ())
 
@@ -144,7 +144,7 @@ def between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part, int
     slices that overlap, or that are nearest where none does, with their centers on each other, so that slanted pieces
     keep their width (G. T. Herman, J. Zheng and C. A. Bucholtz, 1992). `sides` are those of a voxel.
     """
-    voxels = body.painted.voxels
+    voxels = body.as_packed_voxels.voxels
     slices = np.moveaxis(voxels.mask, axis, 0)
     filled = np.zeros_like(slices)
     pixel = sides[:axis] + sides[axis + 1 :]

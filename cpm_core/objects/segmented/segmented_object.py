@@ -156,7 +156,7 @@ class SegmentedObject:
         """Return the pixels or voxels of an image or a volume of this shape whose centers lie inside."""
         found = np.zeros(shape, bool)
         for packed in self.surface:
-            packed.voxels.fill(found)
+            packed.voxels.fill_into(found)
         if self.surface:
             return found
         (top, left), window = self._window(shape)

@@ -20,9 +20,9 @@ from cpm_core.reconstruction.curve.gap_bridging import (
     BLOCKED_COST,
     EXTRA_COST_OFF_EDGE,
     UNBLOCKED_RADIUS,
-    smoothed,
+    smooth_pixel_path,
 )
-from cpm_core.reconstruction.curve.subpixel import ridge_points
+from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 
 _STRONG_EDGE_PERCENTILE = 90.0
 """Percentile of the edge strength above the floor that counts as a strong edge."""
@@ -67,31 +67,31 @@ class LiveWire:
     ) -> None:
         self._field, self._start = scale_field, start
         self._avoided, self._spared = avoided, np.array([start, *spared], float)
-        self._low, self._high = self._around(self._pixel(start), _SEARCH_MARGIN)
+        self._low, self._high = self._box_around(self._nearest_pixel(start), _SEARCH_MARGIN)
         self._search: skimage.graph.MCP_Geometric | None = None
 
-    def to(self, place: Position) -> Array:
+    def path_to(self, place: Position) -> Array:
         """Find the path from the start to another place, both included, shape (K, 2) [px]."""
         ends = np.array([self._start, place], float)
         if np.linalg.norm(ends[1] - ends[0]) < _PATH_SPACING:
             return ends
-        goal = self._pixel(place)
-        low, high = self._around(goal, _SEARCH_MARGIN)
+        goal = self._nearest_pixel(place)
+        low, high = self._box_around(goal, _SEARCH_MARGIN)
         if self._search is None or (low < self._low).any() or (high > self._high).any():
-            self._search = self._look_around(goal)
+            self._search = self._extend_search(goal)
         pixels = (np.array(self._search.traceback(tuple(goal - self._low))) + self._low).astype(float)
-        return on_ridge(smoothed(pixels, ends[0], ends[1]), self._field)
+        return snap_path_to_ridge(smooth_pixel_path(pixels, ends[0], ends[1]), self._field)
 
-    def _pixel(self, place: Position) -> Index:
+    def _nearest_pixel(self, place: Position) -> Index:
         return np.clip(np.rint(place).astype(np.int64), 0, np.array(self._field.shape) - 1)
 
-    def _around(self, pixel: Index, margin: int) -> tuple[Index, Index]:
+    def _box_around(self, pixel: Index, margin: int) -> tuple[Index, Index]:
         last = np.array(self._field.shape) - 1
         return np.clip(pixel - margin, 0, last), np.clip(pixel + margin, 0, last)
 
-    def _look_around(self, goal: Index) -> skimage.graph.MCP_Geometric:
+    def _extend_search(self, goal: Index) -> skimage.graph.MCP_Geometric:
         """Compute the costs of all pixels around the start and the goal, and around the searched box."""
-        low, high = self._around(goal, _EXTENDED_SEARCH_MARGIN)
+        low, high = self._box_around(goal, _EXTENDED_SEARCH_MARGIN)
         self._low, self._high = np.minimum(self._low, low), np.maximum(self._high, high)
         window = tuple(slice(a, b + 1) for a, b in zip(self._low.tolist(), self._high.tolist(), strict=True))
         strength = self._field.edge_map[window]
@@ -106,11 +106,11 @@ class LiveWire:
         pixels = pixels[((pixels >= 0) & (pixels < costs.shape)).all(axis=1)]
         costs[tuple(np.unique(pixels, axis=0).T)] += BLOCKED_COST
         search = skimage.graph.MCP_Geometric(costs)
-        search.find_costs([tuple(self._pixel(self._start) - self._low)])
+        search.find_costs([tuple(self._nearest_pixel(self._start) - self._low)])
         return search
 
 
-def on_ridge(path: Array, scale_field: ScaleField) -> Array:
+def snap_path_to_ridge(path: Array, scale_field: ScaleField) -> Array:
     """Move a path near edges, shape (K, 2), onto their ridges; both ends stay.
 
     Where there is no edge near enough, it stays as well, and in between it fades from one to the other.
@@ -119,7 +119,7 @@ def on_ridge(path: Array, scale_field: ScaleField) -> Array:
     inner = path[1:-1]
     if not len(inner):
         return path
-    ridge, found = ridge_points(inner, scale_field)
+    ridge, found = refine_to_ridge(inner, scale_field)
     found &= np.linalg.norm(ridge - inner, axis=1) <= _MAX_SNAP_DISTANCE
     found &= scale_field.strength_at(ridge) >= EDGE_END_FRACTION * scale_field.floor
     move = np.where(found[:, None], ridge - inner, 0.0)
@@ -135,9 +135,9 @@ def on_ridge(path: Array, scale_field: ScaleField) -> Array:
     return moved[[*kept, len(moved) - 1]]
 
 
-def nearest_ridge(place: Position, scale_field: ScaleField, reach: float) -> Position:
+def snap_place_to_ridge(place: Position, scale_field: ScaleField, reach: float) -> Position:
     """Move a place to the ridge of an edge within reach [px]; without one return the place itself."""
-    ridge, found = ridge_points(np.array([place]), scale_field)
+    ridge, found = refine_to_ridge(np.array([place]), scale_field)
     strong = scale_field.strength_at(ridge)[0] >= scale_field.floor
     if found[0] and strong and np.linalg.norm(ridge[0] - place) <= reach:
         return tuple(ridge[0].tolist())

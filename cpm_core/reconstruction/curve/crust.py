@@ -23,7 +23,7 @@ _COTANGENT_OF_ZERO = 1e12
 """Cotangent used for an angle of 0."""
 
 
-def crust(points: Array) -> Index:
+def find_crust_edges(points: Array) -> Index:
     """Find the edges of the one-step crust of distinct points, shape (N, 2): sorted pairs of indices, shape (E, 2)."""
     if len(points) < _LEAST_TRIANGULATED_POINTS:
         return np.zeros((0, 2), np.int64)
@@ -33,7 +33,7 @@ def crust(points: Array) -> Index:
         order = np.lexsort(points.T)
         return np.unique(np.sort(np.stack([order[:-1], order[1:]], axis=1), axis=1), axis=0)
     triangles, neighbors = triangulation.simplices.astype(np.int64), triangulation.neighbors
-    cotangent = _cotangents(points[triangles])
+    cotangent = _corner_cotangents(points[triangles])
     number = np.arange(len(triangles))
     edges = []
     for k in range(3):  # the edge opposite to each corner, once for both of its triangles
@@ -49,7 +49,7 @@ def crust(points: Array) -> Index:
     return found[np.lexsort((found[:, 1], found[:, 0]))]
 
 
-def _cotangents(triangles: Array) -> Array:
+def _corner_cotangents(triangles: Array) -> Array:
     """Compute the cotangents of the angles of triangles, shape (N, 3, 2), at their corners, shape (N, 3)."""
     out = np.empty(triangles.shape[:2])
     for k in range(3):
@@ -91,4 +91,4 @@ def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
             f"points hold {int((~np.isfinite(array)).sum())} values that are not finite: leave those points out."
         )
     distinct = np.unique(array, axis=0)
-    return Graph(distinct, crust(distinct)).contours()
+    return Graph(distinct, find_crust_edges(distinct)).extract_contours()

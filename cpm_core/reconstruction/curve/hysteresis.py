@@ -21,7 +21,7 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters import Parameters
 
-LEAST_LENGTH = 4.0
+LEAST_LENGTH_IN_SPACINGS = 4.0
 """Least length of a contour, in d_min. A closed one must also enclose the area of a square of side d_min."""
 
 _LEAST_LENGTH_IN_SIGMA = 8.0
@@ -40,8 +40,8 @@ def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> 
     least = (parameters.min_strength, scale_field.strength_at), (parameters.min_contrast, scale_field.contrast_at)
     for threshold, measure in least:
         if threshold > 0.0:
-            edges, rating = ratings(graph, measure)
-            graph.unlink(edges[rating < threshold])
+            edges, rating = rate_edges(graph, measure)
+            graph.remove_edges(edges[rating < threshold])
     if parameters.sure_edge > 0.0:
         drop_unconnected(graph, scale_field.strength_at(graph.points), parameters.sure_edge * scale_field.strongest)
 
@@ -51,53 +51,53 @@ def drop_unreached(graph: Graph, reached: Mask) -> None:
     place = np.clip(np.rint(graph.points).astype(int), 0, np.array(reached.shape) - 1)
     on = reached[tuple(place.T)]
     edges = graph.edges()
-    graph.unlink(edges[~on[edges].all(axis=1)])
+    graph.remove_edges(edges[~on[edges].all(axis=1)])
 
 
-def ratings(graph: Graph, measure: Callable[[Array], Array]) -> tuple[Index, Array]:
+def rate_edges(graph: Graph, measure: Callable[[Array], Array]) -> tuple[Index, Array]:
     """Rate every edge of a graph, shape (E, 2), by a measure of points, shape (N, 2) -> (N,); ratings have shape (E,).
 
     A closed contour, or one between two junctions, is rated as a whole by its mean, so that a weak stretch does not
     open it. A contour with a loose end is rated stretch by stretch, since it fades gradually.
     """
-    ways = graph.ways()
+    ways = graph.find_paths()
     values = measure(graph.points)
-    edges, way = ways.edges()
+    edges, way = ways.path_edges()
     counts = np.diff(ways.start)
     mean = np.add.reduceat(values[ways.vertices], ways.start[:-1]) / counts if len(ways) else values[:0]
     rating = mean[way]
     loose = ~ways.closed & (np.minimum(graph.degrees[ways.first], graph.degrees[ways.last]) == 1)
     start = np.searchsorted(way, np.arange(len(ways)))
     for n in np.flatnonzero(loose & (counts > _RATED_VERTICES)).tolist():
-        along = scipy.ndimage.uniform_filter1d(values[ways.path(n)], _RATED_VERTICES, mode="nearest")
+        along = scipy.ndimage.uniform_filter1d(values[ways.path_vertices(n)], _RATED_VERTICES, mode="nearest")
         rating[start[n] : start[n] + len(along) - 1] = 0.5 * (along[:-1] + along[1:])
     return edges, rating
 
 
 def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
     """Remove everything not connected to a vertex with a strength, shape (N,), of at least `sure`."""
-    ways = graph.ways()
+    ways = graph.find_paths()
     if not len(ways):
         return
-    part = graph.parts()
+    part = graph.label_components()
     strongest = np.full(part.max() + 1, -np.inf)
     np.maximum.at(strongest, part, np.maximum.reduceat(strength[ways.vertices], ways.start[:-1]))
-    graph.drop_ways(strongest[part] < sure)
+    graph.drop_paths(strongest[part] < sure)
 
 
-def shortest(smoothing: float, parameters: Parameters) -> float:
+def least_contour_length(smoothing: float, parameters: Parameters) -> float:
     """Return the least length of a contour for any `min_length`, after a Gaussian of `smoothing` px [px]."""
-    return max(LEAST_LENGTH * parameters.d_min, _LEAST_LENGTH_IN_SIGMA * smoothing)
+    return max(LEAST_LENGTH_IN_SPACINGS * parameters.d_min, _LEAST_LENGTH_IN_SIGMA * smoothing)
 
 
-def choose(contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters) -> tuple[Contour, ...]:
+def select_contours(contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters) -> tuple[Contour, ...]:
     """Select the contours that are neither too short nor degenerate, with their strength and contrast."""
-    least = max(shortest(scale_field.smoothing, parameters), parameters.min_length)
+    least = max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length)
     chosen = [c for c in contours if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)]
-    return measured(chosen, scale_field)
+    return measure_contours(chosen, scale_field)
 
 
-def measured(contours: Sequence[Contour], scale_field: ScaleField) -> tuple[Contour, ...]:
+def measure_contours(contours: Sequence[Contour], scale_field: ScaleField) -> tuple[Contour, ...]:
     """Measure the strength of contours, and prepare their contrast."""
     if not contours:
         return ()
@@ -107,5 +107,5 @@ def measured(contours: Sequence[Contour], scale_field: ScaleField) -> tuple[Cont
     found = []
     for contour, a, b in zip(contours, bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
         sides = partial(mean_contrast, scale_field.values, contour.points, normals[a:b], scale_field.smoothing)
-        found.append(replace(contour, strength=float(strength[a:b].mean()), sides=sides))
+        found.append(replace(contour, strength=float(strength[a:b].mean()), measure_contrast=sides))
     return tuple(found)

@@ -10,7 +10,7 @@ from cpm_core.field.scale_field import SPLINE_MARGIN, ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array
 
-PROBE = 0.3
+RIDGE_PROBE_DISTANCE = 0.3
 """Distance on both sides of a position at which the edge map is sampled for its slope [px]."""
 
 
@@ -33,14 +33,14 @@ class Ridge(NamedTuple):
     right: Array
 
 
-def ridge_of(scale_field: ScaleField) -> Ridge:
+def ridge_arrays(scale_field: ScaleField) -> Ridge:
     """Collect the ridge arrays of a scale, without copies."""
     down, right = scale_field.gradient
     return Ridge(scale_field.edge_map, scale_field.spline, down, right)
 
 
 @compiled
-def height(values: Array, row: float, col: float) -> float:
+def interpolate_bilinear(values: Array, row: float, col: float) -> float:
     """Interpolate values of shape (H, W) bilinearly; positions beyond the image border are clamped to it."""
     rows, cols = values.shape
     row, col = min(max(row, 0.0), rows - 1.0), min(max(col, 0.0), cols - 1.0)
@@ -53,21 +53,21 @@ def height(values: Array, row: float, col: float) -> float:
 
 
 @compiled
-def uphill(ridge: Ridge, row: float, col: float) -> tuple[float, float]:
+def uphill_direction(ridge: Ridge, row: float, col: float) -> tuple[float, float]:
     """Return the unit vector of the image gradient, which on an edge leads across it; zero without a gradient."""
-    down, right = height(ridge.down, row, col), height(ridge.right, row, col)
+    down, right = interpolate_bilinear(ridge.down, row, col), interpolate_bilinear(ridge.right, row, col)
     size = max(np.sqrt(down * down + right * right), 1e-300)
     return down / size, right / size
 
 
 @compiled
-def spline_height(spline: Array, row: float, col: float) -> float:
+def interpolate_spline(spline: Array, row: float, col: float) -> float:
     """Interpolate by the coefficients of a cubic spline, shape (H, W), with `SPLINE_MARGIN` on every side."""
     rows, cols = spline.shape
     row = min(max(row, -1.0), rows - 2.0 * SPLINE_MARGIN)
     col = min(max(col, -1.0), cols - 2.0 * SPLINE_MARGIN)
     above, before = int(row + 2.0), int(col + 2.0)
-    down, right = _weights(row + 2.0 - above), _weights(col + 2.0 - before)
+    down, right = _spline_weights(row + 2.0 - above), _spline_weights(col + 2.0 - before)
     total = 0.0
     for k in range(4):
         line = 0.0
@@ -78,7 +78,7 @@ def spline_height(spline: Array, row: float, col: float) -> float:
 
 
 @compiled
-def _weights(t: float) -> tuple[float, float, float, float]:
+def _spline_weights(t: float) -> tuple[float, float, float, float]:
     """Compute the cubic B-spline weights of the four pixels around a position that is `t` beyond the second."""
     u = 1.0 - t
     return (
@@ -90,8 +90,8 @@ def _weights(t: float) -> tuple[float, float, float, float]:
 
 
 @compiled
-def slope(ridge: Ridge, row: float, col: float) -> float:
+def slope_across_edge(ridge: Ridge, row: float, col: float) -> float:
     """Compute the difference of the edge map on both sides of a position, along the image gradient."""
-    down, right = uphill(ridge, row, col)
-    ahead = spline_height(ridge.spline, row + PROBE * down, col + PROBE * right)
-    return ahead - spline_height(ridge.spline, row - PROBE * down, col - PROBE * right)
+    down, right = uphill_direction(ridge, row, col)
+    ahead = interpolate_spline(ridge.spline, row + RIDGE_PROBE_DISTANCE * down, col + RIDGE_PROBE_DISTANCE * right)
+    return ahead - interpolate_spline(ridge.spline, row - RIDGE_PROBE_DISTANCE * down, col - RIDGE_PROBE_DISTANCE * right)

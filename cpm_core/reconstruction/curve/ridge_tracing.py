@@ -15,8 +15,8 @@ from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.image.regions import BarrierMap
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index
-from cpm_core.reconstruction.curve.ridge import Ridge, ridge_of
-from cpm_core.reconstruction.curve.ridge_tracing_kernels import Reach, Seeds, place_on_ridge, walk
+from cpm_core.reconstruction.curve.ridge import Ridge, ridge_arrays
+from cpm_core.reconstruction.curve.ridge_tracing_kernels import RidgeSearchLimits, RidgeSeeds, place_on_ridge, trace_seed_paths
 
 _MAX_STEP = 0.4
 """Greatest length of a step [px]."""
@@ -45,7 +45,7 @@ _FADING_LENGTH = 1.6
 abrupt end is blurred."""
 
 
-def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:
+def trace_ridges(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:
     """Trace ridges from point to point.
 
     Parameters
@@ -67,7 +67,7 @@ def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = 
     edges : ndarray of int64, shape (E, 2)
         Pairs of vertices.
     """
-    reach = Reach(
+    reach = RidgeSearchLimits(
         step=min(_MAX_STEP, _MAX_STEP_IN_SPACINGS * d_min),
         longest=(_LONGEST_BETWEEN_POINTS_AT_REST if at_rest else _LONGEST_BETWEEN_POINTS) * d_min,
         loose=_LONGEST_LOOSE_END * d_min,
@@ -76,21 +76,21 @@ def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = 
         floor=scale_field.floor,
         faintest=EDGE_END_FRACTION * scale_field.floor,
     )
-    ridge = ridge_of(scale_field)
-    seeds = _image_seeds(points, ridge, reach)
-    walks = _Walks(ridge, scale_field.barrier_map, seeds, reach)
+    ridge = ridge_arrays(scale_field)
+    seeds = _place_seeds(points, ridge, reach)
+    walks = _RidgeWalks(ridge, scale_field.barrier_map, seeds, reach)
     every = np.arange(len(points))
-    following = walks.go(every, 1.0, loose=False)
+    following = walks.follow_seeds(every, 1.0, loose=False)
     followed = np.zeros(len(points), np.bool_)
     followed[following[following >= 0]] = True
     behind = every[~followed]
-    before = walks.go(behind, -1.0)
+    before = walks.follow_seeds(behind, -1.0)
     following[before[before >= 0]] = behind[before >= 0]
-    walks.go(every[following < 0], 1.0)
-    return walks.graph()
+    walks.follow_seeds(every[following < 0], 1.0)
+    return walks.vertices_and_edges()
 
 
-def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
+def _place_seeds(points: Array, ridge: Ridge, reach: RidgeSearchLimits) -> RidgeSeeds:
     """Sort points into seeds by pixel, moved exactly onto the ridge."""
     place = np.array(points, dtype=float)
     ahead = np.zeros_like(place)
@@ -108,19 +108,19 @@ def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
     head, following = np.full(shape, -1, np.int32), np.full(len(place), -1, np.int64)
     head.ravel()[pixel[order[first]]] = order[first]
     following[order[:-1]] = np.where(first[1:], -1, order[1:])
-    return Seeds(place, ahead, head, following)
+    return RidgeSeeds(place, ahead, head, following)
 
 
-class _Walks:
+class _RidgeWalks:
     """Paths from seed to seed, collected as they are found."""
 
-    def __init__(self, ridge: Ridge, barrier_map: BarrierMap, seeds: Seeds, reach: Reach) -> None:
+    def __init__(self, ridge: Ridge, barrier_map: BarrierMap, seeds: RidgeSeeds, reach: RidgeSearchLimits) -> None:
         self._walked = ridge, barrier_map, seeds, reach
         self._longest = int(2.0 * reach.longest / reach.step) + 2
         self._vertices, self._edges = [seeds.place], [np.empty((0, 2), np.int64)]
         self._count = len(seeds.place)
 
-    def go(self, seeds: Index, sign: float, loose: bool = True) -> Index:
+    def follow_seeds(self, seeds: Index, sign: float, loose: bool = True) -> Index:
         """Follow the ridge from some seeds ahead (1) or back (-1), and keep paths to a seed, and loose ones if `loose`.
 
         Returns the seed that each path has met, shape of `seeds`, -1 for none.
@@ -134,7 +134,7 @@ class _Walks:
             while first < last:
                 room = 4 * (last - first) + 2 * self._longest
                 vertices, edges = np.empty((room, 2)), np.empty((room, 2), np.int64)
-                first, added, joined = walk(*self._walked, seeds, met, sign, loose, first, last, way, vertices, edges)
+                first, added, joined = trace_seed_paths(*self._walked, seeds, met, sign, loose, first, last, way, vertices, edges)
                 own.append((vertices[:added], edges[:joined]))
 
         run_in_parallel(follow_share, len(seeds), _LEAST_SEEDS_PER_THREAD)
@@ -145,6 +145,6 @@ class _Walks:
                 self._count += len(vertices)
         return met
 
-    def graph(self) -> tuple[Array, Index]:
+    def vertices_and_edges(self) -> tuple[Array, Index]:
         """Return all vertices, the seeds first, shape (M, 2), and edges, shape (E, 2)."""
         return np.concatenate(self._vertices), np.concatenate(self._edges)

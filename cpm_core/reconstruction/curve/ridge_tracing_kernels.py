@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.scale_field import EDGE_END_FRACTION
-from cpm_core.image.regions import BarrierMap, crosses
+from cpm_core.image.regions import BarrierMap, crosses_barrier
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.types import Array, Index
-from cpm_core.reconstruction.curve.ridge import Ridge, height, slope, uphill
+from cpm_core.reconstruction.curve.ridge import Ridge, interpolate_bilinear, slope_across_edge, uphill_direction
 
 _MAX_STEP_HALVINGS = 4
 """Largest number of times that a step is halved where the ridge bends."""
@@ -41,7 +41,7 @@ _MEETING_DISTANCE = 0.6
 """Distance from a point at which it counts as reached, in steps."""
 
 
-class Reach(NamedTuple):
+class RidgeSearchLimits(NamedTuple):
     """Lengths of a search [px], and the least edge strengths: of a loose end, and between two points."""
 
     step: float
@@ -53,7 +53,7 @@ class Reach(NamedTuple):
     faintest: float
 
 
-class Seeds(NamedTuple):
+class RidgeSeeds(NamedTuple):
     """Points on the ridge, sorted into pixels.
 
     Attributes
@@ -77,18 +77,18 @@ def place_on_ridge(ridge: Ridge, place: Array, ahead: Array, step: float, first:
     """Move seeds `first` to `last`, shape (N, 2), onto the ridge, and write its direction there, shape (N, 2)."""
     farthest = _MAX_SIDEWAYS * step
     for i in range(first, last):
-        down, right = uphill(ridge, place[i, 0], place[i, 1])
-        found, place[i, 0], place[i, 1] = _correct(ridge, place[i, 0], place[i, 1], down, right, farthest)
+        down, right = uphill_direction(ridge, place[i, 0], place[i, 1])
+        found, place[i, 0], place[i, 1] = _correct_onto_ridge(ridge, place[i, 0], place[i, 1], down, right, farthest)
         if found:
-            found, ahead[i, 0], ahead[i, 1] = _direction(ridge, place[i, 0], place[i, 1])
+            found, ahead[i, 0], ahead[i, 1] = _ridge_direction(ridge, place[i, 0], place[i, 1])
 
 
 @compiled
-def walk(
+def trace_seed_paths(
     ridge: Ridge,
     barrier_map: BarrierMap,
-    seeds: Seeds,
-    reach: Reach,
+    seeds: RidgeSeeds,
+    reach: RidgeSearchLimits,
     numbers: Index,
     met: Index,
     sign: float,
@@ -107,7 +107,7 @@ def walk(
     added, joined = 0, 0
     while first < last and added + len(way) < len(vertices) and joined + len(way) < len(edges):
         i = numbers[first]
-        steps, other = _follow(ridge, barrier_map, seeds, i, sign, reach, way)
+        steps, other = _follow_ridge(ridge, barrier_map, seeds, i, sign, reach, way)
         met[first] = other
         first += 1
         if other >= 0:
@@ -117,7 +117,7 @@ def walk(
             continue
         at, one = steps - steps, i  # a literal 0 would make Numba compile the function below once more
         while at < steps:
-            ahead = _straight_to(way, at, steps)
+            ahead = _last_vertex_near_line(way, at, steps)
             to = other
             if other < 0 or ahead < steps:
                 to = -1 - added
@@ -130,7 +130,7 @@ def walk(
 
 
 @compiled
-def _straight_to(way: Array, first: int, last: int) -> int:
+def _last_vertex_near_line(way: Array, first: int, last: int) -> int:
     """Return the last vertex up to which all vertices of a path are near the straight line."""
     for end in range(first + 2, last + 1):
         down, right = way[end, 0] - way[first, 0], way[end, 1] - way[first, 1]
@@ -144,8 +144,8 @@ def _straight_to(way: Array, first: int, last: int) -> int:
 
 
 @inlined
-def _follow(
-    ridge: Ridge, barrier_map: BarrierMap, seeds: Seeds, i: int, sign: float, reach: Reach, way: Array
+def _follow_ridge(
+    ridge: Ridge, barrier_map: BarrierMap, seeds: RidgeSeeds, i: int, sign: float, reach: RidgeSearchLimits, way: Array
 ) -> tuple[int, int]:
     """Follow the ridge from seed `i` ahead or back to the next one.
 
@@ -154,21 +154,21 @@ def _follow(
     """
     row, col = seeds.place[i, 0], seeds.place[i, 1]
     down, right = sign * seeds.ahead[i, 0], sign * seeds.ahead[i, 1]
-    way[0, 0], way[0, 1], way[0, 2], way[0, 3] = row, col, height(ridge.strength, row, col), 0.0
+    way[0, 0], way[0, 1], way[0, 2], way[0, 3] = row, col, interpolate_bilinear(ridge.strength, row, col), 0.0
     barred = len(barrier_map.segments) > 0
     steps, loose, behind, before = 0, 0, 0, 0
     length, under, leaving = 0.0, 0.0, False
     while length < reach.longest and steps < len(way) - 2 and not leaving:
         if down == 0.0 and right == 0.0:
             break
-        found, leaving, row, col, down, right = _advance(ridge, row, col, down, right, sign, reach.step)
+        found, leaving, row, col, down, right = _advance_along_ridge(ridge, row, col, down, right, sign, reach.step)
         way[steps + 1, 0], way[steps + 1, 1] = row, col
-        if not found or (barred and crosses(barrier_map, way[steps], way[steps + 1])):
+        if not found or (barred and crosses_barrier(barrier_map, way[steps], way[steps + 1])):
             break
         steps += 1
         step = np.sqrt((row - way[steps - 1, 0]) ** 2 + (col - way[steps - 1, 1]) ** 2)
         length += step
-        last = height(ridge.strength, row, col)
+        last = interpolate_bilinear(ridge.strength, row, col)
         way[steps, 2], way[steps, 3] = last, length
         while length - way[behind + 1, 3] > reach.fading:
             behind += 1
@@ -180,16 +180,16 @@ def _follow(
         good = last >= max(reach.floor, EDGE_END_FRACTION * way[before, 2])
         if good and length <= reach.loose and loose == steps - 1:
             loose = steps
-        met = _meets(seeds, i, sign, row, col, down, right, length, reach.step)
-        if met >= 0 and not (barred and crosses(barrier_map, way[steps], seeds.place[met])):
+        met = _find_met_seed(seeds, i, sign, row, col, down, right, length, reach.step)
+        if met >= 0 and not (barred and crosses_barrier(barrier_map, way[steps], seeds.place[met])):
             beyond = (row - seeds.place[met, 0]) * down + (col - seeds.place[met, 1]) * right
             return steps - 1 if beyond > 0.0 else steps, met
     return loose, -1
 
 
 @compiled
-def _meets(
-    seeds: Seeds, i: int, sign: float, row: float, col: float, down: float, right: float, length: float, step: float
+def _find_met_seed(
+    seeds: RidgeSeeds, i: int, sign: float, row: float, col: float, down: float, right: float, length: float, step: float
 ) -> int:
     """Find the seed near a position on the path with the same direction; -1 for none."""
     near = _MEETING_DISTANCE * step
@@ -207,7 +207,7 @@ def _meets(
 
 
 @compiled
-def _advance(
+def _advance_along_ridge(
     ridge: Ridge, row: float, col: float, down: float, right: float, sign: float, step: float
 ) -> tuple[bool, bool, float, float, float, float]:
     """Advance one step along the ridge.
@@ -217,9 +217,9 @@ def _advance(
     """
     for _ in range(_MAX_STEP_HALVINGS + 1):
         to_row, to_col = row + step * down, col + step * right
-        part = _part_inside(ridge.strength, row, col, to_row, to_col)
+        part = _fraction_inside(ridge.strength, row, col, to_row, to_col)
         if part < 1.0:
-            to_row, to_col = _cut(ridge.strength, row, col, to_row, to_col, part)
+            to_row, to_col = _clip_to_image(ridge.strength, row, col, to_row, to_col, part)
             return (
                 (to_row - row) ** 2 + (to_col - col) ** 2 > _CORRECTION_TOLERANCE**2,
                 True,
@@ -228,19 +228,19 @@ def _advance(
                 down,
                 right,
             )
-        found, to_row, to_col = _correct(ridge, to_row, to_col, -right, down, _MAX_SIDEWAYS * step)
+        found, to_row, to_col = _correct_onto_ridge(ridge, to_row, to_col, -right, down, _MAX_SIDEWAYS * step)
         if found:
-            found, turned_down, turned_right = _direction(ridge, to_row, to_col)
+            found, turned_down, turned_right = _ridge_direction(ridge, to_row, to_col)
             if found and sign * (turned_down * down + turned_right * right) >= _TRACING_TURN_COSINE:
-                part = _part_inside(ridge.strength, row, col, to_row, to_col)
-                to_row, to_col = _cut(ridge.strength, row, col, to_row, to_col, part)
+                part = _fraction_inside(ridge.strength, row, col, to_row, to_col)
+                to_row, to_col = _clip_to_image(ridge.strength, row, col, to_row, to_col, part)
                 return True, part < 1.0, to_row, to_col, sign * turned_down, sign * turned_right
         step *= 0.5
     return False, False, row, col, down, right
 
 
 @compiled
-def _part_inside(image: Array, row: float, col: float, to_row: float, to_col: float) -> float:
+def _fraction_inside(image: Array, row: float, col: float, to_row: float, to_col: float) -> float:
     """Return the fraction of a straight line from a position in the image that lies inside."""
     part = 1.0
     rows, cols = image.shape
@@ -253,7 +253,7 @@ def _part_inside(image: Array, row: float, col: float, to_row: float, to_col: fl
 
 
 @compiled
-def _cut(image: Array, row: float, col: float, to_row: float, to_col: float, part: float) -> tuple[float, float]:
+def _clip_to_image(image: Array, row: float, col: float, to_row: float, to_col: float, part: float) -> tuple[float, float]:
     """Return the end of a straight line, cut off at the image border."""
     if part < 1.0:
         to_row = min(max(row + part * (to_row - row), 0.0), image.shape[0] - 1.0)
@@ -262,15 +262,15 @@ def _cut(image: Array, row: float, col: float, to_row: float, to_col: float, par
 
 
 @compiled
-def _correct(
+def _correct_onto_ridge(
     ridge: Ridge, row: float, col: float, down: float, right: float, farthest: float
 ) -> tuple[bool, float, float]:
     """Move a position along a direction to zero slope; also returns whether this exists within `farthest` [px]."""
     moved = 0.0
     e = _SLOPE_DIFFERENCE
     for _ in range(_MAX_CORRECTIONS):
-        before, here = slope(ridge, row - e * down, col - e * right), slope(ridge, row, col)
-        after = slope(ridge, row + e * down, col + e * right)
+        before, here = slope_across_edge(ridge, row - e * down, col - e * right), slope_across_edge(ridge, row, col)
+        after = slope_across_edge(ridge, row + e * down, col + e * right)
         change = (after - before) / (2.0 * e)
         if change == 0.0:
             break
@@ -286,13 +286,13 @@ def _correct(
 
 
 @compiled
-def _direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float]:
+def _ridge_direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float]:
     """Return the direction of the ridge at a position, the brighter side always on the same hand; False off a ridge."""
     e = _SLOPE_DIFFERENCE
-    down = slope(ridge, row - e, col) - slope(ridge, row + e, col)
-    right = slope(ridge, row, col - e) - slope(ridge, row, col + e)
+    down = slope_across_edge(ridge, row - e, col) - slope_across_edge(ridge, row + e, col)
+    right = slope_across_edge(ridge, row, col - e) - slope_across_edge(ridge, row, col + e)
     size = np.sqrt(down * down + right * right)
     # toward the brighter side the slope decreases on a ridge and increases in a trough
-    if down * height(ridge.down, row, col) + right * height(ridge.right, row, col) <= 0.0:
+    if down * interpolate_bilinear(ridge.down, row, col) + right * interpolate_bilinear(ridge.right, row, col) <= 0.0:
         return False, 0.0, 0.0
     return True, -right / size, down / size

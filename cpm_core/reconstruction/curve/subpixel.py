@@ -8,9 +8,9 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.reconstruction.curve.ridge import PROBE, Ridge, ridge_of, spline_height, uphill
+from cpm_core.reconstruction.curve.ridge import RIDGE_PROBE_DISTANCE, Ridge, ridge_arrays, interpolate_spline, uphill_direction
 
-FARTHEST = 2.5
+MAX_RIDGE_DISTANCE = 2.5
 """Greatest distance of a particle from the ridge that it belongs to [px]."""
 
 _MAX_REFINEMENTS = 8
@@ -29,7 +29,7 @@ _LEAST_POINTS_PER_THREAD = 500
 """Least number of points for a thread."""
 
 
-def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask]:
+def refine_to_ridge(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask]:
     """Move points across the edge to the maximum of the edge map, interpolated by cubic splines.
 
     Each point is moved along the image gradient to the vertex of the parabola through three samples of the edge
@@ -49,32 +49,32 @@ def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask
     found : ndarray of bool, shape (N,)
         Whether there was a ridge within `MAX_RIDGE_DISTANCE` of the point.
     """
-    ridge = ridge_of(scale_field)
+    ridge = ridge_arrays(scale_field)
     place = np.array(positions, dtype=float)
     move, bend = np.full(len(place), np.inf), np.zeros(len(place))
     for _ in range(_MAX_REFINEMENTS):
-        run_in_parallel(lambda first, last: _climb(ridge, place, move, bend, first, last), len(place), _LEAST_POINTS_PER_THREAD)
+        run_in_parallel(lambda first, last: _step_uphill(ridge, place, move, bend, first, last), len(place), _LEAST_POINTS_PER_THREAD)
         if np.abs(move).max(initial=0.0) < _REFINEMENT_TOLERANCE:
             break
     inside = ((place >= 0.0) & (place <= np.array(scale_field.shape) - 1.0)).all(axis=1)
-    near = np.linalg.norm(place - positions, axis=1) < FARTHEST
+    near = np.linalg.norm(place - positions, axis=1) < MAX_RIDGE_DISTANCE
     return place, inside & (bend < 0.0) & (np.abs(move) < 0.1) & near
 
 
 @compiled
-def _climb(ridge: Ridge, place: Array, move: Array, bend: Array, first: int, last: int) -> None:
+def _step_uphill(ridge: Ridge, place: Array, move: Array, bend: Array, first: int, last: int) -> None:
     """Move some points once, to the vertex of the parabola, or uphill where it has no maximum."""
     for i in range(first, last):
         if abs(move[i]) < _NO_MOVE:
             continue
         row, col = place[i, 0], place[i, 1]
-        down, right = uphill(ridge, row, col)
-        behind = spline_height(ridge.spline, row - PROBE * down, col - PROBE * right)
-        middle = spline_height(ridge.spline, row, col)
-        ahead = spline_height(ridge.spline, row + PROBE * down, col + PROBE * right)
+        down, right = uphill_direction(ridge, row, col)
+        behind = interpolate_spline(ridge.spline, row - RIDGE_PROBE_DISTANCE * down, col - RIDGE_PROBE_DISTANCE * right)
+        middle = interpolate_spline(ridge.spline, row, col)
+        ahead = interpolate_spline(ridge.spline, row + RIDGE_PROBE_DISTANCE * down, col + RIDGE_PROBE_DISTANCE * right)
         bend[i] = ahead - 2.0 * middle + behind
         rise = ahead - behind
-        step = -0.5 * PROBE * rise / bend[i] if bend[i] < 0.0 else np.sign(rise) * _MAX_REFINEMENT_MOVE
+        step = -0.5 * RIDGE_PROBE_DISTANCE * rise / bend[i] if bend[i] < 0.0 else np.sign(rise) * _MAX_REFINEMENT_MOVE
         move[i] = min(max(step, -_MAX_REFINEMENT_MOVE), _MAX_REFINEMENT_MOVE)
         place[i, 0] = row + move[i] * down
         place[i, 1] = col + move[i] * right

@@ -24,12 +24,12 @@ _LEAST_SUPPORTED_SHARE = 0.25
 """Least share of the vertices of a component that have a particle near, for it to stay."""
 
 
-def support(vertices: Array, points: Array, distance: float) -> Mask:
+def has_point_within(vertices: Array, points: Array, distance: float) -> Mask:
     """Return whether vertices, shape (N, 3), have one of the points, shape (M, 3), within a distance, shape (N,)."""
     return np.asarray(scipy.spatial.KDTree(points).query(vertices)[0] <= distance)
 
 
-def well_supported(
+def keep_supported_components(
     vertices: Array,
     faces: Index,
     points: Array,
@@ -61,7 +61,7 @@ def well_supported(
     nearest = scipy.spatial.KDTree(vertices * spacing).query(points * spacing)[1]
     particles = np.bincount(component[nearest], minlength=component.max() + 1)
     share = np.bincount(component, supported) / np.bincount(component)
-    kept = is_borne_out(particles, share)
+    kept = has_enough_support(particles, share)
     stays = kept[component]
     number = np.cumsum(stays) - 1
     unsupported = 1.0 - float(supported[stays].mean()) if stays.any() else np.nan
@@ -69,7 +69,7 @@ def well_supported(
     return Surface(vertices[stays], number[faces[stays[faces[:, 0]]]], spacing, unit, unsupported, left_out)
 
 
-def is_borne_out(particles: Index, share: Array) -> Mask:
+def has_enough_support(particles: Index, share: Array) -> Mask:
     """Return whether components have enough particles, and share of vertices with one near; all of shape (C,)."""
     return (particles >= max(_LEAST_COMPONENT_PARTICLES, _LEAST_PARTICLE_SHARE * particles.max(initial=0))) & (
         share >= _LEAST_SUPPORTED_SHARE
@@ -78,57 +78,57 @@ def is_borne_out(particles: Index, share: Array) -> Mask:
 
 def typical_distance(places: Array) -> float:
     """Return the typical distance between neighboring places, shape (N, 3), in their unit."""
-    return float(np.median(distances_between(places)))
+    return float(np.median(neighbor_distances(places)))
 
 
-def distances_between(places: Array) -> Array:
+def neighbor_distances(places: Array) -> Array:
     """Measure the distance of places, shape (N, 3), from about their nearest neighbors, shape (N,), in their unit."""
     return np.asarray(scipy.spatial.KDTree(places).query(places, [min(_NEIGHBOR_RANK, len(places) - 1) + 1])[0])[:, 0]
 
 
-FAR = 4.0
+HEIGHT_AWAY_FROM_PARTICLES = 4.0
 """Height of voxels inside, and its negative for those outside, away from all particles."""
 
 
-def fill_regions(height: Single) -> None:
+def fill_unknown_regions(height: Single) -> None:
     """Replace NaN in a height, shape (P, R, C), region by region, by the sign of most of the voxels around.
 
     The value is `HEIGHT_AWAY_FROM_PARTICLES` or its negative. The outermost voxels become infinite: they belong to no
     region, nor do others that are infinite.
     """
-    parts, votes = unknown_regions(height)
-    parts.fill_voxels(np.where(votes > 0, np.float32(FAR), np.float32(-FAR)), height)
+    parts, votes = vote_on_unknown_regions(height)
+    parts.fill_voxels(np.where(votes > 0, np.float32(HEIGHT_AWAY_FROM_PARTICLES), np.float32(-HEIGHT_AWAY_FROM_PARTICLES)), height)
 
 
-def unknown_regions(height: Single) -> tuple[ConnectedParts, Index]:
+def vote_on_unknown_regions(height: Single) -> tuple[ConnectedParts, Index]:
     """Find regions of NaN in a height, shape (P, R, C), and for each the surplus of voxels around above zero."""
-    set_border(height, np.inf)
+    set_border_voxels(height, np.inf)
     parts = find_connected_parts(np.isnan(height), corners=False)
     votes = np.zeros(parts.count, np.int64)
-    _vote(parts.begin, parts.first, parts.end, parts.part, height, votes)
+    _count_votes(parts.begin, parts.first, parts.end, parts.part, height, votes)
     return parts, votes
 
 
-def set_border(height: Single, value: float) -> None:
+def set_border_voxels(height: Single, value: float) -> None:
     """Set the outermost voxels of a height, shape (P, R, C)."""
     for axis in range(3):
         np.moveaxis(height, axis, 0)[[0, -1]] = value
 
 
 @compiled
-def _vote(begin: Index, first: Labels, end: Labels, part: Index, height: Single, votes: Index) -> None:
+def _count_votes(begin: Index, first: Labels, end: Labels, part: Index, height: Single, votes: Index) -> None:
     """Count, for each part, the surplus of the voxels around it that lie above zero over those below."""
     rows = height.shape[1]
     for row in range(len(begin) - 1):
         p, r = row // rows, row % rows
         for n in range(begin[row], begin[row + 1]):
-            total = _side(height[p, r, first[n] - 1]) + _side(height[p, r, end[n]])
+            total = _sign_of_height(height[p, r, first[n] - 1]) + _sign_of_height(height[p, r, end[n]])
             for c in range(first[n], end[n]):
-                total += _side(height[p - 1, r, c]) + _side(height[p + 1, r, c])
-                total += _side(height[p, r - 1, c]) + _side(height[p, r + 1, c])
+                total += _sign_of_height(height[p - 1, r, c]) + _sign_of_height(height[p + 1, r, c])
+                total += _sign_of_height(height[p, r - 1, c]) + _sign_of_height(height[p, r + 1, c])
             votes[part[n]] += total
 
 
 @compiled
-def _side(value: np.float32) -> int:
+def _sign_of_height(value: np.float32) -> int:
     return (1 if value > 0.0 else -1) if np.isfinite(value) else 0

@@ -11,11 +11,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.surface import Surface, rows_of_three
+from cpm_core.contours.surface import Surface, check_rows_of_three
 from cpm_core.numerics.grids import label_joined_pairs, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.reconstruction.surface.components import fill_regions, set_border, support, typical_distance
+from cpm_core.reconstruction.surface.components import fill_unknown_regions, set_border_voxels, has_point_within, typical_distance
 
 _STEPS_PER_POINT = 2.0
 """Steps of the grid between neighboring points."""
@@ -45,17 +45,17 @@ def implicit_surface(points: Array, normals: Array, apart: float) -> tuple[Array
             "not fit into memory. Leave out points far from the others, or give fewer."
         )
     height, weight = np.zeros((2, *shape.astype(int)), np.float32)
-    _add(height, weight, (points - begin) / step, normals)
+    _add_weighted_heights(height, weight, (points - begin) / step, normals)
     with np.errstate(invalid="ignore"):
         np.divide(height, weight, out=height)
-    fill_regions(height)
-    set_border(height, -1.0)
+    fill_unknown_regions(height)
+    set_border_voxels(height, -1.0)
     vertices, faces = zero_surface(height)
     return vertices * step + begin, faces
 
 
 @compiled
-def _add(height: Single, weight: Single, points: Array, normals: Array) -> None:
+def _add_weighted_heights(height: Single, weight: Single, points: Array, normals: Array) -> None:
     """Add up the weighted heights below the planes of all points, and the weights."""
     reach = int(_KNOWN_BAND) + 1
     for i in range(len(points)):
@@ -86,7 +86,7 @@ _LEAST_LINK_COST = 1e-6
 """Least cost of a link: sparse graphs drop links of cost zero."""
 
 
-def estimated_normals(points: Array, apart: float) -> Array:
+def estimate_normals(points: Array, apart: float) -> Array:
     """Estimate unit normals of points, shape (N, 3), outward; `apart` is the typical distance between them.
 
     The normal is the direction in which the neighbors spread least. Its sign spreads from point to point along the
@@ -117,11 +117,11 @@ def estimated_normals(points: Array, apart: float) -> Array:
         for k in order[1:]:
             if normals[k] @ normals[before[k]] < 0.0:
                 normals[k] *= -1.0
-    normals[hollow(points, normals, part)[part]] *= -1.0
+    normals[find_hollows(points, normals, part)[part]] *= -1.0
     return normals
 
 
-def hollow(points: Array, normals: Array, part: Index) -> Mask:
+def find_hollows(points: Array, normals: Array, part: Index) -> Mask:
     """Return whether parts, numbered by `part` (N,), lie inside an odd number of others; the arrays have N rows."""
     members = [np.flatnonzero(part == number) for number in range(int(part.max()) + 1)]
     within = np.zeros(len(members), int)
@@ -180,7 +180,7 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
     >>> surface.closed, surface.euler
     (True, 2)
     """
-    places = rows_of_three("points", points)
+    places = check_rows_of_three("points", points)
     places = np.unique(places, axis=0) if normals is None else places
     extent = float(np.abs(places - places[:1]).max()) if len(places) else 0.0
     if extent and not _LEAST_EXTENT < extent < _MAX_EXTENT:
@@ -193,7 +193,7 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
         raise ValueError(f"A surface needs points that span a volume, but these {len(places)} lie in a plane.")
     apart = typical_distance(places)
     if normals is not None:
-        outward = rows_of_three("normals", normals)
+        outward = check_rows_of_three("normals", normals)
         if len(outward) != len(places):
             raise ValueError(f"There are {len(places)} points, but {len(outward)} normals: give one for each point.")
         lengths = np.linalg.norm(outward, axis=1)
@@ -206,6 +206,6 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
             "more, or their normals."
         )
     else:
-        outward = estimated_normals(places, apart)
+        outward = estimate_normals(places, apart)
     vertices, faces = implicit_surface(places, outward, apart)
-    return Surface(vertices, faces, unsupported=1.0 - float(support(vertices, places, apart).mean()))
+    return Surface(vertices, faces, unsupported=1.0 - float(has_point_within(vertices, places, apart).mean()))

@@ -27,10 +27,10 @@ import skimage
 from cpm_core.numerics.grids import Labels, ConnectedParts, find_connected_parts, find_root
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single, record
-from cpm_core.reconstruction.surface.components import FAR
-from cpm_core.reconstruction.surface.sharpened import gray_at
+from cpm_core.reconstruction.surface.components import HEIGHT_AWAY_FROM_PARTICLES
+from cpm_core.reconstruction.surface.sharpened import interpolate_gray
 
-DEEPEST = 1.5
+MAX_SADDLE_DEPTH = 1.5
 """Largest depth of a saddle below the threshold [steps of the slope of the edges around]."""
 
 _MAX_DEPTH_WITHOUT_RIDGE = 0.85
@@ -53,7 +53,7 @@ _BANK_OVERLAP = 0.3
 
 
 @record
-class Surroundings:
+class SaddleSurroundings:
     """Volume and particles around saddles, where gray levels are higher inside than outside.
 
     Attributes
@@ -83,7 +83,7 @@ class Surroundings:
     def _places(self) -> scipy.spatial.KDTree:
         return scipy.spatial.KDTree(self.points * self.size)
 
-    def on_a_ridge(self, way: Index, saddle: Index) -> bool:
+    def lies_on_ridge(self, path: Index, saddle: Index) -> bool:
         """Return whether gray levels fall on all sides of a path, shape (K, 3), nearly as much as they rise along it.
 
         The curvature is the mean over its voxels without both ends, which lie inside. At the saddle alone noise
@@ -92,13 +92,13 @@ class Surroundings:
         near = self._places.query_ball_point(saddle * self.size, _SADDLE_RADIUS)
         if not near:
             return False
-        curvature = np.mean([self._second_derivatives(voxel) for voxel in way[1:-1]], axis=0)
+        curvature = np.mean([self._second_derivatives(voxel) for voxel in path[1:-1]], axis=0)
         _, middle, most = np.linalg.eigvalsh(self.sign * curvature)
         return bool(-middle >= max(_LEAST_NECK_CURVATURE * most, _LEAST_NECK_STEEPNESS * self.slopes[near].mean()))
 
-    def faces_across(self, way: Index, saddle: Index) -> bool:
+    def faces_across(self, path: Index, saddle: Index) -> bool:
         """Return whether edges face each other across a path, shape (K, 3), at its lowest voxel."""
-        at, across = saddle * self.size, (way[-1] - way[0]) * self.size
+        at, across = saddle * self.size, (path[-1] - path[0]) * self.size
         across = across / np.linalg.norm(across)
         near = self._places.query_ball_point(at, _SADDLE_RADIUS)
         along, toward = (self._places.data[near] - at) @ across, self.normals[near] @ across
@@ -110,7 +110,7 @@ class Surroundings:
         for a in range(3):
             for b in range(a + 1):
                 ways = np.array([s * steps[a] + t * steps[b] for s in (1, -1) for t in (1, -1)])
-                both, one, other, none = gray_at(self.volume, at + ways)
+                both, one, other, none = interpolate_gray(self.volume, at + ways)
                 found[a, b] = found[b, a] = (both - one - other + none) / (4.0 * self.size[a] * self.size[b])
         return found
 
@@ -121,45 +121,45 @@ _NECKS_APART = 3
 _NECK_SEARCH_RADIUS = 6
 """Distance from a saddle up to which the path through it is searched [voxels]."""
 
-RAISED = 0.25
+RAISED_HEIGHT = 0.25
 """Height given to the voxels of a path: just inside."""
 
 _MAX_MEETINGS = 4
 """Largest number of parts that may meet another one in a voxel."""
 
 
-def join(height: Single, begin: Index, surroundings: Surroundings) -> list[Index]:
+def bridge_necks(height: Single, begin: Index, surroundings: SaddleSurroundings) -> list[Index]:
     """Raise the voxels of necks in a height, shape (P, R, C), just above zero; return those of each in the volume.
 
     `begin` is the first voxel of the height in the volume.
     """
     parts = find_connected_parts(height > 0.0, corners=True)
-    passable, every = (height <= 0.0) & (height > -DEEPEST), np.ones(parts.count, bool)
+    passable, every = (height <= 0.0) & (height > -MAX_SADDLE_DEPTH), np.ones(parts.count, bool)
 
     def is_neck(way: Index, saddle: Index) -> bool:
         """Return whether a path, shape (K, 3), leads through a neck at its saddle, shape (3,)."""
         depth = -float(height[tuple(saddle)])
         there = way + begin, saddle + begin
-        return surroundings.on_a_ridge(*there) or (
+        return surroundings.lies_on_ridge(*there) or (
             depth < _MAX_DEPTH_WITHOUT_RIDGE and not surroundings.faces_across(*there)
         )
 
-    ways = ways_over_saddles(height, passable, parts, every, _NECKS_APART, _NECK_SEARCH_RADIUS, is_neck)
-    return [_raise(height, way) + begin for way in ways]
+    ways = find_saddle_paths(height, passable, parts, every, _NECKS_APART, _NECK_SEARCH_RADIUS, is_neck)
+    return [_raise_voxels(height, way) + begin for way in ways]
 
 
-def _raise(height: Single, way: Index) -> Index:
-    voxels = tuple(way.T)
-    height[voxels] = np.maximum(height[voxels], RAISED)
-    return way
+def _raise_voxels(height: Single, path: Index) -> Index:
+    voxels = tuple(path.T)
+    height[voxels] = np.maximum(height[voxels], RAISED_HEIGHT)
+    return path
 
 
-def ways_over_saddles(
+def find_saddle_paths(
     values: Single,
     passable: Mask,
     parts: ConnectedParts,
-    wanted: Mask,
-    apart: int,
+    wanted_parts: Mask,
+    min_separation: int,
     reach: int,
     joins: Callable[[Index, Index], bool],
 ) -> Iterator[Index]:
@@ -169,37 +169,37 @@ def ways_over_saddles(
     two parts nearer than `min_separation` one is examined, and the path is searched in the voxels up to `reach` around
     it. `joins` tells of a path, shape (K, 3), and its saddle, shape (3,), whether it connects two parts.
     """
-    if wanted.sum() < 2:
+    if wanted_parts.sum() < 2:
         return
     group = np.arange(parts.count)
     looked_at: dict[tuple[int, int], list[Index]] = {}
-    for p, r, c, one, other in meetings_of(values, passable, parts, wanted):
+    for p, r, c, one, other in find_meetings(values, passable, parts, wanted_parts):
         a, b = find_root(group, one), find_root(group, other)
         saddle, pair = np.array([p, r, c]), (min(one, other), max(one, other))
         tried = looked_at.setdefault(pair, [])
-        if a == b or any((np.abs(saddle - before) < apart).all() for before in tried):
+        if a == b or any((np.abs(saddle - before) < min_separation).all() for before in tried):
             continue
         tried.append(saddle)
-        way = way_between(values, parts, saddle, one, other, reach)
+        way = find_path_through_saddle(values, parts, saddle, one, other, reach)
         if way is not None and joins(way, saddle):
             group[max(a, b)] = min(a, b)
             yield way
 
 
-def meetings_of(values: Single, passable: Mask, parts: ConnectedParts, wanted: Mask) -> Index:
+def find_meetings(values: Single, passable: Mask, parts: ConnectedParts, wanted_parts: Mask) -> Index:
     """Find the voxels, and the two parts, where the slopes of different parts meet, the highest first, shape (M, 5)."""
     low = np.argwhere(passable)
     low = low[parts.part_at(low) < 0]
     low = low[np.argsort(-values[tuple(low.T)], kind="stable")]
-    number = np.where(wanted, np.arange(parts.count) + 1, 0).astype(np.int32)
+    number = np.where(wanted_parts, np.arange(parts.count) + 1, 0).astype(np.int32)
     labels = parts.fill_voxels(number, np.zeros(values.shape, np.int32))
     basin = np.arange(parts.count + len(low) + 1)
     found = np.empty((_MAX_MEETINGS * len(low), 5), np.int64)
-    return found[: _descend(values, labels, low, parts.count, basin, found)]
+    return found[: _flood_basins(values, labels, low, parts.count, basin, found)]
 
 
 @compiled
-def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, found: Index) -> int:
+def _flood_basins(height: Single, own: Labels, low: Index, count: int, basin: Index, found: Index) -> int:
     """Assign voxels, from high to low, to the part whose slope they lie on; note where two parts meet.
 
     A voxel without a higher neighbor begins a basin of its own, which goes to the first part that reaches it.
@@ -239,7 +239,7 @@ def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, 
     return met
 
 
-def way_between(values: Single, parts: ConnectedParts, saddle: Index, one: int, other: int, reach: int) -> Index | None:
+def find_path_through_saddle(values: Single, parts: ConnectedParts, saddle: Index, one: int, other: int, reach: int) -> Index | None:
     """Find the shortest path, shape (K, 3), between two parts through a saddle, over voxels no lower; None without.
 
     Both ends are included. Voxels up to `reach` from the saddle are examined.
@@ -307,7 +307,7 @@ _PATH_END_RADIUS = 4.0
 """Distance from the ends of a path within which particles give the gray level of the edges [smallest sides]."""
 
 
-def spin(height: Single, begin: Index, surroundings: Surroundings, width: float) -> list[Index]:
+def bridge_thin_vessels(height: Single, begin: Index, surroundings: SaddleSurroundings, width: float) -> list[Index]:
     """Raise the voxels of thin vessels in a height, shape (P, R, C), just above zero; return those of each.
 
     `begin` is the first voxel of the height in the volume, and `width` that of a smoothed step [smallest sides]. The
@@ -321,8 +321,8 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
     wanted = np.bincount(part[part >= 0], minlength=parts.count) >= _LEAST_PARTICLES_ON_PART
     gray = surroundings.volume[tuple(slice(a, a + n) for a, n in zip(low, inner.shape, strict=True))]
     gray = gray if surroundings.sign > 0.0 else -gray
-    background, noise = _level_and_noise(gray, inner <= -FAR)
-    edges = surroundings.sign * gray_at(surroundings.volume, surroundings.points)
+    background, noise = _estimate_background(gray, inner <= -HEIGHT_AWAY_FROM_PARTICLES)
+    edges = surroundings.sign * interpolate_gray(surroundings.volume, surroundings.points)
     floor = background + max(
         _LEAST_VESSEL_CONTRAST * noise,
         _LEAST_CONTRAST_SHARE * (float(np.quantile(edges, _FAINT_EDGE_QUANTILE)) - background),
@@ -334,7 +334,7 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
         steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
         if len(outside) <= _AVERAGED_VOXELS or not _SHORTEST_VESSEL * width <= steps.sum() <= _LONGEST_VESSEL * width:
             return False
-        falls = surroundings.sign * falls_around(outside, surroundings, width)
+        falls = surroundings.sign * contrast_around_path(outside, surroundings, width)
         near = (
             np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0])
             < _PATH_END_RADIUS
@@ -348,11 +348,11 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
         return bool(contrast.min() >= least and (falls.mean(0) >= _LEAST_FALL_SHARE * falls.mean()).all())
 
     reach = int(np.ceil(_LONGEST_VESSEL * width / 2.0 / surroundings.size.min())) + 2
-    ways = ways_over_saddles(gray, gray > floor, parts, wanted, _VESSEL_SADDLES_APART, reach, is_thread)
-    return [_raise(inner, way) + low for way in ways]
+    ways = find_saddle_paths(gray, gray > floor, parts, wanted, _VESSEL_SADDLES_APART, reach, is_thread)
+    return [_raise_voxels(inner, way) + low for way in ways]
 
 
-def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:
+def _estimate_background(gray: Single, background: Mask) -> tuple[float, float]:
     """Estimate the gray level of the background and the standard deviation of its noise; outliers do not count."""
     every, seen, samples = max(int(np.count_nonzero(background)) // _BACKGROUND_SAMPLES, 1), 0, []
     for plane, here in zip(gray, background, strict=True):
@@ -366,10 +366,10 @@ def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:
     return level, float(np.median(np.abs(some - np.median(some))) / _NORMAL_QUARTILE)
 
 
-def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:
+def contrast_around_path(path: Array, surroundings: SaddleSurroundings, width: float) -> Array:
     """Measure how much higher the volume is on a path, shape (K, 3), than around it, shape (K, directions)."""
     size = surroundings.size
-    places = way * size
+    places = path * size
     along = scipy.ndimage.uniform_filter1d(np.gradient(places, axis=0), _AVERAGED_VOXELS, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
     helper = np.eye(3)[np.abs(places[-1] - places[0]).argmin()]
@@ -382,5 +382,5 @@ def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:
     angles = 2.0 * np.pi * np.arange(_RING_DIRECTIONS) / _RING_DIRECTIONS
     away = np.cos(angles)[:, None] * one[:, None] + np.sin(angles)[:, None] * other[:, None]
     around = (places[:, None] + _RING_RADIUS * width * away) / size
-    values = gray_at(surroundings.volume, np.concatenate([way, around.reshape(-1, 3)]))
-    return values[: len(way), None] - values[len(way) :].reshape(len(way), _RING_DIRECTIONS)
+    values = interpolate_gray(surroundings.volume, np.concatenate([path, around.reshape(-1, 3)]))
+    return values[: len(path), None] - values[len(path) :].reshape(len(path), _RING_DIRECTIONS)

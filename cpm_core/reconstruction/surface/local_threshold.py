@@ -27,7 +27,7 @@ _LEAST_BAND_RADIUS = 2.0
 
 
 @record
-class Levels:
+class LocalThresholds:
     """Particles on the edges of a volume, shape (N, 3) [voxels], with the local threshold and the slope of the edge.
 
     The threshold is the gray level of the smoothed volume at which the edge lies, the slope is the steepness of the
@@ -39,14 +39,14 @@ class Levels:
     slopes: Array
 
 
-class Box(NamedTuple):
+class VoxelBox(NamedTuple):
     """A part of a volume: its first voxel, shape (3,), and the number of voxels along each axis."""
 
     begin: Index
     shape: tuple[int, int, int]
 
 
-def height(volume: Single, box: Box, levels: Levels, size: Array, width: float, band: float) -> Single:
+def height_over_threshold(volume: Single, box: VoxelBox, levels: LocalThresholds, size: Array, width: float, band: float) -> Single:
     """Compute the height over the local threshold within `band` of a particle, in steps of the slope; NaN elsewhere.
 
     It is about the distance to the edge, in smallest sides of a voxel.
@@ -75,19 +75,19 @@ def height(volume: Single, box: Box, levels: Levels, size: Array, width: float, 
     radii = np.maximum(band / size, _LEAST_BAND_RADIUS)
     reach = max(_GAUSSIAN_CUTOFF * width, float((radii * size).max()))
     places = levels.points - box.begin
-    order, begin, cells = _in_cells(places * size, np.array(box.shape) * size, reach)
+    order, begin, cells = _sort_into_cells(places * size, np.array(box.shape) * size, reach)
     points, thresholds, slopes = places[order], levels.thresholds[order], levels.slopes[order]
-    _mark(found, points, radii)
+    _mark_band(found, points, radii)
     weight = -0.5 / width**2
 
     def compute_planes(first: int, last: int) -> None:
-        _height(volume, box.begin, found, points, thresholds, slopes, begin, cells, size, reach, weight, first, last)
+        _compute_height(volume, box.begin, found, points, thresholds, slopes, begin, cells, size, reach, weight, first, last)
 
     run_in_parallel(compute_planes, len(found), _LEAST_PLANES_PER_THREAD)
     return found
 
 
-def _in_cells(places: Array, extent: Array, side: float) -> tuple[Index, NDArray[np.int32], Index]:
+def _sort_into_cells(places: Array, extent: Array, side: float) -> tuple[Index, NDArray[np.int32], Index]:
     """Sort places by cubic cells: their order, the first place of each cell, and the cells along each axis."""
     cells = (extent / side).astype(np.int64) + 1
     at = np.clip((places / side).astype(np.int64), 0, cells - 1)
@@ -97,7 +97,7 @@ def _in_cells(places: Array, extent: Array, side: float) -> tuple[Index, NDArray
 
 
 @compiled
-def _mark(found: Single, points: Array, radii: Array) -> None:
+def _mark_band(found: Single, points: Array, radii: Array) -> None:
     """Set the voxels of the band to zero."""
     low, high = np.empty(3, np.int64), np.empty(3, np.int64)
     for i in range(len(points)):
@@ -114,7 +114,7 @@ def _mark(found: Single, points: Array, radii: Array) -> None:
 
 
 @compiled
-def _height(
+def _compute_height(
     volume: Single,
     origin: Index,
     found: Single,

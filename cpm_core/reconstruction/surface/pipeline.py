@@ -16,15 +16,15 @@ from cpm_core.field.volume_surface import project_all_to_ridge
 from cpm_core.numerics.grids import bridge_corner_contacts, zero_surface
 from cpm_core.numerics.types import Array, Mask, Sides, Single
 from cpm_core.reconstruction.surface.components import (
-    fill_regions,
-    set_border,
-    support,
+    fill_unknown_regions,
+    set_border_voxels,
+    has_point_within,
     typical_distance,
-    well_supported,
+    keep_supported_components,
 )
-from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
-from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
-from cpm_core.reconstruction.surface.sharpened import levels_at, step_width
+from cpm_core.reconstruction.surface.joints import RAISED_HEIGHT, SaddleSurroundings, bridge_necks, bridge_thin_vessels
+from cpm_core.reconstruction.surface.local_threshold import VoxelBox, LocalThresholds, height_over_threshold
+from cpm_core.reconstruction.surface.sharpened import measure_local_thresholds, blurred_edge_width
 
 _THRESHOLD_SPREAD = 0.75
 """Width of the Gaussian that spreads the thresholds [distances between particles]."""
@@ -64,7 +64,7 @@ def find_surface(
     size = np.array(pitch_of(spacing))
     if len(points) < _LEAST_PARTICLES:
         return Surface(np.empty(0), np.empty(0, np.int64), spacing, unit)
-    levels, normals = levels_of(volume, edges, points, size, smoothing)
+    levels, normals = find_local_thresholds(volume, edges, points, size, smoothing)
     points = levels.points
     apart = typical_distance(points * size)
     width, band = width_and_band(apart)
@@ -72,26 +72,26 @@ def find_surface(
     low = np.maximum(np.floor(points.min(0) - band / size).astype(np.int64) - 1, 0)
     high = np.minimum(np.ceil(points.max(0) + band / size).astype(np.int64) + 2, volume.shape)
     planes, rows, cols = (high - low + 2).tolist()
-    box = Box(low - 1, (planes, rows, cols))
-    found = height(volume, box, levels, size, width, band)
+    box = VoxelBox(low - 1, (planes, rows, cols))
+    found = height_over_threshold(volume, box, levels, size, width, band)
     left_out = None
     if shut is not None:  # the part of it that lies in the box, which may reach beyond the volume
         along = [np.arange(begin, begin + count) for begin, count in zip(box.begin.tolist(), box.shape, strict=True)]
         left_out = shut[np.ix_(*(np.clip(at, 0, n - 1) for at, n in zip(along, shut.shape, strict=True)))]
-    sign = _settle(found, left_out)
-    surroundings = Surroundings(volume, sign, levels.points, sign * normals, levels.slopes, size)
-    join(found, box.begin, surroundings)
-    spin(found, box.begin, surroundings, step_width(smoothing))
-    bridge_corner_contacts(found, RAISED)
+    sign = _decide_inside(found, left_out)
+    surroundings = SaddleSurroundings(volume, sign, levels.points, sign * normals, levels.slopes, size)
+    bridge_necks(found, box.begin, surroundings)
+    bridge_thin_vessels(found, box.begin, surroundings, blurred_edge_width(smoothing))
+    bridge_corner_contacts(found, RAISED_HEIGHT)
     if left_out is not None:
         found[left_out] = -1.0
     vertices, faces = zero_surface(found)
     vertices += box.begin
-    supported = support(vertices * size, points * size, apart)
-    return well_supported(vertices, faces, points, supported, spacing, unit)
+    supported = has_point_within(vertices * size, points * size, apart)
+    return keep_supported_components(vertices, faces, points, supported, spacing, unit)
 
 
-def levels_of(volume: Single, edges: EdgeBricks, points: Array, size: Array, smoothing: float) -> tuple[Levels, Array]:
+def find_local_thresholds(volume: Single, edges: EdgeBricks, points: Array, size: Array, smoothing: float) -> tuple[LocalThresholds, Array]:
     """Move particles, shape (N, 3) [voxels], to the ridge; return their thresholds, and their normals away from bright.
 
     The arguments are those of `find_surface`, and `size` holds the sides of a voxel.
@@ -99,7 +99,7 @@ def levels_of(volume: Single, edges: EdgeBricks, points: Array, size: Array, smo
     pitch = tuple(size.tolist())
     places = project_all_to_ridge(volume, edges, pitch, points * size, _RIDGE_STEPS) / size
     places = np.clip(places, 0.0, np.array(volume.shape) - 1.0)
-    return levels_at(volume, edges, places, size, step_width(smoothing))
+    return measure_local_thresholds(volume, edges, places, size, blurred_edge_width(smoothing))
 
 
 def width_and_band(apart: float) -> tuple[float, float]:
@@ -107,20 +107,20 @@ def width_and_band(apart: float) -> tuple[float, float]:
     return max(_THRESHOLD_SPREAD * apart, _LEAST_THRESHOLD_SPREAD), max(_BAND_THICKNESS * apart, _LEAST_BAND_THICKNESS)
 
 
-def _settle(found: Single, left_out: Mask | None) -> float:
+def _decide_inside(found: Single, left_out: Mask | None) -> float:
     """Decide on every voxel of a height, its rim being outside; return -1 if bright and dark were exchanged.
 
     An object may be darker than its surroundings: the inside is the side that less of the border lies on.
     """
     if left_out is not None:
         found[left_out] = np.inf
-    fill_regions(found)
+    fill_unknown_regions(found)
     inner = found[1:-1, 1:-1, 1:-1]
     border = [side for axis in range(3) for side in (inner.take(0, axis), inner.take(-1, axis))]
     bright = sum(int((side > 0.0).sum()) for side in border)
     sign = -1.0 if 2 * bright > sum(side.size for side in border) else 1.0
     found *= np.float32(sign)
-    set_border(found, -1.0)
+    set_border_voxels(found, -1.0)
     if left_out is not None:
         found[left_out] = -1.0
     return sign

@@ -14,7 +14,7 @@ import scipy
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.volume_edges import EdgeBricks
 from cpm_core.numerics.types import Array, Single
-from cpm_core.reconstruction.surface.local_threshold import Levels
+from cpm_core.reconstruction.surface.local_threshold import LocalThresholds
 
 _VOXEL_VARIANCE = 0.3
 """Variance that the area of the voxels, interpolation and differences add to that of the Gaussian [voxels²]."""
@@ -23,43 +23,43 @@ _MAX_EDGE_SHIFT = 1.0
 """Largest movement that is undone, in widths of the smoothed step."""
 
 
-def gray_at(volume: Single, points: Array) -> Array:
+def interpolate_gray(volume: Single, points: Array) -> Array:
     """Interpolate the gray levels of a volume at points, shape (N, 3) [voxels], shape (N,)."""
     return interpolate_field(volume[None], points)[:, 0]
 
 
-def step_width(smoothing: float) -> float:
+def blurred_edge_width(smoothing: float) -> float:
     """Return the width of a sharp edge as seen after a Gaussian of width `smoothing` [smallest sides]."""
     return float(np.sqrt(smoothing**2 + _VOXEL_VARIANCE))
 
 
-def levels_at(volume: Single, edges: EdgeBricks, points: Array, size: Array, width: float) -> tuple[Levels, Array]:
+def measure_local_thresholds(volume: Single, edges: EdgeBricks, points: Array, size: Array, width: float) -> tuple[LocalThresholds, Array]:
     """Measure the thresholds and slopes of particles on a ridge, shape (N, 3) [voxels], and their normals (N, 3).
 
     Normals point away from the bright side. `size` holds the sides of a voxel, and `width` is that of a smoothed step,
     both in smallest sides of a voxel.
     """
-    normals, bent = _bends(volume, points, size)
-    curved, shift = _shift_of_tubes()
+    normals, bent = _normals_and_curvatures(volume, points, size)
+    curved, shift = _tube_shift_table()
     off = (np.sign(bent) * np.interp(np.abs(width * bent), curved, shift)).sum(1)  # in widths of the smoothed step
-    thresholds = gray_at(volume, points + (width * off)[:, None] * normals / size)
-    return Levels(points, thresholds, edges.strengths_at(tuple(size.tolist()), points * size)), normals
+    thresholds = interpolate_gray(volume, points + (width * off)[:, None] * normals / size)
+    return LocalThresholds(points, thresholds, edges.strengths_at(tuple(size.tolist()), points * size)), normals
 
 
-def _bends(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:
+def _normals_and_curvatures(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:
     """Compute unit vectors against the slope of a volume at points [voxels], and the principal curvatures there.
 
     Both are in units of length. The curvatures are those of the surfaces of equal gray level, positive where bright is
     convex.
     """
-    steps, at = np.eye(3), gray_at(volume, points)
-    ahead, behind = ([gray_at(volume, points + sign * step) for step in steps] for sign in (1, -1))
+    steps, at = np.eye(3), interpolate_gray(volume, points)
+    ahead, behind = ([interpolate_gray(volume, points + sign * step) for step in steps] for sign in (1, -1))
     second = np.empty((len(points), 3, 3))
     for a in range(3):
         second[:, a, a] = (ahead[a] - 2.0 * at + behind[a]) / size[a] ** 2
         for b in range(a):
             mixed = sum(
-                s * t * gray_at(volume, points + (s * steps[a] + t * steps[b])) for s in (1, -1) for t in (1, -1)
+                s * t * interpolate_gray(volume, points + (s * steps[a] + t * steps[b])) for s in (1, -1) for t in (1, -1)
             )
             second[:, a, b] = second[:, b, a] = mixed / (4.0 * size[a] * size[b])
     slope = np.stack([(ahead[a] - behind[a]) / (2.0 * size[a]) for a in range(3)], 1)
@@ -73,7 +73,7 @@ def _bends(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:
 
 
 @cache
-def _shift_of_tubes() -> tuple[Array, Array]:
+def _tube_shift_table() -> tuple[Array, Array]:
     """Tabulate the curvature of the ridge, and the shift of its radius, of tubes under a Gaussian of width 1."""
     radii = np.geomspace(40.0, 0.05, 200)
     around = np.linspace(0.5, 46.0, 9101)

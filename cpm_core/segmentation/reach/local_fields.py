@@ -71,7 +71,7 @@ class LocalFields:
         """Return the pixels where no particle goes, in the window of the image that a field covers."""
         closed = np.zeros(field.shape, bool)
         if self._regions is not None and self._regions.interest:
-            closed |= ~self._regions.pixels((field.whole or field).shape)[field.window]
+            closed |= ~self._regions.pixel_mask((field.whole or field).shape)[field.window]
         if len(field.barrier_map.segments):
             closed |= field.barrier_map.clearance < BARRIER_CLEARANCE
         return closed

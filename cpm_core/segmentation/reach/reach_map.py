@@ -16,7 +16,7 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Reached
+from cpm_core.contours.contour import ReachedBy
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Extent, Mask, record
@@ -24,7 +24,7 @@ from cpm_core.parameters import UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.reach.bounding import MIN_DAMPING, Bounds, find_bounds
 from cpm_core.segmentation.reach.certain import unambiguous_edges
 
-REACH_WAYS: tuple[Reached, ...] = ("", "flight", "weak", "junction", "launched")
+REACH_WAYS: tuple[ReachedBy, ...] = ("", "flight", "weak", "junction", "launched")
 """Ways by their numbers in a `ReachMap`."""
 
 _WAY_FLIGHT = 1
@@ -87,7 +87,7 @@ class ReachMap:
         """Return the pixels, shape (H, W), on the ridges of edges reached by creeping up to a distance [px]."""
         return self.ridge & np.isfinite(self.crept) & (self.crept <= budget)
 
-    def way_of(self, points: Array) -> Reached:
+    def way_of(self, points: Array) -> ReachedBy:
         """Return how most of a contour with vertices of shape (K, 2) [px] is reached; empty where it is on no edge."""
         place = np.clip(np.rint(points).astype(int), 0, np.array(self.shape) - 1) - self.corner
         place = place[((place >= 0) & (place < self.way.shape)).all(axis=1)]

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core.parameters import Parameters
-from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Stroke
+from cpm_core.shapes import SEEDING_KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Stroke
 
 coordinates = st.floats(-200, 200, allow_nan=False)
 positions = st.tuples(coordinates, coordinates)
@@ -55,7 +55,7 @@ def test_every_kind_of_start_gives_seeds_and_no_limit_does() -> None:
     assert np.diff(stroke[:, 1]) == pytest.approx(2.0, abs=0.2)
 
 
-@given(st.lists(shapes, max_size=4), st.sampled_from(KINDS))
+@given(st.lists(shapes, max_size=4), st.sampled_from(SEEDING_KINDS))
 def test_starting_everywhere_twice_over_is_starting_nowhere(drawn: list[Shape], kind) -> None:
     before = Document(shapes=tuple(drawn))
     once = edits.toggle_everywhere(before, kind)

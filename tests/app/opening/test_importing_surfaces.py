@@ -15,7 +15,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFileDialog
 
 from cpm_core import Result, centerlines, export
-from cpm_core.contours.surface import inside_of, surface_of_labels
+from cpm_core.contours.surface import voxelize_surface, surface_from_labels
 from cpm_core.formats import suffix_of
 from cpm_core.shapes import Points, Stroke
 from tests.app.conftest import Hand
@@ -31,7 +31,7 @@ CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModi
 INSIDE = ball() > 110.0
 SMALL = np.zeros(SHAPE, bool)
 SMALL[2:6, 2:6, 2:6] = True
-SURFACE = surface_of_labels((INSIDE | SMALL).astype(np.int32), (1.0, 1.0, 1.0), None)
+SURFACE = surface_from_labels((INSIDE | SMALL).astype(np.int32), (1.0, 1.0, 1.0), None)
 RESULT = Result(np.empty((0, 3)), (), SURFACE, 1, True, "", SHAPE, (1.0, 1.0, 1.0), None, "ball")
 
 
@@ -73,10 +73,10 @@ def test_a_dropped_surface_gives_an_object_for_each_body(volume, hand, tmp_path)
         drop(volume, tmp_path / "a.obj")
         hand.wait(lambda: bool(volume.session.document.objects.items))
     items = volume.session.document.objects.items
-    assert sorted(int(inside_of(item.body, SHAPE).sum()) for item in items) == [int(SMALL.sum()), int(INSIDE.sum())]
+    assert sorted(int(voxelize_surface(item.body, SHAPE).sum()) for item in items) == [int(SMALL.sum()), int(INSIDE.sum())]
     for item in items:
         plane, row, col = map(int, item.inside[0])
-        assert inside_of(item.body, SHAPE)[plane, row, col]
+        assert voxelize_surface(item.body, SHAPE)[plane, row, col]
     volume.activateWindow()  # the question was the active one
     hand.wait(volume.isActiveWindow)
     hand.key(Qt.Key.Key_Z, CTRL)

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import truth_of_contours
+from cpm_core.contours.ground_truth import truth_from_contours
 from tests.app.conftest import Hand, disc
 
 pytestmark = pytest.mark.shared_window
@@ -186,7 +186,7 @@ def test_differences_are_the_segments_beyond_the_tolerance_largest_first() -> No
     found = square(10.0, 30.0)
     bulge = found.points.copy()
     bulge[found.points[:, 0] == 30.0, 0] += 6.0  # the lower side is pushed out
-    truth = truth_of_contours([found], (48, 48))
+    truth = truth_from_contours([found], (48, 48))
     there = differences([Contour(bulge, True)], compare([Contour(bulge, True)], truth))
     assert {difference.kind for difference in there} == {"missing", "wrong"}
     assert there[0].farthest == pytest.approx(6.0)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.review import Mark, anchors, outline_of
+from cpm_core.contours.review import Mark, find_anchors, capture_outline
 from tests.core.contours.test_review import line, result_of, ring
 
 pytestmark = pytest.mark.shared_window
@@ -47,7 +47,7 @@ def test_a_kept_contour_that_a_run_lacks_is_shown_with_its_number_and_a_key_of_i
     tracker = ContourTracker()
     first = tracker.track(result_of(*RINGS[:3]), thorough=True)
     contours = first.result.contours
-    marks = [Mark(anchors(contours, [1])[0], "kept", outline=outline_of(contours[1]))]
+    marks = [Mark(find_anchors(contours, [1])[0], "kept", outline=capture_outline(contours[1]))]
     again = tracker.track(result_of(RINGS[2], RINGS[0]), thorough=True).keeping(marks)
     assert [row.number for row in again.measures] == [3, 1, 2]
     assert len(set(again.keys)) == 3

@@ -8,7 +8,7 @@ from cpm_app.model.document import edits
 from PySide6.QtCore import Qt
 
 from cpm_core import divergence_centers, gradient_threshold, uniform_grid
-from cpm_core.shapes import KINDS, Everywhere, Region
+from cpm_core.shapes import SEEDING_KINDS, Everywhere, Region
 
 pytestmark = pytest.mark.shared_window
 
@@ -37,7 +37,7 @@ def seen(record) -> list:
     return record("image_seeds")
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", SEEDING_KINDS)
 def test_a_key_starts_everywhere_and_the_same_key_ends_it_each_a_step_of_undo(window, hand, seen, kind) -> None:
     action = window.actions_by_name[f"start_{kind}"]
     hand.key(*KEYS[kind])
@@ -57,7 +57,7 @@ def test_a_key_starts_everywhere_and_the_same_key_ends_it_each_a_step_of_undo(wi
     assert window.session.document.shapes == ()
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", SEEDING_KINDS)
 def test_a_run_begins_with_the_particles_that_were_shown(window, hand, seen, kind) -> None:
     hand.key(*KEYS[kind])
     window.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))

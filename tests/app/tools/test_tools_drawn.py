@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QApplication
 
 from cpm_core.numerics import polyline
 from cpm_core.shapes import (
-    KINDS,
+    SEEDING_KINDS,
     Barrier,
     Charge,
     Circle,
@@ -214,7 +214,7 @@ def test_nine_buttons_with_words_fit_and_open_all_tools_of_their_group(window, h
     assert [action for action in offered if action.actionGroup()] == [
         window.actions_by_name[tool.name] for tool in TOOLS
     ]
-    assert len(offered) == len(TOOLS) + len(KINDS)
+    assert len(offered) == len(TOOLS) + len(SEEDING_KINDS)
 
 
 def chosen_from_flyout(hand, button, name: str, place: QPoint, with_button: Qt.MouseButton) -> None:

@@ -13,7 +13,7 @@ from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from cpm_core.contours.agreement import TOLERANCE
+from cpm_core.contours.agreement import DEFAULT_TOLERANCE
 from tests.app.conftest import Hand
 from tests.app.volumes.conftest import SHAPE, ball
 
@@ -39,7 +39,7 @@ def labels_file(tmp_path: Path) -> Path:
 def compared(volume: MainWindow, hand: Hand, labels_file: Path, monkeypatch: pytest.MonkeyPatch) -> MainWindow:
     """A window in which the surface of the ball has been compared with labels, chosen by the key."""
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(labels_file), ""))
-    volume.workspace.comparison.set_tolerance(TOLERANCE)
+    volume.workspace.comparison.set_tolerance(DEFAULT_TOLERANCE)
     hand.drag((14, 16), (14, 18), (14, 20))
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")

@@ -83,7 +83,7 @@ def test_a_right_click_on_a_shape_selects_it(window, hand, menus, shape, thing) 
     assert window.session.selected == 0
     assert names(window, menus.menu) == [name for name in THINGS[thing] if name]
     window.actions_by_name["enlarge"].trigger()
-    assert window.session.document.shapes == (shape.resized(1.0),)
+    assert window.session.document.shapes == (shape.resized_by(1.0),)
 
 
 def test_the_menu_of_a_table_row_selects_the_row_and_is_that_of_the_canvas(ready, hand, menus) -> None:

@@ -6,7 +6,7 @@ import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from cpm_core.contours.agreement import agreement
+from cpm_core.contours.agreement import compare_boundaries
 from cpm_core.objects.methods import CONTOUR_METHODS, run_method
 from cpm_core.parameters import PRESETS
 from tests.benchmarks.claims.trials import CONCAVITIES, LEAKS, NOISE, STARTS, TOPOLOGY, Trial, trials
@@ -116,4 +116,4 @@ def _of_time(found: Sequence[Score], methods: Sequence[str]) -> Verdict:
 def _score(trial: Trial, name: str) -> Score:
     method = CONTOUR_METHODS[name]
     end = run_method(method, trial.image, trial.start, OURS_SETTINGS if name == OURS else None)
-    return Score(trial.claim, trial.name, name, agreement(end.state.contours, trial.truth).f, end.seconds)
+    return Score(trial.claim, trial.name, name, compare_boundaries(end.state.contours, trial.truth).f, end.seconds)

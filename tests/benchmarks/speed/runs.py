@@ -9,7 +9,7 @@ import numpy as np
 import skimage
 
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import most_scales
+from cpm_core.image.pyramid import max_scales
 from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.model.volume.starts import sphere
 from cpm_core.numerics.types import Array
@@ -47,7 +47,7 @@ def _everywhere(values: Array) -> object:
 
 def _scales(values: Array) -> int:
     """As many scales as usual, or as a small image permits."""
-    return min(_AUTOMATIC.scales, most_scales(values.shape))
+    return min(_AUTOMATIC.scales, max_scales(values.shape))
 
 
 def _level_sets(values: Array) -> dict[str, Callable[[], object]]:

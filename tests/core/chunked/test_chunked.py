@@ -12,7 +12,7 @@ from cpm_core.chunked import grid as grids
 from cpm_core.chunked.run import Found, Task, run, surveyed
 from cpm_core.chunked.seams import joined
 from cpm_core.chunked.store import Piece, Store
-from cpm_core.contours.agreement import distance_to
+from cpm_core.contours.agreement import distances_to_contours
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.images import ome_zarr
 from cpm_core.formats.images.reading import Reading
@@ -83,7 +83,7 @@ def test_contours_are_those_of_a_run_in_one_piece(source, tmp_path, found, kind)
     assert all(contour.closed for contour in (*one, *several))
     assert len(one) == 11
     for some, others in ((one, several), (several, one)):
-        assert distance_to(np.concatenate([c.points for c in some]), others).max() < 0.05
+        assert distances_to_contours(np.concatenate([c.points for c in some]), others).max() < 0.05
     assert [c.number for c in several] == list(range(1, 12))
 
 
@@ -97,7 +97,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
     assert sorted({contour.group for contour in several}) == list(range(1, 10))
     boundaries = [contour for each in one for contour in each.contours]
     for some, others in ((boundaries, several), (several, boundaries)):
-        assert distance_to(np.concatenate([c.points for c in some]), others).max() < 0.05
+        assert distances_to_contours(np.concatenate([c.points for c in some]), others).max() < 0.05
     names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv")]
     results.write(found, names, serial, results.WRITERS)
     labels = np.asarray(ome_zarr.open_levels(tmp_path / "labels.zarr").arrays[0])

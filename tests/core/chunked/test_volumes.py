@@ -12,7 +12,7 @@ from cpm_core.chunked import results, volume_results
 from cpm_core.chunked.run import Task
 from cpm_core.chunked.store import Store
 from cpm_core.chunked.volume_surface import run_volume
-from cpm_core.contours.surface_agreement import triangles_of
+from cpm_core.contours.surface_agreement import sample_triangles
 from cpm_core.formats.images import ome_zarr
 from cpm_core.formats.images.reading import Reading
 from tests.core.chunked.test_chunked import serial
@@ -83,7 +83,7 @@ def files(found, tmp_path_factory):
 def apart(one, other):
     """Distances of vertices within the volume from another surface [voxels]."""
     inside = one.vertices[one.vertices[:, 0] < SHAPE[0] - 1]
-    return triangles_of(other, SHAPE).distances_to(inside * one.spacing) / one.spacing[0]
+    return sample_triangles(other, SHAPE).distances_to(inside * one.spacing) / one.spacing[0]
 
 
 def test_surfaces_are_those_of_a_run_in_one_piece_and_of_the_bodies(source, files):

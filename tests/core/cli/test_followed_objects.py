@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import cpm_core as cpm
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.image.image import as_image
 from cpm_core.objects import overlap
 from cpm_core.pages import ObjectFollower, pages_of
@@ -109,7 +109,7 @@ def test_accepted_objects_have_the_events_of_their_numbers_and_the_gray_values_o
     assert [[one.number for one in each.contours] for each in told] == [[1], [1, 2], [1, 2]]
     for each, disks in zip(told, pages, strict=True):
         for contour in each.contours:
-            mask = paint([contour], SHAPE) > 0
+            mask = rasterize_labels([contour], SHAPE) > 0
             assert contour.gray == pytest.approx(page(*disks).values[mask].mean(), abs=1e-3)
         assert each.result.image is None
 

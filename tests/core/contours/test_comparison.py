@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Contour, compare
-from cpm_core.contours.ground_truth import truth_of_contours, truth_of_mask
-from cpm_core.contours.rasterize import inside
+from cpm_core.contours.ground_truth import truth_from_contours, truth_from_mask
+from cpm_core.contours.rasterize import rasterize_mask
 from cpm_core.objects.methods.method import boundary
 
 from ..scenes import circle_points
@@ -22,7 +22,7 @@ def disk(radius, center=CENTER):
 
 def test_the_truth_agrees_with_itself():
     contours = [disk(30.0), disk(10.0)]
-    seen = compare(contours, truth_of_contours(contours, SHAPE))
+    seen = compare(contours, truth_from_contours(contours, SHAPE))
     assert (seen.dice, seen.jaccard, seen.recall, seen.precision, seen.f) == (1.0, 1.0, 1.0, 1.0, 1.0)
     assert max(seen.hausdorff, seen.hausdorff95, seen.mean_boundary_distance) < 1e-9
     assert seen.missing.shape == (0, 2)
@@ -33,7 +33,7 @@ def test_the_truth_agrees_with_itself():
 @given(st.floats(8.0, 25.0), st.floats(0.5, 20.0))
 def test_circles_about_one_center(inner, wider):
     outer = inner + wider
-    seen = compare([disk(inner)], truth_of_contours([disk(outer)], SHAPE), tolerance=1.0)
+    seen = compare([disk(inner)], truth_from_contours([disk(outer)], SHAPE), tolerance=1.0)
     assert seen.hausdorff == pytest.approx(wider, abs=1e-3)
     assert seen.hausdorff95 == pytest.approx(wider, abs=1e-3)
     assert seen.mean_boundary_distance == pytest.approx(wider, abs=1e-3)
@@ -46,27 +46,27 @@ def test_circles_about_one_center(inner, wider):
 
 def test_a_contour_in_another_is_a_hole_by_default():
     ring, core = [disk(30.0), disk(20.0)], disk(10.0)
-    mask = inside([ring[0]], SHAPE) & ~inside([ring[1]], SHAPE) | inside([core], SHAPE)
-    truth = truth_of_mask(mask)
+    mask = rasterize_mask([ring[0]], SHAPE) & ~rasterize_mask([ring[1]], SHAPE) | rasterize_mask([core], SHAPE)
+    truth = truth_from_mask(mask)
     assert compare([*ring, core], truth).dice == 1.0
     assert compare([core, *ring], truth).dice == 1.0
-    assert compare([*ring, core], truth, holes=False).jaccard == truth.labels.sum() / inside([ring[0]], SHAPE).sum()
-    nested = truth_of_contours(ring, SHAPE, holes=False)
+    assert compare([*ring, core], truth, holes=False).jaccard == truth.labels.sum() / rasterize_mask([ring[0]], SHAPE).sum()
+    nested = truth_from_contours(ring, SHAPE, holes=False)
     assert compare(ring, nested, holes=False).dice == 1.0
     assert nested.labels.max() == 2
 
 
 def test_the_border_of_the_image_is_no_boundary_of_an_object_that_it_cuts():
     row, col = np.indices(SHAPE)
-    truth = truth_of_mask(np.hypot(row - 60, col + 5) < 40)
+    truth = truth_from_mask(np.hypot(row - 60, col + 5) < 40)
     whole = boundary(truth.labels > 0, 0.5)
     seen = compare(whole, truth)
     assert (seen.dice, seen.f) == (1.0, 1.0)
     assert max(seen.hausdorff, seen.mean_boundary_distance) < 1.0
     quarter = np.hypot(row, col) < 40
     rounded = boundary(quarter & (row + col > 1), 0.5)  # methods that smooth a region lose its corner
-    assert compare(rounded, truth_of_mask(quarter)).hausdorff < 1.0
-    from_contours = truth_of_contours(whole, SHAPE)
+    assert compare(rounded, truth_from_mask(quarter)).hausdorff < 1.0
+    from_contours = truth_from_contours(whole, SHAPE)
     open_line = max((line for line in truth.contours), key=lambda line: line.length)
     assert compare([open_line], from_contours).recall == 1.0
     elsewhere = boundary((truth.labels > 0) | (col > 120), 0.5)

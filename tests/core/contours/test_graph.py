@@ -124,13 +124,13 @@ def edges_of(graph):
 @given(drawings())
 def test_paths_are_in_the_order_of_their_first_vertices(made):
     graph, linked = both(made)
-    ways = graph.ways()
+    ways = graph.find_paths()
     walked = [(path[:-1] if path[0] == path[-1] else path, path[0] == path[-1]) for path in linked.ways()]
-    assert [(ways.path(n).tolist(), bool(ways.closed[n])) for n in range(len(ways))] == walked
+    assert [(ways.path_vertices(n).tolist(), bool(ways.closed[n])) for n in range(len(ways))] == walked
     np.testing.assert_allclose(ways.lengths, [linked.length(path) for path in linked.ways()], rtol=1e-12)
     assert ways.first.tolist() == [path[0] for path, _ in walked]
     assert ways.last.tolist() == [path[-1] for path, _ in walked]
-    sides, way = ways.edges()
+    sides, way = ways.path_edges()
     assert sides.tolist() == [list(side) for path in linked.ways() for side in itertools.pairwise(path)]
     assert way.tolist() == [n for n, path in enumerate(linked.ways()) for _ in path[1:]]
 
@@ -141,12 +141,12 @@ def test_branches_and_neighbors_are_those_of_the_edges(made):
     graph, linked = both(made)
     assert edges_of(graph) == linked.edges()
     assert [graph.neighbors(v) for v in range(len(graph.points))] == [sorted(linked.near[v]) for v in linked.near]
-    assert graph.ends().tolist() == linked.ends()
+    assert graph.loose_ends().tolist() == linked.ends()
     for end in linked.ends():
         path = linked.branch(end)
-        assert graph.branch(end).tolist() == path
+        assert graph.branch_from(end).tolist() == path
         lengths = [linked.length(path[: n + 1]) for n in range(len(path))]
-        np.testing.assert_allclose(graph.way_between(np.full(len(path), end), np.array(path)), lengths, atol=1e-9)
+        np.testing.assert_allclose(graph.path_lengths_between(np.full(len(path), end), np.array(path)), lengths, atol=1e-9)
 
 
 @pytest.mark.parametrize("operation", ["drop_spurs", "drop_specks", "drop_ties", "merge_junctions"])
@@ -154,12 +154,12 @@ def test_branches_and_neighbors_are_those_of_the_edges(made):
 @given(made=drawings(), longest=st.floats(0.0, 25.0))
 def test_simplifying_by_paths_equals_simplifying_by_edges(operation, made, longest):
     graph, linked = both(made)
-    graph.ways()  # what is known of the ways must be forgotten when they change
+    graph.find_paths()  # what is known of the ways must be forgotten when they change
     getattr(graph, operation)(longest)
     getattr(linked, operation)(longest)
     assert edges_of(graph) == linked.edges()
     np.testing.assert_allclose(graph.points, linked.points, atol=1e-12)
-    assert sum(graph.ways().lengths) == pytest.approx(sum(linked.length(edge) for edge in linked.edges()))
+    assert sum(graph.find_paths().lengths) == pytest.approx(sum(linked.length(edge) for edge in linked.edges()))
 
 
 @settings(max_examples=40, deadline=None)
@@ -172,10 +172,10 @@ def test_edges_are_added_and_removed_as_in_a_set(made, changes):
         if edge[0] == edge[1]:
             continue
         if come:
-            graph.link(*edge)
+            graph.add_edge(*edge)
             kept.add(edge)
         else:
-            graph.unlink(edge)
+            graph.remove_edges(edge)
             kept.discard(edge)
     assert edges_of(graph) == kept
 
@@ -187,7 +187,7 @@ def test_new_vertices_are_inserted_in_a_row(made, count, a, further):
     size = len(graph.points)
     a, b = a % size, (a % size + 1 + further % (size - 1)) % size
     between = np.arange(2.0 * count).reshape(-1, 2)
-    graph.insert(a, between, b)
+    graph.add_path(a, between, b)
     row = [a, *range(size, size + count), b]
     assert edges_of(graph) == linked.edges() | {(min(side), max(side)) for side in itertools.pairwise(row)}
     np.testing.assert_array_equal(graph.points[size:], between)
@@ -196,18 +196,18 @@ def test_new_vertices_are_inserted_in_a_row(made, count, a, further):
 def test_an_empty_graph_has_no_paths():
     for points in (np.zeros((0, 2)), np.zeros((3, 2))):
         graph = Graph(points, np.zeros((0, 2), np.int64))
-        for operation in (graph.drop_spurs, graph.drop_specks, graph.drop_ties, graph.merge_junctions):
+        for operation in (graph.drop_spurs, graph.drop_specks, graph.drop_junction_links, graph.merge_junctions):
             operation(5.0)
-        assert len(graph.ways()) == 0
+        assert len(graph.find_paths()) == 0
         assert len(graph.edges()) == 0
-        assert graph.contours() == ()
+        assert graph.extract_contours() == ()
 
 
 @settings(max_examples=40, deadline=None)
 @given(drawings(), st.floats(0.0, 25.0))
 def test_contours_of_a_least_length_are_those_of_all_that_reach_it(made, shortest):
     graph, _ = both(made)
-    found, every = graph.contours(shortest), graph.contours()
+    found, every = graph.extract_contours(shortest), graph.extract_contours()
     assert [c.points.tolist() for c in found] == [c.points.tolist() for c in every if c.length >= shortest]
 
 
@@ -219,7 +219,7 @@ def lengths(edges):
     angle = np.pi / 6.0 * np.arange(24)
     radius = np.repeat([10.0, 13.0], 12)
     points = np.stack([radius * np.sin(angle), radius * np.cos(angle)], axis=1)
-    found = Graph(np.concatenate([points, [(0.0, 0.0)]]), np.array(edges)).contours()
+    found = Graph(np.concatenate([points, [(0.0, 0.0)]]), np.array(edges)).extract_contours()
     return [[one.length for one in found if one.closed is closed] for closed in (True, False)]
 
 

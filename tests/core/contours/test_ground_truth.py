@@ -6,8 +6,8 @@ import pytest
 import tifffile
 
 from cpm_core import Contour, Result, load_truth
-from cpm_core.contours.ground_truth import truth_of_mask
-from cpm_core.contours.rasterize import inside
+from cpm_core.contours.ground_truth import truth_from_mask
+from cpm_core.contours.rasterize import rasterize_mask
 from cpm_core.formats import export
 
 from ..scenes import circle_points
@@ -23,8 +23,8 @@ def result_of(*contours, shape=SHAPE):
 
 
 def test_the_boundary_of_a_mask_follows_that_of_the_object():
-    mask = np.where(inside([ROUND], SHAPE), 200, 0)
-    truth = truth_of_mask(mask)
+    mask = np.where(rasterize_mask([ROUND], SHAPE), 200, 0)
+    truth = truth_from_mask(mask)
     (boundary,) = truth.contours
     assert boundary.closed
     away = np.abs(np.linalg.norm(truth.boundary - (28.0, 33.0), axis=1) - 20.0)
@@ -37,7 +37,7 @@ def test_the_boundary_of_a_mask_follows_that_of_the_object():
 def test_where_three_objects_meet_boundaries_do():
     labels = np.zeros((20, 20), int)
     labels[:, 10:], labels[10:, :10] = 1, 2
-    truth = truth_of_mask(labels)
+    truth = truth_from_mask(labels)
     assert len(truth.contours) == 3
     assert all(sum(contour.junctions) == 1 for contour in truth.contours)
     assert sum(contour.length for contour in truth.contours) == pytest.approx(19 + 9.5, abs=1e-9)
@@ -47,7 +47,7 @@ def test_where_three_objects_meet_boundaries_do():
 def test_pixels_that_touch_at_a_corner_share_it():
     mask = np.zeros((20, 20), bool)
     mask[5:10, 5:10] = mask[10:15, 10:15] = True
-    truth = truth_of_mask(mask)
+    truth = truth_from_mask(mask)
     points = np.concatenate([contour.points for contour in truth.contours])
     assert (points == (9.5, 9.5)).all(axis=1).any()
     assert sum(contour.length for contour in truth.contours) == pytest.approx(40 - 6 * (1 - np.sqrt(0.5)), abs=1e-9)
@@ -56,7 +56,7 @@ def test_pixels_that_touch_at_a_corner_share_it():
 def test_the_image_border_is_no_boundary():
     mask = np.zeros((20, 30), np.uint8)
     mask[:, 12:] = 1
-    (boundary,) = truth_of_mask(mask).contours
+    (boundary,) = truth_from_mask(mask).contours
     assert not boundary.closed
     assert (boundary.points[:, 1] == 11.5).all()
     assert np.ptp(boundary.points[:, 0]) == 19.0
@@ -73,7 +73,7 @@ def test_the_gray_levels_of_a_label_mask_are_objects(tmp_path):
 
 
 def test_a_binary_mask_from_a_lossy_format_is_still_binary(tmp_path):
-    mask = np.where(inside([ROUND], SHAPE), 255, 0).astype(np.uint8)
+    mask = np.where(rasterize_mask([ROUND], SHAPE), 255, 0).astype(np.uint8)
     PIL.Image.fromarray(mask).save(tmp_path / "t.jpg", quality=97)
     with PIL.Image.open(tmp_path / "t.jpg") as image:
         assert len(np.unique(np.asarray(image))) > 8
@@ -91,10 +91,10 @@ def test_exported_contours_are_read_as_the_same_truth(tmp_path, suffix):
         assert len(contour.points) == len(original.points)
         assert contour.length == pytest.approx(original.length, abs=0.02)
     assert truth.contours[0].name == "cell"
-    expected = inside([ROUND], SHAPE) & ~inside([HOLE], SHAPE)
+    expected = rasterize_mask([ROUND], SHAPE) & ~rasterize_mask([HOLE], SHAPE)
     assert np.array_equal(truth.labels > 0, expected)
     filled = load_truth(tmp_path / f"t{suffix}", SHAPE, holes=False)
-    assert np.array_equal(filled.labels > 0, inside([ROUND], SHAPE))
+    assert np.array_equal(filled.labels > 0, rasterize_mask([ROUND], SHAPE))
 
 
 def test_a_noisy_image_and_a_constant_one_are_no_masks(tmp_path):

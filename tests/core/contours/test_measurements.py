@@ -77,7 +77,7 @@ def test_contrast_is_measured_where_there_is_an_image_and_only_on_request():
     values = np.where(np.arange(40) < 20, 0.0, 100.0) * np.ones((40, 1))
     points = np.stack([np.arange(10.0, 30.0), np.full(20, 19.5)], axis=1)
     sides = partial(mean_contrast, values, points, np.tile([0.0, 1.0], (20, 1)), 1.0)
-    seen = Contour(points, closed=False, sides=sides)
+    seen = Contour(points, closed=False, measure_contrast=sides)
     assert measure([seen])[0].contrast == pytest.approx(1.0, abs=0.1)
     assert measure([seen], contrast=False)[0].contrast is None
     assert measure([line((1, 1), (5, 5))])[0].contrast is None

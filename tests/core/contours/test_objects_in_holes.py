@@ -10,7 +10,7 @@ from pycocotools.coco import COCO
 import cpm_core as cpm
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.rasterize import rasterize_labels
 
 SHAPE, CENTER = (90, 90), 44.0
 TURN = np.linspace(0.0, 2.0 * np.pi, 200, endpoint=False)
@@ -30,7 +30,7 @@ def ring(group, outer=35.0, inner=18.0):
 def test_labels_and_net_areas_of_a_ring_and_its_core_are_those_of_their_pixels(radius, first):
     core = [circle(radius, group=2, name="core")]
     contours = [*ring(1), *core] if first == "ring" else [*core, *ring(1)]
-    labels = paint(contours, SHAPE)
+    labels = rasterize_labels(contours, SHAPE)
     distance = np.hypot(*(np.indices(SHAPE) - CENTER))
     rows = {row.name: row for row in measure(contours, contrast=False) if row.label}
     inside_core, inside_ring = distance < radius - 1, (distance < 34) & (distance > max(radius, 18.0) + 1)

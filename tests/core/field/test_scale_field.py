@@ -109,7 +109,7 @@ def test_the_fixed_charges_are_those_that_the_field_is_made_of(edge_floor, smoot
     parameters = Parameters(smoothing=smoothing, edge_floor=edge_floor, scales=1)
     engine = Engine(image, parameters, regions)
     shown, scale_field = engine.edge_map(parameters), engine.scale_field(parameters)
-    inside = regions.pixels(image.shape)
+    inside = regions.pixel_mask(image.shape)
     assert shown[inside].max() > 0.0
     assert not shown[~inside].any()
     floor = edge_floor * scale_field.edge_map[inside].max()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cpm_core.field.edge_map import smoothed_gradient, vector_magnitudes
-from cpm_core.image.border import inside_border
+from cpm_core.image.border import find_pixels_inside_border
 from cpm_core.model.starts import uniform_grid
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.evolve import segment
@@ -26,7 +26,7 @@ def bordered(width, gray=20.0, sides=("top", "bottom", "left", "right")):
 
 
 def inside_of(grad, widest):
-    return inside_border(lambda window: grad[(slice(None), *window)], vector_magnitudes(grad), 1.0, widest)
+    return find_pixels_inside_border(lambda window: grad[(slice(None), *window)], vector_magnitudes(grad), 1.0, widest)
 
 
 @pytest.mark.parametrize("gray", [20.0, 250.0])

@@ -11,7 +11,7 @@ from skimage.color import hed2rgb
 
 from cpm_core import Engine, Parameters, cli, load_image, partition, segment
 from cpm_core.formats import load_contours
-from cpm_core.image.colors import Colors, channel_of
+from cpm_core.image.colors import Colors, extract_channel
 from cpm_core.image.image import Image
 from cpm_core.model.starts import circle
 from cpm_core.objects import objects_result
@@ -47,7 +47,7 @@ def image(path) -> Image:
 @pytest.mark.parametrize("white", [255.0, 65535.0, 1.0])
 def test_a_primary_color_is_its_samples_in_the_range_of_the_file(index, channel, white):
     samples = two_discs()
-    found = channel_of(np.zeros((SIDE, SIDE)), Colors(samples, white), channel)
+    found = extract_channel(np.zeros((SIDE, SIDE)), Colors(samples, white), channel)
     np.testing.assert_allclose(found, samples[..., index] * (white / 255.0), rtol=1e-12)
     assert found.dtype == np.float64
 
@@ -58,7 +58,7 @@ def test_a_stain_darkens_its_own_channel_and_no_other(stain, name):
     amounts[IN_RED, stain] = 0.05
     colors = Colors(np.rint(255.0 * hed2rgb(amounts)).astype(np.uint8), 255.0)
     for other in ("hematoxylin", "eosin", "dab"):
-        found = channel_of(np.zeros((SIDE, SIDE)), colors, other)
+        found = extract_channel(np.zeros((SIDE, SIDE)), colors, other)
         difference = found[~IN_RED].mean() - found[IN_RED].mean()
         assert (difference > 100.0) if other == name else abs(difference) < 10.0
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cpm_core.field.edge_map import smoothed_gradient, vector_magnitudes
-from cpm_core.image.denoising import clean, noise_level, total_variation
+from cpm_core.image.denoising import remove_noise, noise_level, minimize_total_variation
 
 from ..scenes import disk
 
@@ -32,8 +32,8 @@ def off_the_circle(image, sigma):
 @pytest.mark.parametrize("kind", ["normal", "uniform", "salt and pepper"])
 def test_edges_are_nearer_to_their_place_than_total_variation_alone_leaves_them(kind):
     image = noisy(kind)
-    cleaned = clean(image)
-    alone = total_variation(image, 1.75 * noise_level(image))
+    cleaned = remove_noise(image)
+    alone = minimize_total_variation(image, 1.75 * noise_level(image))
     assert off_the_circle(cleaned.image, cleaned.sigma) < min(1.3, off_the_circle(alone, 4.0))
 
 
@@ -41,6 +41,6 @@ def test_edges_are_nearer_to_their_place_than_total_variation_alone_leaves_them(
 def test_what_is_left_away_from_edges_is_under_the_floor(kind):
     row, col = np.indices(SCENE.shape)
     away = np.abs(np.hypot(row - 63.0, col - 65.0) - 35.0) > 12.0
-    cleaned = clean(noisy(kind))
+    cleaned = remove_noise(noisy(kind))
     strength = vector_magnitudes(smoothed_gradient(cleaned.image, cleaned.sigma))
     assert np.mean(strength[away] > cleaned.floor * strength.max()) < 0.03

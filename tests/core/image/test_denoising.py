@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.image.denoising import noise_level, total_variation
+from cpm_core.image.denoising import noise_level, minimize_total_variation
 
 
 @pytest.mark.parametrize("deviation", [1.0, 20.0, 120.0])
@@ -18,7 +18,7 @@ def test_of_a_disk_total_variation_takes_as_much_height_as_theory_says():
     row, col = np.indices((128, 128)) - 63.5
     radius, height, weight = 30.0, 100.0, 150.0
     image = height * np.clip(radius + 0.5 - np.hypot(row, col), 0.0, 1.0)
-    flat = total_variation(image, weight)
+    flat = minimize_total_variation(image, weight)
     # inside the disk sinks by 2 weight / R; outside, over the whole image, rises by perimeter * weight / area
     sunk = height - 2.0 * weight / radius
     risen = 2.0 * np.pi * radius * weight / (128.0**2 - np.pi * radius**2)
@@ -37,7 +37,7 @@ def test_no_image_near_it_costs_less():
         down, right = np.diff(u, axis=0, append=u[-1:]), np.diff(u, axis=1, append=u[:, -1:])
         return np.hypot(down, right).sum() + ((u - image) ** 2).sum() / (2.0 * weight)
 
-    best = total_variation(image, weight)
+    best = minimize_total_variation(image, weight)
     least = cost(best)
     assert least < cost(image)
     for size in (0.3, 3.0):

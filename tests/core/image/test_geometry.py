@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from cpm_core import Image, Result, Surface
 from cpm_core.contours.contour import Contour
 from cpm_core.formats import encoded
-from cpm_core.image.geometry import from_affine
+from cpm_core.image.geometry import geometry_from_affine
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.grids import zero_surface
 
@@ -41,7 +41,7 @@ def result_in(geometry, spacing, unit="mm"):
 @given(TURNS, SIDES, st.booleans())
 def test_a_matrix_comes_back_as_it_was(angles, sides, mirrored):
     matrix = affine_of(angles, sides, mirrored)
-    geometry, spacing = from_affine(matrix, "RAS")
+    geometry, spacing = geometry_from_affine(matrix, "RAS")
     assert spacing == pytest.approx(sides[::-1])
     np.testing.assert_allclose(geometry.affine(spacing)[:, [2, 1, 0, 3]], matrix, atol=1e-12)
     np.testing.assert_allclose(geometry.affine(spacing, "LPS"), np.diag([-1, -1, 1, 1]) @ geometry.affine(spacing))
@@ -53,7 +53,7 @@ def test_a_matrix_comes_back_as_it_was(angles, sides, mirrored):
 @pytest.mark.parametrize("unit", ["mm", "µm", "cm", None])
 def test_a_label_volume_has_the_matrix_of_its_input(mirrored, unit):
     matrix = affine_of((20.0, -35.0, 110.0), (0.5, 0.75, 2.0), mirrored).astype(np.float32).astype(float)
-    found = nibabel.Nifti1Image.from_bytes(encoded(result_in(*from_affine(matrix, "RAS"), unit), ".nii"))
+    found = nibabel.Nifti1Image.from_bytes(encoded(result_in(*geometry_from_affine(matrix, "RAS"), unit), ".nii"))
     factor = 10.0 if unit == "cm" else 1.0
     wanted = np.vstack([factor * matrix[:3], matrix[3:]])
     assert np.array_equal(found.affine, wanted.astype(np.float32))
@@ -67,7 +67,7 @@ def test_a_label_volume_has_the_matrix_of_its_input(mirrored, unit):
 def test_axes_that_are_not_at_right_angles_have_no_rotation():
     matrix = affine_of((0, 0, 0), (1.0, 1.0, 2.0))
     matrix[0, 2] = 0.7
-    geometry, spacing = from_affine(matrix, "RAS")
+    geometry, spacing = geometry_from_affine(matrix, "RAS")
     assert geometry.slant == pytest.approx(np.degrees(np.arctan(0.35)))
     found = nibabel.Nifti1Image.from_bytes(encoded(result_in(geometry, spacing), ".nii"))
     np.testing.assert_allclose(found.affine, matrix, atol=1e-6)
@@ -79,7 +79,7 @@ def test_axes_that_are_not_at_right_angles_have_no_rotation():
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_a_surface_lies_where_the_label_volume_lies_and_points_outward(mirrored):
     matrix = affine_of((20.0, -35.0, 110.0), (0.5, 0.75, 2.0), mirrored)
-    result = result_in(*from_affine(matrix, "RAS"))
+    result = result_in(*geometry_from_affine(matrix, "RAS"))
     rows = [line.split() for line in encoded(result, ".obj").decode().splitlines()]
     points, normals = (np.array([row[1:] for row in rows if row[0] == kind], float) for kind in ("v", "vn"))
     faces = np.array([[part.split("//")[0] for part in row[1:]] for row in rows if row[0] == "f"], int) - 1
@@ -94,8 +94,8 @@ def test_a_surface_lies_where_the_label_volume_lies_and_points_outward(mirrored)
 
 
 def test_a_plane_of_a_volume_lies_where_it_was():
-    geometry, spacing = from_affine(affine_of((20.0, -35.0, 110.0), (0.5, 0.75, 2.0)), "RAS")
-    plane = replace(geometry.moved((7, 0, 0), spacing), depth=spacing[0])
+    geometry, spacing = geometry_from_affine(affine_of((20.0, -35.0, 110.0), (0.5, 0.75, 2.0)), "RAS")
+    plane = replace(geometry.starting_at((7, 0, 0), spacing), depth=spacing[0])
     whole = geometry.affine(spacing) @ np.array([7.0, 3.0, 4.0, 1.0])
     np.testing.assert_allclose(plane.affine(spacing[1:]) @ np.array([0.0, 3.0, 4.0, 1.0]), whole)
     line = Contour(np.array([[2.0, 2.0], [2.0, 9.0]]), closed=False)
@@ -111,7 +111,7 @@ def test_letters_are_those_of_nibabel(seed):
     affine = np.eye(4)
     affine[:3, :3] = Rotation.random(random_state=seed).as_matrix() * random.uniform(0.3, 4.0, 3)
     affine[:3, :3] += 0.1 * random.standard_normal((3, 3))
-    geometry, _ = from_affine(affine, "RAS")
+    geometry, _ = geometry_from_affine(affine, "RAS")
     left, _, right = np.linalg.svd(affine[:3, :3] / np.linalg.norm(affine[:3, :3], axis=0))
     order = np.argsort(-np.max((left @ right) ** 2, axis=0))  # older releases take the axes as they come
     codes = orientations.aff2axcodes(affine[:, [*order, 3]])

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.image.gray_levels import NO_DATA, usable
+from cpm_core.image.gray_levels import NO_DATA_VALUE, make_usable
 from cpm_core.image.image import Image
 
 ROW, COL = np.mgrid[:48, :48]
@@ -28,7 +28,7 @@ def test_the_unit_of_the_gray_levels_changes_no_contour(length, power):
 
 
 @pytest.mark.parametrize(
-    "value", [-3.4028234663852886e38, -3.4e38, 9.969209968386869e36, NO_DATA, 1.7976931348623157e308]
+    "value", [-3.4028234663852886e38, -3.4e38, 9.969209968386869e36, NO_DATA_VALUE, 1.7976931348623157e308]
 )
 def test_pixels_without_data_are_told_and_make_no_edges(length, value):
     values = DISK.copy()
@@ -45,7 +45,7 @@ def test_pixels_without_data_are_told_and_make_no_edges(length, value):
 def test_an_object_near_pixels_without_data_has_no_edge_there():
     rows, cols = np.mgrid[:40, :48]
     values = 20.0 + 100.0 * (np.hypot(rows - 20, cols - 24) < 10)  # two rows of background before the missing ones
-    image = Image(np.where(rows < 8, NO_DATA, values))
+    image = Image(np.where(rows < 8, NO_DATA_VALUE, values))
     assert np.allclose(image.values[:8], 20.0)
     (contour,) = cpm.segment(image, cpm.circle((20, 24), 14), cpm.Parameters(scales=1)).contours
     assert contour.points[:, 0].min() > 9.0
@@ -60,7 +60,7 @@ def test_what_is_filled_lies_between_the_known_levels(seed, share, shape):
     values = rng.uniform(-5, 5, shape)
     absent = rng.uniform(size=shape) < share
     absent.flat[:2], absent.flat[2] = False, True
-    found, notes = usable(np.where(absent, NO_DATA, values), (NO_DATA, float(values[~absent].max())))
+    found, notes = make_usable(np.where(absent, NO_DATA_VALUE, values), (NO_DATA_VALUE, float(values[~absent].max())))
     assert np.array_equal(found[~absent], values[~absent])
     assert values[~absent].min() - 1e-9 <= found.min() <= found.max() <= values[~absent].max() + 1e-9
     assert notes == (f"{absent.sum()} pixel{' has' if absent.sum() == 1 else 's have'} no data, filled from around: "

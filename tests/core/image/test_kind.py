@@ -8,7 +8,7 @@ import skimage.data
 from scipy.ndimage import gaussian_filter, uniform_filter
 from skimage.draw import disk
 
-from cpm_core.image.kind import guessed_kind
+from cpm_core.image.kind import guess_kind
 
 SIDE = 240
 RNG = np.random.default_rng(5)
@@ -56,17 +56,17 @@ def ultrasound() -> np.ndarray:
 @pytest.mark.parametrize("scale", [1.0, 257.0])
 def test_each_kind_is_guessed_whatever_its_range_of_gray_levels(draw, kind, scale) -> None:
     values = draw()
-    assert guessed_kind(scale * values + 3.0 * scale) == kind
-    assert guessed_kind(scale * values[:, ::-1]) == kind
+    assert guess_kind(scale * values + 3.0 * scale) == kind
+    assert guess_kind(scale * values[:, ::-1]) == kind
 
 
 @pytest.mark.parametrize(
     "name", ["camera", "coins", "moon", "page", "text", "brick", "grass", "gravel", "clock", "cell"]
 )
 def test_photographs_and_textures_are_of_no_kind(name) -> None:
-    assert guessed_kind(getattr(skimage.data, name)().astype(float)) is None
+    assert guess_kind(getattr(skimage.data, name)().astype(float)) is None
 
 
 @pytest.mark.parametrize("values", [np.eye(8), np.ones((200, 200)), np.indices((200, 200))[0].astype(float)])
 def test_images_without_signs_are_of_no_kind(values) -> None:
-    assert guessed_kind(values) is None
+    assert guess_kind(values) is None

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.image.denoising import averaged_along, directions
+from cpm_core.image.denoising import average_along_edges, edge_directions
 
 ROW, COL = np.indices((80, 84)).astype(float)
 INSIDE = slice(24, -24)
@@ -20,7 +20,7 @@ def straight(angle, width=3.0):
 @settings(max_examples=10, deadline=None)
 @given(st.floats(-1.5, 1.5))
 def test_directions_run_along_a_straight_edge_and_are_sure_of_it(angle):
-    way = directions(straight(angle), 1.0, 3.0)
+    way = edge_directions(straight(angle), 1.0, 3.0)
     beside = np.zeros(ROW.shape, np.bool_)
     beside[INSIDE, INSIDE] = np.abs(straight(angle))[INSIDE, INSIDE] < 60.0
     off = way.row * np.cos(angle) + way.col * np.sin(angle)
@@ -33,14 +33,14 @@ def test_directions_run_along_a_straight_edge_and_are_sure_of_it(angle):
 @given(st.floats(-1.5, 1.5))
 def test_average_along_a_straight_edge_is_the_edge(angle):
     image = straight(angle)
-    found = averaged_along(image, directions(image, 1.0, 3.0), 6.0)
+    found = average_along_edges(image, edge_directions(image, 1.0, 3.0), 6.0)
     np.testing.assert_allclose(found[INSIDE, INSIDE], image[INSIDE, INSIDE], atol=3.0)
 
 
 def test_average_along_a_circle_is_the_circle():
     distance = np.hypot(ROW - 40.0, COL - 42.0)
     image = 100.0 * np.tanh((distance - 20.0) / 3.0)
-    found = averaged_along(image, directions(image, 1.0, 2.0), 8.0)
+    found = average_along_edges(image, edge_directions(image, 1.0, 2.0), 8.0)
     near = np.abs(distance - 20.0) < 4.0
     assert np.abs(found - image)[near].max() < 6.0
 
@@ -49,6 +49,6 @@ def test_average_along_a_circle_is_the_circle():
 def test_white_noise_falls_as_the_length_of_a_gaussian_says(length):
     """The weights' norm: 1 / sqrt(2 sqrt(pi) L)."""
     noise = np.random.default_rng(1).normal(size=(200, 200))
-    way = directions(np.indices(noise.shape)[0].astype(float), 1.0, 3.0)
-    found = averaged_along(noise, way, length)[:, 30:-30]
+    way = edge_directions(np.indices(noise.shape)[0].astype(float), 1.0, 3.0)
+    found = average_along_edges(noise, way, length)[:, 30:-30]
     assert found.std() == pytest.approx(1.0 / np.sqrt(2.0 * np.sqrt(np.pi) * length), rel=0.1)

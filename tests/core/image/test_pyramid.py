@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.image.pyramid import most_scales, pyramid, shape_of_scale, to_image, to_scale
+from cpm_core.image.pyramid import max_scales, build_pyramid, shape_at_scale, to_image, to_scale
 
 shapes = st.tuples(st.integers(32, 75), st.integers(32, 75))
 
@@ -22,8 +22,8 @@ def test_to_image_undoes_to_scale(shape, scale, seed):
 def test_a_ramp_keeps_its_values_at_every_scale(shape):
     """Away from the border, a pixel of a scale has the value of the image at its position."""
     row, col = np.indices(shape).astype(float)
-    for scale, reduced in enumerate(pyramid(3.0 * row - 2.0 * col + 7.0, 3)):
-        assert reduced.shape == shape_of_scale(shape, scale)
+    for scale, reduced in enumerate(build_pyramid(3.0 * row - 2.0 * col + 7.0, 3)):
+        assert reduced.shape == shape_at_scale(shape, scale)
         inner = 5 if scale else 0
         nodes = np.argwhere(np.ones(reduced.shape, bool)).astype(float)
         within = ((nodes >= inner) & (nodes <= np.array(reduced.shape) - 1 - inner)).all(axis=1)
@@ -35,6 +35,6 @@ def test_a_ramp_keeps_its_values_at_every_scale(shape):
 @settings(max_examples=16, deadline=None)
 @given(shapes)
 def test_as_many_scales_as_leave_eight_pixels(shape):
-    most = most_scales(shape)
-    assert min(shape_of_scale(shape, most - 1)) >= 8
-    assert min(shape_of_scale(shape, most)) < 8
+    most = max_scales(shape)
+    assert min(shape_at_scale(shape, most - 1)) >= 8
+    assert min(shape_at_scale(shape, most)) < 8

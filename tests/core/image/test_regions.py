@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, Regions, circle, segment, uniform_grid
-from cpm_core.image.pyramid import pyramid, to_image
+from cpm_core.image.pyramid import build_pyramid, to_image
 from cpm_core.image.regions import build_barrier_map
 
 from ..scenes import disk, ring
@@ -125,7 +125,7 @@ def test_the_rim_parts_the_inside_of_a_union_from_its_outside_and_nothing_else(i
     rng = np.random.default_rng(seed)
     start = rng.uniform(-5.0, 65.0, (60, 2))
     end = start + rng.normal(0.0, 1.0, (60, 2)) * rng.choice([1.0, 20.0], (60, 1))
-    crossed = barrier_map.crossed(start, end)
+    crossed = barrier_map.is_crossed_by(start, end)
     along = np.linspace(0.0, 1.0, 200)[:, None]
     on_the_way = np.array([in_union(interest, a + along * (b - a)) for a, b in zip(start, end, strict=True)])
     within = ((np.minimum(start, end) >= 0) & (np.maximum(start, end) <= np.array(SHAPE) - 1)).all(axis=1)
@@ -148,9 +148,9 @@ def test_moves_are_tested_alike_near_and_far_from_barriers():
     start = rng.uniform(0.0, 55.0, (4000, 2))
     end = start + rng.normal(0.0, 1.0, start.shape) * rng.choice([0.5, 3.0, 15.0], (4000, 1))
     slow = barrier_map._replace(clearance=np.zeros((1, 1)))
-    np.testing.assert_array_equal(barrier_map.crossed(start, end), slow.crossed(start, end))
+    np.testing.assert_array_equal(barrier_map.is_crossed_by(start, end), slow.is_crossed_by(start, end))
     truth = np.any([crossing(start, end, s[:2], s[2:]) for s in barrier_map.segments], axis=0)
-    np.testing.assert_array_equal(barrier_map.crossed(start, end), truth)
+    np.testing.assert_array_equal(barrier_map.is_crossed_by(start, end), truth)
 
 
 ONE, OTHER = disk((80, 110), (36.3, 30.2), 18.0), disk((80, 110), (42.0, 80.4), 20.0)
@@ -204,7 +204,7 @@ def test_the_rim_is_no_edge():
 @pytest.mark.parametrize("scale", [0, 1, 2])
 def test_regions_lie_where_they_do_at_every_scale(scale):
     polygon = ((5.0, 6.0), (7.5, 50.0), (50.0, 42.0))
-    shape = pyramid(SCENE.values, 3)[scale].shape
+    shape = build_pyramid(SCENE.values, 3)[scale].shape
     points = np.random.default_rng(1).uniform(0.0, 1.0, (500, 2)) * shape
     scaled = Regions((polygon,)).at_scale(scale, SHAPE).contains(points)
     np.testing.assert_array_equal(scaled, winding(polygon, to_image(points, scale, SHAPE)) != 0)

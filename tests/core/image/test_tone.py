@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from cpm_core import Parameters, segment, uniform_grid
-from cpm_core.image.gray_levels import automatic_gamma, toned
+from cpm_core.image.gray_levels import automatic_gamma, apply_gamma
 
 from ..scenes import disk
 
@@ -16,7 +16,7 @@ IMAGES = arrays(float, (5, 6), elements=st.integers(-1000, 1000).map(float))
 
 @given(IMAGES, st.floats(0.2, 3.0))
 def test_order_and_range_of_gray_levels_are_kept(values, gamma):
-    shown = toned(values, gamma)
+    shown = apply_gamma(values, gamma)
     assert shown.min() == pytest.approx(values.min(), abs=1e-9)
     assert shown.max() == pytest.approx(values.max(), abs=1e-9)
     order = np.argsort(values, axis=None, kind="stable")

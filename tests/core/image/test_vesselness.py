@@ -7,7 +7,7 @@ from skimage.filters import sato
 
 from cpm_core import PRESETS, Parameters, segment, uniform_grid
 from cpm_core.image import vesselness as vesselness_module
-from cpm_core.image.vesselness import lines
+from cpm_core.image.vesselness import filter_lines
 
 INNER = (slice(15, -15), slice(15, -15))
 
@@ -21,8 +21,8 @@ def line(angle, width, sign, shape=(90, 100)):
 
 def test_it_agrees_with_the_filter_of_scikit_image(monkeypatch):
     values = scipy.ndimage.gaussian_filter(np.random.default_rng(1).normal(0.0, 50.0, (70, 80)), 2.0)
-    monkeypatch.setattr(vesselness_module, "_NORMALIZATION", 2.0)
-    for black, found in zip((True, False), lines(values), strict=True):
+    monkeypatch.setattr(vesselness_module, "_SIGMA_EXPONENT", 2.0)
+    for black, found in zip((True, False), filter_lines(values), strict=True):
         peer = sato(values, (1.0, 2.0, 4.0), black_ridges=black, mode="nearest")[INNER]
         assert np.abs(found.curvature[INNER] - peer).max() < 0.05 * peer.max()
 
@@ -31,7 +31,7 @@ def test_it_agrees_with_the_filter_of_scikit_image(monkeypatch):
 def test_an_edge_is_no_line_however_high_it_is(angle):
     row, col = np.indices((90, 100)) - 45.0
     step = 200.0 / (1.0 + np.exp(-2.0 * (row * np.cos(angle) - col * np.sin(angle))))
-    for kind in lines(step):
+    for kind in filter_lines(step):
         assert kind.curvature[INNER].max() > 20.0
         assert kind.contrast[INNER].max() < 0.01 * 200.0
 
@@ -41,7 +41,7 @@ def test_an_edge_is_no_line_however_high_it_is(angle):
 def test_the_contrast_of_a_line_is_its_difference_from_both_sides_at_the_best_width(angle, sign):
     width, sigma = 1.5, np.array([1.0, 2.0, 4.0])
     values, across = line(angle, width, sign)
-    found = lines(values)[0 if sign < 0 else 1].contrast[INNER][np.abs(across[INNER]) < 0.3]
+    found = filter_lines(values)[0 if sign < 0 else 1].contrast[INNER][np.abs(across[INNER]) < 0.3]
     smoothed = width**2 + sigma**2
     true = 100.0 * width / np.sqrt(smoothed) * (1.0 - np.exp(-0.5 * (2.0 * sigma) ** 2 / smoothed))
     assert found == pytest.approx(true.max(), rel=0.12)

@@ -153,7 +153,7 @@ def test_the_shape_is_rebuilt_from_its_skeleton(name, kind):
         values = mask.astype(float)
     elif kind == "soft and noisy":
         values = ndimage.gaussian_filter(values, 1.5) + np.random.default_rng(3).normal(0.0, 8.0, values.shape)
-    rebuilt = cpm.skeleton(values).rebuilt()
+    rebuilt = cpm.skeleton(values).rebuild_shape()
     assert rebuilt.shape == values.shape
     assert rebuilt.dtype == bool
     assert overlap(rebuilt, mask) >= (0.96 if kind == "soft and noisy" else 0.98)
@@ -182,10 +182,10 @@ def test_neither_pixel_steps_nor_noise_on_the_boundary_make_short_branches(name,
 def test_more_pruning_only_removes_and_within_its_bound_and_keeps_connections():
     values = inside(SHAPES["ring"].values).astype(float)  # with pixel steps that could make short branches
     skeletons = [cpm.skeleton(values, pruning=pruning) for pruning in (0.3, 1.0, 8.0)]
-    everything = skeletons[0].rebuilt()
+    everything = skeletons[0].rebuild_shape()
     for pruning, more, less in zip((1.0, 8.0), skeletons[:-1], skeletons[1:], strict=True):
         assert farthest(vertices(less), densely(more)) < 1.0
-        rebuilt = less.rebuilt()
+        rebuilt = less.rebuild_shape()
         assert ndimage.distance_transform_edt(~rebuilt)[everything & ~rebuilt].max(initial=0.0) < pruning + 1.5
         lines = labels_of(less) > 0
         assert ndimage.label(lines, TOUCHING)[1] == 1
@@ -205,9 +205,9 @@ def test_each_object_has_a_skeleton_of_its_own_and_a_hole_has_none():
     )
     skeleton = cpm.skeleton(values)
     assert sorted(len(contour.points) == 1 for contour in skeleton.contours) == [False, True]
-    assert skeleton.rebuilt()[50, 50] == False  # noqa: E712
+    assert skeleton.rebuild_shape()[50, 50] == False  # noqa: E712
     both = cpm.skeleton(values, outside=True)
-    assert both.rebuilt()[50, 50]
+    assert both.rebuild_shape()[50, 50]
     assert farthest(vertices(skeleton), densely(both)) < 1e-9
     assert both.length > skeleton.length + 50.0
 
@@ -220,7 +220,7 @@ def test_an_object_continues_beyond_the_image_border():
     assert np.abs(points[:, 1] - 40.3).max() < 0.3
     assert points[:, 0].min() == -0.5
     assert np.abs(skeleton.radii[0][points[:, 0] < 45] - 10.0).max() < 0.1
-    assert overlap(skeleton.rebuilt(), inside(values)) > 0.98
+    assert overlap(skeleton.rebuild_shape(), inside(values)) > 0.98
 
 
 def test_the_points_of_a_step_lie_in_the_image():

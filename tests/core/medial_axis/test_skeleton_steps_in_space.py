@@ -68,7 +68,7 @@ def test_regions_and_surfaces_say_what_has_a_skeleton():
     rod = np.zeros(volume.shape, bool)
     rod[10:16, 10:16, 4:40] = True
     whole = METHODS["skeleton"](volume)
-    one = whole.of_objects([PackedSurface.of(VolumeTruth(rod).surface)])
+    one = whole.for_objects([PackedSurface.from_surface(VolumeTruth(rod).surface)])
     lines = one.result(run(one)[-1], VOLUME)
     assert len(lines.contours) == 1
     assert np.allclose(np.median(lines.contours[0].points[:, :2], axis=0), 12.5, atol=0.6)

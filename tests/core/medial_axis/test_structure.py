@@ -137,7 +137,7 @@ def test_a_mask_has_the_skeleton_of_its_objects():
     straight = (vertices(skeleton)[:, 1] > 32.0) & (vertices(skeleton)[:, 1] < 98.0)
     assert off[straight].max() < 0.1
     assert np.unique(np.round(radii(skeleton)[straight], 1)).tolist() == [5.0, 10.0]
-    assert (skeleton.rebuilt() & ~mask).sum() < 20
+    assert (skeleton.rebuild_shape() & ~mask).sum() < 20
     thin = cpm.skeleton(NOISE, within=mask, pruning=3.0, max_width=12.0)
     assert radii(thin).max() < 6.0
     assert np.abs(vertices(thin)[:, 0] - 44.5).max() < 6.0

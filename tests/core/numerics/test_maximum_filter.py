@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from cpm_core.image.border import within
+from cpm_core.image.border import dilate_by_distance
 from cpm_core.numerics.grids import running_maximum
 
 shapes = st.one_of(st.tuples(st.integers(1, 12), st.integers(1, 12)), st.tuples(*[st.integers(1, 6)] * 3))
@@ -28,4 +28,4 @@ def test_within_a_distance_of_some_pixels(shape, reach, seed):
     some = np.random.default_rng(seed).uniform(size=shape) > 0.9
     some[(0,) * len(shape)] = True
     distance = ndimage.distance_transform_edt(~some)
-    np.testing.assert_array_equal(within(some, reach), distance <= reach + 1e-9)
+    np.testing.assert_array_equal(dilate_by_distance(some, reach), distance <= reach + 1e-9)

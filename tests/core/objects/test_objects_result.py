@@ -8,7 +8,7 @@ import pytest
 import tifffile
 
 from cpm_core import Image, encoded, objects_result
-from cpm_core.contours.rasterize import inside, paint
+from cpm_core.contours.rasterize import rasterize_mask, rasterize_labels
 from cpm_core.objects.boundaries.ground import ground
 from cpm_core.objects.outline import outlines
 from cpm_core.objects.selection import Selection
@@ -38,14 +38,14 @@ def result():
 
 
 def test_a_label_mask_has_one_label_for_each_object_and_none_in_its_holes(result):
-    labels = paint(result.contours, result.shape)
+    labels = rasterize_labels(result.contours, result.shape)
     expected = np.zeros(result.shape, int)
     expected[ring((20, 22), 9.5, 15)] = 1
     expected[ring((20, 20), -1, 3) | ring((20, 27), -1, 2)] = 2
     expected[ring((20, 50), -1, 5)] = 3
     assert np.array_equal(labels, expected)
     assert np.array_equal(tifffile.imread(io.BytesIO(encoded(result, ".tif"))), expected)
-    assert np.array_equal(inside(result.contours, result.shape), expected > 0)
+    assert np.array_equal(rasterize_mask(result.contours, result.shape), expected > 0)
 
 
 def test_the_table_tells_object_hole_net_area_and_what_was_bridged(result):

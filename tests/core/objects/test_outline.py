@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from cpm_core import edge_map
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.rasterize import inside
+from cpm_core.contours.rasterize import rasterize_mask
 from cpm_core.numerics.segments import first_crossing, path_segments
 from cpm_core.objects.boundaries.ground import ground
 from cpm_core.objects.outline import outlines
@@ -36,7 +36,7 @@ def test_the_outlines_of_any_mask_contain_exactly_its_pixels_and_never_cross(see
     values = random.random(shape)
     lines = [random.uniform(-2.0, 18.0, (5, 2))]
     contours = tuple(outline.contour for outline in outlines(mask, ground(values, values, lines)))
-    assert np.array_equal(inside(contours, shape), mask)
+    assert np.array_equal(rasterize_mask(contours, shape), mask)
     for contour in contours:
         assert contour.closed
         assert not crosses_itself(contour)

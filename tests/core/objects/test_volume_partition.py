@@ -9,7 +9,7 @@ from skimage.measure import marching_cubes
 
 import cpm_core as cpm
 from cpm_core.contours.packed_surface import PackedSurface, PackedVoxels
-from cpm_core.contours.surface import Surface, numbered
+from cpm_core.contours.surface import Surface, label_voxels
 from cpm_core.image.volume_regions import Voxels
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
@@ -85,7 +85,7 @@ def test_the_result_of_a_run_is_cut_along_its_surface():
 
 def test_what_has_been_selected_is_kept_as_text_and_comes_back():
     surface = parted().select([WALL]).surface
-    kept = PackedSurface.of(surface)
+    kept = PackedSurface.from_surface(surface)
     again = PackedSurface(kept.vertices, kept.faces)
     assert again == kept
     np.testing.assert_array_equal(again.surface.faces, surface.faces)
@@ -97,7 +97,7 @@ def test_objects_of_a_surface_are_labeled_by_their_own_numbers():
     faces = np.concatenate([ball.faces, wall.faces + len(ball.vertices)])
     numbers = np.repeat([7, 3], [len(ball.faces), len(wall.faces)])
     both = Surface(np.concatenate([ball.vertices, wall.vertices]), faces, SPACING, "mm", numbers=numbers)
-    labels = numbered(both, SHAPE)
+    labels = label_voxels(both, SHAPE)
     np.testing.assert_array_equal(labels == 7, parted().select([BALL]).mask)
     np.testing.assert_array_equal(labels == 3, parted().select([WALL]).mask)
     with pytest.raises(ValueError, match="numbers of a surface"):
@@ -210,7 +210,7 @@ def test_a_click_corrects_painted_voxels_near_it_and_leaves_those_far_from_it(ad
     far = np.zeros(shape, bool)
     far[4:40:3, 8:40:2, 60:72], far[20:28, 10:14, 20:28] = True, True  # nothing that an image shows
     painted = (painted | far) & ~(np.indices(shape)[2] < 14)
-    before = cut.selection_of(PackedVoxels.of(Voxels(painted)))
+    before = cut.selection_of(PackedVoxels.from_voxels(Voxels(painted)))
     np.testing.assert_array_equal(before.mask, painted)
     click = [(24, 24, 44)]
     after = cut.select(*((click, []) if adds else ([(24, 24, 24)], click)), previous=before)
@@ -228,7 +228,7 @@ def test_what_a_click_gives_stays_in_the_region_of_interest(side):
     box = tuple(center - (2.0, radius, 4.0)), tuple(center + radius)
     regions = cpm.VolumeRegions(interest=[box])
     cut = cpm.VolumePartition(_seen(radius - away, (1.0,) * 3), regions=regions)
-    found, allowed = cut.select([center + 2.0]), regions.voxels(away.shape)
+    found, allowed = cut.select([center + 2.0]), regions.voxel_mask(away.shape)
     assert _dice(found.mask, (away < radius) & allowed) > 0.97
     assert not (found.mask & ~scipy.ndimage.binary_dilation(allowed)).any()
     assert (found.mask & ~allowed).sum() < 0.002 * found.mask.sum()

@@ -117,14 +117,14 @@ def test_without_an_edge_a_bridge_continues_straight():
     (bridge,) = bridged(graph, flat())
     away = bridge.points - (40.0, 10.0)
     assert np.abs(away @ np.array([30.0, 10.0]) / np.hypot(30.0, 10.0)).max() < 0.7
-    assert len(graph.contours()) == 1
+    assert len(graph.extract_contours()) == 1
 
 
 def test_a_t_is_joined_in_a_junction():
     graph = curves(straight((40.0, 10.0), (40.0, 90.0)), straight((25.0, 50.0), (5.0, 52.0)))
     (bridge,) = bridged(graph, flat())
     assert bridge.length == pytest.approx(15.0, abs=1.0)
-    contours = graph.contours()
+    contours = graph.extract_contours()
     assert [sum(c.junctions) for c in contours] == [1, 1, 1]
     assert bridge.points[-1].tolist() in [p.tolist() for p in contours[0].points[[0, -1]]]
 
@@ -139,7 +139,7 @@ def test_no_bridge_crosses_a_contour():
     found = bridged(graph, flat())
     assert len(found) == 2
     assert all(abs(b.points[-1, 1] - 57.1) < 0.2 for b in found)
-    assert all(not c.closed for c in graph.contours())
+    assert all(not c.closed for c in graph.extract_contours())
 
 
 def test_no_bridge_crosses_a_barrier_or_leaves_the_region():
@@ -162,7 +162,7 @@ def test_bridges_only_add_and_cross_nothing_and_are_no_wider_than_asked(seed, lo
         lines.append(np.clip(line, 1.0, (88.0, 118.0)))
     graph = curves(*lines)
     before = graph.edges()
-    loose = {tuple(p) for p in graph.points[graph.ends()].tolist()}
+    loose = {tuple(p) for p in graph.points[graph.loose_ends()].tolist()}
     found = bridge_gaps(graph, flat(), longest, 2.0, 8.0)
     after = {tuple(e) for e in graph.edges().tolist()}
     assert {tuple(e) for e in before.tolist()} <= after

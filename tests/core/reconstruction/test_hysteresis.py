@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, uniform_grid
 from cpm_core.contours.graph import Graph
-from cpm_core.reconstruction.curve.hysteresis import drop_unconnected, ratings
+from cpm_core.reconstruction.curve.hysteresis import drop_unconnected, rate_edges
 
 
 @st.composite
@@ -27,8 +27,8 @@ def kept_edges(made, least, sure):
     """Edges that the two thresholds leave, and the ratings."""
     points, edges, strength = made
     graph = Graph(points, edges)
-    rated, rating = ratings(graph, lambda _: strength)
-    graph.unlink(rated[rating < least])
+    rated, rating = rate_edges(graph, lambda _: strength)
+    graph.remove_edges(rated[rating < least])
     drop_unconnected(graph, strength, sure)
     return {tuple(edge) for edge in graph.edges().tolist()}, by_edge(rated, rating)
 
@@ -60,11 +60,11 @@ def test_remaining_edges_are_strong_enough_and_connected_to_sure_ones(made, leas
 def test_closed_contours_and_those_between_junctions_are_rated_as_a_whole(made):
     points, edges, strength = made
     graph = Graph(points, edges)
-    rated = by_edge(*ratings(graph, lambda _: strength))
+    rated = by_edge(*rate_edges(graph, lambda _: strength))
     assert set(rated) == {tuple(edge) for edge in graph.edges().tolist()}
-    ways = graph.ways()
-    assert len(rated) == len(ways.edges()[0])
-    for path, closed in ((ways.path(n).tolist(), ways.closed[n]) for n in range(len(ways))):
+    ways = graph.find_paths()
+    assert len(rated) == len(ways.path_edges()[0])
+    for path, closed in ((ways.path_vertices(n).tolist(), ways.closed[n]) for n in range(len(ways))):
         if closed or min(graph.degree(path[0]), graph.degree(path[-1])) > 1:
             sides = itertools.pairwise([*path, path[0]] if closed else path)
             np.testing.assert_allclose([rated[min(s), max(s)] for s in sides], strength[path].mean())

@@ -12,9 +12,9 @@ from scipy.spatial import Delaunay, Voronoi
 from cpm_core import reconstruct_curve
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import build_scale_field
-from cpm_core.reconstruction.curve.crust import crust
-from cpm_core.reconstruction.curve.end_linking import close_gaps
-from cpm_core.reconstruction.curve.subpixel import ridge_points
+from cpm_core.reconstruction.curve.crust import find_crust_edges
+from cpm_core.reconstruction.curve.end_linking import link_loose_ends
+from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 
 from ..scenes import circle_points, disk
 
@@ -27,7 +27,7 @@ def crust_in_two_steps(points):
 
 
 def crust_in_one_step(points):
-    edges = [tuple(edge) for edge in crust(points).tolist()]
+    edges = [tuple(edge) for edge in find_crust_edges(points).tolist()]
     assert edges == sorted(set(edges))
     assert all(a < b for a, b in edges)
     return set(edges)
@@ -139,8 +139,8 @@ def edges_of(graph):
 @given(graphs())
 def test_contours_use_every_edge_exactly_once_and_end_at_ends_and_junctions(graph):
     walked = []
-    ways = graph.ways()
-    for path, closed in ((ways.path(n).tolist(), ways.closed[n]) for n in range(len(ways))):
+    ways = graph.find_paths()
+    for path, closed in ((ways.path_vertices(n).tolist(), ways.closed[n]) for n in range(len(ways))):
         steps = list(itertools.pairwise([*path, path[0]] if closed else path))
         walked += [(min(step), max(step)) for step in steps]
         if closed:
@@ -181,7 +181,7 @@ def ladder(rung):
 def test_junctions_close_to_each_other_are_merged(rung, longest, count):
     graph = ladder(rung)
     graph.merge_junctions(longest)
-    contours = graph.contours()
+    contours = graph.extract_contours()
     assert len(contours) == count
     if count == 4:
         meeting = np.concatenate([c.points[[0, -1]][list(c.junctions)] for c in contours])
@@ -227,7 +227,7 @@ def test_the_ridge_of_a_straight_edge_is_the_edge(angle, offset):
     along = np.linspace(-12.0, 12.0, 25)
     normal, tangent = np.array([np.sin(angle), np.cos(angle)]), np.array([np.cos(angle), -np.sin(angle)])
     start = 20.0 + along[:, None] * tangent + (offset + np.linspace(-0.8, 0.8, 25))[:, None] * normal
-    place, found = ridge_points(start, build_scale_field(image, 1.0, 0.0))
+    place, found = refine_to_ridge(start, build_scale_field(image, 1.0, 0.0))
     assert found.all()
     assert np.abs(across(place)).max() < 0.02
     np.testing.assert_allclose((place - start) @ tangent, 0.0, atol=0.1)
@@ -242,7 +242,7 @@ def test_the_ridge_of_a_disk_is_its_boundary_except_for_the_shift_by_smoothing(c
     below 0.007 px and a deviation of 0.005 to 0.02 px. At R = 28 and sigma = 1 the mean is within 0.03 px of the truth.
     """
     scene = disk((70, 72), center, radius)
-    place, found = ridge_points(
+    place, found = refine_to_ridge(
         circle_points(center, radius + 0.4, 200), build_scale_field(scene.values, smoothing, 0.0)
     )
     outwards = np.hypot(*(place - center).T) - radius
@@ -265,10 +265,10 @@ def test_ends_are_joined_along_an_edge_within_reach():
     scale_field = build_scale_field(image, 1.0, 0.0)
     graph, bridge = two_pieces(4.0)
     before = edges_of(graph)
-    close_gaps(graph, scale_field, 5.0)
+    link_loose_ends(graph, scale_field, 5.0)
     assert edges_of(graph) - before == {bridge}
     graph, _ = two_pieces(4.0)
-    close_gaps(graph, scale_field, 3.5)
+    link_loose_ends(graph, scale_field, 3.5)
     assert edges_of(graph) == before
 
 
@@ -280,6 +280,6 @@ def test_an_end_beside_a_curve_joins_it_in_a_junction():
     right = np.stack([np.full(6, 19.5), np.arange(24.0, 36.0, 2.0)], axis=1)
     edges = [(i, i + 1) for i in range(15)] + [(16 + i, 17 + i) for i in range(5)]
     graph = Graph(np.concatenate([upright, right]), np.array(edges))
-    close_gaps(graph, build_scale_field(image, 1.0, 0.0), 5.0)
+    link_loose_ends(graph, build_scale_field(image, 1.0, 0.0), 5.0)
     assert len(edges_of(graph)) == len(edges) + 1
-    assert len([c for c in graph.contours() if any(c.junctions)]) == 3
+    assert len([c for c in graph.extract_contours() if any(c.junctions)]) == 3

@@ -11,9 +11,9 @@ from scipy import ndimage
 from cpm_core import Engine, Parameters, circle, segment, uniform_grid
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import SPLINE_MARGIN, build_scale_field
-from cpm_core.reconstruction.curve.ridge import spline_height
-from cpm_core.reconstruction.curve.ridge_tracing import trace
-from cpm_core.reconstruction.curve.subpixel import ridge_points
+from cpm_core.reconstruction.curve.ridge import interpolate_spline
+from cpm_core.reconstruction.curve.ridge_tracing import trace_ridges
+from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 
 from ..scenes import antialiased, circle_points, disk, outline_distance, polygon
 
@@ -26,16 +26,16 @@ def test_the_compiled_spline_is_that_of_scipy(seed, rows, cols):
     places = rng.uniform((-4.0, -4.0), (rows + 3.0, cols + 3.0), (40, 2))
     expected = ndimage.map_coordinates(coefficients, places.T, order=3, prefilter=False, mode="nearest")
     continued = np.pad(coefficients, SPLINE_MARGIN, mode="edge")
-    np.testing.assert_allclose([spline_height(continued, row, col) for row, col in places], expected, atol=1e-12)
+    np.testing.assert_allclose([interpolate_spline(continued, row, col) for row, col in places], expected, atol=1e-12)
 
 
 def traced(scale_field, points, d_min=2.0):
     """Contours of traced points, after a check that the points are the first vertices."""
-    vertices, edges = trace(points, scale_field, d_min)
+    vertices, edges = trace_ridges(points, scale_field, d_min)
     np.testing.assert_allclose(vertices[: len(points)], points, atol=0.11)
     assert edges.min() >= 0
     assert edges.max() < len(vertices)
-    return Graph(vertices, edges).contours()
+    return Graph(vertices, edges).extract_contours()
 
 
 @settings(max_examples=25, deadline=None)
@@ -53,7 +53,7 @@ def test_a_few_points_on_a_disk_give_its_whole_outline(radius, row, col, seed, d
     gaps = np.diff([*angle, angle[0] + 2.0 * np.pi]) * radius
     angle = angle[(gaps > 1.1) | (len(angle) == 1)]
     angle = np.concatenate([angle, np.arange(0.0, 2.0 * np.pi, 18.0 / radius)]) if gaps.max() > 18.0 else angle
-    points, found = ridge_points(circle_points(center, radius, 1)[0] * 0.0 + _on(center, radius, angle), scale_field)
+    points, found = refine_to_ridge(circle_points(center, radius, 1)[0] * 0.0 + _on(center, radius, angle), scale_field)
     assert found.all()
     kept = [n for n in range(len(points)) if n == 0 or np.linalg.norm(points[:n] - points[n], axis=1).min() > 1.0]
     (contour,) = traced(scale_field, points[kept])
@@ -168,6 +168,6 @@ def test_the_sides_of_a_contour_follow_the_ridge():
     sides = np.concatenate(
         [a + (b - a) * np.linspace(0.0, 1.0, 9)[:, None] for a, b in itertools.pairwise(contour.path)]
     )
-    place, found = ridge_points(sides, engine.scale_field(Parameters()))
+    place, found = refine_to_ridge(sides, engine.scale_field(Parameters()))
     assert found.all()
     assert np.linalg.norm(place - sides, axis=1).max() < 0.05

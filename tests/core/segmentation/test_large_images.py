@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from cpm_core.field.edge_map import automatic_smoothing
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
-from cpm_core.image.pyramid import most_scales, shape_of_scale
+from cpm_core.image.pyramid import max_scales, shape_at_scale
 from cpm_core.model import interventions
 from cpm_core.model.coverage import NEVER_COVERED, no_coverage
 from cpm_core.model.starts import circle
@@ -36,8 +36,8 @@ def small_counts_as_large(monkeypatch):
 @given(st.integers(2049, 40_000), st.integers(2049, 40_000))
 def test_the_coarsest_scale_is_just_small_enough(rows, cols):
     scales = large_images.scales_for((rows, cols))
-    assert max(shape_of_scale((rows, cols), scales - 1)) <= 512 < max(shape_of_scale((rows, cols), scales - 2))
-    assert scales <= most_scales((rows, cols))
+    assert max(shape_at_scale((rows, cols), scales - 1)) <= 512 < max(shape_at_scale((rows, cols), scales - 2))
+    assert scales <= max_scales((rows, cols))
 
 
 @pytest.mark.parametrize("noise", [5.0, 30.0, 60.0])

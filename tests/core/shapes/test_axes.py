@@ -13,7 +13,7 @@ from cpm_core import Image
 from cpm_core.formats.common.plain import shape_to_plain
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
 from cpm_core.shapes import Circle, Everywhere, Points, Shape, Sphere
-from cpm_core.shapes.document_shapes import axes_of, check_axes, seeds_on
+from cpm_core.shapes.document_shapes import count_axes, check_axes, compute_seeds
 from tests.faults.fuzzing.inputs.session_samples import IMAGE, SAMPLES, VOLUME
 
 DISK, BALL = Circle((20.0, 20.0), 6.0), Sphere((9.0, 9.0, 9.0), 4.0)
@@ -29,7 +29,7 @@ def test_shapes_of_the_other_kind_are_refused_by_name_and_size(size: tuple[int, 
     here, there = (IMAGE, VOLUME) if len(size) == 2 else (VOLUME, IMAGE)
     check_axes(drawn(here, tmp_path), size)
     for shape in drawn(there, tmp_path):
-        if axes_of(shape) is None:
+        if count_axes(shape) is None:
             continue
         with pytest.raises(ValueError, match=re.escape(f"shape 1 ({shape.title}) is for ")) as caught:
             check_axes([shape], size, "a.png")
@@ -41,7 +41,7 @@ def test_particles_in_space_do_not_start_in_a_plane() -> None:
     with pytest.raises(
         ValueError, match=r"shape 1 \(point\) is for volumes, but image is taken as an image of 40 x 40"
     ):
-        seeds_on(Image(np.eye(40)), [Points(((9.0, 9.0, 9.0),))], 0.0)
+        compute_seeds(Image(np.eye(40)), [Points(((9.0, 9.0, 9.0),))], 0.0)
 
 
 @pytest.mark.parametrize("shapes", [(DISK, BALL), (BALL, Everywhere("grid"), DISK)])

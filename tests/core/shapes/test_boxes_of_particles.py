@@ -37,8 +37,8 @@ def test_a_threshold_takes_the_voxels_above_a_fraction_of_the_strongest_in_its_b
     (seeds,) = SeedCache(volume).seeds_for([box], smoothing).values()
     strength = volume_edge_strength(volume, smoothing)[2:16, 3:29, 4:30]
     assert np.array_equal(seeds, np.argwhere(strength > 0.5 * strength.max()) + np.array((2, 3, 4)))
-    assert box.resized(1).fraction == 0.52
-    assert box.resized(100).fraction == 0.98
+    assert box.resized_by(1).fraction == 0.52
+    assert box.resized_by(100).fraction == 0.98
     outside = BoxThreshold((90.0, 90.0, 90.0), (99.0, 99.0, 99.0))
     assert SeedCache(volume).seeds_for([outside], smoothing)[outside].shape == (0, 3)
     assert shape_from_plain(shape_to_plain(box), "shape 1") == box

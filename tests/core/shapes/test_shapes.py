@@ -16,7 +16,7 @@ from cpm_core.field.edge_map import automatic_smoothing, edge_map
 from cpm_core.field.placed_charges import MAX_CHARGE_STRENGTH
 from cpm_core.numerics import polyline
 from cpm_core.shapes import (
-    SHAPES,
+    SHAPES_BY_NAME,
     Barrier,
     Charge,
     Circle,
@@ -72,14 +72,14 @@ def wound_around(corners, position) -> bool:
 @given(seeded | areas | charges, positions, positions)
 def test_a_moved_shape_is_as_far_from_a_moved_position(shape, by, position) -> None:
     there = (position[0] + by[0], position[1] + by[1])
-    assert shape.moved(by).distance(there) == pytest.approx(shape.distance(position), abs=1e-6)
-    assert shape.moved(by).moved((-by[0], -by[1])).distance(position) == pytest.approx(shape.distance(position))
+    assert shape.translated(by).distance_to(there) == pytest.approx(shape.distance_to(position), abs=1e-6)
+    assert shape.translated(by).translated((-by[0], -by[1])).distance_to(position) == pytest.approx(shape.distance_to(position))
 
 
 @given(ellipses | polygons, positions)
 def test_particles_move_with_their_shape_and_lie_two_px_apart_along_its_line(shape, by) -> None:
     seeds = shape.seeds()
-    np.testing.assert_allclose(shape.moved(by).seeds(), seeds + by, atol=1e-6)
+    np.testing.assert_allclose(shape.translated(by).seeds(), seeds + by, atol=1e-6)
     line = shape.outline
     assert polyline.distances_to_path([tuple(p) for p in line.tolist()], seeds).max() < 1e-6
     along = np.hypot(*np.diff(line, axis=0).T).sum()
@@ -115,10 +115,10 @@ def test_a_handle_of_an_ellipse_changes_one_radius_or_its_direction_alone(ellips
 def test_an_enlarged_area_keeps_its_center_and_reaches_farther_by_the_given_distance(shape, by) -> None:
     center = np.mean(shape.points, axis=0)
     farthest = max(math.dist(center, point) for point in shape.points)
-    resized = shape.resized(by)
+    resized = shape.resized_by(by)
     np.testing.assert_allclose(np.mean(resized.points, axis=0), center, atol=1e-6)
     assert max(math.dist(center, point) for point in resized.points) == pytest.approx(farthest + by)
-    np.testing.assert_allclose(resized.resized(-by).points, shape.points, atol=1e-6)
+    np.testing.assert_allclose(resized.resized_by(-by).points, shape.points, atol=1e-6)
 
 
 @given(grids)
@@ -165,12 +165,12 @@ def test_strong_edges_are_those_of_the_smoothing_in_use(values, smoothing) -> No
 
 
 def test_every_shape_is_a_small_frozen_value_of_plain_numbers_under_a_name_of_its_own() -> None:
-    assert list(SHAPES) == [
+    assert list(SHAPES_BY_NAME) == [
         "circle", "ellipse", "polygon", "stroke", "points", "grid", "threshold", "everywhere", "sphere", "box",
         "boxgrid", "boxthreshold", "region", "barrier", "boxregion", "prismregion", "wall", "enclosedregion",
         "enclosingwall", "charge",
     ]  # fmt: skip
-    for kind in SHAPES.values():
+    for kind in SHAPES_BY_NAME.values():
         assert fields(kind)
         assert isinstance(kind.title, str | property)
     corners = ((0.0, 0.0), (0.0, 9.0), (9.0, 9.0))
@@ -215,4 +215,4 @@ def test_a_corner_dragged_onto_another_leaves_a_valid_shape(shape) -> None:
 @pytest.mark.parametrize("away", [0.0, 3.0, 5.0, 9.0])
 def test_a_line_or_surface_is_as_far_as_its_radius_from_its_center(shape, away) -> None:
     position = (*shape.center[:-1], shape.center[-1] + away)
-    assert shape.distance(position) == pytest.approx(abs(away - 5.0))
+    assert shape.distance_to(position) == pytest.approx(abs(away - 5.0))

@@ -14,7 +14,7 @@ from cpm_app.session.timeline import plain_runs
 
 from cpm_core.cli import main
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode, load_session
-from cpm_core.shapes.document_shapes import axes_of
+from cpm_core.shapes.document_shapes import count_axes
 from cpm_core.warm_up import warm_up
 
 from .inputs.mutations import mutated, mutated_json
@@ -56,7 +56,7 @@ def read(path: Path, of: str) -> SessionFile | None:
         assert again.shapes == session.shapes, "shapes change when the session is written"
         assert again.parameters == session.parameters, "parameters change when the session is written"
         assert again == twice, "a session that is written twice is another one"
-        kinds = {axes_of(shape) for shape in session.shapes} - {None}
+        kinds = {count_axes(shape) for shape in session.shapes} - {None}
         sides = len(session.image.shape) if session.image is not None else 0
         assert kinds <= ({sides} if sides else {2}) or (not sides and kinds <= {3}), (
             f"{kinds} axes on an image of {sides}"

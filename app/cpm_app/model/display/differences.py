@@ -10,7 +10,7 @@ import numpy as np
 from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import section
 from cpm_core import Comparison, Surface, SurfaceComparison, Truth, VolumeTruth
-from cpm_core.contours import distance_to
+from cpm_core.contours import distances_to_contours
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.numerics.types import record
@@ -51,7 +51,7 @@ def differences(contours: Contours, comparison: Comparison) -> tuple[Difference,
         found += [_difference("wrong", contour.points[piece], away[piece]) for piece in runs]
     missing = comparison.missing
     if len(missing):
-        away = distance_to(missing, contours)
+        away = distances_to_contours(missing, contours)
         cuts = np.flatnonzero(np.linalg.norm(np.diff(missing, axis=0), axis=1) > _PART_GAP) + 1
         pieces = zip(np.split(missing, cuts), np.split(away, cuts), strict=True)
         found += [_difference("missing", points, far) for points, far in pieces]

@@ -88,7 +88,7 @@ class DisplayImage:
     @staticmethod
     def within(image: Image, window: IntensityWindow, channel: str = "luminance") -> DisplayImage:
         """Return the shades of a channel of an image in an intensity window."""
-        whole = DisplayImage.of(apply_window(image.stored if image.colors is None else image.gray(channel), window))
+        whole = DisplayImage.of(apply_window(image.stored if image.colors is None else image.gray_levels(channel), window))
         finer = tuple(FinerShades(level, window) for level in image.finer)
         return DisplayImage((*finer, *whole.levels), -len(finer), image.shape) if finer else whole
 

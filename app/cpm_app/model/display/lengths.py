@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cpm_app.model.text.language import tr, written
-from cpm_core.image import KNOWN, Bar, longest_bar
+from cpm_core.image import KNOWN_UNITS, ScaleBar, fit_scale_bar
 from cpm_core.numerics.types import Sides, frozen
 
 _PIXEL_UNIT = "px"
@@ -58,15 +58,15 @@ def shown_in(spacing: Sequence[float], unit: str | None) -> PixelSize:
     sizes = tuple(float(size) for size in spacing)
     if _preferred_unit == _PIXEL_UNIT and len(set(sizes)) == 1:
         return PixelSize((1.0,) * len(sizes), None, 1.0 / sizes[0])
-    if unit in KNOWN and _preferred_unit in KNOWN:
-        factor = KNOWN[unit] / KNOWN[_preferred_unit]
+    if unit in KNOWN_UNITS and _preferred_unit in KNOWN_UNITS:
+        factor = KNOWN_UNITS[unit] / KNOWN_UNITS[_preferred_unit]
         return PixelSize(tuple(size * factor for size in sizes), _preferred_unit, factor)
     return PixelSize(sizes, unit)
 
 
-def bar(most: float, spacing: float, unit: str | None) -> Bar:
+def bar(most: float, spacing: float, unit: str | None) -> ScaleBar:
     """Find the longest scale bar of round length, in a readable unit or in the preferred one; see `longest_bar`."""
-    return longest_bar(most, spacing, unit, keep_unit=_preferred_unit != _IMAGE_UNIT)
+    return fit_scale_bar(most, spacing, unit, keep_unit=_preferred_unit != _IMAGE_UNIT)
 
 
 def size_text(spacing: Sequence[float], unit: str | None) -> str:

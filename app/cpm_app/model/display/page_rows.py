@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cpm_app.model.text.language import from_core, tr
 from cpm_core import Page, measure
-from cpm_core.contours import Measures, centroid
+from cpm_core.contours import Measures, compute_centroid
 from cpm_core.numerics.types import record
 from cpm_core.pages import StackResult, Track
 
@@ -65,7 +65,7 @@ def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
             happens.append(tr("splits off track {track}", track=track.origin) if track.origin else tr("begins"))
         if page.number == track.pages[-1] and track.end is not None:
             happens.append(_TRACK_END_TEXTS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
-        row, col = centroid(contour)
+        row, col = compute_centroid(contour)
         said, gray = ", ".join(happens), contour.gray
         rows.append(PageRow(page.number, contour.number, measures, row, col, gray, said, contour.group > 0))
     return rows

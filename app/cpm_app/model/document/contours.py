@@ -8,7 +8,7 @@ from dataclasses import replace
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_core import Contour, Engine, Evolution, Result, State
-from cpm_core.contours import HandEdit, Mark, Outline, Verdict, apply, outline_of, with_kept
+from cpm_core.contours import HandEdit, Mark, KeptOutline, Verdict, apply_marks, capture_outline, restore_kept_contours
 from cpm_core.numerics import Position
 from cpm_core.numerics.types import record
 from cpm_core.shapes import ImageSeeds
@@ -27,7 +27,7 @@ NAMES = {
 
 def reviewed_result(document: Document, result: Result) -> Result:
     """Add the contours that the user has kept to a result, and leave out the rejected ones."""
-    return apply(with_kept(result, document.marks), document.marks)
+    return apply_marks(restore_kept_contours(result, document.marks), document.marks)
 
 
 def found_by(engine: Engine, document: Document, seeds: ImageSeeds, progress: Callable[[State], object]) -> Result:
@@ -66,7 +66,7 @@ def judge(document: Document, targets: Iterable[Target], verdict: Verdict) -> Do
 
     def set_mark_verdict(mark: Mark, target: Target) -> Mark:
         kept = target.contour if verdict == "kept" else None
-        return replace(mark, verdict=verdict, outline=Outline() if kept is None else outline_of(kept))
+        return replace(mark, verdict=verdict, outline=KeptOutline() if kept is None else capture_outline(kept))
 
     return _amended(document, targets, set_mark_verdict)
 

@@ -15,7 +15,7 @@ from cpm_core.formats import Reading
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import AnyRegions
-from cpm_core.medial_axis import Outlined
+from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.types import Array, Extent, Line, Sides, frozen
 from cpm_core.objects.methods import Compared
 from cpm_core.objects.segmented import SegmentedObjects
@@ -29,10 +29,10 @@ from cpm_core.shapes import (
     SeedCache,
     Shape,
     Start,
-    charges_of,
-    regions_of,
-    seeds_of,
-    starts_of,
+    collect_charges,
+    collect_regions,
+    collect_seeds,
+    select_starts,
 )
 
 Mode = Literal["shape", "automatic", "skeleton"]
@@ -78,7 +78,7 @@ class ImageReference:
         if (image.spacing, image.unit) == (self.spacing, self.unit):
             return image
         factor = resolution.factor(image.unit, self.unit) if image.unit and self.unit else 1.0
-        return image.sized(self.spacing, self.unit, factor)
+        return image.with_spacing(self.spacing, self.unit, factor)
 
     @property
     def is_volume(self) -> bool:
@@ -119,13 +119,13 @@ class Document:
     mode: Mode = "shape"
     hand_edits: tuple[HandEdit, ...] = ()
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
-    outlined: Outlined = field(default_factory=Outlined)
+    outlined: SkeletonTarget = field(default_factory=SkeletonTarget)
     comparison: Compared = field(default_factory=Compared)
 
     @property
     def starts(self) -> tuple[Start, ...]:
         """The shapes that give particles; a run needs at least one."""
-        return starts_of(self.shapes)
+        return select_starts(self.shapes)
 
     @property
     def image_starts(self) -> tuple[ImageStart, ...]:
@@ -155,7 +155,7 @@ class Document:
     @property
     def regions(self) -> AnyRegions | None:
         """Regions of interest and barriers, boundaries of frozen objects among them; None if there are none."""
-        return regions_of(self.shapes, self.objects.barriers)
+        return collect_regions(self.shapes, self.objects.barriers)
 
     @property
     def outlines(self) -> tuple[Line, ...]:
@@ -177,7 +177,7 @@ class Document:
         """
         if not self.starts:
             raise ValueError(self.nothing_to_start_from)
-        return seeds_of(self.shapes, image_seeds)
+        return collect_seeds(self.shapes, image_seeds)
 
     @property
     def is_about_volume(self) -> bool:
@@ -192,7 +192,7 @@ class Document:
     @property
     def charges(self) -> tuple[PlacedCharge, ...]:
         """The placed charges, as the engine takes them."""
-        return charges_of(self.shapes)
+        return collect_charges(self.shapes)
 
     @property
     def sources(self) -> Counter[Hashable]:

@@ -14,7 +14,7 @@ from cpm_app.model.parameters import controls
 from cpm_core import Parameters
 from cpm_core.numerics import Array, Place, Position, polyline, check_voxel_sides
 from cpm_core.numerics.types import Sides, frozen
-from cpm_core.shapes import Everywhere, Kind, Points, Shape
+from cpm_core.shapes import Everywhere, SeedingKind, Points, Shape
 
 
 def add_shape(document: Document, shape: Shape) -> Document:
@@ -29,9 +29,9 @@ def replace_shape(document: Document, index: int, shape: Shape) -> Document:
     return replace(document, shapes=tuple(shapes))
 
 
-def move_shape(document: Document, index: int, by: Place) -> Document:
+def move_shape(document: Document, index: int, offset: Place) -> Document:
     """Move the shape at `index` by an offset along each axis."""
-    return replace_shape(document, index, document.shapes[index].moved(by))
+    return replace_shape(document, index, document.shapes[index].translated(offset))
 
 
 def delete_shape(document: Document, index: int) -> Document:
@@ -39,7 +39,7 @@ def delete_shape(document: Document, index: int) -> Document:
     return replace(document, shapes=document.shapes[:index] + document.shapes[index + 1 :])
 
 
-def toggle_everywhere(document: Document, kind: Kind) -> Document:
+def toggle_everywhere(document: Document, kind: SeedingKind) -> Document:
     """Add this start all over the image, or remove it where it is there."""
     start = Everywhere(kind)
     if start in document.shapes:
@@ -66,7 +66,7 @@ def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) ->
         left = tuple(point for point, gone in zip(shape.positions, near.tolist(), strict=True) if not gone)
         return Points(left) if left else None
     stops = polyline.resample_path(np.array(path, float), 0.5 * radius).tolist()
-    return None if any(shape.distance(tuple(at)) <= radius for at in stops) else shape
+    return None if any(shape.distance_to(tuple(at)) <= radius for at in stops) else shape
 
 
 def set_shapes(document: Document, shapes: tuple[Shape, ...]) -> Document:
@@ -131,6 +131,6 @@ def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selecte
     if selected is not None and near is not None and math.dist(near, position) <= tolerance:
         return Hit(selected, "handle", near)
     front_first = sorted(range(len(shapes)), key=lambda index: (index != selected, -index))
-    under = [index for index in front_first if shapes[index].distance(position) <= tolerance]
+    under = [index for index in front_first if shapes[index].distance_to(position) <= tolerance]
     under += [index for index in front_first if shapes[index].encloses(position)]
     return Hit(under[0], "body") if under else None

@@ -13,13 +13,13 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import name_class
 from cpm_app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
-from cpm_core.contours import Label, PackedSurface, alone, inside_of
+from cpm_core.contours import Label, PackedSurface, extract_object_surface, voxelize_surface
 from cpm_core.contours.contour import Contours
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Extent, Texts, record
 from cpm_core.objects.segmented import Click, SegmentedObject, line_of
-from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
+from cpm_core.shapes import Points, Polygon, Stroke, start_from_surface, starts_from_contours, starts_from_centerlines
 
 MOST = 1000
 """Largest number of contours: each becomes a shape or an object that can be moved and named by itself."""
@@ -65,13 +65,13 @@ class Imported:
         """Import a surface in a volume, with an object for each body inside; ValueError if there are too many."""
         objects = bodies_of(surface, volume) if surface.closed else ()
         _check(tr("{name} has {count} objects, but at most {most} can be imported."), name, len(objects))
-        return cls(name, 1, (start_on_surface(surface),), objects, int(not surface.closed), notes, "surface")
+        return cls(name, 1, (start_from_surface(surface),), objects, int(not surface.closed), notes, "surface")
 
     @classmethod
     def of_lines(cls, lines: Centerlines, notes: Texts = ()) -> Imported:
         """Import center lines in a volume."""
         count = len(lines.branches)
-        return cls(lines.source, count, starts_in(lines), (), count, notes, "center lines")
+        return cls(lines.source, count, starts_from_centerlines(lines), (), count, notes, "center lines")
 
     @classmethod
     def of(cls, found: ContourFile, name: str) -> Imported:
@@ -79,7 +79,7 @@ class Imported:
         count = len(found.contours)
         _check(tr("{name} has {count} contours, but at most {most} can be imported."), name, count)
         closed = [contour for contour in found.contours if contour.closed]
-        starts = starts_along(found.contours, found.places)
+        starts = starts_from_contours(found.contours, found.places)
         classes = tuple(parts[0].category for parts in _grouped(closed))
         return cls(name, count, starts, objects_of(closed), count - len(closed), found.notes, classes=classes)
 
@@ -123,7 +123,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
     """
     if surface.numbers is not None:
         numbers = np.unique(surface.numbers).tolist()
-        bodies = [alone(surface, number) for number in numbers]
+        bodies = [extract_object_surface(surface, number) for number in numbers]
     else:
         partition = VolumePartition(volume, surface)
         bodies = [partition.boundary_of(np.array([number])) for number in partition.solid.tolist()]
@@ -138,7 +138,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
             name=label.name,
             color=label.color,
             confidence=1.0,
-            surface=(PackedSurface.of(body),),
+            surface=(PackedSurface.from_surface(body),),
         )
         for label, body in zip(labels, bodies, strict=True)
     )
@@ -149,7 +149,7 @@ def _innermost(body: Surface, shape: Extent) -> Place:
     vertices = body.vertices[np.unique(body.faces)]
     first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
     size = np.clip(np.ceil(vertices.max(axis=0)) + 1, first, shape).astype(np.int64) - first
-    inside = inside_of(replace(body, vertices=body.vertices - first), tuple(size.tolist()))
+    inside = voxelize_surface(replace(body, vertices=body.vertices - first), tuple(size.tolist()))
     if not inside.any():
         return tuple(vertices[0].tolist())
     depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1), sampling=body.spacing)[1:-1, 1:-1, 1:-1]

@@ -9,7 +9,7 @@ from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.parameters.controls import RATIO
 from cpm_app.model.text.language import tr
 from cpm_core import METHODS, PRESETS, Parameters
-from cpm_core.medial_axis import Outlined
+from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.types import frozen
 from cpm_core.parameters import OF_PLANES, OF_VOLUMES
 from cpm_core.shapes import Everywhere, Limit, Shape
@@ -98,7 +98,7 @@ def use_mode(document: Document, mode: Mode) -> Document:
     """
     fresh = replace(fresh_parameters(mode, document.image), channel=document.parameters.channel)
     shapes, parameters = starting(mode, document.shapes), document.fitting(fresh)
-    return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=Outlined())
+    return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=SkeletonTarget())
 
 
 def is_only_in_another_mode(document: Document, known: Document) -> bool:
@@ -107,11 +107,11 @@ def is_only_in_another_mode(document: Document, known: Document) -> bool:
     shapes = {starting(document.mode, before) for before in began}
     parameters = replace(fresh_parameters(document.mode, known.image), channel=known.parameters.channel)
     return document.shapes in shapes and document == replace(
-        known, mode=document.mode, shapes=document.shapes, parameters=parameters, outlined=Outlined()
+        known, mode=document.mode, shapes=document.shapes, parameters=parameters, outlined=SkeletonTarget()
     )
 
 
-def use_skeleton(document: Document, outlined: Outlined) -> Document:
+def use_skeleton(document: Document, outlined: SkeletonTarget) -> Document:
     """Switch to the mode of skeletons, for given objects and contours, or for the image if there are none."""
     there = document if document.mode == "skeleton" else use_mode(document, "skeleton")
     return replace(there, outlined=outlined)

@@ -13,7 +13,7 @@ from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_core import Bridge, Result, Selection, Surface, VolumeSelection
-from cpm_core.contours import Label, PackedBody, surfaces_joined
+from cpm_core.contours import Label, PackedBody, join_surfaces
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, Position, path_length, polyline, simplify_path
 from cpm_core.numerics.polyline import as_line
@@ -288,7 +288,7 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
 def surface_of(items: Iterable[SegmentedObject], spacing: Sides, unit: str | None) -> Surface | None:
     """Join the surfaces of objects in a volume, with the number of its object for each triangle."""
     bodies = [(item.number, item.body) for item in items if item.body is not None]
-    return surfaces_joined(bodies, spacing, unit) if bodies else None
+    return join_surfaces(bodies, spacing, unit) if bodies else None
 
 
 # Texts

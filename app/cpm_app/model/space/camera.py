@@ -68,7 +68,7 @@ class Camera:
         left, _, right = np.linalg.svd(turn @ self.axes)
         return replace(self, axes=left @ right)
 
-    def moved(self, right: float, down: float) -> Camera:
+    def translated(self, right: float, down: float) -> Camera:
         """Move the volume in the picture [px]."""
         return replace(self, center=self.center - (right * self.axes[0] + down * self.axes[1]) / self.scale)
 
@@ -76,7 +76,7 @@ class Camera:
         """Enlarge, so that the place at this offset from the middle of the picture [px] stays where it is."""
         scale = _limited(self.scale * factor)
         true = scale / self.scale
-        return replace(self.moved(-right, -down), scale=scale).moved(right, down) if true != 1.0 else self
+        return replace(self.translated(-right, -down), scale=scale).translated(right, down) if true != 1.0 else self
 
     def enlarged(self, factor: float) -> Camera:
         """Return the same view for a picture with `factor` times as many rows and columns."""
@@ -91,7 +91,7 @@ class Camera:
 
     def corner(self, size: tuple[int, int]) -> Array:
         """Return the position in the picture's plane that its first pixel shows, shape (3,), in units of length."""
-        return self.moved(0.5 * (size[1] - 1), 0.5 * (size[0] - 1)).center
+        return self.translated(0.5 * (size[1] - 1), 0.5 * (size[0] - 1)).center
 
 
 def _limited(scale: float) -> float:

@@ -38,7 +38,7 @@ from cpm_core.shapes import (
     Threshold,
     WithoutOutline,
 )
-from cpm_core.shapes.path import SMALLEST
+from cpm_core.shapes.path import LEAST_SIZE
 
 NEAR = 1.0
 """Largest distance of a point that a slice shows, in smallest sides of a voxel."""
@@ -68,9 +68,9 @@ class StartSection:
         """Return the particles of the start near the slice, shape (N, 2)."""
         return self.particles
 
-    def distance(self, position: Position) -> float:
+    def distance_to(self, position: Position) -> float:
         """Return the distance of a position from the line [px]."""
-        return self.line.distance(position)
+        return self.line.distance_to(position)
 
     def encloses(self, position: Position) -> bool:
         """Tell whether a position lies inside."""
@@ -103,7 +103,7 @@ class RegionElsewhere(Region):
         """Return no handles."""
         return ()
 
-    def distance(self, position: Position) -> float:
+    def distance_to(self, position: Position) -> float:
         """Return infinity."""
         return math.inf
 
@@ -137,10 +137,10 @@ class ChargeSection(WithoutOutline):
     def ring(self, radius: float) -> Array:
         """Return the circle in which the slice cuts a sphere around the charge, shape (K, 2); empty if it does not."""
         cut = math.sqrt(max(radius**2 - self.away**2, 0.0))
-        if cut < SMALLEST:
+        if cut < LEAST_SIZE:
             return np.empty((0, 2))
         down, right = self.sides
-        return Ellipse(self.position, (max(cut / right, SMALLEST), max(cut / down, SMALLEST))).outline
+        return Ellipse(self.position, (max(cut / right, LEAST_SIZE), max(cut / down, LEAST_SIZE))).outline
 
     def distance(self, position: Position) -> float:
         """Return the distance of a position from the charge [px]; infinite where the slice shows only its effect."""
@@ -208,7 +208,7 @@ def circle_in(sphere: Sphere, here: Slice) -> Ellipse | None:
 
 def _circle(sphere: Sphere, here: Slice, radius: float) -> Ellipse:
     down, right = here.within(sphere.sides)
-    return Ellipse(here.within(sphere.center), (max(radius / right, SMALLEST), max(radius / down, SMALLEST)))
+    return Ellipse(here.within(sphere.center), (max(radius / right, LEAST_SIZE), max(radius / down, LEAST_SIZE)))
 
 
 def _of_box(box: Cuboid, here: Slice) -> Iterator[Section]:
@@ -219,7 +219,7 @@ def _of_box(box: Cuboid, here: Slice) -> Iterator[Section]:
     row, col = 0.5 * (top + bottom), 0.5 * (left + right)
     held = (*corners, (top, col), (row, right), (bottom, col), (row, left))
     if isinstance(box, Box):
-        yield StartSection(Polygon(corners), held, _spread(_near(box.seeds(), here, max(NEAR, 0.6 * box.apart))))
+        yield StartSection(Polygon(corners), held, _spread(_near(box.seeds(), here, max(NEAR, 0.6 * box.particle_spacing))))
     elif isinstance(box, BoxGrid):
         reach = max(NEAR, 0.5 * box.spacing) / box.sides[here.axis]
         yield StartSection(Grid(corners, box.spacing), held, _near(box.seeds(), here, reach))

@@ -13,7 +13,7 @@ from cpm_app.model.text.language import tr
 from cpm_core import Image
 from cpm_core.numerics import Array, Place, Position, Single
 from cpm_core.numerics.types import Arrays, Extent, Integers, Sides, frozen, record
-from cpm_core.shapes import sides_of
+from cpm_core.shapes import relative_sides
 
 ElementT = TypeVar("ElementT")
 ScalarT = TypeVar("ScalarT", bound=np.generic)
@@ -36,9 +36,9 @@ class Slice:
         """Convert a position in the slice to one in the volume."""
         return (*position[: self.axis], float(self.index), *position[self.axis :])
 
-    def along(self, by: Position) -> Place:
+    def along(self, offset: Position) -> Place:
         """Convert a displacement in the slice to one in the volume."""
-        return replace(self, index=0).lifted(by)
+        return replace(self, index=0).lifted(offset)
 
     def within(self, place: tuple[ElementT, ...]) -> tuple[ElementT, ...]:
         """Drop the value along the axis of the slice: a position in the volume becomes the nearest in the slice."""
@@ -201,7 +201,7 @@ class SampledForce:
     def of(cls, force: Array, spacing: Sides) -> SampledForce:
         """Sample a force on all voxels, shape (3, P, R, C), in a copy that does not refer to it."""
         step = max(1, int(np.ceil((force[0].size / _MAX_FORCE_VOXELS) ** (1.0 / 3.0))))
-        return cls(force[:, ::step, ::step, ::step].astype(np.float32), step, sides_of(spacing))
+        return cls(force[:, ::step, ::step, ::step].astype(np.float32), step, relative_sides(spacing))
 
     def slice_of(self, here: Slice, shape: Extent) -> Array:
         """Interpolate the force along a slice of this shape, (2, H, W), as a displacement in its pixels."""

@@ -13,7 +13,7 @@ import skimage
 from cpm_app.model.document.objects import AnySelection
 from cpm_app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
-from cpm_core.contours import Measures, PackedBody, PackedVoxels, section_of
+from cpm_core.contours import Measures, PackedBody, PackedVoxels, slice_surface
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Line
@@ -29,7 +29,7 @@ _CACHED_BODY_CUTS = 256
 @lru_cache(maxsize=_CACHED_SURFACE_CUTS)
 def section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Cut a surface by a slice: closed contours in the slice, and open ones where the surface has a rim."""
-    return section_of(surface, cut.axis, cut.index)
+    return slice_surface(surface, cut.axis, cut.index)
 
 
 def unmeasured(contour: Contour, number: int) -> Measures:
@@ -72,7 +72,7 @@ def _lines(body: PackedBody, here: Slice) -> Iterable[Line]:
     if isinstance(body, PackedVoxels):
         first, shape = [*body.first], [*body.shape]
         first[here.axis], shape[here.axis] = here.index, 1
-        pixels = np.pad(body.part(first, shape).any(axis=here.axis), 1)
+        pixels = np.pad(body.mask_in_box(first, shape).any(axis=here.axis), 1)
         begin = np.array(here.within(tuple(first))) - 1.0
         curves = skimage.measure.find_contours(pixels.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
         for curve in curves:
@@ -115,7 +115,7 @@ def holds(item: SegmentedObject, place: Place) -> bool:
     if len(place) == 2:
         return bool(item.encloses(np.array([place], float))[0])
     if any(isinstance(body, PackedVoxels) for body in item.surface):
-        return bool(item.surface[0].part([round(at) for at in place], (1, 1, 1)).all())
+        return bool(item.surface[0].mask_in_box([round(at) for at in place], (1, 1, 1)).all())
     here = Slice(0, round(place[0]))
     within = np.array([here.within(place)], float)
     lines = boundary_in(item.surface[0], here) if item.surface else ()

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from cpm_core import Result, measure
-from cpm_core.contours import REACH, Mark, Measures, attached, middle, neighborhood, with_kept
+from cpm_core.contours import ANCHOR_REACH, Mark, Measures, assign_anchors, contour_midpoint, build_path_tree, restore_kept_contours
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Position
 from cpm_core.numerics.types import Integers, record
@@ -25,7 +25,7 @@ class TrackedContours:
 
     def keeping(self, marks: Sequence[Mark]) -> TrackedContours:
         """Add the kept contours that the reconstruction lacks; their keys are their numbers, negated."""
-        result = with_kept(self.result, marks)
+        result = restore_kept_contours(self.result, marks)
         if result is self.result:
             return self
         known = dict(zip(self.result.contours, self.keys, strict=True))
@@ -62,10 +62,10 @@ class ContourTracker:
             return TrackedContours(result, (), ())
         numbers = self.numbers(result.contours, lasting=thorough)
         contours = tuple(replace(one, number=number) for one, number in zip(result.contours, numbers, strict=True))
-        found = attached(contours, [place for _, place in self._seen])
+        found = assign_anchors(contours, [place for _, place in self._seen])
         known = {index: key for (key, _), index in zip(self._seen, found, strict=True) if index is not None}
         keys = tuple(known[index] if index in known else next(self._fresh) for index in range(len(contours)))
-        self._seen = list(zip(keys, map(middle, contours), strict=True))
+        self._seen = list(zip(keys, map(contour_midpoint, contours), strict=True))
         measures = measure(contours, result.spacing, contrast=False)
         return TrackedContours(replace(result, contours=contours) if contours else result, keys, measures)
 
@@ -79,7 +79,7 @@ class ContourTracker:
         given = set()
         if contours and self.places:
             known = list(self.places)
-            near = neighborhood(contours).pairs_within(np.array(list(self.places.values())), REACH)
+            near = build_path_tree(contours).pairs_within(np.array(list(self.places.values())), ANCHOR_REACH)
             pairs = sorted(
                 (int(away), known[place], -contours[index].length, index)
                 for place, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)
@@ -91,5 +91,5 @@ class ContourTracker:
         fresh = itertools.count(max(self.places, default=0) + 1)
         numbers = tuple(found[index] if index in found else next(fresh) for index in range(len(contours)))
         if lasting:
-            self.places = {**self.places, **dict(zip(numbers, map(middle, contours), strict=True))}
+            self.places = {**self.places, **dict(zip(numbers, map(contour_midpoint, contours), strict=True))}
         return numbers

@@ -38,7 +38,7 @@ from cpm_core import (
     load_truth,
     load_volume_truth,
 )
-from cpm_core.contours import TOLERANCE, numbered, truth_of_contours
+from cpm_core.contours import DEFAULT_TOLERANCE, label_voxels, truth_from_contours
 from cpm_core.formats import TruthFile
 from cpm_core.formats.contours import mask
 from cpm_core.numerics.types import JsonDict, record
@@ -130,7 +130,7 @@ class ComparedResults(QObject):
         self.rows = {NOW: Row(NOW, tr("Shown now"))}
         self.agreed: dict[int, Agreed] = {}
         """Agreement with the reference by row."""
-        self.tolerance, self.holes = TOLERANCE, True
+        self.tolerance, self.holes = DEFAULT_TOLERANCE, True
         self.task: Task | None = None
         self._path: Path | None = None
         self._keys = itertools.count(1)
@@ -469,10 +469,10 @@ def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
     assert row.found is not None
     found, surface = row.found, row.found.surface
     if len(found.shape) == 2:
-        return truth_of_contours(found.contours, found.shape, row.title, holes=holes)
+        return truth_from_contours(found.contours, found.shape, row.title, holes=holes)
     if surface is None or not surface.closed:
         raise ValueError(tr("The surface of {name} is not closed, so nothing can be compared with it.", name=row.title))
-    labels = numbered(surface, found.shape).astype(np.int32)
+    labels = label_voxels(surface, found.shape).astype(np.int32)
     return VolumeTruth(labels, found.spacing, found.unit, row.title, boundary=surface)
 
 

@@ -13,7 +13,7 @@ from cpm_app.session.features.background import is_same
 from cpm_app.session.scene import NO_CONTOURS, Item, ReviewedContours
 from cpm_app.session.session import Session
 from cpm_core import Result
-from cpm_core.contours import anchors, neighborhood
+from cpm_core.contours import find_anchors, build_path_tree
 from cpm_core.numerics import Array, Index, PathTree, Position, polyline
 from cpm_core.numerics.types import Line
 
@@ -82,7 +82,7 @@ class ContourReview(QObject):
     def near(self, place: Position, reach: float) -> list[Item]:
         """Find the shown contours within `reach` [px] of a place (row, col), nearest first."""
         if self._around is None:
-            self._around = neighborhood([item.contour for item in self.items])
+            self._around = build_path_tree([item.contour for item in self.items])
         return list(filter(self.sees, map(self.items.__getitem__, self._around.paths_near(place, reach))))
 
     def sees(self, item: Item) -> bool:
@@ -127,7 +127,7 @@ class ContourReview(QObject):
         """Return the targets by which edits of the document refer to contours."""
         given, known = [*items], () if self.result is None else self.result.contours
         fresh = [item.reviewed.index for item in given if item.reviewed.mark is None]
-        made = iter(anchors(known, fresh))
+        made = iter(find_anchors(known, fresh))
         return [
             Target(mark, mark.anchor if mark else next(made), item.contour)
             for item, mark in ((item, item.reviewed.mark) for item in given)

@@ -158,7 +158,7 @@ class FollowedObjects(QObject):
 def _take(follower: ObjectFollower, image: Image, document: Document) -> None:
     """Pass the objects of a page to a follower."""
     found = {item.number: selection_of(item, image.shape) for item in document.objects.items}
-    follower.take(image.gray(document.parameters.channel), found)
+    follower.take(image.gray_levels(document.parameters.channel), found)
 
 
 def _items(found: Sequence[FollowedObject], before: Iterable[SegmentedObject]) -> tuple[SegmentedObject, ...]:

@@ -16,13 +16,13 @@ from cpm_app.session.scene import Item, ReviewedContours
 from cpm_app.session.session import Session
 from cpm_app.session.worker.requests import EDGES, find_edges
 from cpm_core import Contour
-from cpm_core.contours import HandEdit, neighborhood
+from cpm_core.contours import HandEdit, build_path_tree
 from cpm_core.field import ScaleField
 from cpm_core.numerics import Array, PathTree, Position
 from cpm_core.numerics.types import Callback, Integers
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, outlined, redrawn
 from cpm_core.parameters import invalidating
-from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, wire_from
+from cpm_core.reconstruction import Contact, LiveWire, chain_contours, cut_contour, delete_stretch, snap_place_to_ridge, live_wire_from
 
 Way = Callable[[Position], Array]
 """Finds the path from a fixed place to another one, shape (K, 2) [px]."""
@@ -95,12 +95,12 @@ class HandEditing(QObject):
             self._ends = contours, np.array([contour.points[[0, -1]] for contour in contours]).reshape(-1, 2)
         contours, places = self._ends
         away = np.linalg.norm(places - at, axis=1)
-        near = [Contact.ends(contours[index // 2])[index % 2] for index in np.flatnonzero(away <= reach).tolist()]
+        near = [Contact.from_contour_ends(contours[index // 2])[index % 2] for index in np.flatnonzero(away <= reach).tolist()]
         near = [end for end in near if self._item(end) is not None]
         if near:
-            return min(near, key=lambda end: end.line.nearest(at)[1])
+            return min(near, key=lambda end: end.line.project_point(at)[1])
         lines = self._review.near(at, reach)
-        return Contact.at(lines[0].contour, at) if lines else None
+        return Contact.from_nearest_place(lines[0].contour, at) if lines else None
 
     def boundary(self, at: Position, reach: float) -> tuple[SegmentedObject, Contact] | None:
         """Find the nearest place on the boundary of an object within `reach` [px], unless a contour is nearer."""
@@ -108,15 +108,15 @@ class HandEditing(QObject):
         if self._lines is None or self._lines[0] is not objects:
             shown = [item for item in objects.items if not item.hidden]
             curves = [(item, contour) for item in shown for contour in contours_of(item)]
-            self._lines = objects, curves, neighborhood([contour for _, contour in curves])
+            self._lines = objects, curves, build_path_tree([contour for _, contour in curves])
         _, curves, around = self._lines
         found = around.paths_near(at, reach)
         if not found:
             return None
         item, contour = curves[found[0]]
-        held, other = Contact.at(contour, at), self.contact(at, reach)
+        held, other = Contact.from_nearest_place(contour, at), self.contact(at, reach)
         if other is not None and (
-            other.at_end or _CONTOUR_PREFERENCE + other.line.nearest(at)[1] < held.line.nearest(at)[1]
+            other.at_end or _CONTOUR_PREFERENCE + other.line.project_point(at)[1] < held.line.project_point(at)[1]
         ):
             return None
         return item, held
@@ -138,17 +138,17 @@ class HandEditing(QObject):
         """Return a finder of paths along the edges from a place; they avoid some lines, each of shape (K, 2) [px]."""
         if self.edges is None:
             return lambda place: np.array([start, place], float)
-        return LiveWire(self.edges, start, avoided, [tuple(line[0].tolist()) for line in avoided]).to
+        return LiveWire(self.edges, start, avoided, [tuple(line[0].tolist()) for line in avoided]).path_to
 
     def way_from_end(self, end: Contact) -> Way:
         """Return a finder of paths along the edges from the end of a contour, not back along it."""
         if self.edges is None:
             return self.way_from(end.place)
-        return wire_from(self.edges, end).to
+        return live_wire_from(self.edges, end).path_to
 
     def snapped(self, place: Position) -> Position:
         """Move a place onto the edge next to it, if there is one."""
-        return place if self.edges is None else nearest_ridge(place, self.edges, _SNAP_DISTANCE)
+        return place if self.edges is None else snap_place_to_ridge(place, self.edges, _SNAP_DISTANCE)
 
     # Edits
 
@@ -175,17 +175,17 @@ class HandEditing(QObject):
             self.mark(())
             self._session.edit(NAMES[edits[-1].kind], lambda document: add_hand_edits(document, edits))
 
-    def cut(self, at: Contact) -> None:
+    def cut_contour(self, at: Contact) -> None:
         """Cut a contour at a place that is not one of its ends."""
         if at.at_end:
             self._session.say(tr("A contour cannot be cut at its end: click farther along it."))
         else:
-            self.add((cut(at),))
+            self.add((cut_contour(at),))
 
     def delete_stretch(self) -> None:
         """Delete the stretch between the two marked places, which lie on one contour."""
         if len(self.marked) == 2:
-            self.add((deletion(*self.marked),))
+            self.add((delete_stretch(*self.marked),))
 
     def join_selected(self, closing: bool) -> None:
         """Join the selected contours by their nearest ends, to a closed one if `closing`."""
@@ -194,7 +194,7 @@ class HandEditing(QObject):
             self._asked, self._then = (), partial(self.join_selected, closing)  # they may have failed
             self.prepare()
             return
-        edits = chain(self.edges, contours, closing)
+        edits = chain_contours(self.edges, contours, closing)
         if not edits:
             self._session.say(tr("Select an open contour to close it, or several to join them."))
             return

@@ -21,7 +21,7 @@ from cpm_app.session.tasks.tasks import Cancelled, Task
 from cpm_app.session.timeline.plain_runs import sound
 from cpm_app.session.undo_history import History
 from cpm_core import Engine, Page, Result, State, load_pages
-from cpm_core.contours import middle
+from cpm_core.contours import contour_midpoint
 from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
@@ -351,6 +351,6 @@ def run_pages(
             yield PageDone(Page(number, None, trouble=trouble), document, given)
             continue
         page = follower.take(number, result)
-        placed = [{"number": contour.number, "place": list(middle(contour))} for contour in page.contours]
+        placed = [{"number": contour.number, "place": list(contour_midpoint(contour))} for contour in page.contours]
         session = with_run(to_file(document, {}), recorder, tr("Run {number}", number=1))
         yield PageDone(page, document, given, {**session.runs, "numbers": placed})

@@ -23,7 +23,7 @@ from cpm_app.session.scene import Item, Proposal
 from cpm_app.session.session import Session
 from cpm_app.session.signals import EDITING
 from cpm_core import Image, Surface
-from cpm_core.contours import bridges_on
+from cpm_core.contours import select_bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
 from cpm_core.numerics.types import Line, record
 from cpm_core.objects.segmented import (
@@ -37,7 +37,7 @@ from cpm_core.objects.segmented import (
     union,
 )
 from cpm_core.objects.segmented.in_volumes import Part
-from cpm_core.shapes import sides_of
+from cpm_core.shapes import relative_sides
 
 Made = TypeVar("Made")
 
@@ -140,7 +140,7 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
     if body is None:
         return Figures(gray, counts)
     # cached on this thread, because the window's thread needs it for limits and painting
-    assert all(len(packed.shell.mask) and packed.painted for packed in item.surface)
+    assert all(len(packed.shell.mask) and packed.as_packed_voxels for packed in item.surface)
     surface = replace(body, spacing=image.spacing, unit=image.unit)
     volume = item.surface[0].volume * math.prod(image.spacing)
     return Figures(gray, counts, volume, surface.area, surface.components, surface.euler, body)
@@ -536,7 +536,7 @@ class ObjectList(QObject):
         """Split an object of a volume between two places, on another thread; discarded if it has changed meanwhile."""
         image = self._session.document.image
         if image is not None:
-            sides, items = sides_of(image.spacing), [one for one in self.objects.items if one is whole]
+            sides, items = relative_sides(image.spacing), [one for one in self.objects.items if one is whole]
             cut: Callable[[], Halves] = lambda: split_in_volume(whole, first, second, sides)  # noqa: E731
             self._change_later(items, cut, partial(self.split, whole))
 
@@ -609,7 +609,7 @@ class ObjectList(QObject):
             if result is not None and highest % 2:  # enclosed by none, or by an even number of contours
                 holes = [each for each in closed if enclosing(each)[:1] == [number]]
                 bounds = [closed[each].contour for each in (number, *holes)]
-                gaps = (bridge.points for bridge in bridges_on(result.bridges, bounds))
+                gaps = (bridge.points for bridge in select_bridges_on(result.bridges, bounds))
                 made.append(objects.bounded(known.next_number, known.category, bounds, gaps))
         return made
 
@@ -763,7 +763,7 @@ class ObjectBrush:
     def _painted(self, image: ImageReference, stretch: Sequence[Place]) -> Callable[[Document], Document]:
         """Make the edit that paints a stretch of the path."""
         if image.is_volume:
-            part = brush_in(image.shape, stretch, self._radius, sides_of(image.spacing), self._axis)
+            part = brush_in(image.shape, stretch, self._radius, relative_sides(image.spacing), self._axis)
             return partial(
                 paint_in_volume,
                 number=self._number,

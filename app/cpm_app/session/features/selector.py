@@ -33,7 +33,7 @@ from cpm_core import (
     segment,
     uniform_grid,
 )
-from cpm_core.image import AnyRegions, of_plane
+from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, frozen
@@ -178,7 +178,7 @@ def from_everywhere(source: Everywhere, task: Task) -> Partition:
     """Make a partition with the contours of a run from everywhere; without contours if that would take too long."""
     image, regions = source.image, source.regions
     if math.prod(image.shape) > MOST_OFFERED:
-        return Partition(image, (), of_plane(regions), source.parameters.channel)
+        return Partition(image, (), plane_regions(regions), source.parameters.channel)
     grid = uniform_grid(image.shape)
     found = segment(image, grid, source.parameters, regions=regions, progress=lambda _: task.check_cancelled())
     return cast("Partition", partition(found))
@@ -199,7 +199,7 @@ def _without_run(source: Everywhere) -> AnyPartition:
     """Make a partition without contours or a surface, which selects less exactly."""
     if source.image.ndim == 3:
         return VolumePartition(source.image, regions=source.regions)
-    return Partition(source.image, (), of_plane(source.regions), source.parameters.channel)
+    return Partition(source.image, (), plane_regions(source.regions), source.parameters.channel)
 
 
 def _ready(made: AnyPartition) -> AnyPartition:

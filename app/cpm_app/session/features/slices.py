@@ -27,7 +27,7 @@ from cpm_core.contours import ReviewedContour
 from cpm_core.numerics import Array, Index, Place
 from cpm_core.numerics.types import JsonObject
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.shapes import ImageSeeds, ImageStart, Shape, sides_of
+from cpm_core.shapes import ImageSeeds, ImageStart, Shape, relative_sides
 
 AT_ONCE = 1 << 21
 """Largest number of pixels of a slice that is made at once: three of these take a third of a frame of 50 ms."""
@@ -124,12 +124,12 @@ class Sections:
 
 
 def _image(volume: Image, here: Slice) -> Image:
-    return volume.cut(here.axis, here.index)
+    return volume.slice_across(here.axis, here.index)
 
 
 def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:
     """Return the seeds near the slice of the starts all over the volume."""
-    sides = sides_of(volume.spacing)
+    sides = relative_sides(volume.spacing)
     return {
         cut: here.flattened(at[_index(at, here, volume, reach)[0]])
         for start, at in seeds.items()
@@ -144,14 +144,14 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
         return probed
     if not len(_index(np.array([probed.position]), here, volume, reach)[0]):
         return replace(probed, identity=-1)
-    sides = np.array(here.within(sides_of(volume.spacing)))
+    sides = np.array(here.within(relative_sides(volume.spacing)))
     along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
     return replace(probed, position=here.within(probed.position), forces=along)
 
 
 def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Section]]:
     """Iterate over the sections of shapes by a slice, each with the index of its shape."""
-    sides = sides_of(volume.spacing)
+    sides = relative_sides(volume.spacing)
     for index, shape in enumerate(shapes):
         for cut in sections(shape, here, sides):
             yield index, cut
@@ -189,7 +189,7 @@ def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -
 
 def _index(position: Array, here: Slice, volume: Image, reach: float) -> tuple[Index, Array]:
     """Find positions, shape (N, 3), near a slice: their indices, shape (M,), and distances in units of `reach`."""
-    side = sides_of(volume.spacing)[here.axis]
+    side = relative_sides(volume.spacing)[here.axis]
     away = np.abs(position[:, here.axis] - here.index) * (side / reach)
     index = np.flatnonzero(away < 1.0)
     return index, away[index]

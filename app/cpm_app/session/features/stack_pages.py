@@ -42,11 +42,11 @@ from cpm_app.session.tasks.opening import Wanted
 from cpm_app.session.tasks.tasks import Task
 from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
-from cpm_core.contours import apply, centroid
+from cpm_core.contours import apply_marks, compute_centroid
 from cpm_core.formats import ImageFile, export_stack, plain_shapes
 from cpm_core.numerics.types import JsonObject
 from cpm_core.pages import StackResult
-from cpm_core.shapes import Start, starts_along
+from cpm_core.shapes import Start, starts_from_contours
 
 _QUIET = 200
 """Time from a change until the pages are linked again [ms]."""
@@ -214,7 +214,7 @@ class StackPages(QObject):
             self._review.choose(objects=(row.track,))
         elif self.number == row.page:
             length, place = row.measures.length, (row.row, row.col)
-            away = {item: math.dist(centroid(item.contour), place) for item in self._review.items}
+            away = {item: math.dist(compute_centroid(item.contour), place) for item in self._review.items}
             near = min(away, key=away.__getitem__, default=None)
             if (
                 near is not None
@@ -258,7 +258,7 @@ class StackPages(QObject):
         document, given = bare(here.document), here.given or here.document.starts
         before = self._found.get(number - 1)
         if self.following and before is not None and before.contours:
-            given = starts_along(before.contours)
+            given = starts_from_contours(before.contours)
             document = started_by(document, given)
         return KeptPage(document, known=document, given=given)
 
@@ -354,7 +354,7 @@ class StackPages(QObject):
             return
         if shown is not self._seen:
             self._seen = shown
-            self._found[self.number] = Page(self.number, apply(shown, scene.document.marks))
+            self._found[self.number] = Page(self.number, apply_marks(shown, scene.document.marks))
             self._link_soon()
 
     def _link_soon(self) -> None:

@@ -19,12 +19,12 @@ from cpm_app.session.tasks.tasks import Cancelled, Task
 from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, facts_of, measure, moments
 from cpm_core.numerics import count_cores
 from cpm_core.objects.methods import result_of
-from cpm_core.shapes import SeedCache, outlines_of
+from cpm_core.shapes import SeedCache, drawn_outlines
 
 
 def start_of(document: Document) -> Start:
     """Return the start for all methods; raise ValueError if no outline is drawn."""
-    return Start(outlines_of(document.shapes), document.comparison.around)
+    return Start(drawn_outlines(document.shapes), document.comparison.around)
 
 
 def scene_of(found: Result) -> Scene:
@@ -68,7 +68,7 @@ def run_trials(
     def run_other_method(trial: Trial) -> Result:
         method, start, channel = CONTOUR_METHODS[trial.method], start_of(document), document.parameters.channel
         plain = method.of_particles or image.colors is None or channel == "luminance"
-        taken = image if plain else Image(image.gray(channel), source=image.source)
+        taken = image if plain else Image(image.gray_levels(channel), source=image.source)
         for moment in moments(method, taken, start, trial.settings):
             task.check_cancelled()
             last = moment

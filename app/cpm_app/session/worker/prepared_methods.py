@@ -62,9 +62,9 @@ class PreparedMethods:
         if image is self._image:
             self.keep(method)
         if isinstance(method, SkeletonMethod) and image.ndim == 3:
-            return method.of_objects(document.outlined_surfaces)
+            return method.for_objects(document.outlined_surfaces)
         if isinstance(method, SkeletonMethod) and document.outlines:
-            return method.of_objects([Contour(np.array(line), closed=True) for line in document.outlines])
+            return method.for_objects([Contour(np.array(line), closed=True) for line in document.outlines])
         return method
 
     def _sized(self, document: Document) -> Image:

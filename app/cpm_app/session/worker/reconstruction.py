@@ -20,7 +20,7 @@ from cpm_core import Method, Parameters, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.model import ImageFields
 from cpm_core.numerics.types import Integers, record
-from cpm_core.reconstruction import carried_out
+from cpm_core.reconstruction import apply_edits_to_result
 from cpm_core.segmentation import MethodState
 
 _SHORTEST_PAUSE = 0.15
@@ -69,7 +69,7 @@ def edited(
     """Apply manual edits to contours; return also the edits without a matching contour. A skeleton stays as it is."""
     if not edits or isinstance(found, Skeleton):
         return found, ()
-    return carried_out(found, edits, method.scale_field(parameters) if isinstance(method, ImageFields) else None)
+    return apply_edits_to_result(found, edits, method.scale_field(parameters) if isinstance(method, ImageFields) else None)
 
 
 class Reconstructor:

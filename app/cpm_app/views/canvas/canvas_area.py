@@ -164,7 +164,7 @@ class CanvasArea(QWidget):
         col = min(max(seen.center().x(), 0.0), cols - 1.0)
         radius = max(4.0, _NEW_CIRCLE_FRACTION * min(seen.width(), seen.height(), rows, cols))
         volume, center = self.canvas.drawn.volume, self.canvas.placed((row, col))
-        round_one = Circle(center, radius) if volume is None else Sphere.round(center, radius, volume.spacing)
+        round_one = Circle(center, radius) if volume is None else Sphere.from_voxel_size(center, radius, volume.spacing)
         name = tr("add circle") if volume is None else tr("add sphere")
         self._session.edit(name, lambda document: edits.add_shape(document, round_one))
         self._session.select(len(self._session.document.shapes) - 1)
@@ -238,5 +238,5 @@ class CanvasArea(QWidget):
             return
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
-        name, resized = verb.format(shape=from_core(shape.title)), shape.resized(by)
+        name, resized = verb.format(shape=from_core(shape.title)), shape.resized_by(by)
         self._session.edit(name, lambda document: edits.replace_shape(document, index, resized), f"grow {index}")

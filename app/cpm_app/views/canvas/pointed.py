@@ -11,7 +11,7 @@ from cpm_app.session.features.slices import ShownSlices, hit_in
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_core.numerics import Array, Place
-from cpm_core.shapes import Charge, sides_of
+from cpm_core.shapes import Charge, relative_sides
 
 
 class Pointed:
@@ -39,7 +39,7 @@ class Pointed:
             return "object"
         shapes = self._session.document.shapes
         found = hit_in(self._session.scene, at, reach, here)
-        near = found is not None and (found.part == "handle" or shapes[found.index].distance(at) <= reach)
+        near = found is not None and (found.part == "handle" or shapes[found.index].distance_to(at) <= reach)
         key = None if near else self._list.at(at, reach, areas=False)
         if key is None:
             self._session.select(None if found is None else found.index)
@@ -68,7 +68,7 @@ def selected_places(workspace: Workspace) -> list[Array]:
         shape = session.document.shapes[session.selected]
         volume = session.image if session.scene.slices is not None else None
         if volume is not None:
-            sides = sides_of(volume.spacing)
+            sides = relative_sides(volume.spacing)
             return [places for places in [wires(shape, sides).reshape(-1, 3)] if len(places)]
         found = [shape.outline if shape.outline.size else np.array(shape.handles(), dtype=float).reshape(-1, 2)]
     return [places for places in found if len(places)]

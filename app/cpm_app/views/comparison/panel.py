@@ -32,7 +32,7 @@ from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel, men
 from cpm_app.views.widgets.actions import add_choice
 from cpm_app.views.widgets.containers import Scrolled, Section, arrange, wrapped
 from cpm_app.views.widgets.fields import MarkedSlider
-from cpm_core.contours import TOLERANCE
+from cpm_core.contours import DEFAULT_TOLERANCE
 from cpm_core.numerics.types import Callback
 
 _MIN_CHOICE_HEIGHT = 120
@@ -168,11 +168,11 @@ class ComparePanel(QWidget):
         self.holes.setToolTip(tr("Otherwise everything inside a contour belongs to the object."))
         self.holes.toggled.connect(compared.set_holes)
         self._tolerance = QLabel()
-        self.tolerance = MarkedSlider(0.25, 10.0, 0.25, TOLERANCE)
+        self.tolerance = MarkedSlider(0.25, 10.0, 0.25, DEFAULT_TOLERANCE)
         self.tolerance.setAccessibleName(tr("Tolerance"))
         self.tolerance.moved_to.connect(compared.set_tolerance)
         self.tolerance.moved_to.connect(self._show)
-        self.tolerance.restored.connect(lambda: self.tolerance.move_to(TOLERANCE))
+        self.tolerance.restored.connect(lambda: self.tolerance.move_to(DEFAULT_TOLERANCE))
         self.pages = QStackedWidget()
         for page in (self._results(), self._choosing(self.methods), self._choosing(self.values)):
             self.pages.addWidget(page)

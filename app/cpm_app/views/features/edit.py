@@ -14,7 +14,7 @@ from cpm_app.views.canvas.canvas_area import FIRST_TOOL
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.window import Feature
-from cpm_core.shapes import Everywhere, Kind
+from cpm_core.shapes import Everywhere, SeedingKind
 
 
 class DrawFeature(Feature):
@@ -46,7 +46,7 @@ class DrawFeature(Feature):
                        area.crosshair.toggle, gap=True, when=has_image),
         )  # fmt: skip
 
-    def _start(self, kind: Kind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
+    def _start(self, kind: SeedingKind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
         """Create the action that adds or removes a start that needs no drawing."""
         start, session = Everywhere(kind), self.session
 

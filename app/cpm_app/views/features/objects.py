@@ -21,7 +21,7 @@ from cpm_app.views.widgets.containers import DELETE_KEYS
 from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.keyboard import Keys
 from cpm_app.views.window.window import Feature, MainWindow
-from cpm_core.medial_axis import Outlined
+from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.polyline import as_line
 
 _SELECTION_TOOLS = ("objects", "select", "mend")
@@ -153,7 +153,7 @@ class ObjectsFeature(Feature):
                        lambda: editing.drop(editing.missed), when=lambda _: bool(editing.missed)),
             ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
                        "Find center lines in the image again, not only in objects or closed contours.",
-                       lambda: self._skeletonize(tr("skeleton of the image"), Outlined()),
+                       lambda: self._skeletonize(tr("skeleton of the image"), SkeletonTarget()),
                        when=lambda now: bool(now.document.outlines or now.document.outlined_surfaces)),
         )  # fmt: skip
 
@@ -220,16 +220,16 @@ class ObjectsFeature(Feature):
         """Find the skeleton of the selected objects, else of the selected closed contours, else of all not rejected."""
         chosen, review = self._list.chosen, self.window.workspace.review
         if chosen:
-            self._skeletonize(tr("skeleton of objects"), Outlined(objects=tuple(sorted(chosen))))
+            self._skeletonize(tr("skeleton of objects"), SkeletonTarget(objects=tuple(sorted(chosen))))
             return
         items = review.chosen or [item for item in review.items if not item.reviewed.rejected]
         lines = tuple(as_line(item.contour.points) for item in items if item.contour.closed)
         if lines:
-            self._skeletonize(tr("skeleton of contours"), Outlined(contours=lines))
+            self._skeletonize(tr("skeleton of contours"), SkeletonTarget(contours=lines))
         else:
             self.window.session.say(tr("There is no closed contour to find a skeleton in."))
 
-    def _skeletonize(self, name: str, outlined: Outlined) -> None:
+    def _skeletonize(self, name: str, outlined: SkeletonTarget) -> None:
         """Find center lines in outlined regions, or in the whole image."""
         session = self.window.session
         session.edit(name, lambda document: use_skeleton(document, outlined))

@@ -25,7 +25,7 @@ from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.window import Feature
 from cpm_core import PRESETS
 from cpm_core.formats import Reading
-from cpm_core.image import Kind, guessed_kind
+from cpm_core.image import ImageKind, guess_kind
 from cpm_core.numerics.types import Sides
 from cpm_core.segmentation import LargeImageSettings, large_image_settings
 
@@ -44,13 +44,13 @@ class BeginningFeature(Feature):
         def inspect_image(context: CommandContext) -> None:
             kind, settings, image = None, None, opened.image
             if image.ndim == 2:
-                kind, settings = guessed_kind(image.values), large_image_settings(image.values)
+                kind, settings = guess_kind(image.values), large_image_settings(image.values)
             context.report(Finished(partial(self._offer, opened, kind, settings)))
 
         if opened.saved is None:
             self.session.post(Command(inspect_image, tr("looking at the image"), "kind"))
 
-    def _offer(self, opened: Opened, kind: Kind | None, settings: LargeImageSettings | None) -> None:
+    def _offer(self, opened: Opened, kind: ImageKind | None, settings: LargeImageSettings | None) -> None:
         session, offers, session_path = self.session, self.window.offers, opened.beside
         if session.image is not opened.image or session.status.started:
             return

@@ -11,7 +11,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import Parts
 from cpm_app.views.widgets.containers import AcceptButtons, lay_out_form
 from cpm_core.formats import Reading
-from cpm_core.image import COLORS
+from cpm_core.image import COLOR_CHOICES
 
 _PAGE_LABELS = {"plane": tr("Plane"), "page": tr("Page"), "frame": tr("Frame")}
 """Label of the page number by what a page is."""
@@ -64,9 +64,9 @@ class PartDialog(QDialog):
         self.series.addItems([f"{number}: {title}" for number, title in enumerate(parts.series, start=1)])
         self.series.setCurrentIndex(parts.number - 1)
         self._as_volume = as_volume
-        for color in COLORS:
+        for color in COLOR_CHOICES:
             self.color.addItem(_COLOR_READING_TITLES[color], color)
-        self.color.setCurrentIndex(COLORS.index(reading.color))
+        self.color.setCurrentIndex(COLOR_CHOICES.index(reading.color))
         for label, field in (
             (tr("Series"), self.series),
             (tr("Open"), self.kind),
@@ -124,7 +124,7 @@ class PartDialog(QDialog):
             page=self.page.value() if parts.pages > 1 and not as_volume else None,
             channel=self.channel.value() if parts.channels > 1 else None,
             time=self.time.value() if parts.times > 1 else None,
-            color=self.color.currentData() if as_volume else COLORS[0],
+            color=self.color.currentData() if as_volume else COLOR_CHOICES[0],
         )
 
     def _ask(self, index: int) -> None:

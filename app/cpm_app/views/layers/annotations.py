@@ -8,7 +8,7 @@ from cpm_app.model.volume.slices import edges_of
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.item import INK, Pinned
 from cpm_app.views.layers.layer import Layer, Switch
-from cpm_core.image import Bar
+from cpm_core.image import ScaleBar
 from cpm_core.numerics.types import Texts
 
 LONGEST = 160.0
@@ -44,7 +44,7 @@ class ScaleBarLayer(Layer):
         """Create the items of the layer."""
         self.item = Pinned(self.view, (0.0, 1.0))
         self.add(self.item)
-        self.bar: Bar | None = None
+        self.bar: ScaleBar | None = None
         """Bar that is shown."""
         self.view.sigRangeChanged.connect(self._fit)
         self.view.sigResized.connect(self._fit)

@@ -14,7 +14,7 @@ from cpm_app.views.items.item import Markers, Names
 from cpm_app.views.layers.layer import Layer, LegendEntry, Sign, Switch
 from cpm_app.views.theme import theme
 from cpm_core import Truth
-from cpm_core.contours import middle
+from cpm_core.contours import contour_midpoint
 from cpm_core.numerics import Array
 
 _SHORT_FRACTION = 0.06
@@ -111,7 +111,7 @@ class ContourLayer(Layer):
         self.bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
         self.by_hand.show([stretch for item in counting for stretch in item.contour.by_hand])
         named = [item.contour for item in counting if item.contour.name]
-        self._names.show([(middle(c), c.name, c.color or "#ffffff") for c in named])
+        self._names.show([(contour_midpoint(c), c.name, c.color or "#ffffff") for c in named])
         ends = [item.contour.points[end] for item in items for end in (0, -1) if item.contour.junctions[end]]
         self.junctions.show({(float(row), float(col)) for row, col in ends})
 

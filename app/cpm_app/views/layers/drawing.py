@@ -29,7 +29,7 @@ from cpm_core.shapes import (
     Ellipse,
     Everywhere,
     Grid,
-    Kind,
+    SeedingKind,
     Limit,
     Points,
     Polygon,
@@ -70,7 +70,7 @@ _DIAMETER_PER_STRENGTH = 2.0
 _CHARGE_SIGN_SIZE = 11.0
 """Size of the sign of a charge [px of the screen]."""
 
-_SEED_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
+_SEED_DIAMETERS: dict[SeedingKind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
 """Diameters of computed particles [px of the screen], smaller for kinds with many; None means areas."""
 
 _Line = Circle | Ellipse | Polygon | Stroke | StartSection
@@ -273,7 +273,7 @@ class DrawingLayer(Layer):
         slices, volume = self.scene.slices, self.scene.volume
         if slices is None or volume is None or len(center) == 2:
             return Circle(center, radius).outline
-        line = circle_in(Sphere.round(center, radius, volume.spacing), slices.current)
+        line = circle_in(Sphere.from_voxel_size(center, radius, volume.spacing), slices.current)
         return NO_POSITIONS if line is None else line.outline
 
     def _show_starts(self) -> None:

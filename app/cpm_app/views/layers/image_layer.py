@@ -208,7 +208,7 @@ class ImageLayer(Layer):
         image = self.scene.image
         if image is None or (image.colors is not None and self.word("shown") == _SHOW_COLORS):
             return None
-        return image.channel(self.scene.document.parameters.channel)
+        return image.resolve_channel(self.scene.document.parameters.channel)
 
 
 _FULL_DRAG_LENGTH = 400.0

@@ -22,7 +22,7 @@ from cpm_core.contours import HandEdit
 from cpm_core.numerics import Array, Place, Position
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import SegmentedObject
-from cpm_core.reconstruction import Contact, connect, deletion, pull
+from cpm_core.reconstruction import Contact, connect_by_path, delete_stretch, pull_contour
 
 _CLICK_TOLERANCE = 0.5
 """Largest move of the pointer during a click; beyond it, a press is a drag [hit tolerances]."""
@@ -241,14 +241,14 @@ class MendTool(RingTool):
         if item is not None:
             self._list.choose((item.number,))
         elif self._takes_away:
-            self._editing.cut(held)
+            self._editing.cut_contour(held)
         elif self.modifiers & Qt.KeyboardModifier.ControlModifier:
             self._review.choose(self._review.selected ^ ({key} if key is not None else set()))
         else:
             if key is not None:
                 self._review.choose((key,))
             marked = self._editing.marked
-            second = len(marked) == 1 and marked[0].same_contour(held) and marked[0].along != held.along
+            second = len(marked) == 1 and marked[0].is_on_same_contour(held) and marked[0].along != held.along
             self._editing.mark((*marked, held) if second else (held,))
 
     def _meant(self, held: Contact) -> tuple[Sequence[HandEdit], Array, list[Position]]:
@@ -256,13 +256,13 @@ class MendTool(RingTool):
         at = self._at
         assert at is not None
         if not held.at_end:
-            edit = pull(held, at, None if self._takes_away else self._editing.edges)
+            edit = pull_contour(held, at, None if self._takes_away else self._editing.edges)
             return (edit,), np.array(edit.added), [held.place]
         target = self._editing.contact(at, self._reach)
-        if target is not None and target.same_contour(held) and abs(target.along - held.along) <= 2.0 * self._reach:
+        if target is not None and target.is_on_same_contour(held) and abs(target.along - held.along) <= 2.0 * self._reach:
             target = None
         path = self._way(at if target is None else target.place)
-        return connect(path, held, target), path, [held.place, *([] if target is None else [target.place])]
+        return connect_by_path(path, held, target), path, [held.place, *([] if target is None else [target.place])]
 
     def _show(self) -> None:
         """Draw the preview, or the marks, the place under the pointer and the ring."""
@@ -275,8 +275,8 @@ class MendTool(RingTool):
             on_contour = held is not None and self._item is None
             self._review.hover(self._editing.key_of(held) if held is not None and on_contour else None)
             marks = [*self._editing.marked, *([held] if held is not None and on_contour else [])][:2]
-            if len(marks) == 2 and self._editing.marked and marks[0].same_contour(marks[1]):
-                path = deletion(*marks).removed
+            if len(marks) == 2 and self._editing.marked and marks[0].is_on_same_contour(marks[1]):
+                path = delete_stretch(*marks).removed
             corners += [held.place] if held is not None else []
         adds = self._brush.adds if painting else not self._takes_away
         self._drawing.show_draft(corners, path, theme.BY_HAND)

@@ -14,7 +14,7 @@ from cpm_app.session.signals import EDITING
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MIN_DRAWN_AREA, OBJECT, Cursor, Tool
 from cpm_core.numerics import Array, Position, polyline
-from cpm_core.reconstruction import Contact, connect, on_ridge
+from cpm_core.reconstruction import Contact, connect_by_path, snap_path_to_ridge
 
 
 class _Anchor(NamedTuple):
@@ -108,7 +108,7 @@ class OutlineTool(Tool):
         drawn[-1] = first.place if closes else self._place(at)
         path = np.array(drawn)
         edges = None if self._straight else self._editing.edges
-        self._add(drawn[-1], at, path if edges is None else on_ridge(path, edges))
+        self._add(drawn[-1], at, path if edges is None else snap_path_to_ridge(path, edges))
         if closes:
             self.finish(closed=True)
         else:
@@ -133,7 +133,7 @@ class OutlineTool(Tool):
         elif closed:
             self._workspace.object_list.choose((self._editing.outline(path[:-1]),))
         else:
-            self._editing.add(connect(path, begin, last))
+            self._editing.add(connect_by_path(path, begin, last))
 
     def take_back(self) -> None:
         """Remove the last anchor."""

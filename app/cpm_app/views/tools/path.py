@@ -220,7 +220,7 @@ class GridTool(PathTool):
 
     def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """Build a grid in the box around the path."""
-        return BoxGrid.between(*_box_around(path, here, volume), volume.spacing)
+        return BoxGrid.from_corners(*_box_around(path, here, volume), volume.spacing)
 
 
 class ThresholdTool(PathTool):

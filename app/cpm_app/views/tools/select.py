@@ -101,7 +101,7 @@ class SelectTool(ShapeTool):
             self._put(tr("reshape {shape}", shape=from_core(shape.title)), shape.with_handle_at(self._anchor, at))
         else:
             by = tuple(map(operator.sub, at, self._anchor))
-            self._put(tr("move {shape}", shape=from_core(shape.title)), shape.moved(by))
+            self._put(tr("move {shape}", shape=from_core(shape.title)), shape.translated(by))
 
     def release(self) -> None:
         """Keep the selection; a click beside all items clears it."""
@@ -148,7 +148,7 @@ class SelectTool(ShapeTool):
         if found is not None:
             shape = self._session.document.shapes[found.index]
             selected = found.index == self._session.selected
-            if found.part == "handle" or selected or shape.distance(at) <= reach:
+            if found.part == "handle" or selected or shape.distance_to(at) <= reach:
                 return found, None
         key = self._list.at(at, reach)
         return (None, key) if key is not None else (found, None)

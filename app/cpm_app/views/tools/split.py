@@ -132,7 +132,7 @@ class SplitTool(Tool):
         elif whole is not None:
             self._whole, self._first = whole, at
         elif first is None and (contact := self._contact(at)) is not None:
-            self._editing.cut(contact)
+            self._editing.cut_contour(contact)
         else:
             self._session.say(tr("There is no object here. {advice}", advice=self.tip), topic=EDITING)
 

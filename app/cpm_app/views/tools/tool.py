@@ -16,7 +16,7 @@ from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.layers.drawing import DrawingLayer
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback
-from cpm_core.shapes import Shape, sides_of
+from cpm_core.shapes import Shape, relative_sides
 
 Cursor = Qt.CursorShape
 
@@ -124,7 +124,7 @@ class Tool:
         """Height and width of a pixel in the view under the pointer [smallest side of a voxel]."""
         if self.here is None or self.volume is None:
             return 1.0, 1.0
-        down, right = self.here.within(sides_of(self.volume.spacing))
+        down, right = self.here.within(relative_sides(self.volume.spacing))
         return down, right
 
     @property

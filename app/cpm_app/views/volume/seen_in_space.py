@@ -27,7 +27,7 @@ from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTru
 from cpm_core.contours import PackedVoxels
 from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.shapes import Charge, Interest, Limit, Shape, sides_of
+from cpm_core.shapes import Charge, Interest, Limit, Shape, relative_sides
 
 _NO_SURFACES: Mapping[int, Surface] = MappingProxyType({})
 """No surfaces of painted objects."""
@@ -124,7 +124,7 @@ def _colored(surface: Surface, spacing: Sides, color: str) -> ColoredMesh:
 def _wires(
     shapes: tuple[Shape, ...], selected: int | None, image: Image, skeleton: Skeleton | None = None
 ) -> Wires | None:
-    sides = sides_of(image.spacing)
+    sides = relative_sides(image.spacing)
     ends = [wires(shape, sides) for shape in shapes]
     colors = []
     for index, (shape, each) in enumerate(zip(shapes, ends, strict=True)):

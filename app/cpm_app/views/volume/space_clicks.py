@@ -36,7 +36,7 @@ def draw_at(session: Session, tool: str, at: Place) -> None:
     if tool == "circle":
         shortest = min(n * side for n, side in zip(image.shape, image.spacing, strict=True)) / min(image.spacing)
         shape, name = (
-            Sphere.round(at, max(_NEW_SPHERE_FRACTION * shortest, _MIN_NEW_RADIUS), image.spacing),
+            Sphere.from_voxel_size(at, max(_NEW_SPHERE_FRACTION * shortest, _MIN_NEW_RADIUS), image.spacing),
             tr("draw sphere"),
         )
     session.edit(name, lambda document: edits.add_shape(document, shape))

@@ -214,7 +214,7 @@ class SpaceView(QWidget):
         button, keys = self._drag
         half_turn = pi / min(self.room)
         if button != Qt.MouseButton.LeftButton or keys & Qt.KeyboardModifier.ShiftModifier:
-            self.use(camera.moved(way.x(), way.y()))
+            self.use(camera.translated(way.x(), way.y()))
         elif keys & Qt.KeyboardModifier.ControlModifier:
             self.use(camera.rolled(half_turn * way.x()))
         else:

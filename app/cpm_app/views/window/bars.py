@@ -30,7 +30,7 @@ from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.tool import AUTO, GROUPS
 from cpm_app.views.widgets.actions import PRIMARY, Actions
 from cpm_app.views.widgets.containers import Scrolled, arrange, dim_label, flat_button
-from cpm_core.shapes import KINDS
+from cpm_core.shapes import SEEDING_KINDS
 
 _FIRST_BAR_ACTIONS = ("open", "save", "", "undo", "redo")
 """Actions of the tool bar before the modes; an empty name is a separator."""
@@ -123,7 +123,7 @@ class ToolPalette(QToolBar):
         self.toggleViewAction().setEnabled(False)
         self.setIconSize(QSize(20, 20))
         names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in GROUPS}
-        names[AUTO] = [f"start_{kind}" for kind in KINDS]
+        names[AUTO] = [f"start_{kind}" for kind in SEEDING_KINDS]
         self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
         column = QWidget()
         for button in self.buttons.values():

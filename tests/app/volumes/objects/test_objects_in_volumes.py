@@ -212,7 +212,7 @@ def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, 
     chosen_by_menu(found, hand, "Region", {1})
     region = found.session.document.shapes[-1]
     assert isinstance(region, EnclosedRegion)
-    inside = found.session.document.regions.voxels(found.session.image.shape)
+    inside = found.session.document.regions.voxel_mask(found.session.image.shape)
     assert inside.sum() == pytest.approx(BALL, rel=0.1)
     found.workspace.slices.through(ONE)
     shown = [shape for shape in found.canvas_area.canvas.drawn.document.shapes if isinstance(shape, RegionSection)]

@@ -205,18 +205,18 @@ def test_painted_objects_limit_the_next_run_start_it_and_have_center_lines(volum
     for edit in (objects.as_regions, objects.as_barriers, objects.as_starts):
         volume.session.edit("use", lambda document, edit=edit: edit(document, (1,)))
     region, wall, points = volume.session.document.shapes
-    assert not (volume.session.document.regions.voxels(SHAPE) & ~mask).any()
+    assert not (volume.session.document.regions.voxel_mask(SHAPE) & ~mask).any()
     found = np.zeros(SHAPE, bool)
-    region.limit.fill(found)
+    region.limit.fill_into(found)
     assert np.array_equal(found, mask)
     shell = np.zeros(SHAPE, bool)
-    wall.limit.fill(shell)
+    wall.limit.fill_into(shell)
     assert np.array_equal(shell, mask & ~scipy.ndimage.binary_erosion(mask))
     away = np.abs(covered((12, 12, 6), (12, 12, 26)) - 3.0)
     nearest = np.rint(points.seeds()).astype(int)
     assert (away[tuple(nearest.T)] < 1.5).all()
-    assert region.moved((1.0, 0.0, 0.0)).center == pytest.approx(np.add(region.center, (1, 0, 0)))
-    skeleton = SkeletonMethod(volume.session.image).of_objects(volume.session.document.objects[1].surface)
+    assert region.translated((1.0, 0.0, 0.0)).center == pytest.approx(np.add(region.center, (1, 0, 0)))
+    skeleton = SkeletonMethod(volume.session.image).for_objects(volume.session.document.objects[1].surface)
     state = skeleton.start()
     while not state.stop_reason:
         state = skeleton.step(state, PRESETS["volume"])

@@ -48,7 +48,7 @@ def test_a_slice_shares_the_gray_levels_of_its_volume() -> None:
     volume = Image(ball(), (3.0, 2.0, 1.0), "mm", "ball")
     assert volume.gray_range == (20.0, 200.0)
     for axis, index, sides in ((0, 3, (2.0, 1.0)), (1, 14, (3.0, 1.0)), (2, 31, (3.0, 2.0))):
-        cut = volume.cut(axis, index)
+        cut = volume.slice_across(axis, index)
         assert np.shares_memory(cut.values, volume.values)
         np.testing.assert_array_equal(cut.values, np.take(volume.values, index, axis))
         assert (cut.spacing, cut.unit, cut.source) == (sides, "mm", "ball")

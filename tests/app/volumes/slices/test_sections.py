@@ -62,7 +62,7 @@ def test_the_section_of_a_sphere_lies_on_the_sphere(center, radius, sides, axis,
         return
     if min(found.line.radii) > 0.5:  # the least radius that a shape has
         outline = [Slice(axis, index).lifted(tuple(corner)) for corner in found.outline.tolist()]
-        assert max(map(sphere.distance, outline)) < 1e-6 * (1 + radius + max(map(abs, center)))
+        assert max(map(sphere.distance_to, outline)) < 1e-6 * (1 + radius + max(map(abs, center)))
 
 
 def hollow_ball() -> Surface:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.contours.surface import surface_of_labels
+from cpm_core.contours.surface import surface_from_labels
 
 SPACING = (2.0, 1.0, 1.0)
 
@@ -21,7 +21,7 @@ def triangles(surface):
 
 def test_away_from_the_border_both_are_the_same():
     inner = labels((1, ((2, 5), (3, 6), (4, 8))), (3, ((6, 8), (6, 9), (2, 9))))
-    closed, opened = (surface_of_labels(inner, SPACING, "mm", open_border=way) for way in (False, True))
+    closed, opened = (surface_from_labels(inner, SPACING, "mm", open_border=way) for way in (False, True))
     assert closed.closed and opened.closed
     assert triangles(closed) == triangles(opened)
     assert set(closed.numbers.tolist()) == set(opened.numbers.tolist()) == {1, 3}
@@ -34,7 +34,7 @@ def test_an_object_that_the_border_cuts_is_closed_there_or_open(axis, end):
     sides = [(3, 6)] * 3
     sides[axis] = (0, 4) if end == 0 else (shape[axis] - 4, shape[axis])
     cut = labels((1, sides))
-    closed, opened = (surface_of_labels(cut, SPACING, "mm", open_border=way) for way in (False, True))
+    closed, opened = (surface_from_labels(cut, SPACING, "mm", open_border=way) for way in (False, True))
     beyond = -0.5 if end == 0 else shape[axis] - 0.5
     assert closed.closed and not opened.closed
     assert closed.vertices[:, axis].min() == beyond or closed.vertices[:, axis].max() == beyond

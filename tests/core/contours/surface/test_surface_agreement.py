@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Surface, VolumeTruth, compare_surface
-from cpm_core.contours.surface_agreement import Triangles
+from cpm_core.contours.surface_agreement import TriangleSamples
 
 SHAPE = (30, 32, 34)
 
@@ -38,7 +38,7 @@ def test_distances_are_those_to_the_nearest_place_on_the_triangles(seed):
     random = np.random.default_rng(seed)
     corners = random.uniform(0, 1, (30, 1, 3)) + random.uniform(-0.05, 0.05, (30, 3, 3))
     points = random.uniform(-1, 2, (20, 3))
-    found, filled = Triangles(corners).distances_to(points), brute(points, corners)
+    found, filled = TriangleSamples(corners).distances_to(points), brute(points, corners)
     assert (found <= filled + 1e-9).all()
     assert (filled - found <= 0.03).all()
 

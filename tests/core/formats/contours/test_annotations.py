@@ -12,7 +12,7 @@ import pytest
 import shapely
 from pycocotools.coco import COCO
 
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.formats import encoded, export
 
 from ..drawn import CELL, CORE, FIBRE, HOLE, RESULT
@@ -46,7 +46,7 @@ def test_labelme_has_the_class_as_label_and_one_polygon_that_goes_around_the_hol
     # as labelme paints a polygon (`labelme.utils.shape_to_mask`)
     picture = PIL.Image.new("L", (90, 60))
     PIL.ImageDraw.Draw(picture).polygon([tuple(point) for point in shape["points"]], outline=1, fill=1)
-    differ = np.argwhere((np.asarray(picture) > 0) != (paint((outer, *holes), (60, 90)) > 0))
+    differ = np.argwhere((np.asarray(picture) > 0) != (rasterize_labels((outer, *holes), (60, 90)) > 0))
     edges = [shapely.LinearRing(contour.points) for contour in (outer, *holes)]
     slits = shapely.LineString(np.array(shape["points"])[:, ::-1] - 0.5)
     assert all(min(edge.distance(shapely.Point(pixel)) for edge in (*edges, slits)) < 1.5 for pixel in differ)
@@ -104,7 +104,7 @@ def object_in_two_parts():
 def test_the_mask_of_an_instance_with_holes_is_its_label_in_the_label_mask(tmp_path, contours):
     result = replace(RESULT, contours=contours)
     found = coco(tmp_path, result)
-    labels = paint(contours, RESULT.shape)
+    labels = rasterize_labels(contours, RESULT.shape)
     instances = found.loadAnns(found.getAnnIds())
     assert len(instances) == labels.max() == len({instance["id"] for instance in instances})
     masks = [(found.annToMask(instance) == 1, isinstance(instance["segmentation"], dict)) for instance in instances]

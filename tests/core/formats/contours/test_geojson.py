@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.formats import encoded
 
 from ..drawn import CELL, CORE, FIBRE, HOLE, RESULT
@@ -53,7 +53,7 @@ def test_areas_leave_out_the_holes():
 
 
 def test_a_polygon_covers_what_has_its_label_in_the_label_mask():
-    mask = paint(RESULT.contours, RESULT.shape)
+    mask = rasterize_labels(RESULT.contours, RESULT.shape)
     row, col = np.indices(RESULT.shape)
     for label, polygon in enumerate(polygons(), start=1):
         assert np.array_equal(shapely.contains_xy(polygon, col + 0.5, row + 0.5), mask == label)

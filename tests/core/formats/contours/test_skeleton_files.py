@@ -57,7 +57,7 @@ def test_the_shape_can_be_rebuilt_from_the_drawing(tmp_path):
         assert path.get("data-label") == str(number)
     again = Skeleton(tuple(contours), tuple(radii), (50, 80), (0.5, 0.25), "µm", "a.svg")
     assert [contour.closed for contour in contours] == [False, False, True, False]
-    assert (again.rebuilt() == SKELETON.rebuilt()).all()
+    assert (again.rebuild_shape() == SKELETON.rebuild_shape()).all()
 
 
 def test_each_branch_is_a_line_of_its_label_one_pixel_wide(tmp_path):

@@ -416,7 +416,7 @@ def test_a_tilted_gantry_keeps_its_angle_and_is_reported(tmp_path):
         write_slice(tmp_path / f"{number}.dcm", VALUES[3], np.add(ORIGIN, (0, tilt * height, height)), number=number)
     volume = load_volume(tmp_path)
     assert volume.notes == ("Its axes are 15.0° off right angles; lengths were taken as if they were at right angles.",)
-    last = volume.geometry.moved((19, 0, 0), volume.spacing).origin
+    last = volume.geometry.starting_at((19, 0, 0), volume.spacing).origin
     assert last == pytest.approx(np.add(ORIGIN, (0, tilt * HEIGHTS[-1], HEIGHTS[-1])))
 
 

@@ -130,7 +130,7 @@ def test_a_volume_that_shows_air_as_ct_does_has_hounsfield_units(tmp_path, least
     volume = load_volume(tmp_path / "a.nii")
     assert volume.gray_range[0] == least
     assert volume.is_ct == found
-    assert not volume.cut(0, 3).is_ct
+    assert not volume.slice_across(0, 3).is_ct
 
 
 def test_a_slope_and_an_intercept_make_hounsfield_units(tmp_path):

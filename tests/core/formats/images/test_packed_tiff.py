@@ -5,7 +5,7 @@ import pytest
 import tifffile
 
 from cpm_core.formats import load_image
-from cpm_core.image.colors import WEIGHTS
+from cpm_core.image.colors import LUMINANCE_WEIGHTS
 
 RAMP = np.arange(24 * 20).reshape(24, 20)
 KINDS = [
@@ -29,7 +29,7 @@ def test_every_type_keeps_its_values_in_every_packing(tmp_path, planar, packing,
         kind = {"photometric": "minisblack"} if planar is None else {"photometric": "rgb", "planarconfig": planar}
         options = {"compression": packing, "predictor": predicted, "byteorder": order, "rowsperstrip": 7}
         tifffile.imwrite(tmp_path / "a.tif", stored, **kind, **options)
-        wanted = values if planar is None else colors.astype(float) @ WEIGHTS
+        wanted = values if planar is None else colors.astype(float) @ LUMINANCE_WEIGHTS
         assert np.allclose(load_image(tmp_path / "a.tif").values, wanted, rtol=1e-9, atol=1e-6)
 
 
@@ -53,7 +53,7 @@ def test_four_inks_become_light(tmp_path, planes):
     stored = inks if planes == 1 else np.ascontiguousarray(np.moveaxis(inks, -1, 0))
     tifffile.imwrite(tmp_path / "a.tif", stored, photometric="separated", planarconfig=planes, metadata=None)
     light = 255.0 * (1 - inks[..., :3] / 255.0) * (1 - inks[..., 3:] / 255.0)
-    assert np.allclose(load_image(tmp_path / "a.tif").values, light @ WEIGHTS, atol=1.0)
+    assert np.allclose(load_image(tmp_path / "a.tif").values, light @ LUMINANCE_WEIGHTS, atol=1.0)
 
 
 def test_colors_that_are_not_read_are_named(tmp_path):

@@ -10,8 +10,8 @@ from pydicom.dataset import Dataset
 from pydicom.uid import SegmentationStorage, generate_uid
 
 from cpm_core import Result, export, load_surface, load_volume, load_volume_truth
-from cpm_core.contours import Label, numbered, surfaces_joined
-from cpm_core.contours.surface import surface_of_labels
+from cpm_core.contours import Label, label_voxels, join_surfaces
+from cpm_core.contours.surface import surface_from_labels
 
 from ..images.made import ACROSS, OBLIQUE, VALUES, dataset, write_nifti, write_series
 
@@ -30,8 +30,8 @@ LABELS[6:9, 5:9, 5:12] = 7
 
 
 def found_in(volume):
-    bodies = [(n, surface_of_labels((n == LABELS).astype(np.int32), volume.spacing, volume.unit)) for n in (3, 7)]
-    surface = replace(surfaces_joined(bodies, volume.spacing, volume.unit), labels=NAMES)
+    bodies = [(n, surface_from_labels((n == LABELS).astype(np.int32), volume.spacing, volume.unit)) for n in (3, 7)]
+    surface = replace(join_surfaces(bodies, volume.spacing, volume.unit), labels=NAMES)
     nothing, shape = np.empty((0, 3)), volume.shape
     return Result(nothing, (), surface, 0, True, "", shape, volume.spacing, volume.unit, volume.source, image=volume)
 
@@ -53,7 +53,7 @@ def test_segments_refer_to_their_series_and_come_back(tmp_path, along):
     expected = np.searchsorted([0, 3, 7], LABELS)
     assert np.array_equal(found, expected)
     surface = load_surface(tmp_path / "a.seg.dcm", volume)
-    assert np.array_equal(numbered(surface, volume.shape), expected)
+    assert np.array_equal(label_voxels(surface, volume.shape), expected)
     assert surface.labels == (replace(NAMES[0], number=1), replace(NAMES[1], number=2))
 
 
@@ -136,7 +136,7 @@ def test_frames_of_overlapping_segments_lie_in_any_order_and_may_be_cropped(tmp_
     assert [label.name for label in surface.labels] == ["segment 1", "segment 2"]
     for number, mask in masks.items():
         alone = replace(surface, faces=surface.faces[surface.numbers == number], numbers=None)
-        assert np.array_equal(numbered(alone, volume.shape) > 0, mask)
+        assert np.array_equal(label_voxels(alone, volume.shape) > 0, mask)
     assert np.array_equal(load_volume_truth(tmp_path / "a.dcm", volume).labels, 2 * (LABELS > 0))  # the last one has it
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from cpm_core import Contour, Geometry, Image, Result, export, load_surface
-from cpm_core.contours import Label, numbered, surfaces_joined
-from cpm_core.contours.surface import surface_of_labels
+from cpm_core.contours import Label, label_voxels, join_surfaces
+from cpm_core.contours.surface import surface_from_labels
 
 from ..images.made import write_metaimage
 
@@ -24,8 +24,8 @@ VOLUME = Image(np.arange(LABELS.size).reshape(SHAPE), SPACING, "mm", "ct.nii", g
 
 
 def result(labels=LABELS, names=NAMES):
-    bodies = [(n, surface_of_labels((labels == n).astype(np.int32), SPACING, "mm")) for n in np.unique(labels)[1:]]
-    surface = replace(surfaces_joined(bodies, SPACING, "mm"), labels=names)
+    bodies = [(n, surface_from_labels((labels == n).astype(np.int32), SPACING, "mm")) for n in np.unique(labels)[1:]]
+    surface = replace(join_surfaces(bodies, SPACING, "mm"), labels=names)
     return Result(np.empty((0, 3)), (), surface, 0, True, "", SHAPE, SPACING, "mm", "ct.nii", image=VOLUME)
 
 
@@ -77,7 +77,7 @@ def test_slicerio_finds_the_segments_where_the_volume_lies(tmp_path):
 def test_labels_come_back_with_their_numbers_names_and_colors(tmp_path, name):
     export(result(names=(NAMES[0], Label(7, "Größe", "#0010ff"))), tmp_path / name)
     surface = load_surface(tmp_path / name, VOLUME)
-    assert np.array_equal(numbered(surface, SHAPE), LABELS)
+    assert np.array_equal(label_voxels(surface, SHAPE), LABELS)
     assert [label.color for label in surface.labels] == ["#ff8000", "#0010ff"]
     assert [label.name.replace("'", '"') for label in surface.labels] == [NAMES[0].name, "Größe"]
 
@@ -87,7 +87,7 @@ def test_a_single_label_with_a_name_is_one_object_even_in_two_parts(tmp_path, na
     alone = np.where(LABELS == 7, 7, 0).astype(np.int32)
     export(result(alone, NAMES[1:]), tmp_path / name)
     surface = load_surface(tmp_path / name, VOLUME)
-    assert np.array_equal(numbered(surface, SHAPE), alone)
+    assert np.array_equal(label_voxels(surface, SHAPE), alone)
 
 
 def test_contours_of_one_slice_are_named_too(tmp_path):
@@ -136,15 +136,15 @@ def test_segments_that_overlap_come_from_the_layers_of_slicer(tmp_path):
     assert [(label.number, label.name) for label in surface.labels] == [(1, "organ"), (2, "vessel")]
     for number, mask in ((1, one), (2, other)):
         alone = replace(surface, faces=surface.faces[surface.numbers == number], numbers=None)
-        assert np.array_equal(numbered(alone, SHAPE) > 0, mask)
+        assert np.array_equal(label_voxels(alone, SHAPE) > 0, mask)
 
 
 def test_labels_that_were_saved_without_their_margin_are_put_in_place(tmp_path):
     begin, end = (1, 2, 1), (11, 13, 15)
     part = LABELS[tuple(map(slice, begin, end))]
-    there = VOLUME.geometry.moved(begin, SPACING).affine(SPACING, "RAS")[:, [2, 1, 0, 3]]
+    there = VOLUME.geometry.starting_at(begin, SPACING).affine(SPACING, "RAS")[:, [2, 1, 0, 3]]
     nibabel.save(nibabel.Nifti1Image(part.T.astype(np.uint8), there), tmp_path / "part.nii")
-    assert np.array_equal(numbered(load_surface(tmp_path / "part.nii", VOLUME), SHAPE), LABELS)
+    assert np.array_equal(label_voxels(load_surface(tmp_path / "part.nii", VOLUME), SHAPE), LABELS)
     there[:3, 3] -= 40.0  # beyond the volume
     nibabel.save(nibabel.Nifti1Image(part.T.astype(np.uint8), there), tmp_path / "part.nii")
     with pytest.raises(ValueError, match="this very volume"):
@@ -170,5 +170,5 @@ def test_every_reader_gives_the_numbers_and_a_text_next_to_it_the_names(tmp_path
         export(result(names=()), tmp_path / name)
     (tmp_path / "a.txt").write_text('3 255 128 0 1 1 1 "kidney"\n7 0 16 255 1 1 1 "vein"\n')
     surface = load_surface(tmp_path / name, VOLUME)
-    assert np.array_equal(numbered(surface, SHAPE), LABELS)
+    assert np.array_equal(label_voxels(surface, SHAPE), LABELS)
     assert surface.labels == (Label(3, "kidney", "#ff8000"), Label(7, "vein", "#0010ff"))

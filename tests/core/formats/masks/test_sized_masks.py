@@ -10,12 +10,12 @@ import PIL.Image
 import pytest
 import tifffile
 
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.formats import encoded, export, load_image
 
 from ..drawn import FIBRE, RESULT
 
-MASK = paint(RESULT.contours, RESULT.shape)
+MASK = rasterize_labels(RESULT.contours, RESULT.shape)
 
 
 @pytest.mark.parametrize("suffix", [".tif", ".tiff"])

@@ -10,7 +10,7 @@ import pytest
 import tifffile
 
 from cpm_core import Geometry, Image, Result, Surface
-from cpm_core.contours.surface import numbered
+from cpm_core.contours.surface import label_voxels
 from cpm_core.formats import FOR_VOLUMES, encoded, export
 from cpm_core.numerics.grids import zero_surface
 
@@ -81,7 +81,7 @@ def test_triangles_for_printing_are_read_back():
 def test_label_volumes_are_aligned_with_the_input(tmp_path):
     export(RESULT, tmp_path / "a.nii", tmp_path / "a.nii.gz", tmp_path / "a.tif")
     image = nibabel.Nifti1Image.from_bytes((tmp_path / "a.nii").read_bytes())
-    wanted = numbered(SURFACE, SHAPE)
+    wanted = label_voxels(SURFACE, SHAPE)
     assert np.asarray(image.dataobj).transpose().tolist() == wanted.tolist()
     assert image.header.get_zooms() == SPACING[::-1]
     corner = image.affine @ (23, 19, 15, 1)

@@ -49,7 +49,7 @@ def placed(geometry, spacing=SPACING, unit="mm", surface=SURFACE):
 
 def corners_of(surface):
     """The three corners of each triangle in order, the triangles in any."""
-    rows = surface.vertices[surface.faces].round(2)
+    rows = surface.vertices[surface.faces].from_voxel_size(2)
     first = np.lexsort(rows.transpose(2, 0, 1)[::-1].reshape(3, -1)).argsort().reshape(-1, 3).argmin(axis=1)
     return np.stack([np.roll(row, -k, axis=0) for row, k in zip(rows, first, strict=True)])
 

@@ -14,7 +14,7 @@ from cpm_core.formats.common.plain import regions_from_plain, regions_to_plain
 from cpm_core.formats.sessions.session_file import decode
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, Voxels
-from cpm_core.shapes.document_shapes import regions_of
+from cpm_core.shapes.document_shapes import collect_regions
 from tests.faults.fuzzing.inputs.session_samples import SAMPLES
 
 MASK = np.random.default_rng(3).random((5, 6, 7)) > 0.5
@@ -36,7 +36,7 @@ def test_voxels_are_kept_wherever_they_begin(first: tuple[int, ...] | None) -> N
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
 def test_the_limits_of_every_shape_are_kept(name: str, tmp_path: Path) -> None:
-    regions = regions_of(decode(json.dumps(SAMPLES[name](tmp_path)).encode(), name).shapes)
+    regions = collect_regions(decode(json.dumps(SAMPLES[name](tmp_path)).encode(), name).shapes)
     assert regions is None or kept(regions) == regions
     assert regions is None or isinstance(regions, Regions | VolumeRegions)
 

@@ -32,8 +32,8 @@ from cpm_core.formats.sessions.session_file import (
 )
 from cpm_core.parameters import AUTOMATIC, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
-from cpm_core.shapes import SHAPES, Circle, Region
-from cpm_core.shapes.document_shapes import axes_of
+from cpm_core.shapes import SHAPES_BY_NAME, Circle, Region
+from cpm_core.shapes.document_shapes import count_axes
 
 numbers = st.floats(-LARGEST, LARGEST, allow_nan=False)
 ranges = {"radius": st.floats(0.5, 1e5), "spacing": st.floats(0.5, 1e5), "fraction": st.floats(0.0, 1.0)}
@@ -59,7 +59,7 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
     if get_origin(hint) is Literal:
         return st.sampled_from(get_args(hint))
     if hint == PackedBody:
-        return st.sampled_from([*SURFACES, SURFACES[0].painted])
+        return st.sampled_from([*SURFACES, SURFACES[0].as_packed_voxels])
     assert hint is float, hint
     return numbers
 
@@ -67,7 +67,7 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
 CORNERS = np.array([(x, y, z) for z in (0, 3) for y in (0, 3) for x in (0, 3)], np.float32)
 SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 TRIANGLES = np.array([(a, *pair) for a, b, c, d in SIDES for pair in ((b, c), (c, d))])
-SURFACES = [PackedSurface.of(cpm_core.Surface(corners, TRIANGLES)) for corners in (CORNERS, CORNERS / 3.0 - 7.0)]
+SURFACES = [PackedSurface.from_surface(cpm_core.Surface(corners, TRIANGLES)) for corners in (CORNERS, CORNERS / 3.0 - 7.0)]
 
 
 def any_of(kind: type) -> st.SearchStrategy[Any]:
@@ -84,9 +84,9 @@ def made(kind: type, given: dict[str, Any]) -> Any:
         return None
 
 
-shapes = st.one_of(*(any_of(kind) for kind in SHAPES.values()))
+shapes = st.one_of(*(any_of(kind) for kind in SHAPES_BY_NAME.values()))
 drawings = st.sampled_from((2, 3)).flatmap(
-    lambda axes: st.lists(shapes.filter(lambda one: axes_of(one) in (axes, None)), max_size=5)
+    lambda axes: st.lists(shapes.filter(lambda one: count_axes(one) in (axes, None)), max_size=5)
 )
 """Shapes of images, or of volumes."""
 
@@ -129,7 +129,7 @@ hand_edits = st.one_of(
 
 def suiting(session: SessionFile) -> SessionFile:
     """A session whose image, if it tells its size, suits the shapes."""
-    deep = any(axes_of(shape) == 3 for shape in session.shapes)
+    deep = any(count_axes(shape) == 3 for shape in session.shapes)
     return replace(session, image=None) if deep and session.image and session.image.shape else session
 
 
@@ -156,7 +156,7 @@ def test_every_shape_and_every_parameter_is_kept() -> None:
     assert {field.name for field in fields(Parameters)} == {*PARAMETERS, *CHOICES}
     text = encode(SessionFile(), Path("/folder")).decode()
     assert all(f'"{name}"' in text for name in (*PARAMETERS, *CHOICES))
-    assert all(dataclasses.is_dataclass(kind) for kind in SHAPES.values())
+    assert all(dataclasses.is_dataclass(kind) for kind in SHAPES_BY_NAME.values())
 
 
 def test_it_is_read_by_people_one_line_for_each_shape() -> None:
@@ -290,7 +290,7 @@ sound = encode(
         ImageFile("a.png", 64 * "0", (4, 4)),
         (
             Circle((1.0, 2.0), 3.0),
-            *(SHAPES[name](((1.0, 2.0), (3.0, 4.0), (5.0, 1.0))) for name in ("stroke", "region")),
+            *(SHAPES_BY_NAME[name](((1.0, 2.0), (3.0, 4.0), (5.0, 1.0))) for name in ("stroke", "region")),
         ),
         marks=(Mark((1.0, 2.0), "kept", "ü", "#00ff00"),),
         view={"layers": {"image": {"shown": True}}},

@@ -3,7 +3,7 @@
 import numpy as np
 import scipy
 
-from cpm_core.contours.ground_truth import truth_of_contours, truth_of_mask
+from cpm_core.contours.ground_truth import truth_from_contours, truth_from_mask
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import Start
 from docs.gallery.outlines import polygon
@@ -29,7 +29,7 @@ def long_bay():
     left, right = 48.0 - BAY_WIDTH / 2, 48.0 + BAY_WIDTH / 2
     corners = [(16.2, 16.2), (16.2, left), (BAY_END, left), (BAY_END, right), (16.2, right)]
     outline = polygon([*corners, (16.2, 79.8), (79.8, 79.8), (79.8, 16.2)])
-    return Image(paint(SIZE, 20.0, (outline, 200.0))), truth_of_contours(closed(outline), SIZE)
+    return Image(paint(SIZE, 20.0, (outline, 200.0))), truth_from_contours(closed(outline), SIZE)
 
 
 def depth_in_bay(contours):
@@ -43,7 +43,7 @@ def two_objects():
     """Fig. 2a: two rectangles beside each other, and their truth."""
     left = polygon([(25.2, 12.2), (25.2, 40.2), (70.8, 40.2), (70.8, 12.2)])
     right = polygon([(25.2, 55.2), (25.2, 83.2), (70.8, 83.2), (70.8, 55.2)])
-    return Image(paint(SIZE, 20.0, (left, 200.0), (right, 200.0))), truth_of_contours(closed(left, right), SIZE)
+    return Image(paint(SIZE, 20.0, (left, 200.0), (right, 200.0))), truth_from_contours(closed(left, right), SIZE)
 
 
 def drawing_with_gap(gap=24.0):
@@ -61,4 +61,4 @@ def fading_disk():
     background = 40.0 + 120.0 * np.clip((COL - 30.0) / 40.0, 0.0, 1.0)
     values = scipy.ndimage.gaussian_filter(np.where(inside, 200.0, background), 1.0)
     noise = np.random.default_rng(3).normal(0.0, 12.0, SIZE)
-    return Image(values + noise), Start((ring((48.0, 36.0), 10.0),)), truth_of_mask(inside)
+    return Image(values + noise), Start((ring((48.0, 36.0), 10.0),)), truth_from_mask(inside)

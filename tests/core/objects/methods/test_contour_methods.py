@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import skimage
 
-from cpm_core.contours.ground_truth import truth_of_mask
+from cpm_core.contours.ground_truth import truth_from_mask
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, facts_of, moments, run_method
 from cpm_core.objects.methods.level_sets import GeodesicSettings, moved, signed_distance
@@ -43,7 +43,7 @@ def test_a_disk_is_found_in_steps_that_stay_as_they_are(name):
     assert [bool(state.stop_reason) for state in states] == [False] * (len(states) - 1) + [True]
     assert sorted(moment.seconds for moment in found) == [moment.seconds for moment in found]
     assert states[-1].step <= 4000
-    facts = facts_of(found[-1], truth_of_mask(DISK))
+    facts = facts_of(found[-1], truth_from_mask(DISK))
     assert facts.contours == 1
     assert facts.dice > 0.94
     assert facts.f > 0.99
@@ -83,7 +83,7 @@ def test_an_outline_within_others_bounds_a_hole_of_the_start():
 @pytest.mark.parametrize("name", sorted({*CLASSICAL, "object"} - {"snake"}))
 def test_a_start_around_the_object_drives_a_contour_inwards(name):
     start = Start((ring((31.0, 33.0), 24.0),), around=True)
-    assert facts_of(run_method(CONTOUR_METHODS[name], IMAGE, start), truth_of_mask(DISK)).f > 0.99
+    assert facts_of(run_method(CONTOUR_METHODS[name], IMAGE, start), truth_from_mask(DISK)).f > 0.99
 
 
 @pytest.mark.parametrize("name", ["gvf", "geodesic", "morph_gac", "random_walker", "cpm", "object"])
@@ -91,7 +91,7 @@ def test_several_outlines_start_together(name):
     objects = np.hypot(ROW - 31, COL - 16) < 9, np.hypot(ROW - 31, COL - 47) < 9
     image = Image(np.where(objects[0] | objects[1], 200.0, 40.0))
     start = Start((ring((31.0, 16.0), 6.0), ring((31.0, 47.0), 6.0)))
-    found = facts_of(run_method(CONTOUR_METHODS[name], image, start), truth_of_mask(objects[0] | objects[1]))
+    found = facts_of(run_method(CONTOUR_METHODS[name], image, start), truth_from_mask(objects[0] | objects[1]))
     assert found.contours == 2
     assert found.f > 0.98
 
@@ -99,7 +99,7 @@ def test_several_outlines_start_together(name):
 def test_the_object_of_the_particles_is_closed_across_a_gap_in_the_line_around_it():
     distance, gap = np.hypot(ROW - 31, COL - 33), np.abs(np.arctan2(ROW - 31, COL - 33)) < 0.4
     image = Image(np.where((np.abs(distance - 16) < 1.5) & ~gap, 40.0, 200.0))
-    inside = truth_of_mask(distance < 14.5)
+    inside = truth_from_mask(distance < 14.5)
     line, enclosed = (facts_of(run_method(CONTOUR_METHODS[name], image, START), inside) for name in ("cpm", "object"))
     assert line.dice < 0.2  # the contour runs along both sides of the line
     assert (enclosed.contours, enclosed.closed) == (1, 1)

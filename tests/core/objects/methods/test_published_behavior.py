@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from cpm_core.contours.contour import sampled
-from cpm_core.contours.rasterize import inside
+from cpm_core.contours.contour import sample_contours
+from cpm_core.contours.rasterize import rasterize_mask
 from cpm_core.objects.methods import CONTOUR_METHODS, facts_of, run_method
 from cpm_core.objects.methods.level_sets import GeodesicSettings, GeometricGvfSettings
 from cpm_core.objects.methods.method import unit_edges
@@ -65,7 +65,7 @@ def test_where_the_geometric_gvf_contour_stops_between_objects_the_field_has_sou
     image, _ = two_objects()
     (contour,) = end_of("geometric_gvf", image, AROUND, replace(UNIT_FIELD, pressure=0.0)).state.contours
     field = gradient_vector_flow(unit_edges(image, UNIT_FIELD.smoothing), UNIT_FIELD.mu)
-    between = np.array([at for at in sampled([contour]) if 44.0 < at[1] < 51.5])
+    between = np.array([at for at in sample_contours([contour]) if 44.0 < at[1] < 51.5])
     assert len(between) > 10  # it spans the space between the objects
     row, col = (map_coordinates(part, between.T, order=1) for part in field)
     apart = np.gradient(field[1], axis=1)
@@ -88,7 +88,7 @@ def test_with_pressure_the_geometric_gvf_contour_leaks_through_a_gap(pressure, l
     settings = replace(UNIT_FIELD, pressure=pressure, evenness=0.0)
     end = end_of("geometric_gvf", image, AROUND, settings)
     core = np.hypot(ROW - 48, COL - 48) < 15
-    covered = inside(end.state.contours, (96, 96))[core].mean()
+    covered = rasterize_mask(end.state.contours, (96, 96))[core].mean()
     assert covered == (0.0 if leaks else 1.0)
 
 
@@ -98,7 +98,7 @@ def test_the_particles_find_both_objects_and_do_not_pass_the_gap():
     assert len(end.state.contours) == 2
     assert facts_of(end, truth).f > 0.99
     image, away = drawing_with_gap()
-    points = np.rint(sampled(end_of("cpm", image, AROUND).state.contours)).astype(int)
+    points = np.rint(sample_contours(end_of("cpm", image, AROUND).state.contours)).astype(int)
     assert away[tuple(points.T)].max() < 3.0
 
 

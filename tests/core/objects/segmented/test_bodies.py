@@ -7,7 +7,7 @@ from cpm_core import VolumeTruth, segment, sphere
 from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.objects.segmented.areas import body_of_both
 from cpm_core.parameters import PRESETS
-from cpm_core.shapes.document_shapes import regions_of
+from cpm_core.shapes.document_shapes import collect_regions
 
 SHAPE = (28, 30, 40)
 RADIUS = 6.0
@@ -20,7 +20,7 @@ def ball(center, radius=RADIUS, shape=SHAPE):
 def packed(mask):
     """The surface of a mask, closed also at the border."""
     surface = VolumeTruth(np.pad(mask, 2)).surface
-    return PackedSurface.of(type(surface)(surface.vertices - 2.0, surface.faces))
+    return PackedSurface.from_surface(type(surface)(surface.vertices - 2.0, surface.faces))
 
 
 ONE, FAR = ball((13, 14, 10)), ball((13, 14, 28))
@@ -29,24 +29,24 @@ ONE, FAR = ball((13, 14, 10)), ball((13, 14, 28))
 def test_a_surface_that_spans_far_more_than_a_volume_is_refused():
     surface = VolumeTruth(ONE).surface
     with pytest.raises(ValueError, match=r"spans .* voxels, but at most .* make it smaller"):
-        PackedSurface.of(type(surface)(100.0 * surface.vertices, surface.faces))
+        PackedSurface.from_surface(type(surface)(100.0 * surface.vertices, surface.faces))
 
 
 def filled(voxels, shape=SHAPE):
     found = np.zeros(shape, bool)
-    voxels.fill(found)
+    voxels.fill_into(found)
     return found
 
 
 def test_the_voxels_of_a_surface_are_those_inside_wherever_they_are():
     one = packed(ONE)
     assert np.array_equal(filled(one.voxels), ONE)
-    moved = one.moved((1, 2, 3))
+    moved = one.translated((1, 2, 3))
     assert np.array_equal(filled(moved.voxels), ball((14, 16, 13)))
-    outside = one.moved((0, 0, -10))  # half of it lies beyond the volume
+    outside = one.translated((0, 0, -10))  # half of it lies beyond the volume
     assert np.array_equal(filled(outside.voxels), ball((13, 14, 0)))
     for step in ((0, 0, -90), (0, 50, 0)):  # all of it does
-        assert not filled(one.moved(step).voxels).any()
+        assert not filled(one.translated(step).voxels).any()
 
 
 def test_the_shell_parts_inside_from_outside():
@@ -83,7 +83,7 @@ def test_objects_with_a_wall_in_common_become_one_without_it():
 
 def test_no_particle_of_a_run_enters_a_frozen_object():
     values = 20.0 + 150.0 * (ball((13, 14, 10), RADIUS) | ball((13, 14, 22), RADIUS))
-    regions = regions_of((), (packed(ball((13, 14, 22), RADIUS)).shell,))
+    regions = collect_regions((), (packed(ball((13, 14, 22), RADIUS)).shell,))
     seeds = sphere((13, 14, 10), 3, 60)
     free = segment(values, seeds, PRESETS["volume"])
     held = segment(values, seeds, PRESETS["volume"], regions=regions)

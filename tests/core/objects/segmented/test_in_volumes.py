@@ -25,12 +25,12 @@ SIDES = (2.5, 1.0, 1.0)
 def whole(body, shape=SHAPE):
     found = np.zeros(shape, bool)
     if body is not None:
-        body.voxels.fill(found)
+        body.voxels.fill_into(found)
     return found
 
 
 def body(mask):
-    return PackedVoxels.of(Voxels(mask, (0, 0, 0)))
+    return PackedVoxels.from_voxels(Voxels(mask, (0, 0, 0)))
 
 
 def window(first, shape):
@@ -48,12 +48,12 @@ def test_voxels_in_bytes_are_what_was_put_into_them_box_by_box(seed):
     expected = np.zeros(SHAPE, bool)
     first, shape = random_box(rng)
     expected[window(first, shape)] = True
-    found = PackedVoxels.of(Voxels(np.ones(shape, bool), tuple(first)))
+    found = PackedVoxels.from_voxels(Voxels(np.ones(shape, bool), tuple(first)))
     for share in (0.5, 0.0, 1.0, 0.2, 0.0):
         first, shape = random_box(rng)
-        assert np.array_equal(found.part(first, shape), expected[window(first, shape)])
+        assert np.array_equal(found.mask_in_box(first, shape), expected[window(first, shape)])
         expected[window(first, shape)] = rng.random(shape) < share
-        found = found.with_part(first, expected[window(first, shape)])
+        found = found.with_box_replaced(first, expected[window(first, shape)])
         assert np.array_equal(whole(found), expected)
         if found is None:
             return
@@ -68,14 +68,14 @@ def test_the_smooth_surface_around_voxels_encloses_the_very_same_ones():
     rng = np.random.default_rng(1)
     for share in (0.02, 0.5, 0.9):
         mask = rng.random((9, 10, 11)) < share
-        exact = PackedSurface.of(body(mask).surface)
+        exact = PackedSurface.from_surface(body(mask).surface)
         assert np.array_equal(whole(exact, mask.shape), mask)
 
 
 def test_no_voxel_at_all_is_no_body():
     with pytest.raises(ValueError, match="at least one voxel"):
         body(np.zeros((3, 3, 3), bool))
-    assert body(np.ones((3, 3, 3), bool)).with_part((0, 0, 0), np.zeros((3, 3, 3), bool)) is None
+    assert body(np.ones((3, 3, 3), bool)).with_box_replaced((0, 0, 0), np.zeros((3, 3, 3), bool)) is None
 
 
 def away_from(path, axis=None):
@@ -122,7 +122,7 @@ def test_painting_and_erasing_the_same_way_leaves_what_was_there():
     part = brush_in(SHAPE, ((5.0, 9.0, 9.0), (11.0, 20.0, 30.0)), 6.0, SIDES)
     before = painted(there)
     after = painted_in(painted_in(before, 1, part), 1, part, adds=False)
-    covered = whole(PackedVoxels.of(Voxels(part[1], tuple(part[0].tolist()))))
+    covered = whole(PackedVoxels.from_voxels(Voxels(part[1], tuple(part[0].tolist()))))
     assert np.array_equal(whole(after[1].surface[0]), there & ~covered)
     new = painted_in(painted_in(before, 2, part, over_others=False), 2, part, adds=False)
     assert np.array_equal(whole(new[1].surface[0]), there)
@@ -161,7 +161,7 @@ def test_an_object_that_is_painted_over_whole_is_gone():
 def test_the_union_with_painted_voxels_has_the_voxels_of_both():
     rng = np.random.default_rng(5)
     one, other = rng.random((2, 9, 10, 11)) < 0.4
-    exact = PackedSurface.of(body(one).surface)
+    exact = PackedSurface.from_surface(body(one).surface)
     items = [SegmentedObject(n, (), surface=(made,)) for n, made in ((1, exact), (2, body(other)))]
     for first, second in (items, items[::-1]):
         assert np.array_equal(union(first, second).mask(one.shape), one | other)
@@ -217,7 +217,7 @@ def test_two_balls_that_touch_are_split_at_their_neck(sides):
     one, other = (np.linalg.norm(places - (15 * sides[0], 20, col), axis=-1) for col in (18, 41))
     balls = (one < 12.5) | (other < 12.5)
     balls[0, 0, :3] = True  # a piece apart from both
-    whole = SegmentedObject(3, (), name="both", surface=(PackedVoxels.of(Voxels(balls)),))
+    whole = SegmentedObject(3, (), name="both", surface=(PackedVoxels.from_voxels(Voxels(balls)),))
     halves = split_in_volume(whole, (15, 22, 12), (15, 18, 47), sides)
     first, second = (half.mask(balls.shape) for half in (halves.first, halves.second))
     np.testing.assert_array_equal(first ^ second, balls)
@@ -232,7 +232,7 @@ def test_what_has_no_neck_is_split_halfway():
     box = np.zeros((12, 12, 41), bool)
     box[2:10, 2:10, 2:39] = True
     halves = split_in_volume(
-        SegmentedObject(1, (), surface=(PackedVoxels.of(Voxels(box)),)), (5, 5, 10), (5, 5, 30), (1,) * 3
+        SegmentedObject(1, (), surface=(PackedVoxels.from_voxels(Voxels(box)),)), (5, 5, 10), (5, 5, 30), (1,) * 3
     )
     assert (np.flatnonzero(halves.first.mask(box.shape).any(axis=(0, 1)))[[0, -1]] - (2, 20)).tolist() in (
         [0, 0],

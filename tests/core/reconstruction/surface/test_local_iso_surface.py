@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from cpm_core.reconstruction.surface.joints import Surroundings
+from cpm_core.reconstruction.surface.joints import SaddleSurroundings
 from tests.core.reconstruction.surface import solids
 from tests.core.reconstruction.surface.solids import ball, brick, ring, rod, scene, surface_of, union, without
 
@@ -115,8 +115,8 @@ def ridge_test(volume):
     """Whether a way along the middle row of a volume, over its middle, follows a ridge between edges of slope 20."""
     middle = np.array([12, 12, 12])
     beside = np.array([[12.0, 12.0, 14.0]])
-    surroundings = Surroundings(volume.astype(np.float32), 1.0, beside, np.array([ALONG]), np.array([20.0]), np.ones(3))
-    return surroundings.on_a_ridge(middle + np.arange(-2, 4)[:, None] * np.array([0, 1, 0]), middle)
+    surroundings = SaddleSurroundings(volume.astype(np.float32), 1.0, beside, np.array([ALONG]), np.array([20.0]), np.ones(3))
+    return surroundings.lies_on_ridge(middle + np.arange(-2, 4)[:, None] * np.array([0, 1, 0]), middle)
 
 
 def test_one_dark_voxel_does_not_part_a_thin_vessel_and_blur_does_not_join_two_objects():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from cpm_core.contours.contour import sampled
+from cpm_core.contours.contour import sample_contours
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import circle, uniform_grid
@@ -60,7 +60,7 @@ def map_of(values, start=START, parameters=LOCAL):
 
 def covered(contours, center, radius):
     """Fraction of a circle that contours follow within 1.5 px."""
-    found = sampled(contours)
+    found = sample_contours(contours)
     return (cKDTree(found).query(circle(center, radius, 0.5))[0] < 1.5).mean() if len(found) else 0.0
 
 
@@ -110,8 +110,8 @@ def test_without_a_limit_a_border_that_meets_the_object_is_found_too():
     near = segment(crossed(), START, replace(LOCAL, reach=0.0))
     far = segment(crossed(), START, replace(LOCAL, reach=UNLIMITED_REACH))
     assert covered(near.contours, LEFT, RADIUS) > 0.95
-    assert sampled(near.contours)[:, 1].max() < 70.0
-    assert sampled(far.contours)[:, 1].max() > 150.0
+    assert sample_contours(near.contours)[:, 1].max() < 70.0
+    assert sample_contours(far.contours)[:, 1].max() > 150.0
     assert {contour.reached for contour in far.contours} == {"flight", "junction"}
 
 
@@ -120,7 +120,7 @@ def test_reach_is_a_length_along_the_edge_beyond_the_junction():
         segment(crossed(), START, replace(SHAPE, reach=reach, weakest_edge=0.0)).contours
         for reach in (20.0, 40.0, 60.0)
     ]
-    ends = [sampled(contours)[:, 1].max() - (LEFT[1] + RADIUS) for contours in reached]
+    ends = [sample_contours(contours)[:, 1].max() - (LEFT[1] + RADIUS) for contours in reached]
     np.testing.assert_allclose(ends, [20.0, 40.0, 60.0], atol=8.0)
 
 
@@ -170,7 +170,7 @@ def test_a_u_is_recovered_from_inside_across_and_outside_of_it(center):
     scene = scenes.u_shape()
     result = segment(scene.values, circle(center, 8.0), SHAPE)
     assert [contour.closed for contour in result.contours] == [True]
-    assert cKDTree(sampled(result.contours)).query(scene.boundary)[0].max() < 1.5
+    assert cKDTree(sample_contours(result.contours)).query(scene.boundary)[0].max() < 1.5
 
 
 @pytest.mark.parametrize("parameters", [SHAPE, replace(SHAPE, reach=0.0), LOCAL])
@@ -195,7 +195,7 @@ def test_a_barrier_bounds_what_a_start_lies_in():
     regions = Regions(barriers=(((4.0, 46.0), (92.0, 46.0)),))
     result = segment(values, circle((48.0, 26.0), 8.0), SHAPE, regions=regions)
     assert result.contours
-    assert sampled(result.contours)[:, 1].max() < 47.0
+    assert sample_contours(result.contours)[:, 1].max() < 47.0
 
 
 def test_another_reach_acts_at_the_next_step_and_wakes_a_run_at_rest():

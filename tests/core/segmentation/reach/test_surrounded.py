@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from cpm_core.contours.contour import sampled
+from cpm_core.contours.contour import sample_contours
 from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
@@ -40,7 +40,7 @@ def dice(one, other):
 def test_a_circle_around_a_cell_finds_that_cell_alone(radius):
     seeds = circle(CELL, radius)
     result = segment(VALUES, seeds, PRESETS["shape"])
-    found = sampled(result.contours)
+    found = sample_contours(result.contours)
     assert len(found)
     assert (np.abs(np.hypot(*(found - CELL).T) - RADIUS) < 3.0).mean() > 0.95
     near = cKDTree(found).query(circle(CELL, RADIUS, 0.5))[0]
@@ -65,7 +65,7 @@ def test_the_outline_of_a_disk_before_it_moved_is_drawn_around_nothing_and_still
 
 def test_one_circle_around_a_cell_and_one_in_another_find_both():
     result = segment(VALUES, np.concatenate([circle(CELL, 22.0), circle(OTHERS[0], 8.0)]), PRESETS["shape"])
-    found = cKDTree(sampled(result.contours))
+    found = cKDTree(sample_contours(result.contours))
     for center in (CELL, OTHERS[0]):
         assert (found.query(circle(center, RADIUS, 0.5))[0] < 3.0).mean() > 0.8
     for center in OTHERS[1:]:

@@ -72,7 +72,7 @@ def test_a_line_through_slices_holds_the_voxels_that_it_fills(axis, closed):
     line = ((2.0, 3.0), (4.5, 20.0), (11.0, 12.0), (9.0, 1.0))
     drawn = cpm.Extrusion(line, axis, 3.0, 9.0, closed)
     limits = cpm.VolumeRegions([drawn]) if closed else cpm.VolumeRegions(barriers=[drawn])
-    filled = limits.voxels(SHAPE) if closed else limits.walls(SHAPE).closed
+    filled = limits.voxel_mask(SHAPE) if closed else limits.build_walls(SHAPE).closed
     places = np.argwhere(np.ones(SHAPE, bool)).astype(float)
     np.testing.assert_array_equal(limits.contains(places), filled.ravel() | (not closed))
     assert filled.any()
@@ -94,7 +94,7 @@ def test_no_particle_leaves_a_region_or_crosses_a_barrier(name):
     regions = CASES[name]
     for parameters in (VOLUME, FAST):
         states = run(cpm.Engine(ball(), parameters, regions), parameters)
-        closed = regions.walls(SHAPE).closed
+        closed = regions.build_walls(SHAPE).closed
         for before, after in pairwise(states):
             assert regions.allows(after.position).all()
             _, old, new = np.intersect1d(before.particles.identity, after.particles.identity, return_indices=True)
@@ -134,17 +134,17 @@ moves = st.tuples(*[st.floats(-3.0, 9.0)] * 3)
 def test_a_move_crosses_a_wall_exactly_where_a_sampled_one_does(seed, a, b, filled):
     random = np.random.default_rng(seed)
     mask = random.random((7, 7, 7)) < 0.3 * filled
-    walls = cpm.VolumeRegions(barriers=[mask]).walls(mask.shape)
+    walls = cpm.VolumeRegions(barriers=[mask]).build_walls(mask.shape)
     one, other = np.array([a]), np.array([b])
     ways = samples(one, other, 4000)[:, 0]
     voxel = np.clip(np.floor(ways + 0.5).astype(int), 0, 6)
     inside = ((ways > -0.5) & (ways < 6.5)).all(axis=1)
     if (inside & mask[tuple(voxel.T)]).any():
-        assert walls.crossed(one, other)[0]
+        assert walls.is_crossed_by(one, other)[0]
     elif inside.all():  # what the samples miss is within a thousandth of a voxel of them
         around = (ways[:, None] + np.array(list(product((-2e-3, 2e-3), repeat=3)))).reshape(-1, 3)
         beside = mask[tuple(np.clip(np.floor(around + 0.5).astype(int), 0, 6).T)].any()
-        assert walls.crossed(one, other)[0] <= beside
+        assert walls.is_crossed_by(one, other)[0] <= beside
 
 
 @settings(max_examples=12, deadline=None)
@@ -152,7 +152,7 @@ def test_a_move_crosses_a_wall_exactly_where_a_sampled_one_does(seed, a, b, fill
 def test_a_plane_is_a_wall_of_the_voxels_that_it_passes_through(seed):
     random = np.random.default_rng(seed)
     point, across = random.uniform(0, 6, 3), random.normal(0, 1, 3)
-    walls = cpm.VolumeRegions(barriers=[(tuple(point), tuple(across))]).walls((7, 7, 7))
+    walls = cpm.VolumeRegions(barriers=[(tuple(point), tuple(across))]).build_walls((7, 7, 7))
     voxels = np.argwhere(np.ones((7, 7, 7), bool))
     corners = voxels[:, None] + np.array(list(product((-0.5, 0.5), repeat=3)))
     sides = (corners - point) @ across > 0.0
@@ -164,14 +164,14 @@ def test_a_plane_is_a_wall_of_the_voxels_that_it_passes_through(seed):
 def test_no_move_leads_from_one_room_to_another(seed):
     random = np.random.default_rng(seed)
     mask = random.random((9, 9, 9)) < 0.45
-    walls = cpm.VolumeRegions(barriers=[mask]).walls(mask.shape)
+    walls = cpm.VolumeRegions(barriers=[mask]).build_walls(mask.shape)
     start = random.uniform(0.0, 8.0, (400, 3))
     end = start + random.normal(0.0, 1.0, start.shape)
     inside = ((end > 0.0) & (end < 8.0)).all(axis=1)
-    free = inside & ~walls.crossed(start, end)
+    free = inside & ~walls.is_crossed_by(start, end)
     assert free.any()
-    rooms = walls.rooms(start)
-    np.testing.assert_array_equal(rooms[free], walls.rooms(end)[free])
+    rooms = walls.find_rooms(start)
+    np.testing.assert_array_equal(rooms[free], walls.find_rooms(end)[free])
     closed = mask[tuple(np.rint(start).astype(int).T)]
     np.testing.assert_array_equal(rooms < 0, closed)
 
@@ -215,7 +215,7 @@ def test_voxels_outside_the_regions_carry_no_charge_and_do_not_count():
     bright[:, :, 20:] += 4000.0 * np.random.default_rng(0).random((14, 26, 7))
     one, other = (cpm.Engine(cpm.Image(v, spacing=SPACING), VOLUME, regions) for v in (ball().values, bright))
     edges = one.edge_map(VOLUME)
-    inside = regions.voxels(SHAPE)
+    inside = regions.voxel_mask(SHAPE)
     assert not edges[~inside].any()
     assert edges[inside].any()
     assert other.scale_field(VOLUME).floor == one.scale_field(VOLUME).floor

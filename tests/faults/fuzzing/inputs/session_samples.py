@@ -15,12 +15,12 @@ import tifffile
 from cpm_core import Parameters, Surface
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.packed_surface import PackedSurface
-from cpm_core.contours.review import Mark, Outline
+from cpm_core.contours.review import Mark, KeptOutline
 from cpm_core.formats.common.plain import shape_to_plain
 from cpm_core.formats.contours.contour_json import page_to_plain
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, TruthFile, encode
-from cpm_core.medial_axis.outlines import Outlined
+from cpm_core.medial_axis.outlines import SkeletonTarget
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.pages.page import Page
 from cpm_core.shapes import (
@@ -62,7 +62,7 @@ _BOX = ((10.0, 10.0), (10.0, 20.0), (20.0, 20.0))
 _PLACES = np.array([(x, y, z) for z in (6, 12) for y in (6, 12) for x in (6, 12)], np.float32)
 _SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 _FACES = np.array([(a, *pair) for a, b, c, d in _SIDES for pair in ((b, c), (c, d))])
-_CUBE = PackedSurface.of(Surface(_PLACES, _FACES))
+_CUBE = PackedSurface.from_surface(Surface(_PLACES, _FACES))
 
 
 def write_images(folder: Path) -> None:
@@ -96,7 +96,7 @@ def sample(folder: Path) -> dict[str, Any]:
         ),
         parameters=Parameters(scales=2, smoothing="auto", max_gap=4.0),
         marks=(
-            Mark((20.0, 9.0), "kept", "cell", "#e69f00", outline=Outline(_BOX, True, 3.0, 1)),
+            Mark((20.0, 9.0), "kept", "cell", "#e69f00", outline=KeptOutline(_BOX, True, 3.0, 1)),
             Mark((9.0, 20.0), "rejected"),
         ),
         hand_edits=(HandEdit(removed=((9.0, 20.0),)), HandEdit(added=_BOX, closed=True), HandEdit(added=_BOX[:2])),
@@ -108,7 +108,7 @@ def sample(folder: Path) -> dict[str, Any]:
                 ),
             ),
         ),
-        outlined=Outlined((1,), (_BOX,)),
+        outlined=SkeletonTarget((1,), (_BOX,)),
         view={"layers": {"particles": {"visible": True}}, "zoom": 2.0},
         extra={"later": [1, 2, {"a": None}]},
         truth=TruthFile(str(folder / TRUTH), tolerance=2.0),

@@ -16,7 +16,7 @@ from pycocotools import mask as coco_mask
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core import Image
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.formats.contour_file import decode_contours, load_contours, plane_of
 
 NEAR = 0.02
@@ -161,7 +161,7 @@ def test_run_length_masks_of_coco_are_read(compressed):
     assert found.shape == DISK.shape
     assert [one.name for one in found.contours] == ["cell", "cell"]
     assert [one.hole for one in found.contours] == [False, True]
-    np.testing.assert_array_equal(paint(found.contours, DISK.shape) > 0, DISK)
+    np.testing.assert_array_equal(rasterize_labels(found.contours, DISK.shape) > 0, DISK)
 
 
 def test_polygons_of_coco_are_read_and_other_images_told():
@@ -212,7 +212,7 @@ def test_all_shapes_of_labelme_are_read():
     masked = [one for one in found.contours if one.group]
     painted = np.zeros((90, 80), bool)
     painted[2:43, 3:54] = DISK
-    np.testing.assert_array_equal(paint(masked, (90, 80)) > 0, painted)
+    np.testing.assert_array_equal(rasterize_labels(masked, (90, 80)) > 0, painted)
 
 
 def test_shapes_of_labelme_that_are_not_known_are_told():

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Contour, Image
-from cpm_core.contours.rasterize import paint
+from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.formats import WRITABLE, encoded, export
 from cpm_core.formats.contour_file import decode_contours, load_contours, plane_of, read_contours
 from cpm_core.formats.writers import DRAWN
@@ -69,7 +69,7 @@ def test_holes_stay_holes_of_their_object(suffix):
     assert [one.hole for one in found] == [False, True, False]
     assert outer.group == hole.group != 0
     assert max(off(one, original) for one, original in zip(found, OBJECT, strict=True)) < NEAR
-    np.testing.assert_array_equal(paint(found, (501, 501)) > 0, paint(OBJECT, (501, 501)) > 0)
+    np.testing.assert_array_equal(rasterize_labels(found, (501, 501)) > 0, rasterize_labels(OBJECT, (501, 501)) > 0)
 
 
 @pytest.mark.parametrize("suffix", [".json", ".geojson", ".labelme.json", ".coco.json"])
@@ -102,10 +102,10 @@ def test_instances_with_something_in_them_come_back_to_a_fraction_of_a_pixel():
 def test_outlines_of_a_label_mask_paint_the_same_mask(tmp_path, suffix):
     file = tmp_path / f"labels{suffix}"
     export(RESULT, file, warn=lambda sentence: None)
-    painted = paint(RESULT.contours, RESULT.shape)
+    painted = rasterize_labels(RESULT.contours, RESULT.shape)
     found = load_contours(file)
     assert all(contour.closed for contour in found)
-    again = paint(found, RESULT.shape)
+    again = rasterize_labels(found, RESULT.shape)
     np.testing.assert_array_equal(again, painted)
 
 
