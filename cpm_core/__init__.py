@@ -87,7 +87,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import (
-    encoded,
+    to_bytes,
     export,
     load_centerlines,
     load_contours,

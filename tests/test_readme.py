@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cpm_core import cli
-from cpm_core.formats import READABLE, WRITABLE
+from cpm_core.formats import IMAGES_READABLE, CONTOURS_WRITABLE
 from cpm_core.parameters import PRESETS
 
 ROOT = Path(__file__).parent.parent
@@ -35,7 +35,7 @@ def place(tmp_path, monkeypatch):
 
 def test_presets_and_formats_are_named():
     assert all(f"`{name}`" in PAGES["docs/parameters.md"] for name in PRESETS)
-    assert all(f"`{suffix}`" in FORMATS.split("## What is written")[1] for suffix in WRITABLE)
+    assert all(f"`{suffix}`" in FORMATS.split("## What is written")[1] for suffix in CONTOURS_WRITABLE)
     names = {
         "PNG": ".png",
         "TIFF": ".tif .tiff",
@@ -52,9 +52,9 @@ def test_presets_and_formats_are_named():
         "MetaImage": ".mha .mhd",
         "OME-Zarr": ".zarr",
     }
-    assert {suffix for suffixes in names.values() for suffix in suffixes.split()} == set(READABLE)
+    assert {suffix for suffixes in names.values() for suffix in suffixes.split()} == set(IMAGES_READABLE)
     assert all(name in " ".join(TEXT.split()) for name in names)
-    assert all(f"`{suffix}`" in FORMATS for suffix in READABLE)
+    assert all(f"`{suffix}`" in FORMATS for suffix in IMAGES_READABLE)
 
 
 @pytest.mark.parametrize("line", RUNS)

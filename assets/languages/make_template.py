@@ -14,11 +14,11 @@ from pathlib import Path
 
 from cpm_app.model.text.assets import guide_page
 
-from cpm_core.formats import WRITABLE
-from cpm_core.formats.writers import FOR_VOLUMES
+from cpm_core.formats import CONTOURS_WRITABLE
+from cpm_core.formats.writers import VOLUMES_WRITABLE
 from cpm_core.objects.methods import CONTOUR_METHODS, Settings
 from cpm_core.parameters import PARAMETERS
-from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.shapes import SHAPES_BY_NAME
 
 HERE = Path(__file__).parent
@@ -55,22 +55,22 @@ def in_guide() -> Iterator[tuple[str, str]]:
 def in_tables() -> Iterator[tuple[str, str]]:
     """Sentences of the tables of the core, and of the samples, that the window shows."""
     for name, info in PARAMETERS.items():
-        for said in (info.title, info.meaning, info.more, info.equation, info.unit):
+        for said in (info.title, info.meaning, info.effect_of_larger, info.equation, info.unit):
             yield said, f"parameter {name}"
     for name, method in CONTOUR_METHODS.items():
         yield method.title, f"method {name}"
         yield method.about, f"method {name}"
         own = method.settings.table() if issubclass(method.settings, Settings) else {}
         for field, info in own.items():
-            for said in (info.title, info.meaning, info.more, info.equation, info.unit):
+            for said in (info.title, info.meaning, info.effect_of_larger, info.equation, info.unit):
                 yield said, f"method {name}, {field}"
-    for name, choice in CHOICES.items():
+    for name, choice in CHOICE_PARAMETERS.items():
         for said in (choice.title, choice.meaning, *choice.choices.values()):
             yield said, f"parameter {name}"
     for name, kind in SHAPES_BY_NAME.items():
         if isinstance(kind.title, str):
             yield kind.title, f"shape {name}"
-    for suffix, said in (*WRITABLE.items(), *FOR_VOLUMES.items()):
+    for suffix, said in (*CONTOURS_WRITABLE.items(), *VOLUMES_WRITABLE.items()):
         yield said, f"format {suffix}"
     listed = json.loads((ROOT / "assets" / "samples" / "samples.json").read_text(encoding="utf-8"))
     for entry in listed:

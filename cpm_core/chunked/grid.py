@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.formats.images.ome_zarr import Levels, open_levels
+from cpm_core.formats.images.ome_zarr import MultiscaleImage, open_multiscale
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, expand_window, split_into_tiles
 from cpm_core.numerics.types import Array, Extent, frozen
@@ -47,28 +47,28 @@ class Source:
     axes: str = "yx"
 
     @property
-    def levels(self) -> Levels:
+    def levels(self) -> MultiscaleImage:
         """Levels of the image, opened but not read."""
         return _opened(self.path, self.reading)
 
     @property
     def shape(self) -> Extent:
         """Shape of the image."""
-        return tuple(self.levels.count(axis) for axis in self.axes)
+        return tuple(self.levels.axis_length(axis) for axis in self.axes)
 
     def gray(self, window: Window) -> Array:
         """Read gray levels in a window, shape (H, W) or (P, H, W), as float64."""
-        return self.values(window).astype(float)
+        return self.read_values(window).astype(float)
 
-    def values(self, window: Window) -> NDArray[Any]:
+    def read_values(self, window: Window) -> NDArray[Any]:
         """Read values in a window, shape (H, W) or (P, H, W), in the type that they are stored in."""
-        return self.levels.part(window, self.reading)
+        return self.levels.read_window(window, self.reading)
 
 
 @lru_cache(2)
-def _opened(path: Path, reading: Reading) -> Levels:
+def _opened(path: Path, reading: Reading) -> MultiscaleImage:
     """Open the levels of an image once in each process."""
-    return open_levels(path, reading)
+    return open_multiscale(path, reading)
 
 
 @frozen

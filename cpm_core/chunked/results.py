@@ -20,15 +20,15 @@ from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.region_table import measure_regions
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.formats.common.plain import encoded_json
-from cpm_core.formats.common.provenance import ENTRY, facts_of, plain_shapes
-from cpm_core.formats.contours.geojson import features_of
-from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
-from cpm_core.formats.images.resolution import in_ascii
+from cpm_core.formats.common.plain import encode_json
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_shapes
+from cpm_core.formats.contours.geojson import build_features
+from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
+from cpm_core.formats.images.resolution import ascii_unit
 from cpm_core.numerics.grids import Window, expand_window, window_shape, split_into_tiles
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.provenance import Provenance, taken
-from cpm_core.parameters.quotation import counted
+from cpm_core.parameters.provenance import Provenance, select_parameters
+from cpm_core.parameters.quotation import format_count
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Everywhere
 
@@ -74,11 +74,11 @@ def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> str
 def label_image(source: Source, grid: Grid, path: Path, paint: Callable[[Chunk], None], compute: Compute) -> None:
     """Write a label image in levels of resolution, the finest of which `paint` writes in the core of each chunk."""
     more = {"image-label": {"version": "0.5"}}
-    count = create_levels(path, grid.shape, np.uint32, grid.side, source.levels.spacing, source.levels.unit, more)
+    count = create_multiscale(path, grid.shape, np.uint32, grid.side, source.levels.spacing, source.levels.unit, more)
     _done(compute(paint, grid.chunks, "labels"))
     for level in range(1, count):
         shape = tuple(-(-n // 2**level) for n in grid.shape)
-        _done(compute(partial(halve_part, path, level), split_into_tiles(shape, grid.side), "levels of labels"))
+        _done(compute(partial(halve_window, path, level), split_into_tiles(shape, grid.side), "levels of labels"))
 
 
 def _paint(found: Found, path: Path, chunk: Chunk) -> None:
@@ -86,7 +86,7 @@ def _paint(found: Found, path: Path, chunk: Chunk) -> None:
     contours = [one for one in found.near(chunk.core) if one.closed]
     if contours:
         labels = rasterize_labels(_moved(contours, chunk.core), window_shape(chunk.core))
-        write_part(path, 0, chunk.core, np.array([0, *_numbers(contours)], np.uint32)[labels])
+        write_window(path, 0, chunk.core, np.array([0, *_numbers(contours)], np.uint32)[labels])
 
 
 def _numbers(contours: Sequence[Contour]) -> list[int]:
@@ -104,7 +104,7 @@ def _moved(contours: Sequence[Contour], window: Window) -> list[Contour]:
 def write_tiles(found: Found, path: Path, _: Path, compute: Compute) -> str:
     """Write a file of GeoJSON for each chunk with contours."""
     count = sum(some for _, some in compute(partial(_tile, found, path), found.grid.chunks, "GeoJSON"))
-    return f"{path.with_stem(f'{path.stem}_*')} ({counted(count, 'file')})"
+    return f"{path.with_stem(f'{path.stem}_*')} ({format_count(count, 'file')})"
 
 
 def _tile(found: Found, path: Path, chunk: Chunk) -> bool:
@@ -113,9 +113,9 @@ def _tile(found: Found, path: Path, chunk: Chunk) -> bool:
     if not own:
         return False
     result = _result(found, _with_inner(found, chunk, own))
-    features = features_of(result)[: sum(not one.hole for one in own)]
+    features = build_features(result)[: sum(not one.hole for one in own)]
     name = path.with_stem(f"{path.stem}_{chunk.core[0].start}_{chunk.core[1].start}")
-    write_together([(name, encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features}))])
+    write_together([(name, encode_json({"type": "FeatureCollection", PROVENANCE_KEY: describe_provenance(result), "features": features}))])
     return True
 
 
@@ -145,7 +145,7 @@ def _result(found: Found, contours: Sequence[Contour]) -> Result:
 
 def provenance_of(task: Task) -> Provenance:
     """Build the provenance of what a task finds."""
-    return Provenance("cpm", taken(task.parameters, Engine.parameters), None, plain_shapes([Everywhere(task.kind)]), 0)
+    return Provenance("cpm", select_parameters(task.parameters, Engine.parameters), None, describe_shapes([Everywhere(task.kind)]), 0)
 
 
 def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> str:
@@ -189,7 +189,7 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
         for name in dict.fromkeys((*table, *_GRAY_COLUMNS)):
             if name not in ("label", "name"):
                 values = table[name][:count] if name in table else np.full(count, np.nan)
-                unit = in_ascii(table.units.get(name), "")
+                unit = ascii_unit(table.units.get(name), "")
                 columns.setdefault(f"{name} [{unit}]" if unit else name, []).append(np.asarray(values, float))
     return {name: np.concatenate(parts) for name, parts in columns.items()}
 

@@ -11,11 +11,11 @@ from cpm_core.chunked.grid import Chunk
 from cpm_core.chunked.results import label_image, provenance_of
 from cpm_core.chunked.run import Compute
 from cpm_core.chunked.volume_surface import Bodies
-from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
-from cpm_core.formats.images.ome_zarr import write_part
-from cpm_core.formats.images.resolution import in_ascii
+from cpm_core.formats.common.provenance import PROGRAM_NAME, describe_image_provenance, dump_provenance
+from cpm_core.formats.images.ome_zarr import write_window
+from cpm_core.formats.images.resolution import ascii_unit
 from cpm_core.formats.meshes import ply
-from cpm_core.formats.meshes.coordinates import positions
+from cpm_core.formats.meshes.coordinates import to_file_coordinates
 
 WRITABLE = {
     ".zarr": "bodies as a label volume in levels of resolution (OME-Zarr)",
@@ -36,24 +36,24 @@ def _paint(bodies: Bodies, path: Path, chunk: Chunk) -> None:
     """Write the numbers of the bodies in the core of a chunk."""
     of_part = bodies.of_part[bodies.first[chunk.number] : bodies.first[chunk.number + 1]].astype(np.uint32)
     if of_part.any():
-        write_part(path, 0, chunk.core, of_part[bodies.regions.read(chunk.core)])
+        write_window(path, 0, chunk.core, of_part[bodies.regions.read(chunk.core)])
 
 
 def write_surface(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
     """Write the surfaces of all bodies, chunk by chunk; triangles of neighboring chunks have the same corners."""
     task, grid = bodies.volume.task, bodies.grid
     levels = task.source.levels
-    facts = facts_on(levels.name, provenance_of(task))
-    notes = (PROGRAM, "SPACE=LPS", f"UNIT={in_ascii(levels.unit, 'voxel')}", text_of(facts))
+    facts = describe_image_provenance(levels.name, provenance_of(task))
+    notes = (PROGRAM_NAME, "SPACE=LPS", f"UNIT={ascii_unit(levels.unit, 'voxel')}", dump_provenance(facts))
     names, faces = [], 0
     with draft.with_suffix(".vertices").open("w+b") as vertices, draft.open("wb") as file:
         for chunk in grid.chunks:
             own, places, corners, _bodies = bodies.triangles(chunk.number)
-            vertices.write(positions(places.astype(float), levels.spacing, None).astype("<f4").tobytes())
+            vertices.write(to_file_coordinates(places.astype(float), levels.spacing, None).astype("<f4").tobytes())
             names.append(own)
             faces += len(corners)
         firsts = np.cumsum([0, *map(len, names)])
-        file.write(ply.header(notes, int(firsts[-1]), faces, numbered=True))
+        file.write(ply.format_ply_header(notes, int(firsts[-1]), faces, numbered=True))
         vertices.seek(0)
         while some := vertices.read(2**24):
             file.write(some)
@@ -64,7 +64,7 @@ def write_surface(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
             order = np.argsort(known)
             _own, _places, corners, numbers = bodies.triangles(chunk.number)
             found = index[order][np.searchsorted(known, corners, sorter=order)]
-            file.write(ply.triangles(found[:, ::-1], numbers))  # reversing the axes mirrors them
+            file.write(ply.encode_ply_triangles(found[:, ::-1], numbers))  # reversing the axes mirrors them
     draft.with_suffix(".vertices").unlink()
     return str(path)
 
@@ -75,7 +75,7 @@ def write_table(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
     from pyarrow import csv, parquet
 
     levels = bodies.volume.task.source.levels
-    unit = f" [{in_ascii(levels.unit, '')}" if levels.unit else ""
+    unit = f" [{ascii_unit(levels.unit, '')}" if levels.unit else ""
     columns = {
         "label": bodies.table["label"],
         f"volume{unit and unit + '3]'}": bodies.table["volume"],

@@ -73,7 +73,7 @@ class Volume:
 
     def smoothed(self, chunk: Chunk) -> Single:
         """Smooth what a chunk sees of the volume, shape (P, R, C)."""
-        return smooth_volume(self.task.source.values(chunk.padded), (self.whole.tone.smoothing / self.size).tolist())
+        return smooth_volume(self.task.source.read_values(chunk.padded), (self.whole.tone.smoothing / self.size).tolist())
 
     def particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[LocalThresholds, Array]:
         """Load the particles of a chunk and its neighbors within limits, each of shape (3,) [voxels].
@@ -142,7 +142,7 @@ def _edges(task: Task, sigma: float, chunk: Chunk) -> Edges:
     """Measure the edges in the core of a chunk at each scale, after a Gaussian."""
     pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
     step = BACKGROUND_STRIDE * -(-step_of(shape) // BACKGROUND_STRIDE)
-    for scale, values in enumerate(build_pyramid(task.source.values(chunk.padded), task.parameters.scales)):
+    for scale, values in enumerate(build_pyramid(task.source.read_values(chunk.padded), task.parameters.scales)):
         strength = VolumeSlopes.from_volume(smooth_volume(values, [sigma / side for side in pitch]), pitch).edge_strengths()
         size = 2**scale
         own = relative_window(chunk.core, chunk.padded)
@@ -175,7 +175,7 @@ def _particles_in(volume: Volume, chunk: Chunk) -> tuple[LocalThresholds, Array,
     """Run in what a chunk sees; return particles at rest on edges, normals away from bright, and their distances."""
     task, whole = volume.task, volume.whole
     source, own = task.source, whole.tone.parameters(task.parameters)
-    values = source.values(chunk.padded)
+    values = source.read_values(chunk.padded)
     nothing = LocalThresholds(np.empty((0, 3)), np.empty(0), np.empty(0)), np.empty((0, 3)), np.empty(0)
     if values.min() == values.max():
         return nothing

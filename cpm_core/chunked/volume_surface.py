@@ -21,7 +21,7 @@ from cpm_core.chunked.grid import Chunk, Grid, Source
 from cpm_core.chunked.run import Compute, Task, in_each, of_chunk
 from cpm_core.chunked.survey import Whole
 from cpm_core.chunked.volume_run import SIDE, Volume, run_particles
-from cpm_core.formats.images.ome_zarr import create_levels, write_part
+from cpm_core.formats.images.ome_zarr import create_multiscale, write_window
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, bridge_corner_contacts, label_joined_pairs, find_connected_parts, relative_window, window_shape, zero_surface
 from cpm_core.numerics.types import Array, JsonDict, Index, Mask, Single, frozen, record
@@ -64,7 +64,7 @@ class _Regions:
 
     def read(self, window: Window) -> NDArray[Any]:
         """Read what has been written in a window."""
-        return Source(self.path, Reading(), "zyx").values(window)
+        return Source(self.path, Reading(), "zyx").read_values(window)
 
     def load(self, number: int, *names: str) -> JsonDict:
         """Load what has been stored of a chunk, all arrays or some."""
@@ -72,7 +72,7 @@ class _Regions:
 
     def save(self, chunk: Chunk, values: NDArray[Any], **arrays: Any) -> None:
         """Write values in the core of a chunk, and store those one voxel beyond with other arrays."""
-        write_part(self.path, 0, chunk.core, values[tuple(slice(n) for n in window_shape(chunk.core))])
+        write_window(self.path, 0, chunk.core, values[tuple(slice(n) for n in window_shape(chunk.core))])
         layers = {f"layer_{axis}": values.take(-1, axis) for axis, _ in _layers(self.volume, chunk)}
         self.volume.task.store.save(of_chunk(self.name, chunk.number), **layers, **arrays)
 
@@ -80,7 +80,7 @@ class _Regions:
         """Process each chunk that has no file yet."""
         grid = self.volume.grid
         if not self.path.exists():
-            create_levels(self.path, grid.shape, dtype, grid.side)
+            create_multiscale(self.path, grid.shape, dtype, grid.side)
         in_each(compute, work, self.volume.task.store, grid.chunks, self.name, title)
 
     def joined(self, counts: Index, number_of: Callable[[NDArray[Any]], Index]) -> Index:

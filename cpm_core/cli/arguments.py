@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.formats import READABLE, WRITABLE, check_export
-from cpm_core.formats.sessions.session_file import SUFFIX
+from cpm_core.formats import IMAGES_READABLE, CONTOURS_WRITABLE, check_export
+from cpm_core.formats.sessions.session_file import SESSION_SUFFIX
 from cpm_core.image.colors import CONTRAST_CHOICE, LUMINANCE_CHOICE
 from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.numerics.types import JsonDict
-from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
-from cpm_core.parameters.choices import CHOICES
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters import DEFAULT_VALUES, PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters.choices import CHOICE_PARAMETERS
+from cpm_core.parameters.quotation import quote_value
 
 CHANNEL_HELP = (
     "Or its number in a file that holds several, from 1; or contrast, for the color whose gray levels vary the most."
@@ -39,7 +39,7 @@ def as_number(text: str) -> int | float | str:
 def whole_number(text: str) -> int:
     """Parse a whole number of at least 1, as the type of an option."""
     if not re.fullmatch(r"\d{1,15}", text, re.ASCII) or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{shown(text)} must be a whole number of at least 1")
+        raise argparse.ArgumentTypeError(f"{quote_value(text)} must be a whole number of at least 1")
     return int(text)
 
 
@@ -52,7 +52,7 @@ def numbers_of(flag: str, text: str, form: str) -> tuple[float, ...]:
         numbers = ()
     fits = len(numbers) % count == 0 if form.endswith("...") else len(numbers) == count
     if not numbers or not fits or not np.isfinite(numbers).all():
-        raise ValueError(f"{flag} is {shown(text)} but must be numbers between commas, {form}.")
+        raise ValueError(f"{flag} is {quote_value(text)} but must be numbers between commas, {form}.")
     return numbers
 
 
@@ -62,15 +62,15 @@ def places_in(numbers: Sequence[float], axes: int) -> tuple[tuple[float, ...], .
 
 
 _SHARED_OPTIONS: dict[str, JsonDict] = {
-    "image": {"metavar": "IMAGE", "help": f"image ({', '.join(READABLE)})"},
+    "image": {"metavar": "IMAGE", "help": f"image ({', '.join(IMAGES_READABLE)})"},
     "images": {
         "metavar": "IMAGE",
         "nargs": "+",
-        "help": f"image, folder or pattern such as *.tif ({', '.join(READABLE)})",
+        "help": f"image, folder or pattern such as *.tif ({', '.join(IMAGES_READABLE)})",
     },
     "--session": {
         "metavar": "FILE",
-        "help": f"session file ({SUFFIX}) with image, start, regions, parameters and review of contours",
+        "help": f"session file ({SESSION_SUFFIX}) with image, start, regions, parameters and review of contours",
     },
     "--page": {"metavar": "N", "help": "plane, page or frame of a file that holds several, from 1"},
     "--time": {"metavar": "N", "help": "point in time of a file that holds several, from 1"},
@@ -108,7 +108,7 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
 PART = ("--page", "--time", "--series", "--pixel-size")
 """Options for the part of a file, and for setting the size of a pixel."""
 
-EXPORTED = f"({', '.join(WRITABLE)})"
+EXPORTED = f"({', '.join(CONTOURS_WRITABLE)})"
 """Suffixes of the formats of contours, for the help."""
 
 
@@ -148,27 +148,27 @@ def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool =
         size = _PIXEL_SIZE_PATTERN.fullmatch(arguments.pixel_size.replace(" ", ""))
         if size is None:
             raise ValueError(
-                f"--pixel-size is {shown(arguments.pixel_size)} but must be one to three sizes and a unit (nm, um, mm, "
+                f"--pixel-size is {quote_value(arguments.pixel_size)} but must be one to three sizes and a unit (nm, um, mm, "
                 "cm or m), such as 0.25um or 2x0.5x0.5mm."
             )
         part |= {"spacing": tuple(map(float, size[1].split("x"))), "unit": size[2]}
     return part
 
 
-def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICES)) -> None:
+def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICE_PARAMETERS)) -> None:
     """Add parameters, each as a flag of its name; see `parse_parameters`."""
     for name in names:
-        if name in CHOICES:
-            choice = CHOICES[name]
+        if name in CHOICE_PARAMETERS:
+            choice = CHOICE_PARAMETERS[name]
             effects = " ".join(f"{value}: {effect}" for value, effect in choice.choices.items())
             meaning = f"{choice.meaning} {effects} {CHANNEL_HELP if name == 'channel' else ''}".rstrip()
         else:
-            meaning = f"{PARAMETERS[name].meaning} {PARAMETERS[name].more}"
+            meaning = f"{PARAMETERS[name].meaning} {PARAMETERS[name].effect_of_larger}"
         parser.add_argument(
             "--" + name.replace("_", "-"),
             metavar=name.upper(),
-            type=str if name in CHOICES else as_number,
-            help=f"{meaning} (default: {DEFAULTS[name]})".replace("%", "%%"),
+            type=str if name in CHOICE_PARAMETERS else as_number,
+            help=f"{meaning} (default: {DEFAULT_VALUES[name]})".replace("%", "%%"),
         )
 
 

@@ -16,14 +16,14 @@ from pathlib import Path
 from cpm_core.cli.arguments import add, add_parameters, parameters_of
 from cpm_core.cli.output import IN_PART, StatusLine, announce_compilation, print_json, say, say_notes
 from cpm_core.cli.workers import Job, Row, elsewhere, here
-from cpm_core.formats import WRITABLE
-from cpm_core.formats.common.atomic import append, drafts_of, remove_abandoned, write_together
-from cpm_core.formats.common.content import fingerprint, fingerprint_if_read
-from cpm_core.formats.common.printable import cell, printable, text_of_cell
+from cpm_core.formats import CONTOURS_WRITABLE
+from cpm_core.formats.common.atomic import append_bytes, draft_files, remove_abandoned_drafts, write_together
+from cpm_core.formats.common.content import compute_fingerprint, try_fingerprint
+from cpm_core.formats.common.printable import escape_cell, make_printable, unescape_cell
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import counted, shown
+from cpm_core.parameters.quotation import format_count, quote_value
 from cpm_core.shapes.document_shapes import select_starts
 
 NAME = "summary.csv"
@@ -55,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SUFFIX",
         nargs="+",
         default=WRITTEN,
-        help=f"formats to write (default: svg {MEASURES}, whose tables are joined, png; of {', '.join(WRITABLE)})",
+        help=f"formats to write (default: svg {MEASURES}, whose tables are joined, png; of {', '.join(CONTOURS_WRITABLE)})",
     )
     add(outcome, "--max-steps")
     outcome.add_argument("--again", action="store_true", help="do also what the summary says is done")
@@ -68,8 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
     parameters = parameters_of(arguments, session.parameters)
     suffixes = tuple(dict.fromkeys(f".{suffix.lower().lstrip('.')}" for suffix in arguments.export))
     for suffix in suffixes:
-        if suffix not in WRITABLE:
-            raise ValueError(f"--export is {shown(suffix)} but must be one of {', '.join(WRITABLE)}.")
+        if suffix not in CONTOURS_WRITABLE:
+            raise ValueError(f"--export is {quote_value(suffix)} but must be one of {', '.join(CONTOURS_WRITABLE)}.")
     if not select_starts(session.shapes):
         raise ValueError(f"{source} has no start: draw one, or start everywhere, and save it again.")
     output = Path(arguments.output)
@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     say_notes(source.name, session.notes)
     if batch.rows:
-        say(f"{counted(len(batch.rows), 'image')} done before; --again does them again.")
+        say(f"{format_count(len(batch.rows), 'image')} done before; --again does them again.")
     jobs, began = batch.jobs, time.perf_counter()
     try:
         announce_compilation()
@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
                     line.say(f"{row.image}: {sentence}")
                 line.count(done, len(jobs))
     except KeyboardInterrupt:
-        finished = f"{len(batch.rows)} of {counted(len(arguments.images), 'image')} were done"
+        finished = f"{len(batch.rows)} of {format_count(len(arguments.images), 'image')} were done"
         raise KeyboardInterrupt(f"{finished}; the same command does the others") from None
     rows = batch.rows.values()
     # an image may be done although a format could not hold what was found
@@ -110,10 +110,10 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         for row in rows:
             if not row.trouble:
-                print(f"{printable(row.image)}: {counted(int(str(row.facts['contours'])), 'contour')}")
+                print(f"{make_printable(row.image)}: {format_count(int(str(row.facts['contours'])), 'contour')}")
         more = (f", {failed} failed" if failed else "") + (f", {lacking} without some files" if lacking else "")
         tables = f"{output / NAME}" + (f" and {output / MEASURES}" if _MEASURES_SUFFIX in suffixes else "")
-        print(printable(f"{counted(len(rows), 'image')} in {seconds:.1f} s{more}; wrote {tables}"))
+        print(make_printable(f"{format_count(len(rows), 'image')} in {seconds:.1f} s{more}; wrote {tables}"))
     return IN_PART if failed or lacking else 0
 
 
@@ -168,9 +168,9 @@ class Batch:
         usual = asdict(session.parameters)
         asked = [f"{name}={value}" for name, value in asdict(parameters).items() if value != usual[name]]
         asked += [] if max_steps is None else [f"max_steps={max_steps}"]
-        plain = Row("", session_sha256=fingerprint(source), settings=" ".join([*asked, f"export={','.join(suffixes)}"]))
+        plain = Row("", session_sha256=compute_fingerprint(source), settings=" ".join([*asked, f"export={','.join(suffixes)}"]))
         self._images, self._folder, self._suffixes = images, output, suffixes
-        remove_abandoned(output)
+        remove_abandoned_drafts(output)
         self._earlier = _rows(output / NAME)
         self.rows: dict[int, Row] = {} if again else self._done_before(plain)
         self.jobs = tuple(
@@ -193,8 +193,8 @@ class Batch:
         names = {name for name, _ in alike}
         done: dict[int, Row] = {}
         for number, image in enumerate(self._images):
-            name = printable(Path(image).name)
-            if name in names and (rows := alike.get((name, fingerprint_if_read(Path(image))))):
+            name = make_printable(Path(image).name)
+            if name in names and (rows := alike.get((name, try_fingerprint(Path(image))))):
                 done[number] = rows.pop(0)
         known = set(map(id, done.values()))
         self._earlier = [row for row in self._earlier if id(row) not in known]
@@ -202,14 +202,14 @@ class Batch:
 
     def _free_stems(self) -> dict[int, str]:
         """Return file names without suffix for the jobs; none belongs to another image, or is an input."""
-        own = {Path(printable(image)).absolute() for image in self._images}
+        own = {Path(make_printable(image)).absolute() for image in self._images}
         others = [row for row in self._earlier if Path(row.image).absolute() not in own]
         taken = {name.lower() for row in (*others, *self.rows.values()) for name in row.files}
         images = {Path(image).resolve() for image in self._images}
         stems: dict[int, str] = {}
         tried: dict[str, int] = {}
         for job in self.jobs:
-            first = f"{printable(Path(job.row.image).stem).encode()[:_MAX_STEM_BYTES].decode(errors='ignore')}_contours"
+            first = f"{make_printable(Path(job.row.image).stem).encode()[:_MAX_STEM_BYTES].decode(errors='ignore')}_contours"
             for count in itertools.count(tried.get(first, 1)):
                 stem = first if count == 1 else f"{first}_{count}"
                 names = {f"{stem}{suffix}".lower() for suffix in self._suffixes}
@@ -228,7 +228,7 @@ class Batch:
             with closing(results):
                 for job, found in results:
                     row = self.rows[job.number] = self._written(found, self._stems[job.number])
-                    append(self._folder / NAME, _lines([row]))
+                    append_bytes(self._folder / NAME, _lines([row]))
                     yield row
         finally:
             self.rows = dict(sorted(self.rows.items()))
@@ -248,7 +248,7 @@ class Batch:
 
     def _table(self) -> list[Row]:
         """Return the rows of this batch in its order, after earlier ones of other images."""
-        own = {printable(self._images[number]) for number in self.rows}
+        own = {make_printable(self._images[number]) for number in self.rows}
         return [row for row in self._earlier if row.image not in own] + [row for _, row in sorted(self.rows.items())]
 
     def _write_table(self) -> None:
@@ -257,7 +257,7 @@ class Batch:
     def _write_measures(self) -> None:
         """Join the tables of measures of all images, one file at a time, with the image as the first column."""
         files = [self._folder / name for row in self._table() for name in row.files if name.endswith(_MEASURES_SUFFIX)]
-        with drafts_of(self._folder / MEASURES) as (draft,), draft.open("w", encoding="utf-8", newline="") as stream:
+        with draft_files(self._folder / MEASURES) as (draft,), draft.open("w", encoding="utf-8", newline="") as stream:
             heads = set()
             for file in files:
                 with file.open(encoding="utf-8", newline="") as table:
@@ -303,7 +303,7 @@ def _rows(path: Path) -> list[Row]:
     try:  # a truncated row belongs to an image that was not finished
         text = content[: content.rfind(b"\n") + 1].decode()
         lines = list(csv.DictReader(io.StringIO(text, newline="")))
-        rows = [_row({name: text_of_cell(line.get(name) or "") for name in _SUMMARY_COLUMNS}) for line in lines]
+        rows = [_row({name: unescape_cell(line.get(name) or "") for name in _SUMMARY_COLUMNS}) for line in lines]
     except ValueError:
         raise ValueError(f"{path} is damaged: remove it, or choose another folder.") from None
     if lines and "image" not in lines[0]:
@@ -323,5 +323,5 @@ def _lines(rows: Iterable[Row]) -> bytes:
     for row in rows:
         lists = {name: _LIST_SEPARATOR.join(getattr(row, name)) for name in _LIST_COLUMNS}
         line = {**{name: getattr(row, name) for name in _TEXT_COLUMNS}, **lists, **row.facts}
-        table.writerow({name: cell(value) if isinstance(value, str) else value for name, value in line.items()})
+        table.writerow({name: escape_cell(value) if isinstance(value, str) else value for name, value in line.items()})
     return text.getvalue().encode()

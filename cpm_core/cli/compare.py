@@ -24,7 +24,7 @@ from cpm_core.cli.output import Files, announce_compilation, report, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.formats import load_image
-from cpm_core.formats.comparison import check_comparison, files_of, write_comparison
+from cpm_core.formats.comparison import check_comparison, list_comparison_files, write_comparison
 from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE_CHOICE
@@ -41,7 +41,7 @@ from cpm_core.objects.methods import (
     run_method,
 )
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.parameters.quotation import counted, shown
+from cpm_core.parameters.quotation import format_count, quote_value
 from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
 from cpm_core.shapes.document_shapes import check_axes, select_starts
 from cpm_core.shapes.outlines import drawn_outlines
@@ -110,13 +110,13 @@ def run(arguments: argparse.Namespace) -> int:
     named = arguments.methods or [name for name in compared.methods if name]
     for name in named:
         if name not in CONTOUR_METHODS:
-            raise ValueError(f"{shown(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
+            raise ValueError(f"{quote_value(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
     names = list(dict.fromkeys(named or CONTOUR_METHODS))
     settings = _settings(arguments, names, session, compared)
     drawn = _drawn(arguments, session)
     for path in arguments.export:
         check_comparison(path, names)
-    targets = [file for path in arguments.export for file in files_of(Path(path), names)]
+    targets = [file for path in arguments.export for file in list_comparison_files(Path(path), names)]
     check_targets(targets, arguments)
     image = _image(arguments, session, targets)
     start = _start_on(image, drawn, arguments, session)
@@ -131,7 +131,7 @@ def run(arguments: argparse.Namespace) -> int:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], arguments.max_steps)
         facts = facts_of(moment, truth)
         if not facts.stop_reason:
-            facts = replace(facts, stop_reason=f"stopped after {counted(facts.steps, 'step')}, as asked")
+            facts = replace(facts, stop_reason=f"stopped after {format_count(facts.steps, 'step')}, as asked")
         if not arguments.json:
             agreed = (facts.dice, facts.f, facts.hausdorff, facts.mean_distance) if truth else ()
             measures = (f"{value:.3f}" if value is not None and np.isfinite(value) else "-" for value in agreed)
@@ -192,11 +192,11 @@ def _settings(
         place, equals, value = text.partition("=")
         method, dot, name = place.partition(".")
         if not (equals and dot and name and value):
-            raise ValueError(f"--set is {shown(text)} but must be METHOD.NAME=VALUE, such as geodesic.balloon=0.5.")
+            raise ValueError(f"--set is {quote_value(text)} but must be METHOD.NAME=VALUE, such as geodesic.balloon=0.5.")
         if method not in found:
-            raise ValueError(f"--set {shown(text)} is for {shown(method)}, which is not one of the compared methods.")
+            raise ValueError(f"--set {quote_value(text)} is for {quote_value(method)}, which is not one of the compared methods.")
         if name not in _names(method):
-            raise ValueError(f"{shown(name)} is not a setting of {method}: choose among {', '.join(_names(method))}.")
+            raise ValueError(f"{quote_value(name)} is not a setting of {method}: choose among {', '.join(_names(method))}.")
         changes.setdefault(method, {})[name] = as_number(value)
     return {name: replace(settings, **changes.get(name, {})) for name, settings in found.items()}
 
@@ -244,5 +244,5 @@ def _start_on(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespac
 def _say_open(where: str, shapes: Sequence[Shape]) -> None:
     """Report how many starts are left out since they enclose nothing."""
     if loose := len(shapes) - len(drawn_outlines(shapes)):
-        what = counted(loose, "start without an inside", "starts without an inside")
+        what = format_count(loose, "start without an inside", "starts without an inside")
         say(f"{where}: {what} left out, as most of the methods need one.")

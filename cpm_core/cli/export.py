@@ -22,37 +22,37 @@ from cpm_core.cli.output import (
 from cpm_core.contours.result import Result
 from cpm_core.formats import (
     CONTOURS_READABLE,
-    FOR_CENTERLINES,
-    FOR_VOLUMES,
+    CENTERLINES_WRITABLE,
+    VOLUMES_WRITABLE,
     SURFACES_READABLE,
-    WRITABLE,
+    CONTOURS_WRITABLE,
     holds_volume,
-    left_out,
+    count_left_out,
     load_centerlines,
     load_image,
     load_surface,
     load_volume,
-    suffix_of,
+    find_format_suffix,
 )
-from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on, with_shapes
-from cpm_core.formats.contour_file import plane_of, read_contours
-from cpm_core.formats.images.resolution import known_unit
-from cpm_core.formats.sessions.recorded_run import shown_state
-from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_image_provenance, record_drawn_shapes
+from cpm_core.formats.contour_file import describe_plane, read_contours
+from cpm_core.formats.images.resolution import find_unit
+from cpm_core.formats.sessions.recorded_run import restore_shown_state
+from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, SessionFile, load_session
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import JsonDict, Extent
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import counted
+from cpm_core.parameters.quotation import format_count
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes.document_shapes import select_starts
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    known = ", ".join((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES))
+    known = ", ".join((*CONTOURS_READABLE, *SURFACES_READABLE, *CENTERLINES_WRITABLE))
     parser.add_argument(
-        "source", metavar="FILE", help=f"session ({SUFFIX}), contours, a surface or center lines ({known}), or labels"
+        "source", metavar="FILE", help=f"session ({SESSION_SUFFIX}), contours, a surface or center lines ({known}), or labels"
     )
     parser.add_argument("--image", metavar="IMAGE", help="the image or volume that it belongs to")
     parser.add_argument("--page", metavar="N", type=whole_number, help="page of contours in a stack, from 1")
@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         required=True,
-        help=f"files to write ({', '.join(dict.fromkeys((*WRITABLE, *FOR_VOLUMES, *FOR_CENTERLINES)))})",
+        help=f"files to write ({', '.join(dict.fromkeys((*CONTOURS_WRITABLE, *VOLUMES_WRITABLE, *CENTERLINES_WRITABLE)))})",
     )
     parser.add_argument("--outlines", action="store_true", help="lines in label masks, open ones too, instead of areas")
     add(parser, "--space")
@@ -72,23 +72,23 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the files, after all checks that need none of them."""
     source = Path(arguments.source)
     check_exports(arguments.path_to, arguments)
-    suffix, wanted = source.suffix.lower(), {suffix_of(path) for path in arguments.path_to}
-    in_space = suffix in {*FOR_CENTERLINES, *SURFACES_READABLE} or wanted & (FOR_VOLUMES.keys() - WRITABLE.keys())
+    suffix, wanted = source.suffix.lower(), {find_format_suffix(path) for path in arguments.path_to}
+    in_space = suffix in {*CENTERLINES_WRITABLE, *SURFACES_READABLE} or wanted & (VOLUMES_WRITABLE.keys() - CONTOURS_WRITABLE.keys())
     of_volumes = bool(in_space)
-    if arguments.page is None and suffix not in {SUFFIX, *CONTOURS_READABLE} and wanted <= FOR_VOLUMES.keys():
+    if arguments.page is None and suffix not in {SESSION_SUFFIX, *CONTOURS_READABLE} and wanted <= VOLUMES_WRITABLE.keys():
         of_volumes = of_volumes or holds_volume(source)  # labels, for labels
-    if arguments.page is not None and (suffix == SUFFIX or of_volumes):
+    if arguments.page is not None and (suffix == SESSION_SUFFIX or of_volumes):
         raise ValueError(f"--page is for contours in a stack, but {source.name} holds none: leave it out.")
     result: Result | Centerlines
     image = arguments.image
-    if suffix == SUFFIX:
+    if suffix == SESSION_SUFFIX:
         result, image = _of_session(source, arguments)
     else:
         result = _in_volume(source, arguments) if of_volumes else _in_plane(source, arguments)
     files = Files()
     options = {"outlines": arguments.outlines, "space": arguments.space or "LPS"}
     files.export(result, arguments.path_to, image=image, warn=say, **options)
-    missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files.written}
+    missing = {path: count_left_out(result, find_format_suffix(path), outlines=arguments.outlines) for path in files.written}
     said, line = _on_result(result, source)
     return report(arguments, {"source": str(source), "left_out": missing, **said}, [line], files)
 
@@ -97,14 +97,14 @@ def _on_result(result: Result | Centerlines, source: Path) -> tuple[JsonDict, st
     """Describe a result, as plain JSON and as a line."""
     facts: JsonDict = {"contours": len(result.contours), "closed": sum(one.closed for one in result.contours)}
     if isinstance(result, Centerlines):
-        facts[ENTRY] = facts_on(result.source, result.provenance)
+        facts[PROVENANCE_KEY] = describe_image_provenance(result.source, result.provenance)
         return facts, f"{source.name}: {contours_of(result, 'center line')}"
-    facts[ENTRY] = facts_of(result)
+    facts[PROVENANCE_KEY] = describe_provenance(result)
     if result.surface is None:
         return facts, f"{source.name}: {contours_of(result)}"
     vertices, faces = len(result.surface.vertices), len(result.surface.faces)
     facts |= {"vertices": vertices, "faces": faces}
-    return facts, f"{source.name}: a surface of {counted(faces, 'triangle')}, with {vertices} corners"
+    return facts, f"{source.name}: a surface of {format_count(faces, 'triangle')}, with {vertices} corners"
 
 
 def _of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, str]:
@@ -116,14 +116,14 @@ def _of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, st
     check_targets(arguments.path_to, arguments, path)
     image = (load_volume if in_volume(session) else load_image)(path, **reading)
     parameters = fitted(image, session.parameters)
-    result = with_shapes(_found(session, parameters, image, source), session.shapes)
+    result = record_drawn_shapes(_found(session, parameters, image, source), session.shapes)
     return reviewed(result, image, parameters, session), str(path)
 
 
 def _found(session: SessionFile, parameters: Parameters, image: Image, source: Path) -> Result:
     """Restore the result of the state that a session shows, or else run it to its end."""
     announce_compilation()
-    kept = shown_state(replace(session, parameters=parameters), image)
+    kept = restore_shown_state(replace(session, parameters=parameters), image)
     if kept is not None:
         state, made_with = kept
         return replace(Engine(image, made_with, state.regions).result(state, made_with), source=image.source)
@@ -136,7 +136,7 @@ def _found(session: SessionFile, parameters: Parameters, image: Image, source: P
 def _in_plane(source: Path, arguments: argparse.Namespace) -> Result:
     """Read the contours of a file as a result on the given image, or on one of the size that the file states."""
     image = None if arguments.image is None else load_image(arguments.image)
-    found = read_contours(source, plane_of(image), page=arguments.page)
+    found = read_contours(source, describe_plane(image), page=arguments.page)
     say_notes(source.name, found.notes)
     if not found.contours:
         raise ValueError(f"{source.name} contains only single points, no contours: choose another file.")
@@ -153,11 +153,11 @@ def _in_volume(source: Path, arguments: argparse.Namespace) -> Result | Centerli
     """Read a surface or center lines as a result in the given volume."""
     suffix = source.suffix.lower()
     image = None if arguments.image is None else load_volume(arguments.image)
-    if suffix in FOR_CENTERLINES:
+    if suffix in CENTERLINES_WRITABLE:
         return load_centerlines(source, image, warn=say)
     if image is None and suffix not in SURFACES_READABLE:
         image = load_volume(source)
-    in_voxels = {path for path in arguments.path_to if suffix_of(path) in WRITABLE}
+    in_voxels = {path for path in arguments.path_to if find_format_suffix(path) in CONTOURS_WRITABLE}
     if image is None and in_voxels:
         raise ValueError(f"{min(in_voxels)} has the voxels of a volume: name the volume with --image.")
     surface = load_surface(source, image, warn=say)
@@ -168,6 +168,6 @@ def _in_volume(source: Path, arguments: argparse.Namespace) -> Result | Centerli
 def _read(source: Path, image: Image | None, shape: Extent) -> Result:
     """Return a result without contours, for what has been read from a file."""
     name, spacing = (source.name, (1.0,) * len(shape)) if image is None else (image.source, image.spacing)
-    unit = None if image is None or image.unit is None else known_unit(image.unit)
+    unit = None if image is None or image.unit is None else find_unit(image.unit)
     nothing = np.empty((0, len(shape)))
     return Result(nothing, (), None, 0, True, "read from a file", shape, spacing, unit, name, image=image)

@@ -14,17 +14,17 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply_marks, restore_kept_contours
 from cpm_core.formats import (
     CONTOURS_READABLE,
-    FOR_CENTERLINES,
-    READABLE,
-    in_natural_order,
+    CENTERLINES_WRITABLE,
+    IMAGES_READABLE,
+    natural_sort_key,
     load_centerlines,
     load_surface,
 )
-from cpm_core.formats.contour_file import plane_of, read_contours
+from cpm_core.formats.contour_file import describe_plane, read_contours
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
-from cpm_core.formats.images.dicom import is_series
+from cpm_core.formats.images.dicom import holds_dicom_series
 from cpm_core.formats.images.ome_zarr import is_zarr
-from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session, part_for
+from cpm_core.formats.sessions.session_file import SessionFile, find_session_image, load_session, adapt_reading
 from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
@@ -32,7 +32,7 @@ from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.pages.follow import fitting
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 from cpm_core.segmentation.evolve import segment, with_hand_edits
 from cpm_core.shapes import Shape, Start
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds
@@ -50,9 +50,9 @@ def expanded(given: Sequence[str]) -> list[str]:
         if Path(text).is_dir():
             found += _in_folder(Path(text))
         elif glob.has_magic(text) and not os.path.lexists(text):
-            names = sorted(filter(os.path.isfile, glob.glob(text, recursive=True)), key=in_natural_order)  # noqa: PTH207 - names as given
+            names = sorted(filter(os.path.isfile, glob.glob(text, recursive=True)), key=natural_sort_key)  # noqa: PTH207 - names as given
             if not names:
-                raise ValueError(f"No file is named like {shown(text)}: check the pattern and the folder.")
+                raise ValueError(f"No file is named like {quote_value(text)}: check the pattern and the folder.")
             found += names
         else:
             found.append(text)
@@ -64,21 +64,21 @@ def only_image(given: str) -> str:
     found = expanded([given])
     if len(found) > 1:
         raise ValueError(
-            f"{shown(given)} names {len(found)} images, but only one can be used here: name it, or use cpm batch."
+            f"{quote_value(given)} names {len(found)} images, but only one can be used here: name it, or use cpm batch."
         )
     return found[0]
 
 
 def _in_folder(folder: Path) -> list[str]:
-    if is_series(folder) or is_zarr(folder):
+    if holds_dicom_series(folder) or is_zarr(folder):
         return [str(folder)]
     try:
-        inside = [entry for entry in folder.iterdir() if entry.suffix.lower() in READABLE and entry.is_file()]
+        inside = [entry for entry in folder.iterdir() if entry.suffix.lower() in IMAGES_READABLE and entry.is_file()]
     except OSError as error:
         raise ValueError(f"{folder} cannot be read: {error.strerror or error}.") from error
     if not inside:
         raise ValueError(f"{folder} is a folder without images: choose another one, or name a file.")
-    return sorted(map(str, inside), key=in_natural_order)
+    return sorted(map(str, inside), key=natural_sort_key)
 
 
 def session_of(arguments: argparse.Namespace) -> SessionFile:
@@ -101,8 +101,8 @@ def image_of(named: str | None, session: SessionFile, source: str | Path | None)
     if session.image is None or source is None:
         return Path(named or ""), {}
     if named is not None:
-        return Path(named), part_for(Path(named), session.image.reading)
-    path, notes = find_image(session.image, Path(source).absolute().parent)
+        return Path(named), adapt_reading(Path(named), session.image.reading)
+    path, notes = find_session_image(session.image, Path(source).absolute().parent)
     say_notes(path.name, notes)
     return path, session.image.reading.arguments
 
@@ -166,12 +166,12 @@ def starts_from_file(path: str, image: Image) -> tuple[Start, ...]:
     """Return starts along the contours of a file; in a volume on its surface, or along its center lines."""
     suffix = Path(path).suffix.lower()
     if image.ndim == 2:
-        found = read_contours(path, plane_of(image))
+        found = read_contours(path, describe_plane(image))
         say_notes(Path(path).name, found.notes)
-        return starts_from_contours(found.contours, found.places)
+        return starts_from_contours(found.contours, found.points)
     if suffix in CONTOURS_READABLE:
         raise ValueError(f"--start {path} has contours, which lie in a plane: name a surface or center lines.")
-    if suffix in FOR_CENTERLINES:
+    if suffix in CENTERLINES_WRITABLE:
         return tuple(starts_from_centerlines(load_centerlines(path, image, warn=say)))
     return (start_from_surface(load_surface(path, image, warn=say)),)
 

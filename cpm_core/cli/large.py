@@ -18,13 +18,13 @@ from cpm_core.cli.arguments import as_number, check_targets, refuse
 from cpm_core.cli.output import Files, StatusLine, announce_compilation, report, say_notes
 from cpm_core.cli.workers import cluster, finished, on_one_core
 from cpm_core.field.volume_field import check_volume_parameters
-from cpm_core.formats.common.atomic import suffix_among
-from cpm_core.formats.images.ome_zarr import is_zarr, open_levels
+from cpm_core.formats.common.atomic import find_suffix
+from cpm_core.formats.images.ome_zarr import is_zarr, open_multiscale
 from cpm_core.formats.images.reading import Reading
 from cpm_core.image.colors import LUMINANCE_CHOICE
 from cpm_core.numerics.types import JsonObject
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import counted, sized
+from cpm_core.parameters.quotation import format_count, format_size
 from cpm_core.segmentation.reach.reach_map import is_limited
 
 _WHOLE_IMAGE_PURPOSE = "an image that is run in one piece"
@@ -45,7 +45,7 @@ def is_large_volume(arguments: argparse.Namespace) -> bool:
     series: Any = arguments.series and as_number(arguments.series)
     if arguments.page or arguments.pages or not is_large(arguments, path):
         return False
-    return open_levels(path, Reading(series=series)).count("z") > 1
+    return open_multiscale(path, Reading(series=series)).axis_length("z") > 1
 
 
 def run_large(
@@ -64,7 +64,7 @@ def run_large(
     first = Path(arguments.export[0])
     store = Store(first.with_name(f"{first.name}{_CHUNK_FOLDER_SUFFIX}"))
     task = Task(source, parameters, arguments.auto, store, arguments.max_steps, arguments.objects)
-    began, channels = time.perf_counter(), source.levels.count("c")
+    began, channels = time.perf_counter(), source.levels.axis_length("c")
     if channels > 1 and source.reading.channel is None:
         say_notes(source.levels.name, [f"Only the first of its {channels} channels was taken."])
     announce_compilation()
@@ -88,8 +88,8 @@ def run_large(
     facts = {found.kind: found.count, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
     noun = {"bodies": "body"}.get(found.kind, found.kind[:-1])
     lines = [
-        f"{source.levels.name}: {counted(found.count, noun, found.kind)} in {sized(found.grid.shape, unit)}",
-        f"{counted(chunks, 'chunk')} in {seconds:.1f} s, smoothing {smoothing:g} {unit}",
+        f"{source.levels.name}: {format_count(found.count, noun, found.kind)} in {format_size(found.grid.shape, unit)}",
+        f"{format_count(chunks, 'chunk')} in {seconds:.1f} s, smoothing {smoothing:g} {unit}",
     ]
     return report(arguments, facts, lines, files)
 
@@ -107,7 +107,7 @@ def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters, wr
     if not arguments.export:
         raise ValueError(f"--export is missing: name files that end in {', '.join(writable)}.")
     for target in arguments.export:
-        if not suffix_among(target, writable):
+        if not find_suffix(target, writable):
             raise ValueError(f"{target} cannot be written chunk by chunk: choose one of {', '.join(writable)}.")
         if Path(target).is_dir() and not is_zarr(Path(target)):
             raise ValueError(f"{target} is a folder, which would be replaced: choose another name.")

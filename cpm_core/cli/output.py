@@ -17,12 +17,12 @@ from typing import Any
 
 from cpm_core.contours.result import Result
 from cpm_core.formats import export
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonObject
-from cpm_core.parameters.quotation import counted
+from cpm_core.parameters.quotation import format_count
 from cpm_core.warm_up import FIRST, is_compiled, warm_up
 
 SCHEMA = 1
@@ -43,7 +43,7 @@ _REDRAW_INTERVAL = 0.1
 
 def say(sentence: str) -> None:
     """Print a message to standard error."""
-    print(printable(f"cpm: {sentence}"), file=sys.stderr, flush=True)
+    print(make_printable(f"cpm: {sentence}"), file=sys.stderr, flush=True)
 
 
 def say_notes(source: str, notes: Iterable[str]) -> None:
@@ -147,7 +147,7 @@ def report(arguments: argparse.Namespace, facts: JsonObject, lines: Iterable[str
         print_json(arguments, {**facts, "not_written": files.refused})
     else:
         for line in (*lines, *(f"Wrote {path}" for path in files.written)):
-            print(printable(line))
+            print(make_printable(line))
     return IN_PART if files.refused else 0
 
 
@@ -167,7 +167,7 @@ def facts_of_run(result: Result, seconds: float) -> dict[str, object]:
 def contours_of(found: Any, kind: str = "contour") -> str:
     """Return the number of the contours of a result, in words."""
     closed = sum(contour.closed for contour in found.contours)
-    return f"{counted(len(found.contours), kind)} ({closed} closed)"
+    return f"{format_count(len(found.contours), kind)} ({closed} closed)"
 
 
 def longest(lines: Sequence[str]) -> list[str]:

@@ -33,7 +33,7 @@ from cpm_core.pages.follow import fitting, follow
 from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import counted, shown
+from cpm_core.parameters.quotation import format_count, quote_value
 from cpm_core.segmentation.evolve import segment
 
 
@@ -93,7 +93,7 @@ def run_pages(
                     line.say(f"page {page.number}: {page.trouble}")
     except KeyboardInterrupt:
         interrupted = True
-    whole = StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.alone, drawn)
+    whole = StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.has_single_axis, drawn)
     if interrupted and not (whole.results and arguments.export):
         raise KeyboardInterrupt
     if not whole.results:
@@ -101,7 +101,7 @@ def run_pages(
     with files.writing(*arguments.export):
         export_stack(whole, *arguments.export, refused=files.refuse)
     if interrupted:
-        done = f"{len(found)} of {counted(len(numbers), 'page')} were done, and the files hold them"
+        done = f"{len(found)} of {format_count(len(numbers), 'page')} were done, and the files hold them"
         raise KeyboardInterrupt(f"{done}; --pages runs the others")
     status = _report(arguments, whole, files, time.perf_counter() - began)
     return status or (IN_PART if len(whole.results) < len(found) else 0)
@@ -115,14 +115,14 @@ def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
     for part in given.replace(" ", "").split(","):
         ends = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?", part)
         if ends is None:
-            raise ValueError(f"--pages is {shown(given)} but must be all, or numbers and ranges such as 1,3,5-9.")
+            raise ValueError(f"--pages is {quote_value(given)} but must be all, or numbers and ranges such as 1,3,5-9.")
         first, last = int(ends[1]), int(ends[2] or ends[1])
         outside = next((page for page in (first, last) if not 1 <= page <= count), None)
         if outside is not None:
-            raise ValueError(f"--pages names page {outside}, but {name} has {counted(count, 'page')}.")
+            raise ValueError(f"--pages names page {outside}, but {name} has {format_count(count, 'page')}.")
         numbers += range(first, last + 1) if first <= last else range(first, last - 1, -1)
     if len(set(numbers)) < len(numbers):
-        raise ValueError(f"--pages is {shown(given)} but lists a page twice: list each once.")
+        raise ValueError(f"--pages is {quote_value(given)} but lists a page twice: list each once.")
     return numbers
 
 
@@ -140,7 +140,7 @@ def _report(arguments: argparse.Namespace, found: StackResult, files: Files, sec
         said += events
         plain.append({"page": page.number, **facts, "events": events, "trouble": page.trouble})
     tracks, failed = len(found.tracks), len(found.pages) - len(found.results)
-    counts = f"{counted(len(found.pages), 'page')}, {counted(tracks, 'track')} in {seconds:.2f} s"
+    counts = f"{format_count(len(found.pages), 'page')}, {format_count(tracks, 'track')} in {seconds:.2f} s"
     last = f"{found.source}: {counts}" + (f", {failed} failed" if failed else "")
     whole = {"tracks": tracks, "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
     return report(arguments, {"pages": plain, **whole}, [*lines, *said, last], files)

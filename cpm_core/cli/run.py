@@ -53,21 +53,21 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.surface_agreement import compare_surface
 from cpm_core.formats import (
     CONTOURS_READABLE,
-    FOR_CENTERLINES,
-    FOR_VOLUMES,
+    CENTERLINES_WRITABLE,
+    VOLUMES_WRITABLE,
     SURFACES_READABLE,
-    left_out,
+    count_left_out,
     load_image,
     load_points,
     load_volume,
-    suffix_of,
+    find_format_suffix,
 )
-from cpm_core.formats.common.atomic import check_place, check_target
-from cpm_core.formats.common.provenance import ENTRY, facts_of, plain_shapes, with_shapes
+from cpm_core.formats.common.atomic import check_writable, check_target
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_shapes, record_drawn_shapes
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.sessions.recorded_run import Recorder, with_run
-from cpm_core.formats.sessions.session_file import SUFFIX, ImageFile, SessionFile, save_session
-from cpm_core.formats.stack_files import FOR_STACKS
+from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
+from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, ImageFile, SessionFile, save_session
+from cpm_core.formats.stack_files import STACKS_WRITABLE
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.model.state import State
@@ -75,7 +75,7 @@ from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.objects import Selection, objects_result, partition, select_all
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.parameters.quotation import counted, sized
+from cpm_core.parameters.quotation import format_count, format_size
 from cpm_core.shapes import SEEDING_KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds, select_starts
 
@@ -113,7 +113,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         (start, "--stroke", line, "a stroke from point to point"),
         (start, "--points", "FILE.csv", "points: row,col on each line"),
         (start, "--start", "FILE", f"the contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask); in a "
-         f"volume a surface, labels or center lines ({', '.join((*SURFACES_READABLE, *FOR_CENTERLINES))})"),
+         f"volume a surface, labels or center lines ({', '.join((*SURFACES_READABLE, *CENTERLINES_WRITABLE))})"),
         (place, "--region", line, "corners of a polygon that particles stay in, in px; in a volume of a box"),
         (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a point of a plane "
          "and the direction across it"),
@@ -144,14 +144,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--truth", metavar="FILE", help="compare with a ground truth: a mask, contours, or a label volume"
     )
     outcome.add_argument(
-        "--save-session", metavar="FILE", help=f"write a session ({SUFFIX}) that the window opens with these contours"
+        "--save-session", metavar="FILE", help=f"write a session ({SESSION_SUFFIX}) that the window opens with these contours"
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Find contours or a surface; every check that needs no image comes first."""
     session = session_of(arguments)
-    of_volumes = {*SURFACES_READABLE, *FOR_CENTERLINES}
+    of_volumes = {*SURFACES_READABLE, *CENTERLINES_WRITABLE}
     volume = bool(
         arguments.sphere
         or arguments.volume
@@ -188,7 +188,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError("--object is on the first of the pages: add --follow, which finds the object on the others.")
     refuse(arguments, ("page", "truth", "save_session"), "one image, but --pages runs several")
     for target in arguments.export:
-        check_target(target, FOR_STACKS, "for all pages of a stack")
+        check_target(target, STACKS_WRITABLE, "for all pages of a stack")
     check_targets(arguments.export, arguments, path)
     reading.pop("page", None)
     shapes = _shapes(drawn, arguments)
@@ -201,7 +201,7 @@ def run(arguments: argparse.Namespace) -> int:
             image, _starting(arguments, session, image, shapes), parameters.smoothing, parameters.channel
         ),
         places=(drawn["object"], drawn["not"]),
-        drawn=(*plain_shapes((*session.shapes, *shapes)), *_files_drawn(arguments)),
+        drawn=(*describe_shapes((*session.shapes, *shapes)), *_files_drawn(arguments)),
         regions=collect_regions((*session.shapes, *shapes), session.objects.barriers),
         charges=collect_charges(session.shapes),
     )
@@ -223,12 +223,12 @@ def _run_image(
     for place in drawn["object"]:
         if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
             at = ",".join(f"{number:g}" for number in place)
-            raise ValueError(f"--object is {at} but lies outside the image, which has {sized(image.shape)}.")
+            raise ValueError(f"--object is {at} but lies outside the image, which has {format_size(image.shape)}.")
     started = time.perf_counter()
     shapes = _shapes(drawn, arguments, image if volume else None)
     starting = _starting(arguments, session, image, shapes)
     announce_compilation()
-    recorder = Recorder()
+    recorder = RunRecorder()
     with StatusLine() as line:
 
         def record_state(state: State) -> None:
@@ -239,7 +239,7 @@ def _run_image(
         found = segmented(
             image, starting, parameters, session, max_steps=arguments.max_steps, progress=record_state, regions=regions
         )
-    made = with_shapes(found, (*session.shapes, *shapes), _files_drawn(arguments))
+    made = record_drawn_shapes(found, (*session.shapes, *shapes), _files_drawn(arguments))
     chosen: Sequence[Selection] = ()
     if volume:
         result = shown = _surface(made, drawn)
@@ -276,15 +276,15 @@ def _run_image(
             notes=(),
         )
         with files.writing(arguments.save_session):
-            save_session(with_run(whole, recorder), Path(arguments.save_session))
+            save_session(add_recorded_run(whole, recorder), Path(arguments.save_session))
     facts, lines = _on_surface(result, seconds) if volume else _on_contours(result, chosen, seconds)
     if not volume:
         written = [path for path in files.written if path in arguments.export]
-        facts["left_out"] = {path: left_out(shown, suffix_of(path)) for path in written}
+        facts["left_out"] = {path: count_left_out(shown, find_format_suffix(path)) for path in written}
     if truth is not None:
         facts["truth"], sentence = _agreement(shown, truth)
         lines.append(sentence)
-    advice = _CLOSE_ADVICE if any(left_out(shown, suffix_of(path)) for path in files.refused) else ""
+    advice = _CLOSE_ADVICE if any(count_left_out(shown, find_format_suffix(path)) for path in files.refused) else ""
     return report(arguments, facts, lines, files, advice)
 
 
@@ -305,12 +305,12 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: 
             "an object, --object ROW,COL."
         )
     for path in arguments.export if volume and not is_large(arguments, Path(arguments.image or "")) else ():
-        if suffix_of(path) not in FOR_VOLUMES:
+        if find_format_suffix(path) not in VOLUMES_WRITABLE:
             raise ValueError(f"{path} is for contours, but a volume has a surface: end its name in .ply or .stl.")
     if arguments.save_session is not None:
-        if Path(arguments.save_session).suffix.lower() != SUFFIX:
-            raise ValueError(f"--save-session is {arguments.save_session} but must end in {SUFFIX}.")
-        check_place(Path(arguments.save_session))
+        if Path(arguments.save_session).suffix.lower() != SESSION_SUFFIX:
+            raise ValueError(f"--save-session is {arguments.save_session} but must end in {SESSION_SUFFIX}.")
+        check_writable(Path(arguments.save_session))
 
 
 def _shapes(drawn: Drawn, arguments: argparse.Namespace, volume: Image | None = None) -> tuple[Shape, ...]:
@@ -366,7 +366,7 @@ def _surface(found: Result, drawn: Drawn) -> Result:
 
 def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe contours, as values by name and as sentences."""
-    facts: JsonDict = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
+    facts: JsonDict = {**facts_of_run(result, seconds), "bridges": len(result.bridges), PROVENANCE_KEY: describe_provenance(result)}
     lines = [f"{result.source}: {contours_of(result)}"]
     lines += longest(
         [
@@ -394,7 +394,7 @@ def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) ->
         lines.append(f"... and {len(chosen) - _MAX_PRINTED_OBJECTS} more objects")
     if result.bridges:
         farthest = max(bridge.length for bridge in result.bridges)
-        lines.append(f"Bridged {counted(len(result.bridges), 'gap')}, longest {farthest:.1f} px")
+        lines.append(f"Bridged {format_count(len(result.bridges), 'gap')}, longest {farthest:.1f} px")
     return facts, [*lines, *_on_run(result, seconds)]
 
 
@@ -409,7 +409,7 @@ def _on_surface(result: Result, seconds: float) -> tuple[JsonDict, list[str]]:
         "volume": round(surface.volume, 3) if surface is not None and surface.closed else None,
         "area": round(surface.area, 3) if surface is not None else None,
     }
-    lines = [f"{result.source}: a surface of {counted(faces, 'triangle')}, with {vertices} corners"]
+    lines = [f"{result.source}: a surface of {format_count(faces, 'triangle')}, with {vertices} corners"]
     lines += _on_run(result, seconds)
     if result.image is not None:
         facts |= facts_on_place(result.image)
@@ -418,7 +418,7 @@ def _on_surface(result: Result, seconds: float) -> tuple[JsonDict, list[str]]:
 
 
 def _on_run(result: Result, seconds: float) -> Iterator[str]:
-    yield f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s"
+    yield f"{format_count(len(result.particles), 'particle')}, {format_count(result.steps, 'step')} in {seconds:.2f} s"
     yield f"Stopped: {result.stop_reason}"
 
 

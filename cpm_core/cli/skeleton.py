@@ -16,8 +16,8 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.inputs import fitted
 from cpm_core.cli.output import Files, announce_compilation, contours_of, longest, report
-from cpm_core.formats import FOR_CENTERLINES, load_image, load_volume, suffix_of
-from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
+from cpm_core.formats import CENTERLINES_WRITABLE, load_image, load_volume, find_format_suffix
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_image_provenance
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
@@ -65,15 +65,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Find skeletons or center lines, after all checks that need no image."""
-    volume = arguments.volume or any(suffix_of(path) in FOR_CENTERLINES for path in arguments.export)
+    volume = arguments.volume or any(find_format_suffix(path) in CENTERLINES_WRITABLE for path in arguments.export)
     if arguments.space and not volume:
         raise ValueError("--space is for center lines in a volume: add --volume, or leave it out.")
     part = part_of(arguments, volume=volume)
     parameters = parameters_of(arguments, PRESETS["volume" if volume else "noisy"])
     check_exports(arguments.export, arguments)
     for path in arguments.export if volume else ():
-        if suffix_of(path) not in FOR_CENTERLINES:
-            raise ValueError(f"{path} holds no center lines in a volume: end its name in {', '.join(FOR_CENTERLINES)}.")
+        if find_format_suffix(path) not in CENTERLINES_WRITABLE:
+            raise ValueError(f"{path} holds no center lines in a volume: end its name in {', '.join(CENTERLINES_WRITABLE)}.")
     load = load_volume if volume else load_image
     image = load(arguments.image, **part)
     fitted(image, parameters, scales=False)
@@ -91,13 +91,13 @@ def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[JsonDict, l
     """Describe a skeleton, or center lines in a volume, as values by name and as sentences."""
     if isinstance(found, Centerlines):
         lengths, unit = found.lengths.tolist(), found.unit or "voxels"
-        facts: JsonDict = {"unit": found.unit, ENTRY: facts_on(found.source, found.provenance)}
+        facts: JsonDict = {"unit": found.unit, PROVENANCE_KEY: describe_image_provenance(found.source, found.provenance)}
         first = contours_of(found, "center line")
     else:
         lengths, unit = [contour.length for contour in found.contours], "px"
         of = {-1: "dark", 0: "all", 1: "light"}[found.polarity]
         facts = {"thickness": round(found.thickness, 3), "of": of, "max_width": round(found.width, 3)}
-        facts[ENTRY] = facts_of(found)
+        facts[PROVENANCE_KEY] = describe_provenance(found)
         wide = f" and up to {found.width:.0f} px wide" if found.width else ""
         what = "" if of == "all" else f" of what is {of}{wide}"
         thick = f"thickness up to {found.thickness:.1f} px,"

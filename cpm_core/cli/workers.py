@@ -21,11 +21,11 @@ from typing import Any
 from cpm_core.cli.inputs import notes_on, reviewed, segmented, with_room
 from cpm_core.cli.output import facts_of_run
 from cpm_core.contours.result import Result
-from cpm_core.formats import encoded, load_image, omission
-from cpm_core.formats.common.content import fingerprint_if_read, missing
-from cpm_core.formats.common.provenance import VERSION, with_shapes
-from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.formats.sessions.session_file import SessionFile, part_for
+from cpm_core.formats import to_bytes, load_image, describe_omissions
+from cpm_core.formats.common.content import try_fingerprint, missing_package_message
+from cpm_core.formats.common.provenance import VERSION, record_drawn_shapes
+from cpm_core.formats.images.reading import DEFAULT_READING
+from cpm_core.formats.sessions.session_file import SessionFile, adapt_reading
 from cpm_core.numerics.parallel import limit_cores, count_cores
 from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.parameters import Parameters
@@ -99,10 +99,10 @@ def do(job: Job) -> Row:
     try:
         began = time.perf_counter()
         named, shapes = job.session.image, job.session.shapes
-        image = load_image(job.path, **part_for(Path(job.path), DEFAULT if named is None else named.reading))
+        image = load_image(job.path, **adapt_reading(Path(job.path), DEFAULT_READING if named is None else named.reading))
         parameters, small = with_room(job.parameters, image)
         found = segmented(image, shapes, parameters, job.session, max_steps=job.max_steps)
-        result = reviewed(with_shapes(found, shapes), image, parameters, job.session, kept=False)
+        result = reviewed(record_drawn_shapes(found, shapes), image, parameters, job.session, kept=False)
         facts = facts_of_run(result, time.perf_counter() - began)
         contents, notes = _files(result, job.suffixes)
         notes = (*notes_on(image, parameters), *small, *notes)
@@ -114,7 +114,7 @@ def do(job: Job) -> Row:
         elif not isinstance(error, ValueError):
             _LOG.info("an unexpected error", exc_info=error)
             reason = f"Something unexpected happened: {type(error).__name__}: {error}."
-        return replace(job.row, trouble=reason, image_sha256=fingerprint_if_read(Path(job.path)))
+        return replace(job.row, trouble=reason, image_sha256=try_fingerprint(Path(job.path)))
 
 
 def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], Texts]:
@@ -123,8 +123,8 @@ def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], T
     notes: list[str] = []
     for suffix in suffixes:
         try:
-            files[suffix] = encoded(result, suffix)
-            notes += filter(None, [omission(result, suffix)])
+            files[suffix] = to_bytes(result, suffix)
+            notes += filter(None, [describe_omissions(result, suffix)])
         except ValueError as error:
             if suffix == suffixes[-1] and not files:
                 raise
@@ -133,7 +133,7 @@ def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], T
 
 
 def here(
-    jobs: Sequence[Job], workers: int | None, go_on: Callback | None = None
+    jobs: Sequence[Job], workers: int | None, check_cancelled: Callback | None = None
 ) -> Generator[tuple[Job, Row], None, None]:
     """Run jobs on this computer and yield results as they finish.
 
@@ -143,7 +143,7 @@ def here(
     """
     count = min(workers or count_cores(), len(jobs))
     each = 1 if workers else max(1, count_cores() // max(1, count))  # if there are more cores than jobs
-    if count <= 1 and go_on is None:
+    if count <= 1 and check_cancelled is None:
         with limit_cores(each):
             yield from ((job, do(job)) for job in jobs)
         return
@@ -151,18 +151,18 @@ def here(
         warm_up()
     waiting, suspects = list(reversed(jobs)), []
     while waiting:
-        for job, row in _in_processes(waiting, count, each, go_on):
+        for job, row in _in_processes(waiting, count, each, check_cancelled):
             if row is None:
                 suspects.append(job)
             else:
                 yield job, row
     for job in suspects:
-        for _, row in _in_processes([job], 1, each, go_on):
+        for _, row in _in_processes([job], 1, each, check_cancelled):
             yield job, row or replace(job.row, trouble=_PROCESS_DIED)
 
 
 def _in_processes(
-    waiting: list[Job], count: int, each: int, go_on: Callback | None
+    waiting: list[Job], count: int, each: int, check_cancelled: Callback | None
 ) -> Generator[tuple[Job, Row | None], None, None]:
     """Run jobs from the end of a list in `count` processes, each on `cores_each` cores.
 
@@ -179,8 +179,8 @@ def _in_processes(
                     waiting.pop()
                 except BrokenProcessPool:
                     broken = True
-            if go_on is not None:
-                go_on()
+            if check_cancelled is not None:
+                check_cancelled()
             for future in wait(working, _JOB_POLL_INTERVAL, FIRST_COMPLETED).done:
                 job, row = working.pop(future), None
                 try:
@@ -239,7 +239,7 @@ def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
         import dask
         from distributed import Client, LocalCluster
     except ImportError:
-        raise ValueError(missing("A run by workers", "distributed", "cpm-particles[scale]")) from None
+        raise ValueError(missing_package_message("A run by workers", "distributed", "cpm-particles[scale]")) from None
     with ExitStack() as stack:
         # the profiler samples every 10 ms, which takes a tenth of a worker's time and of another worker's core
         stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))

@@ -17,7 +17,7 @@ from cpm_core.contours.rasterize import rasterize_mask, rasterize_labels
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Arrays, Index, Mask, frozen, record
-from cpm_core.parameters.quotation import described
+from cpm_core.parameters.quotation import format_repr
 
 DEFAULT_TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
@@ -123,7 +123,7 @@ class Comparison(Agreement):
     objects: ObjectCounts
 
     def __repr__(self) -> str:
-        return described(
+        return format_repr(
             "Comparison",
             f"F {self.f:.3f} within {self.tolerance:g} px",
             f"mean distance {self.mean_boundary_distance:.3g} px",

@@ -13,7 +13,7 @@ import numpy as np
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
 from cpm_core.numerics.types import Array, Arrays, Integers, frozen, record
-from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.parameters.quotation import format_count, format_repr, quote_value
 
 SAMPLE_SPACING = 0.25
 """Distance between samples along contours that are compared [px]."""
@@ -27,7 +27,7 @@ def check_color(what: str, color: str) -> None:
     """Raise a `ValueError` unless a color has the form "#rrggbb"; `what` names its owner."""
     if color and not re.fullmatch("#[0-9A-Fa-f]{6}", color):
         raise ValueError(
-            f'The color of {what} is {shown(color)} but must be "#rrggbb", two hexadecimal digits each for red, green '
+            f'The color of {what} is {quote_value(color)} but must be "#rrggbb", two hexadecimal digits each for red, green '
             "and blue, or empty."
         )
 
@@ -165,8 +165,8 @@ class Contour(Curve):
     def __repr__(self) -> str:
         kind = "hole" if self.hole else "closed" if self.closed else "open"
         around = f" around {self.area:,.1f} px²" if self.area else ""
-        vertices = counted(len(self.points), "vertex", "vertices")
-        return described("Contour", self.name, kind, f"{self.length:,.1f} px{around}", vertices)
+        vertices = format_count(len(self.points), "vertex", "vertices")
+        return format_repr("Contour", self.name, kind, f"{self.length:,.1f} px{around}", vertices)
 
 
 Contours = Sequence[Contour]
@@ -201,7 +201,7 @@ class Bridge:
     strength: float
 
     def __repr__(self) -> str:
-        return described("Bridge", f"{self.length:,.1f} px", f"strength {self.strength:.3g}")
+        return format_repr("Bridge", f"{self.length:,.1f} px", f"strength {self.strength:.3g}")
 
 
 def assign_numbers(contours: Contours) -> Integers:

@@ -17,7 +17,7 @@ from cpm_core.contours.surface import Surface, surface_from_labels
 from cpm_core.image import drawing
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, record
-from cpm_core.parameters.quotation import counted, described, sized
+from cpm_core.parameters.quotation import format_count, format_repr, format_size
 
 Labels = NDArray[np.int32]
 
@@ -81,7 +81,7 @@ class Truth(_LabeledTruth, drawing.Pictured):
         return sample_contours(self.contours)
 
     def __repr__(self) -> str:
-        return described("Truth", self.source, sized(self.shape), counted(len(self.contours), "contour"))
+        return format_repr("Truth", self.source, format_size(self.shape), format_count(len(self.contours), "contour"))
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the pixels of the objects and their boundaries by matplotlib."""
@@ -268,4 +268,4 @@ class VolumeTruth(_LabeledTruth):
 
     def __repr__(self) -> str:
         objects = len(np.unique(self.objects[self.objects > 0]))
-        return described("VolumeTruth", self.source, sized(self.shape, "voxels"), counted(objects, "object"))
+        return format_repr("VolumeTruth", self.source, format_size(self.shape, "voxels"), format_count(objects, "object"))

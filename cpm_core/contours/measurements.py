@@ -10,7 +10,7 @@ from cpm_core.contours.contour import Contour, Contours, assign_numbers
 from cpm_core.numerics.polyline import points_inside, path_length, path_midpoints
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Integers, Position, frozen
-from cpm_core.parameters.quotation import described, shown
+from cpm_core.parameters.quotation import format_repr, quote_value
 
 _SAME_OUTLINE_DISTANCE = 1.0
 """Distance up to which the outline of an object may coincide with that of a hole [px]."""
@@ -81,7 +81,7 @@ class Measures:
 
     def __repr__(self) -> str:
         kind = "closed" if self.closed else "open"
-        return described(
+        return format_repr(
             "Measures", f"number {self.number}", self.name, kind, f"{self.length:,.1f} px", f"{self.area:,.1f} px²"
         )
 
@@ -143,7 +143,7 @@ def measure(
     """
     sizes = as_real_array(spacing)
     if sizes.shape != (2,) or not (np.isfinite(sizes) & (sizes > 0.0)).all():
-        raise ValueError(f"spacing is {shown(spacing)} but must be two positive numbers, (row, col).")
+        raise ValueError(f"spacing is {quote_value(spacing)} but must be two positive numbers, (row, col).")
     around = containment(contours)
     net = _net_areas(contours, around)
     numbers, labels = assign_numbers(contours), assign_labels(contours)

@@ -12,7 +12,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, assign_labels
 from cpm_core.numerics.polyline import repeat_indices
 from cpm_core.numerics.types import Array, Extent, Mask
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 Labels = NDArray[np.unsignedinteger]
 
@@ -87,7 +87,7 @@ def _scan_rows(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
 def check_plane_shape(shape: Sequence[int]) -> None:
     """Raise ValueError unless a shape has rows and columns: filling polygons would read memory beyond any other."""
     if len(shape) != 2:
-        raise ValueError(f"shape of image is {shown(shape)} but must be rows and columns.")
+        raise ValueError(f"shape of image is {quote_value(shape)} but must be rows and columns.")
 
 
 def label_type(count: int) -> type[np.unsignedinteger]:

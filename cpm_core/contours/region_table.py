@@ -17,7 +17,7 @@ from cpm_core.contours.contour import Contours
 from cpm_core.contours.measurements import containment, assign_labels, area_moments
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Numbers
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 Column = Numbers
 
@@ -62,7 +62,7 @@ class Table(dict[str, Column]):
         return len(next(iter(self.values()), ()))
 
     def __repr__(self) -> str:
-        return described("Table", counted(self.rows, "row"), *self)
+        return format_repr("Table", format_count(self.rows, "row"), *self)
 
 
 _LENGTH_COLUMNS = (

@@ -20,7 +20,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 _MAX_DRAWN_LABELS = 400
 """Largest number of labels written into a picture."""
@@ -189,15 +189,15 @@ class Result(drawing.Pictured):
 
     def __repr__(self) -> str:
         closed = sum(contour.closed for contour in self.contours)
-        found = counted(len(self.contours), "contour") + (f" ({closed} closed)" if closed else "")
+        found = format_count(len(self.contours), "contour") + (f" ({closed} closed)" if closed else "")
         if self.surface is not None:
-            found = f"a surface of {counted(len(self.surface.faces), 'triangle')}"
-        return described(
+            found = f"a surface of {format_count(len(self.surface.faces), 'triangle')}"
+        return format_repr(
             "Result",
             self.source,
             found,
-            counted(len(self.particles), "particle") if len(self.particles) else "",
-            f"{self.stop_reason.partition(':')[0]} after {counted(self.steps, 'step')}"
+            format_count(len(self.particles), "particle") if len(self.particles) else "",
+            f"{self.stop_reason.partition(':')[0]} after {format_count(self.steps, 'step')}"
             if self.steps
             else self.stop_reason,
         )

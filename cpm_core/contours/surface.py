@@ -18,7 +18,7 @@ from cpm_core.numerics.grids import label_joined_pairs, find_connected_parts, ze
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, record
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 
 @record
@@ -83,9 +83,9 @@ class Surface:
             object.__setattr__(self, name, values)
 
     def __repr__(self) -> str:
-        return described(
-            "Surface", counted(len(self.vertices), "vertex", "vertices"), counted(len(self.faces), "triangle"),
-            counted(self.components, "part"), "closed" if self.closed else "open",
+        return format_repr(
+            "Surface", format_count(len(self.vertices), "vertex", "vertices"), format_count(len(self.faces), "triangle"),
+            format_count(self.components, "part"), "closed" if self.closed else "open",
         )  # fmt: skip
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:

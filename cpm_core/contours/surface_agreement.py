@@ -26,7 +26,7 @@ from cpm_core.contours.ground_truth import VolumeTruth
 from cpm_core.contours.surface import Surface, label_voxels
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array, Extent, Mask, record
-from cpm_core.parameters.quotation import described
+from cpm_core.parameters.quotation import format_repr
 
 _CANDIDATE_TRIANGLES = 16
 """Number of triangles, by nearest centers, that are tried for each point."""
@@ -155,7 +155,7 @@ class SurfaceComparison(Agreement):
 
     def __repr__(self) -> str:
         unit = self.unit or "voxels"
-        return described(
+        return format_repr(
             "SurfaceComparison", f"Dice {self.dice:.3f}", f"mean distance {self.mean_boundary_distance:.3g} {unit}",
             f"Hausdorff {self.hausdorff:.3g} {unit}", f"95 % {self.hausdorff95:.3g} {unit}",
         )  # fmt: skip

@@ -8,7 +8,7 @@ from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
 from cpm_core.numerics.real_numbers import check_finite_number, check_image_values
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 FIELD_METHODS = ("convolution", "pppm")
 """Methods for the computation of the field."""
@@ -55,7 +55,7 @@ def electric_field(
     """
     if not isinstance(method, str) or method not in FIELD_METHODS:
         names = " or ".join(f'"{name}"' for name in FIELD_METHODS)
-        raise ValueError(f"method is {shown(method)} but must be {names}.")
+        raise ValueError(f"method is {quote_value(method)} but must be {names}.")
     charges = check_image_values(edge_map)
     if method == "convolution":
         return convolved_field(charges, exponent)

@@ -28,7 +28,7 @@ from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
 from cpm_core.numerics.types import Array, Extent, Mask, frozen
 from cpm_core.numerics.vectors import Vector, subtract_vectors, dot, vector_length, move_along, row_of, scale_vector
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 CHARGE_RADIUS = 16.0
 """Distance at which a charge of one pulls as strongly as the field of the edges [px of the image]."""
@@ -91,7 +91,7 @@ class PlacedCharge:
             place = np.zeros(())
         if place.shape not in ((2,), (3,)):
             raise ValueError(
-                f"the position of a placed charge is {shown(self.position)} but must be a row and a column, "
+                f"the position of a placed charge is {quote_value(self.position)} but must be a row and a column, "
                 "or a plane, a row and a column in a volume."
             )
         if not np.isfinite(place).all():

@@ -24,7 +24,7 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, Single, record
 from cpm_core.numerics.vectors import Vector
-from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
+from cpm_core.parameters import DEFAULT_VALUES, PLANE_PARAMETERS, Parameters
 from cpm_core.parameters.choices import Accuracy
 
 FAR_FIELD_BLOCK = 2.0
@@ -338,11 +338,11 @@ def pitch_of(spacing: Sides) -> Vector:
 
 def check_volume_parameters(parameters: Parameters) -> None:
     """Raise a `ValueError` unless the parameters that have a meaning in the plane only have their default values."""
-    for name in OF_PLANES:
+    for name in PLANE_PARAMETERS:
         value = getattr(parameters, name)
-        if value != DEFAULTS[name]:
+        if value != DEFAULT_VALUES[name]:
             shown = f"{value:g}" if isinstance(value, float) else repr(value)
             raise ValueError(
-                f"{name} is {shown} but has no meaning in a volume: leave it at {DEFAULTS[name]}, "
+                f"{name} is {shown} but has no meaning in a volume: leave it at {DEFAULT_VALUES[name]}, "
                 'as PRESETS["volume"] does.'
             )

@@ -13,12 +13,12 @@ import numpy as np
 import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
-from cpm_core.formats.common.atomic import check_target, drafts_of, write_together
-from cpm_core.formats.common.content import AnyPath, missing
+from cpm_core.formats.common.atomic import check_target, draft_files, write_together
+from cpm_core.formats.common.content import AnyPath, missing_package_message
 from cpm_core.numerics.memory import available_memory
 from cpm_core.numerics.types import Extent, Pixels
 
-ANIMATED: dict[str, str] = {
+ANIMATIONS_WRITABLE: dict[str, str] = {
     ".gif": "animated GIF, which all viewers show",
     ".png": "animated PNG in full color, which browsers show",
     ".apng": "animated PNG in full color, which browsers show",
@@ -26,13 +26,13 @@ ANIMATED: dict[str, str] = {
 }
 """Suffixes of animations that can be written -> what they are."""
 
-SLOWEST = 0.1
+MIN_FRAME_RATE = 0.1
 """Lowest frame rate [1 / s]."""
 
-FASTEST = 120.0
+MAX_FRAME_RATE = 120.0
 """Highest frame rate [1 / s]."""
 
-FASTEST_GIF = 50.0
+MAX_GIF_FRAME_RATE = 50.0
 """Highest frame rate of a GIF [1 / s]; viewers slow down faster ones."""
 
 _COLOR_STANDARD = "bt709"
@@ -79,10 +79,10 @@ def write_animation(
     """
     check_animation(path)
     file = Path(path)
-    fastest = FASTEST_GIF if file.suffix.lower() == ".gif" else FASTEST
-    if not (math.isfinite(frames_per_second) and SLOWEST <= frames_per_second <= fastest):
+    fastest = MAX_GIF_FRAME_RATE if file.suffix.lower() == ".gif" else MAX_FRAME_RATE
+    if not (math.isfinite(frames_per_second) and MIN_FRAME_RATE <= frames_per_second <= fastest):
         raise ValueError(
-            f"frames_per_second is {frames_per_second:g} but must be a number from {SLOWEST:g} to {fastest:g}."
+            f"frames_per_second is {frames_per_second:g} but must be a number from {MIN_FRAME_RATE:g} to {fastest:g}."
         )
 
     def check_frames() -> Iterator[Pixels]:
@@ -101,8 +101,8 @@ def write_animation(
     checked = check_frames()
     if (first := next(checked, None)) is None:
         raise ValueError(f"{file.name} would be an animation without frames: run first.")
-    write = _write_video if file.suffix.lower() == ".mp4" else _write_by_pillow
-    with drafts_of(file) as (draft,):
+    write = _write_video if file.suffix.lower() == ".mp4" else _write_animated_picture
+    with draft_files(file) as (draft,):
         write(first, checked, draft, file.suffix.lower(), frames_per_second, comment)
 
 
@@ -115,14 +115,14 @@ def check_animation(path: AnyPath) -> None:
         When the suffix is not known, the encoder that it needs is not installed, or no file can be written there.
     """
     file = Path(path)
-    check_target(file, ANIMATED, "of an animation")
+    check_target(file, ANIMATIONS_WRITABLE, "of an animation")
     check_encoder(file.suffix.lower())
 
 
 def check_encoder(suffix: str) -> None:
     """Raise ValueError, saying what to install, when a format has no encoder."""
     if suffix == ".mp4" and importlib.util.find_spec("imageio_ffmpeg") is None:
-        raise ValueError(missing("An .mp4 file, unlike .gif and APNG (.png),", "imageio-ffmpeg", "imageio-ffmpeg"))
+        raise ValueError(missing_package_message("An .mp4 file, unlike .gif and APNG (.png),", "imageio-ffmpeg", "imageio-ffmpeg"))
 
 
 def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:
@@ -135,7 +135,7 @@ def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:
     write_together([(path, stream.getvalue())])
 
 
-def _write_by_pillow(
+def _write_animated_picture(
     first: Pixels, rest: Iterable[Pixels], path: Path, suffix: str, frames_per_second: float, comment: str
 ) -> None:
     """Write an animated GIF or PNG; Pillow compares the frames, so all stay in memory until the end."""

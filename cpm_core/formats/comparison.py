@@ -7,14 +7,14 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.atomic import check_writable, write_together
 from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.common.printable import cell
+from cpm_core.formats.common.printable import escape_cell
 from cpm_core.formats.contours import contour_csv
-from cpm_core.formats.writers import WRITABLE, check_export, encoded, omission, suffix_of
+from cpm_core.formats.writers import CONTOURS_WRITABLE, check_export, to_bytes, describe_omissions, find_format_suffix
 from cpm_core.objects.methods import Facts
 
-TABLE = ".csv"
+TABLE_SUFFIX = ".csv"
 """Suffix of the table of all methods; other suffixes give one file of contours per method."""
 
 
@@ -50,27 +50,27 @@ def write_comparison(
     """
     contents = []
     for path in map(Path, paths):
-        suffix = suffix_of(path)
-        if suffix == TABLE:
-            known = [{k: cell(one) if isinstance(one, str) else one for k, one in asdict(row).items()} for row in rows]
-            contents.append((path, contour_csv.table(known, [field.name for field in fields(Facts)])))
+        suffix = find_format_suffix(path)
+        if suffix == TABLE_SUFFIX:
+            known = [{k: escape_cell(one) if isinstance(one, str) else one for k, one in asdict(row).items()} for row in rows]
+            contents.append((path, contour_csv.encode_csv_rows(known, [field.name for field in fields(Facts)])))
             continue
-        for file, result in zip(files_of(path, [row.method for row in rows]), results, strict=True):
-            if missing := omission(result, suffix):
+        for file, result in zip(list_comparison_files(path, [row.method for row in rows]), results, strict=True):
+            if missing := describe_omissions(result, suffix):
                 warn(f"{file}: {missing}")
             try:
-                contents.append((file, encoded(result, suffix)))
+                contents.append((file, to_bytes(result, suffix)))
             except ValueError as error:
                 refuse(file, str(error))
     write_together(contents)
     return tuple(file for file, _ in contents)
 
 
-def files_of(path: Path, methods: Sequence[str]) -> list[Path]:
+def list_comparison_files(path: Path, methods: Sequence[str]) -> list[Path]:
     """List the files written for a path: itself for the table or a single method, else one per method."""
-    if len(methods) < 2 or suffix_of(path) == TABLE:
+    if len(methods) < 2 or find_format_suffix(path) == TABLE_SUFFIX:
         return [path]
-    suffix = path.name[len(path.name) - len(suffix_of(path)) :]
+    suffix = path.name[len(path.name) - len(find_format_suffix(path)) :]
     stem = path.name.removesuffix(suffix)
     return [path.with_name(f"{stem}.{method}{suffix}") for method in methods]
 
@@ -79,10 +79,10 @@ def check_comparison(path: AnyPath, methods: Sequence[str]) -> None:
     """Check in advance whether `write_comparison` could write to a path; ValueError if not."""
     file = Path(path)
     check_export(file)
-    if suffix_of(file) not in WRITABLE:
+    if find_format_suffix(file) not in CONTOURS_WRITABLE:
         raise ValueError(
             f"{file.name} would be a file of a surface or of center lines, but a comparison is one of contours: choose "
-            f"one of {', '.join(WRITABLE)}."
+            f"one of {', '.join(CONTOURS_WRITABLE)}."
         )
-    for each in files_of(file, methods):
-        check_place(each)
+    for each in list_comparison_files(file, methods):
+        check_writable(each)

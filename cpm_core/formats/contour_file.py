@@ -12,9 +12,9 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import label_gray_levels
-from cpm_core.formats.common.content import AnyPath, content_of, decoding
+from cpm_core.formats.common.content import AnyPath, read_content, explain_decoding_errors
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
-from cpm_core.formats.contours.contents import Contents, Plane
+from cpm_core.formats.contours.contents import CollectedContours, PlaneInfo
 from cpm_core.formats.images.readers import load_image
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Texts, record
@@ -32,7 +32,7 @@ CONTOURS_READABLE: dict[str, str] = {
 }
 """Suffixes of files that contours can be read from -> what they are; images are read as label masks."""
 
-UNKNOWN = Plane()
+UNKNOWN_PLANE = PlaneInfo()
 """Plane without an image: nothing is known of it."""
 
 
@@ -54,7 +54,7 @@ class ContourFile:
 
     contours: tuple[Contour, ...]
     shape: tuple[int, int] | None = None
-    places: Array = field(default_factory=lambda: np.empty((0, 2)))
+    points: Array = field(default_factory=lambda: np.empty((0, 2)))
     notes: Texts = ()
 
 
@@ -101,71 +101,71 @@ def load_contours(
     >>> box.closed, box.area
     (True, 36.0)
     """
-    found = read_contours(path, plane_of(image), page=page)
+    found = read_contours(path, describe_plane(image), page=page)
     for note in found.notes:
         warn(f"{Path(path).name}: {note}")
     if not found.contours:
-        raise _without_contours(Path(path).name)
+        raise _no_contours_error(Path(path).name)
     return found.contours
 
 
-def plane_of(image: Image | None) -> Plane:
+def describe_plane(image: Image | None) -> PlaneInfo:
     """Return the shape and pixel size that readers need; for a volume those of its slices."""
     if image is None:
-        return UNKNOWN
+        return UNKNOWN_PLANE
     (rows, cols), (height, width) = image.shape[-2:], image.spacing[-2:]
-    return Plane((rows, cols), (height, width), image.unit)
+    return PlaneInfo((rows, cols), (height, width), image.unit)
 
 
-def read_contours(path: AnyPath, plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
+def read_contours(path: AnyPath, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int | None = None) -> ContourFile:
     """Read contours and single points, with the shape of the image where the file gives it; see `load_contours`.
 
     A file that holds only single points is no error.
     """
     file = Path(path)
     if file.suffix.lower() not in CONTOURS_READABLE:
-        return _of_mask(file)
-    return decode_contours(content_of(file), file.name, plane, page=page)
+        return _read_mask(file)
+    return decode_contours(read_content(file), file.name, plane, page=page)
 
 
-def decode_contours(content: bytes, name: str, plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
+def decode_contours(content: bytes, name: str, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int | None = None) -> ContourFile:
     """Decode contours from the content of a file or the clipboard; without a known suffix the content decides."""
     known = f"{', '.join(CONTOURS_READABLE)}, or a label mask"
-    with decoding(name, f"is damaged or holds no contours of a known kind: choose contours as {known}."):
-        found = _contents(content, name, plane)
-    return _checked(found, name, page)
+    with explain_decoding_errors(name, f"is damaged or holds no contours of a known kind: choose contours as {known}."):
+        found = _parse_contours(content, name, plane)
+    return _build_contour_file(found, name, page)
 
 
-def _contents(content: bytes, name: str, plane: Plane) -> Contents:
+def _parse_contours(content: bytes, name: str, plane: PlaneInfo) -> CollectedContours:
     """Parse contours with the reader that suffix and content select."""
     suffix = Path(name).suffix.lower()
     if suffix in (".zip", ".roi") or content.startswith((b"Iout", b"PK")):
-        return imagej.read(content)
+        return imagej.read_rois(content)
     if suffix == ".dxf":
-        return dxf.read(content, plane)
+        return dxf.read_dxf(content, plane)
     text = content.decode("utf-8-sig")
     begin = text.lstrip()[:1]
     if suffix == ".svg" or (suffix not in CONTOURS_READABLE and begin == "<"):
-        return svg.read(text, plane)
+        return svg.read_svg(text, plane)
     if suffix == ".csv" or (suffix not in CONTOURS_READABLE and begin not in ("{", "[")):
-        return contour_csv.read(text, name)
+        return contour_csv.read_contour_csv(text, name)
     plain = json.loads(text)
-    if contour_json.is_own(plain):
-        return contour_json.read(plain)
+    if contour_json.is_cpm_json(plain):
+        return contour_json.read_contour_json(plain)
     if "shapes" in plain:
-        return labelme.read(plain)
-    return coco.read(plain) if "annotations" in plain else geojson.read(plain)
+        return labelme.read_labelme(plain)
+    return coco.read_coco(plain) if "annotations" in plain else geojson.read_geojson(plain)
 
 
-def _checked(found: Contents, name: str, page: int | None) -> ContourFile:
+def _build_contour_file(found: CollectedContours, name: str, page: int | None) -> ContourFile:
     """Keep the contours of one page; ValueError when there are none, or vertices are not finite."""
-    pages = {number for number in (*found.pages, *(place[2] for place in found.places)) if number}
+    pages = {number for number in (*found.pages, *(place[2] for place in found.points)) if number}
     notes = list(found.notes)
     kept = [one for one, number in zip(found.contours, found.pages, strict=True) if page is None or number in (0, page)]
-    places = [(row, col) for row, col, number in found.places if page is None or number in (0, page)]
+    places = [(row, col) for row, col, number in found.points if page is None or number in (0, page)]
     if page is None and len(pages) > 1:
         notes.append(f"The contours lie on {len(pages)} pages, and those of all were taken.")
-    for what, count in sorted(found.left_out.items()):
+    for what, count in sorted(found.omissions.items()):
         notes.append(f"Left out: {what} ({count}).")
     drawn = np.array(places, float).reshape(-1, 2)
     if not all(np.isfinite(points).all() for points in (drawn, *(one.points for one in kept))):
@@ -173,21 +173,21 @@ def _checked(found: Contents, name: str, page: int | None) -> ContourFile:
     if page is not None and pages and page not in pages:
         raise ValueError(f"{name} has contours on {len(pages)} pages, none on page {page}: name one of them.")
     if not kept and not places:
-        raise _without_contours(name)
+        raise _no_contours_error(name)
     return ContourFile(tuple(kept), found.shape, drawn, tuple(notes))
 
 
-def _without_contours(name: str) -> ValueError:
+def _no_contours_error(name: str) -> ValueError:
     """Return the error for a file without contours."""
     return ValueError(f"{name} holds no contours: choose a file with at least one line or polygon.")
 
 
-def _of_mask(file: Path) -> ContourFile:
+def _read_mask(file: Path) -> ContourFile:
     """Read the outlines of the objects in a label mask."""
-    labels = mask.numbered_colors(file)
+    labels = mask.read_color_indices(file)
     if labels is None:
         labels = label_gray_levels(load_image(file).values, file.name)
-    found = Contents(shape=(labels.shape[0], labels.shape[1]))
-    for _, curves in mask.objects(labels):
+    found = CollectedContours(shape=(labels.shape[0], labels.shape[1]))
+    for _, curves in mask.find_label_outlines(labels):
         found.add_object(curves)
-    return _checked(found, file.name, None)
+    return _build_contour_file(found, file.name, None)

@@ -12,9 +12,9 @@ from cpm_core.contours.ground_truth import Truth, VolumeTruth, label_gray_levels
 from cpm_core.contours.surface import label_voxels
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
-from cpm_core.formats.contours.contents import Plane
+from cpm_core.formats.contours.contents import PlaneInfo
 from cpm_core.formats.images.readers import load_image
-from cpm_core.formats.surface_file import SURFACES_READABLE, labels_like, load_surface, parts_in
+from cpm_core.formats.surface_file import SURFACES_READABLE, read_aligned_labels, load_surface, read_overlapping_parts
 from cpm_core.image.image import Image
 
 _MAX_OVERHANG = 1.0
@@ -67,10 +67,10 @@ def load_truth(
     """
     file, rows, cols = Path(path), *map(int, shape)
     if file.suffix.lower() in CONTOURS_READABLE:
-        plane = Plane((rows, cols), (float(spacing[0]), float(spacing[1])), unit)
-        return truth_from_contours(_contours(file, plane, (rows, cols)), (rows, cols), file.name, holes=holes)
+        plane = PlaneInfo((rows, cols), (float(spacing[0]), float(spacing[1])), unit)
+        return truth_from_contours(_read_fitting_contours(file, plane, (rows, cols)), (rows, cols), file.name, holes=holes)
     image = load_image(file)
-    _check_size(file.name, image.shape, (rows, cols))
+    _check_truth_size(file.name, image.shape, (rows, cols))
     return truth_from_mask(image.values, file.name)
 
 
@@ -106,21 +106,21 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
     file = Path(path)
     if file.suffix.lower() in CONTOURS_READABLE:
         raise ValueError(f"{file.name} holds contours, which lie in a plane: choose labels or a surface.")
-    if file.suffix.lower() in SURFACES_READABLE or parts_in(file):
+    if file.suffix.lower() in SURFACES_READABLE or read_overlapping_parts(file):
         surface = load_surface(file, volume)
         if not surface.closed:
             raise ValueError(f"The surface of {file.name} is not closed, so nothing is inside: choose another one.")
         labels = label_voxels(surface, volume.shape).astype(np.int32)
         return VolumeTruth(labels, volume.spacing, volume.unit, file.name, boundary=surface)
-    return VolumeTruth(label_gray_levels(labels_like(file, volume), file.name), volume.spacing, volume.unit, file.name)
+    return VolumeTruth(label_gray_levels(read_aligned_labels(file, volume), file.name), volume.spacing, volume.unit, file.name)
 
 
-def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour, ...]:
+def _read_fitting_contours(file: Path, plane: PlaneInfo, shape: tuple[int, int]) -> tuple[Contour, ...]:
     """Read contours; ValueError unless they fit into the image."""
     found, (rows, cols) = read_contours(file, plane), shape
     if not found.contours:
         raise ValueError(f"{file.name} holds single points, and no lines to compare with: choose other contours.")
-    _check_size(file.name, found.shape or shape, shape)
+    _check_truth_size(file.name, found.shape or shape, shape)
     beyond = np.concatenate([contour.points for contour in found.contours])
     if beyond.min() < -0.5 - _MAX_OVERHANG or (beyond > np.array([rows, cols]) - 0.5 + _MAX_OVERHANG).any():
         raise ValueError(
@@ -130,7 +130,7 @@ def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour
     return found.contours
 
 
-def _check_size(name: str, found: Sequence[int], wanted: tuple[int, int]) -> None:
+def _check_truth_size(name: str, found: Sequence[int], wanted: tuple[int, int]) -> None:
     """Raise ValueError for a ground truth of another size than the image."""
     if tuple(found) != wanted:
         raise ValueError(

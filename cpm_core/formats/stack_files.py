@@ -11,12 +11,12 @@ import numpy as np
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import Labels, label_type, rasterize_labels
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_target, drafts_of, suffix_among, write_together
+from cpm_core.formats.common.atomic import check_target, draft_files, find_suffix, write_together
 from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.common.plain import encoded_json
-from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
+from cpm_core.formats.common.plain import encode_json
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, PROGRAM_NAME, describe_provenance
 from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
-from cpm_core.formats.masks.labels import entries_for_imagej
+from cpm_core.formats.masks.labels import build_imagej_metadata
 from cpm_core.numerics.types import JsonDict, Extent
 from cpm_core.pages.page import StackResult
 
@@ -27,7 +27,7 @@ _ALL_CHANNELS = -1
 """Channel of an annotation of QuPath that belongs to all channels."""
 
 
-def encode_geojson(found: StackResult) -> bytes:
+def encode_stack_geojson(found: StackResult) -> bytes:
     """Encode each contour of each page as a feature, as `geojson.encode` does for an image.
 
     Its properties include ``page`` (from 1) and ``track``, and its geometry has the ``plane`` of QuPath: ``z`` or ``t``
@@ -36,15 +36,15 @@ def encode_geojson(found: StackResult) -> bytes:
     features: list[JsonDict] = []
     for page, result in found.results:
         tracks = [contour.number for contour in result.contours if not contour.hole]
-        for track, feature in zip(tracks, geojson.features_of(_named(result)), strict=True):
+        for track, feature in zip(tracks, geojson.build_features(_name_by_track(result)), strict=True):
             feature["geometry"]["plane"] = {"c": _ALL_CHANNELS, "z": 0, "t": 0} | {found.axis: page - 1}
             feature["properties"] |= {"page": page, "track": track}
             features.append(feature)
-    made = {ENTRY: facts_of(found.results[0][1])} if found.results else {}
-    return encoded_json({"type": "FeatureCollection", **made, "features": features})
+    made = {PROVENANCE_KEY: describe_provenance(found.results[0][1])} if found.results else {}
+    return encode_json({"type": "FeatureCollection", **made, "features": features})
 
 
-def encode_set(found: StackResult) -> bytes:
+def encode_stack_rois(found: StackResult) -> bytes:
     """Encode each contour of each page as a selection, which the ROI manager of ImageJ shows on its page.
 
     Selections are named by page and track. ValueError when there is no contour, because ImageJ reports an
@@ -57,22 +57,22 @@ def encode_set(found: StackResult) -> bytes:
         digits = len(str(found.count))
         for page, result in found.results:
             place = {"position": page} if found.alone else {f"{found.axis}_position": page}
-            properties = f"cpm_page: {page}\n{imagej.properties_of(result)}"
-            for contour in _named(result).contours:
+            properties = f"cpm_page: {page}\n{imagej.format_roi_properties(result)}"
+            for contour in _name_by_track(result).contours:
                 track = f"cpm_track: {contour.number}\n"
-                content = imagej.selection(contour, contour.number, track + properties, **place)
+                content = imagej.encode_contour_roi(contour, contour.number, track + properties, **place)
                 yield f"page {page:0{digits}d} track {contour.number}", content
 
-    return imagej.set_of(iterate_rois())
+    return imagej.encode_roi_archive(iterate_rois())
 
 
-def _named(result: Result) -> Result:
+def _name_by_track(result: Result) -> Result:
     """Name the contours without a name by their tracks."""
     contours = tuple(replace(one, name=one.name or f"track {one.number}") for one in result.contours)
     return replace(result, contours=contours)
 
 
-def write_labels(found: StackResult, target: Path) -> None:
+def write_label_stack(found: StackResult, target: Path) -> None:
     """Write the label masks of all pages as an uncompressed TIFF, painted one at a time.
 
     Labels are tracks; unused pages and those without closed contours are 0. The file has the entries of ImageJ if that
@@ -91,14 +91,14 @@ def write_labels(found: StackResult, target: Path) -> None:
     size = found.count * int(np.prod(shape)) * kind.itemsize
     entries: JsonDict = {"metadata": {"axes": f"{found.axis.upper()}YX"}}
     if kind == np.uint16 and size < _MAX_IMAGEJ_SIZE:
-        entries = {"imagej": True, "metadata": entries_for_imagej(first, f"{found.axis.upper()}YX")}
+        entries = {"imagej": True, "metadata": build_imagej_metadata(first, f"{found.axis.upper()}YX")}
     if first.unit:
         entries["resolution"] = (1.0 / first.spacing[1], 1.0 / first.spacing[0])
 
     def paint_pages() -> Iterator[Labels]:
         nothing = np.zeros(shape, kind)
         for page in range(1, found.count + 1):
-            yield tracks_on(results[page], shape).astype(kind) if page in results else nothing
+            yield paint_tracks(results[page], shape).astype(kind) if page in results else nothing
 
     import tifffile  # only here, because it takes long to import
 
@@ -109,36 +109,36 @@ def write_labels(found: StackResult, target: Path) -> None:
         dtype=kind,
         bigtiff=size >= _MAX_IMAGEJ_SIZE,
         photometric="minisblack",
-        software=PROGRAM,
+        software=PROGRAM_NAME,
         **entries,
     )
 
 
-def tracks_on(result: Result, shape: Extent) -> Labels:
+def paint_tracks(result: Result, shape: Extent) -> Labels:
     """Paint the insides of closed contours with their tracks, ints of shape `shape`."""
     numbers = {label: one.number for label, one in zip(assign_labels(result.contours), result.contours, strict=True)}
     return np.array([0, *(numbers[label] for label in range(1, max(numbers) + 1))])[rasterize_labels(result.contours, shape)]
 
 
 _STACK_ENCODERS: dict[str, tuple[str, Callable[[StackResult], bytes]]] = {
-    ".measures.csv": ("a table of the measures of all contours on all pages", contour_csv.encode_measures_of_pages),
-    ".csv": ("a table of the vertices of all contours on all pages", contour_csv.encode_pages),
-    ".json": ("everything, with tracks and what happens to them", contour_json.encode_pages),
-    ".geojson": ("contours as annotations for QuPath, each on its page", encode_geojson),
-    ".zip": ("contours as a set of selections of ImageJ and Fiji, each on its page", encode_set),
+    ".measures.csv": ("a table of the measures of all contours on all pages", contour_csv.encode_page_measures),
+    ".csv": ("a table of the vertices of all contours on all pages", contour_csv.encode_page_vertices),
+    ".json": ("everything, with tracks and what happens to them", contour_json.encode_pages_json),
+    ".geojson": ("contours as annotations for QuPath, each on its page", encode_stack_geojson),
+    ".zip": ("contours as a set of selections of ImageJ and Fiji, each on its page", encode_stack_rois),
 }
 """Suffix -> what is written, and the function that encodes it."""
 
 _LABEL_STACKS = dict.fromkeys((".tif", ".tiff"), "a label stack, one page each, tracks as labels")
 """Suffixes of label stacks, which are written page by page -> what is written."""
 
-FOR_STACKS: dict[str, str] = {**_LABEL_STACKS, **{suffix: text for suffix, (text, _) in _STACK_ENCODERS.items()}}
+STACKS_WRITABLE: dict[str, str] = {**_LABEL_STACKS, **{suffix: text for suffix, (text, _) in _STACK_ENCODERS.items()}}
 """Suffixes of files of all pages of a stack -> what is written."""
 
 
-def stack_suffix_of(path: AnyPath) -> str:
+def find_stack_suffix(path: AnyPath) -> str:
     """Return the longest suffix of a stack file that fits a path; empty for others."""
-    return suffix_among(path, FOR_STACKS)
+    return find_suffix(path, STACKS_WRITABLE)
 
 
 def export_stack(
@@ -164,14 +164,14 @@ def export_stack(
     """
     files = list(map(Path, paths))
     for file in files:
-        check_target(file, FOR_STACKS, "for all pages of a stack")
+        check_target(file, STACKS_WRITABLE, "for all pages of a stack")
     for file in files:
         try:
-            if (suffix := stack_suffix_of(file)) in _STACK_ENCODERS:
+            if (suffix := find_stack_suffix(file)) in _STACK_ENCODERS:
                 write_together([(file, _STACK_ENCODERS[suffix][1](found))])
             else:
-                with drafts_of(file) as (draft,):
-                    write_labels(found, draft)
+                with draft_files(file) as (draft,):
+                    write_label_stack(found, draft)
         except ValueError as error:
             if refused is None:
                 raise

@@ -12,27 +12,27 @@ import numpy as np
 from cpm_core.contours.contour import Label
 from cpm_core.contours.ground_truth import label_gray_levels
 from cpm_core.contours.surface import Surface, surface_from_labels, join_surfaces
-from cpm_core.formats.common.atomic import suffix_among
-from cpm_core.formats.common.content import AnyPath, content_of, decoding
-from cpm_core.formats.images.decoded import Decoded
-from cpm_core.formats.images.readers import READABLE, load_volume, open_stack
+from cpm_core.formats.common.atomic import find_suffix
+from cpm_core.formats.common.content import AnyPath, read_content, explain_decoding_errors
+from cpm_core.formats.images.decoded import DecodedImage
+from cpm_core.formats.images.readers import IMAGES_READABLE, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import volume_of
+from cpm_core.formats.images.stack import read_volume
 from cpm_core.formats.masks import dicom_seg, itk_snap, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, vtk
-from cpm_core.formats.meshes.coordinates import place_of
-from cpm_core.formats.meshes.triangles import Triangles
+from cpm_core.formats.meshes.coordinates import find_voxel_transform
+from cpm_core.formats.meshes.triangles import ParsedTriangles
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Texts
 
 _LOG = logging.getLogger(__name__)
 
-_MESH_READERS: dict[str, tuple[str, Callable[[bytes], Triangles]]] = {
-    ".ply": ("triangles of MeshLab, Blender and others", ply.read),
-    ".stl": ("triangles for printing", stl.read),
-    ".obj": ("triangles of drawing programs", obj.read),
-    ".vtk": ("poly data of ParaView and 3D Slicer", vtk.read),
+_MESH_READERS: dict[str, tuple[str, Callable[[bytes], ParsedTriangles]]] = {
+    ".ply": ("triangles of MeshLab, Blender and others", ply.read_ply),
+    ".stl": ("triangles for printing", stl.read_stl),
+    ".obj": ("triangles of drawing programs", obj.read_obj),
+    ".vtk": ("poly data of ParaView and 3D Slicer", vtk.read_vtk),
 }
 """Suffix -> kind of file, and the function that reads it."""
 
@@ -103,18 +103,18 @@ def read_surface(path: AnyPath, image: Image | None = None, space: Convention | 
     """Read a surface, and list what was assumed; see `load_surface`."""
     file = Path(path)
     if file.suffix.lower() not in SURFACES_READABLE:
-        return _of_labels(file, image), ()
-    return decode_surface(content_of(file), file.name, image, space)
+        return _read_label_surfaces(file, image), ()
+    return decode_surface(read_content(file), file.name, image, space)
 
 
 def decode_surface(
     content: bytes, name: str, image: Image | None = None, space: Convention | None = None
 ) -> tuple[Surface, Texts]:
     """Decode a surface from the content of a file of triangles, and list what was assumed."""
-    with decoding(name, "is damaged, or no surface of this kind: write it again."):
+    with explain_decoding_errors(name, "is damaged, or no surface of this kind: write it again."):
         found = _MESH_READERS[Path(name).suffix.lower()][1](content)
-    place, notes = place_of(content[:_COORDINATE_HEAD_SIZE].decode("latin-1"), image, space)
-    faces = found.faces[:, ::-1] if place.mirrored else found.faces
+    place, notes = find_voxel_transform(content[:_COORDINATE_HEAD_SIZE].decode("latin-1"), image, space)
+    faces = found.faces[:, ::-1] if place.is_mirrored else found.faces
     try:
         surface = Surface(place.to_voxels(found.points), faces, place.spacing, place.unit, numbers=found.numbers)
     except ValueError as error:
@@ -132,9 +132,9 @@ def decode_surface(
     return surface, notes
 
 
-def _of_labels(file: Path, image: Image | None) -> Surface:
+def _read_label_surfaces(file: Path, image: Image | None) -> Surface:
     """Read the surfaces of the objects in a label volume, halfway between voxels; integer labels and names are kept."""
-    if parts := parts_in(file):
+    if parts := read_overlapping_parts(file):
         if image is None:
             raise ValueError(
                 f"{file.name} has segments that lie in another file: name it with --image, or open it first."
@@ -143,43 +143,43 @@ def _of_labels(file: Path, image: Image | None) -> Surface:
         for name, masks in parts:
             inside = np.zeros(image.shape)
             for mask in masks:
-                _put(mask, file.name, image, inside)
+                _add_aligned_labels(mask, file.name, image, inside)
             names.append(name)
             bodies.append((name.number, surface_from_labels((inside > 0.0).astype(np.int32), image.spacing, image.unit)))
         return replace(join_surfaces(bodies, image.spacing, image.unit), labels=tuple(names))
     volume = image or load_volume(file)
-    values = volume.values if image is None else labels_like(file, image)
+    values = volume.values if image is None else read_aligned_labels(file, image)
     labels = label_gray_levels(values, file.name)
     if values.min() == 0 and values.max() <= _MAX_OBJECT_LABEL and not (values % 1.0).any():
         labels = values.astype(np.int32)
     surface = surface_from_labels(labels, volume.spacing, volume.unit)
-    known = tuple(one.label for one in nrrd.segments_of(file)) or itk_snap.next_to(file, suffix_among(file, READABLE))
+    known = tuple(one.label for one in nrrd.read_segments(file)) or itk_snap.read_sibling_description(file, find_suffix(file, IMAGES_READABLE))
     if known and surface.numbers is None:
         surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))
     return replace(surface, labels=known)
 
 
-def parts_in(file: Path) -> Iterable[tuple[Label, Sequence[Decoded]]]:
+def read_overlapping_parts(file: Path) -> Iterable[tuple[Label, Sequence[DecodedImage]]]:
     """Read the segments of a file that may overlap, as masks with positions of their own; empty for label volumes."""
-    with decoding(file.name, "is damaged: get a sound copy of it."):
-        return dicom_seg.read(file) or nrrd.overlapping(file, nrrd.segments_of(file)) or ()
+    with explain_decoding_errors(file.name, "is damaged: get a sound copy of it."):
+        return dicom_seg.read_dicom_seg(file) or nrrd.read_overlapping_segments(file, nrrd.read_segments(file)) or ()
 
 
-def labels_like(file: Path, volume: Image) -> Array:
+def read_aligned_labels(file: Path, volume: Image) -> Array:
     """Read the values of a label volume in the axis order of the volume that it belongs to.
 
     If only a part of it was saved, as some programs do around nonzero labels, the rest is 0. The values have the shape
     of `volume`. ValueError when the file cannot be read, has another size, or lies elsewhere in space.
     """
     stack = open_stack(file)
-    with decoding(file.name, "is damaged: get a sound copy of it."):
-        found = volume_of(stack, Reading())
+    with explain_decoding_errors(file.name, "is damaged: get a sound copy of it."):
+        found = read_volume(stack, Reading())
     values = np.zeros(volume.shape)
-    _put(found, file.name, volume, values)
+    _add_aligned_labels(found, file.name, volume, values)
     return values
 
 
-def _put(labels: Decoded, name: str, volume: Image, into: Array) -> None:
+def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Array) -> None:
     """Add the values of labels to those of a volume, in its axis order.
 
     `into` has the shape of `volume`. ValueError when labels lie elsewhere in space, or have another size.

@@ -15,9 +15,9 @@ import numpy as np
 
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_target, suffix_among, write_together
+from cpm_core.formats.common.atomic import check_target, find_suffix, write_together
 from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours import (
     coco,
@@ -33,16 +33,16 @@ from cpm_core.formats.contours import (
 )
 from cpm_core.formats.masks import dicom_seg, itk_snap, labels, nifti, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
-from cpm_core.formats.meshes.coordinates import Mesh, mesh_of
+from cpm_core.formats.meshes.coordinates import ExportMesh, build_mesh
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, Texts, frozen
-from cpm_core.parameters.quotation import counted, shown
+from cpm_core.parameters.quotation import format_count, quote_value
 
 _LOG = logging.getLogger(__name__)
 
-Found = Outcome | Centerlines
+ExportableResult = Outcome | Centerlines
 """Everything that can be exported."""
 
 
@@ -96,16 +96,16 @@ _MASK_FORMAT = partial(Format, volume="the objects inside a surface as a label v
 """Makes the format of a mask that also holds volumes."""
 
 
-def _mesh(suffix: str, encode: Callable[[Mesh], bytes], volume: str) -> Format:
+def _mesh_format(suffix: str, encode: Callable[[ExportMesh], bytes], volume: str) -> Format:
     """Make the format of a surface file."""
-    return Format(suffix, lambda result, space: encode(mesh_of(result, space)), volume=volume, options=("space",))
+    return Format(suffix, lambda result, space: encode(build_mesh(result, space)), volume=volume, options=("space",))
 
 
-FORMATS: tuple[Format, ...] = (
-    Format(".svg", svg.encode, "contours as a vector drawing", "branches as a vector drawing, with their thickness"),
+FILE_FORMATS: tuple[Format, ...] = (
+    Format(".svg", svg.encode_svg, "contours as a vector drawing", "branches as a vector drawing, with their thickness"),
     Format(
         ".csv",
-        contour_csv.encode,
+        contour_csv.encode_vertices,
         "contours as a table of vertices",
         "branches as a table of vertices, with their radii",
     ),
@@ -117,89 +117,89 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         ".table.csv",
-        contour_csv.encode_table,
+        contour_csv.encode_object_table,
         "a table with one row per object: what closed contours enclose",
         volume="a table with one row per object inside the surface",
     ),
     Format(
         ".json",
-        contour_json.encode,
+        contour_json.encode_contour_json,
         "everything: contours, their measures, bridges, and the outcome of the run",
         "everything: branches and their radii",
     ),
-    Format(".geojson", geojson.encode, "contours as annotations for QuPath", "branches as annotations for QuPath"),
+    Format(".geojson", geojson.encode_geojson, "contours as annotations for QuPath", "branches as annotations for QuPath"),
     Format(
         ".zip",
-        imagej.encode_set,
+        imagej.encode_roi_set,
         "contours as a set of selections of ImageJ and Fiji",
         "branches as a set of selections of ImageJ and Fiji",
     ),
-    Format(".roi", imagej.encode, "the only contour as a selection of ImageJ and Fiji"),
-    Format(".labelme.json", labelme.encode, "contours as shapes for labelme", "branches as shapes for labelme"),
-    Format(".coco.json", coco.encode, "closed contours as COCO instances"),
-    _MASK_FORMAT(".tif", labels.encode_tiff, f"{_INSIDES_TEXT} {_SIZED_TEXT}", f"{_BRANCHES_TEXT} {_SIZED_TEXT}"),
-    _MASK_FORMAT(".tiff", labels.encode_tiff, f"{_INSIDES_TEXT} {_SIZED_TEXT}"),
-    _MASK_FORMAT(".nii", nifti.encode, f"{_INSIDES_TEXT} of one slice"),
-    _MASK_FORMAT(".nii.gz", nifti.encode_packed, "the same, compressed"),
+    Format(".roi", imagej.encode_roi, "the only contour as a selection of ImageJ and Fiji"),
+    Format(".labelme.json", labelme.encode_labelme, "contours as shapes for labelme", "branches as shapes for labelme"),
+    Format(".coco.json", coco.encode_coco, "closed contours as COCO instances"),
+    _MASK_FORMAT(".tif", labels.encode_label_tiff, f"{_INSIDES_TEXT} {_SIZED_TEXT}", f"{_BRANCHES_TEXT} {_SIZED_TEXT}"),
+    _MASK_FORMAT(".tiff", labels.encode_label_tiff, f"{_INSIDES_TEXT} {_SIZED_TEXT}"),
+    _MASK_FORMAT(".nii", nifti.encode_nifti, f"{_INSIDES_TEXT} of one slice"),
+    _MASK_FORMAT(".nii.gz", nifti.encode_nifti_gz, "the same, compressed"),
     _MASK_FORMAT(
         ".nrrd",
-        nrrd.encode,
+        nrrd.encode_nrrd,
         f"{_INSIDES_TEXT} of one slice",
         volume="the objects inside a surface as segments of 3D Slicer",
     ),
     Format(
         ".seg.dcm",
-        dicom_seg.encode,
+        dicom_seg.encode_dicom_seg,
         volume="the objects inside a surface as segments in a DICOM series",
         options=("image",),
     ),
-    Format(".dxf", dxf.encode, "contours as polylines for CAD", "branches as polylines for CAD"),
-    Format(".png", labels.encode_png, _INSIDES_TEXT, _BRANCHES_TEXT, options=("outlines",)),
+    Format(".dxf", dxf.encode_dxf, "contours as polylines for CAD", "branches as polylines for CAD"),
+    Format(".png", labels.encode_label_png, _INSIDES_TEXT, _BRANCHES_TEXT, options=("outlines",)),
     *(
-        Format(f".figure{suffix}", partial(figure.encoded, suffix), text.format("contours"), text.format("branches"))
+        Format(f".figure{suffix}", partial(figure.encode_figure, suffix), text.format("contours"), text.format("branches"))
         for suffix, text in _FIGURE_TEXTS.items()
     ),
-    _mesh(".ply", ply.encode, "the surface of a volume with its normals"),
-    _mesh(".stl", stl.encode, "the triangles of the surface of a volume, for printing"),
-    _mesh(".obj", obj.encode, "the surface of a volume as text"),
-    _mesh(".vtk", vtk.encode, "the surface of a volume as poly data"),
-    Format(".points.csv", points_csv.encode, volume="the particles of a run in a volume, as a table"),
-    Format(".swc", swc.encode, lines="center lines in a volume as a tree of points with radii", options=("space",)),
+    _mesh_format(".ply", ply.encode_ply, "the surface of a volume with its normals"),
+    _mesh_format(".stl", stl.encode_stl, "the triangles of the surface of a volume, for printing"),
+    _mesh_format(".obj", obj.encode_obj, "the surface of a volume as text"),
+    _mesh_format(".vtk", vtk.encode_vtk, "the surface of a volume as poly data"),
+    Format(".points.csv", points_csv.encode_points, volume="the particles of a run in a volume, as a table"),
+    Format(".swc", swc.encode_swc, lines="center lines in a volume as a tree of points with radii", options=("space",)),
 )
 
-_SUFFIXES = tuple(one.suffix for one in FORMATS)
+_FORMAT_SUFFIXES = tuple(one.suffix for one in FILE_FORMATS)
 """Suffixes of all formats."""
 
-WRITABLE: dict[str, str] = {one.suffix: one.contours for one in FORMATS if one.contours}
+CONTOURS_WRITABLE: dict[str, str] = {one.suffix: one.contours for one in FILE_FORMATS if one.contours}
 """Suffixes that contours can be exported to, some of two parts -> what is written."""
 
-FOR_SKELETONS: dict[str, str] = {one.suffix: one.branches for one in FORMATS if one.branches}
+SKELETONS_WRITABLE: dict[str, str] = {one.suffix: one.branches for one in FILE_FORMATS if one.branches}
 """Suffixes that a skeleton can be exported to -> what is written."""
 
-FOR_VOLUMES: dict[str, str] = {one.suffix: one.volume for one in FORMATS if one.volume}
+VOLUMES_WRITABLE: dict[str, str] = {one.suffix: one.volume for one in FILE_FORMATS if one.volume}
 """Suffixes that the result of a volume can be exported to -> what is written."""
 
-FOR_CENTERLINES: dict[str, str] = {one.suffix: one.lines for one in FORMATS if one.lines}
+CENTERLINES_WRITABLE: dict[str, str] = {one.suffix: one.lines for one in FILE_FORMATS if one.lines}
 """Suffixes that center lines can be exported to -> what is written."""
 
-OUTLINABLE = frozenset(one.suffix for one in FORMATS if "outlines" in one.options)
+MASK_SUFFIXES = frozenset(one.suffix for one in FILE_FORMATS if "outlines" in one.options)
 """Suffixes of masks, which hold the insides of closed contours, or contours as lines."""
 
-IN_SPACE = frozenset(one.suffix for one in FORMATS if "space" in one.options and one.volume)
+SURFACE_SUFFIXES = frozenset(one.suffix for one in FILE_FORMATS if "space" in one.options and one.volume)
 """Suffixes of surfaces whose coordinates are in LPS or RAS; see `export`."""
 
-DRAWN = frozenset(suffix for suffix in WRITABLE if suffix.startswith(".figure"))
+FIGURE_SUFFIXES = frozenset(suffix for suffix in CONTOURS_WRITABLE if suffix.startswith(".figure"))
 """Suffixes of figures, which show the image."""
 
 _DESCRIBED_SUFFIXES = frozenset({".nii", ".nii.gz"})
 """Suffixes of masks without names, which a description of ITK-SNAP next to them holds."""
 
-_CLOSED_ONLY_SUFFIXES = OUTLINABLE | {".coco.json"}
+_CLOSED_ONLY_SUFFIXES = MASK_SUFFIXES | {".coco.json"}
 """Suffixes of files that hold no open contours."""
 
 
 def export(
-    result: Found,
+    result: ExportableResult,
     *paths: AnyPath,
     outlines: bool = False,
     image: AnyPath | None = None,
@@ -248,70 +248,70 @@ def export(
         check_export(file)
     for file in files:
         shown_as = result
-        if suffix_of(file) == ".labelme.json" and image is not None and not isinstance(result, Centerlines):
-            shown_as = labelme.located(result, file, Path(image))
+        if find_format_suffix(file) == ".labelme.json" and image is not None and not isinstance(result, Centerlines):
+            shown_as = labelme.set_relative_source(result, file, Path(image))
         try:
-            content = encoded(shown_as, suffix_of(file), outlines=outlines, space=space, image=image)
-            contents += [(file, content), *descriptions(result, file, outlines=outlines)]
+            content = to_bytes(shown_as, find_format_suffix(file), outlines=outlines, space=space, image=image)
+            contents += [(file, content), *encode_descriptions(result, file, outlines=outlines)]
         except ValueError as error:
             if refused is None or (file is files[-1] and not contents):
                 raise
             refused(file, str(error))
     for file, _ in contents:
-        if missing := omission(result, suffix_of(file), outlines=outlines):
+        if missing := describe_omissions(result, find_format_suffix(file), outlines=outlines):
             warn(f"{file}: {missing}")
     write_together(contents)
 
 
-def descriptions(result: Found, path: Path, *, outlines: bool = False) -> list[tuple[Path, bytes]]:
+def encode_descriptions(result: ExportableResult, path: Path, *, outlines: bool = False) -> list[tuple[Path, bytes]]:
     """Encode the file of names that belongs next to a label mask; empty for other files and without names.
 
     ValueError when there is another file of that name.
     """
-    suffix = suffix_of(path)
+    suffix = find_format_suffix(path)
     if suffix not in _DESCRIBED_SUFFIXES or isinstance(result, Centerlines):
         return []
-    named = labels.named_labels(result, outlines=outlines)
-    beside = path.with_name(path.name[: -len(suffix)] + itk_snap.SUFFIX)
-    if named and beside.exists() and not itk_snap.read(beside):
+    named = labels.find_named_labels(result, outlines=outlines)
+    beside = path.with_name(path.name[: -len(suffix)] + itk_snap.DESCRIPTION_SUFFIX)
+    if named and beside.exists() and not itk_snap.read_label_description(beside):
         raise ValueError(
             f"The names of the labels of {path.name} belong into {beside.name}, but this is another file: "
             "choose another name for the labels."
         )
-    return [(beside, itk_snap.encode(named))] if named else []
+    return [(beside, itk_snap.encode_label_description(named))] if named else []
 
 
-def left_out(result: Found, suffix: str, *, outlines: bool = False) -> int:
+def count_left_out(result: ExportableResult, suffix: str, *, outlines: bool = False) -> int:
     """Count the contours that a file with this suffix omits because they are open; see `export`."""
     if (
         isinstance(result, Skeleton | Centerlines)
         or suffix not in _CLOSED_ONLY_SUFFIXES
-        or (outlines and suffix in OUTLINABLE)
+        or (outlines and suffix in MASK_SUFFIXES)
     ):
         return 0
     return sum(not contour.closed for contour in result.contours)
 
 
-def omission(result: Found, suffix: str, *, outlines: bool = False) -> str:
+def describe_omissions(result: ExportableResult, suffix: str, *, outlines: bool = False) -> str:
     """Describe what a file with this suffix omits of a result, in a sentence or two; empty if nothing."""
     sentences = []
-    count = left_out(result, suffix, outlines=outlines)
-    what = "a mask" if suffix in OUTLINABLE else "a COCO file"
+    count = count_left_out(result, suffix, outlines=outlines)
+    what = "a mask" if suffix in MASK_SUFFIXES else "a COCO file"
     if count:
         sentences.append(
             f"{count} of {len(result.contours)} contours {'is' if count == 1 else 'are'} open and not in {what}."
         )
     hidden = 0
-    if suffix in OUTLINABLE and not outlines and isinstance(result, Result) and result.surface is None:
+    if suffix in MASK_SUFFIXES and not outlines and isinstance(result, Result) and result.surface is None:
         hidden = len(set(assign_labels(result.contours)) - {0, *np.unique(result.labels).tolist()})
     if hidden:
         one, several = "has no pixel of its own and is", "contours have no pixel of their own and are"
-        sentences.append(f"{counted(hidden, f'closed contour {one}', f'closed {several}')} not in a mask.")
+        sentences.append(f"{format_count(hidden, f'closed contour {one}', f'closed {several}')} not in a mask.")
     return " ".join(sentences)
 
 
-def encoded(
-    result: Found, suffix: str, *, outlines: bool = False, space: Convention = "LPS", image: AnyPath | None = None
+def to_bytes(
+    result: ExportableResult, suffix: str, *, outlines: bool = False, space: Convention = "LPS", image: AnyPath | None = None
 ) -> bytes:
     """Encode what `export` would write, for the clipboard and other places without a file.
 
@@ -344,9 +344,9 @@ def encoded(
     >>> cpm.encoded(result, ".svg")[:5]
     b'<?xml'
     """
-    form = next((one for one in FORMATS if one.suffix == suffix), None)
+    form = next((one for one in FILE_FORMATS if one.suffix == suffix), None)
     if form is None:
-        raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {', '.join(_SUFFIXES)}.")
+        raise ValueError(f"{quote_value(suffix)} names no format that can be written: choose one of {', '.join(_FORMAT_SUFFIXES)}.")
     if isinstance(result, Skeleton) and result.lines is not None:
         result = result.lines
     if isinstance(result, Centerlines):
@@ -357,25 +357,25 @@ def encoded(
     elif isinstance(result, Result) and result.surface is not None and not form.volume:
         raise ValueError(
             f'{result.source} is a volume, but a file with the suffix "{suffix}" holds what lies in a plane: '
-            f"choose one of {', '.join(FOR_VOLUMES)}."
+            f"choose one of {', '.join(VOLUMES_WRITABLE)}."
         )
     if not isinstance(result, Centerlines):
         contours = tuple(
-            replace(contour, name=printable(contour.name), category=printable(contour.category))
+            replace(contour, name=make_printable(contour.name), category=make_printable(contour.category))
             for contour in result.contours
         )
-        result = replace(result, contours=contours, source=printable(result.source))
+        result = replace(result, contours=contours, source=make_printable(result.source))
     options: JsonDict = {"outlines": outlines, "space": space, "image": None if image is None else Path(image)}
     return form.encode(result, **{name: options[name] for name in form.options})
 
 
-def suffix_of(path: AnyPath) -> str:
+def find_format_suffix(path: AnyPath) -> str:
     """Return the suffix of a writable format that a file name ends in, in lower case; empty if there is none.
 
     The longest one counts, so that ``a.coco.json`` is not a plain ``.json``; a name that is nothing but a suffix has
     none.
     """
-    return suffix_among(path, _SUFFIXES)
+    return find_suffix(path, _FORMAT_SUFFIXES)
 
 
 def check_export(path: AnyPath) -> None:
@@ -386,4 +386,4 @@ def check_export(path: AnyPath) -> None:
     ValueError
         When the suffix is not known, the folder does not exist or is not writable, or the path is a folder.
     """
-    check_target(path, _SUFFIXES)
+    check_target(path, _FORMAT_SUFFIXES)

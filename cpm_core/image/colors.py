@@ -8,8 +8,8 @@ import skimage
 from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Numbers, Pixels, Texts, record
-from cpm_core.parameters.choices import CHOICES, check_choice
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.choices import CHOICE_PARAMETERS, check_choice
+from cpm_core.parameters.quotation import quote_value
 
 _PRIMARY_COLORS = ("red", "green", "blue")
 """Names of the channels of a color image."""
@@ -74,7 +74,7 @@ def extract_channel(luminance: Array, colors: Colors | None, channel: str) -> Ar
     ValueError
         When there is no channel of this name.
     """
-    check_choice(CHOICES["channel"], channel)
+    check_choice(CHOICE_PARAMETERS["channel"], channel)
     if colors is None or channel == "luminance":
         return luminance
     if channel in _PRIMARY_COLORS:
@@ -187,5 +187,5 @@ def gray_from_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Arr
 def check_color_choice(given: object) -> str:
     """Check the choice of how gray levels are made of color; raise ValueError unless it is in `COLOR_CHOICES`."""
     if not isinstance(given, str) or given not in COLOR_CHOICES:
-        raise ValueError(f"color is {shown(given)} but must be one of {', '.join(COLOR_CHOICES)}.")
+        raise ValueError(f"color is {quote_value(given)} but must be one of {', '.join(COLOR_CHOICES)}.")
     return given

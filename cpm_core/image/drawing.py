@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from cpm_core.numerics.types import Array, Extent, Pixels, frozen
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes  # noqa: PLC0414 - for the annotations of other modules
@@ -91,7 +91,7 @@ def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
     if ax is not None:
         if not hasattr(ax, "plot_trisurf" if space else "imshow"):
             wanted = 'axes of matplotlib in space (projection="3d")' if space else "axes of matplotlib"
-            raise ValueError(f"ax is {shown(ax)} but must be {wanted}, or None for a new figure.")
+            raise ValueError(f"ax is {quote_value(ax)} but must be {wanted}, or None for a new figure.")
         return ax
     from matplotlib import pyplot
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
 from cpm_core.numerics.types import Array, Sides, frozen
-from cpm_core.parameters.quotation import described, shown
+from cpm_core.parameters.quotation import format_repr, quote_value
 
 Convention = Literal["LPS", "RAS"]
 """Directions of x, y and z: to the Left, Posterior (back) and Superior (head) of a patient, or Right, Anterior and
@@ -76,13 +76,13 @@ class Geometry:
     def __post_init__(self) -> None:
         origin, directions = as_real_array(self.origin), as_real_array(self.directions)
         if origin.shape != (3,) or not np.isfinite(origin).all():
-            raise ValueError(f"The origin is {shown(self.origin)} but must be three finite numbers, (x, y, z).")
+            raise ValueError(f"The origin is {quote_value(self.origin)} but must be three finite numbers, (x, y, z).")
         if directions.shape != (3, 3) or not np.isfinite(directions).all():
-            raise ValueError(f"The directions are {shown(self.directions)} but must be three vectors (x, y, z).")
+            raise ValueError(f"The directions are {quote_value(self.directions)} but must be three vectors (x, y, z).")
         lengths = np.linalg.norm(directions, axis=1)
         if not lengths.all() or abs(np.linalg.det(directions / lengths[:, None])) < _COPLANAR_VOLUME:
             raise ValueError(
-                f"The directions are {shown(self.directions)} and lie in one plane: give three that do not."
+                f"The directions are {quote_value(self.directions)} and lie in one plane: give three that do not."
             )
         _check_convention(self.convention)
         check_finite_number("depth", self.depth, lambda depth: depth > 0.0, "a number above 0")
@@ -163,7 +163,7 @@ class Geometry:
 
     def __repr__(self) -> str:
         origin = ", ".join(f"{place:.6g}" for place in self.origin)
-        return described("Geometry", f"origin ({origin}) in {self.convention}", f"axes to {' '.join(self.letters)}")
+        return format_repr("Geometry", f"origin ({origin}) in {self.convention}", f"axes to {' '.join(self.letters)}")
 
 
 def geometry_from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:
@@ -177,4 +177,4 @@ def geometry_from_affine(affine: Any, convention: Convention) -> tuple[Geometry,
 def _check_convention(given: object) -> None:
     """Raise ValueError unless a value is the name of a convention."""
     if not isinstance(given, str) or given not in CONVENTIONS:
-        raise ValueError(f'The convention is {shown(given)} but must be "LPS" or "RAS".')
+        raise ValueError(f'The convention is {quote_value(given)} but must be "LPS" or "RAS".')

@@ -19,7 +19,7 @@ from cpm_core.image.gray_levels import NO_DATA_VALUE, make_usable
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, record
-from cpm_core.parameters.quotation import described, shown, sized
+from cpm_core.parameters.quotation import format_repr, quote_value, format_size
 
 MINIMUM_SIDE = 8
 """Least number of pixels along each axis [px]: in smaller images the edges cannot be separated from the border."""
@@ -124,12 +124,12 @@ class Image(drawing.Pictured):
             raise _not_a_plane_error(self.source, given.shape)
         if given.ndim == 3 and min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
-                f"{self.source} has {sized(given.shape, 'voxels')}, but a volume needs at least {MINIMUM_SIDE} "
+                f"{self.source} has {format_size(given.shape, 'voxels')}, but a volume needs at least {MINIMUM_SIDE} "
                 "planes, rows and columns."
             )
         if min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
-                f"{self.source} is {sized(given.shape)}, but an image needs at least {MINIMUM_SIDE} px along each side."
+                f"{self.source} is {format_size(given.shape)}, but an image needs at least {MINIMUM_SIDE} px along each side."
             )
         if given.ndim == 3:
             check_field_memory(given.shape, _BYTES_PER_VOXEL, self.source)
@@ -200,8 +200,8 @@ class Image(drawing.Pictured):
         sides = self.spacing[:1] if len(set(self.spacing)) == 1 else self.spacing
         size = f"{' x '.join(f'{side:.4g}' for side in sides)} {self.unit or ''}".strip()
         word = ("voxels", "voxel") if self.ndim == 3 else ("px", "pixel")
-        return described(
-            "Image", self.source, sized(self.shape, word[0]), f"{size} a {word[1]}" if known else "",
+        return format_repr(
+            "Image", self.source, format_size(self.shape, word[0]), f"{size} a {word[1]}" if known else "",
             "in color" if self.colors is not None else "",
         )  # fmt: skip
 
@@ -310,7 +310,7 @@ def _check_spacing(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:
     sizes = tuple(np.ravel(as_real_array(spacing)).tolist()) or (1.0,) * ndim
     if len(sizes) != ndim or not all(math.isfinite(size) and size > 0 for size in sizes):
         raise ValueError(
-            f"The spacing of {source} is {shown(spacing)}, but must be {_AXIS_COUNTS[ndim]} positive numbers."
+            f"The spacing of {source} is {quote_value(spacing)}, but must be {_AXIS_COUNTS[ndim]} positive numbers."
         )
     if ndim == 3:
         check_voxel_sides(f"The spacing of {source}", sizes)

@@ -16,7 +16,7 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.segments import segments_meet, nearest_distances, union_boundary, path_segments
 from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
-from cpm_core.parameters.quotation import counted, described, shown, sized
+from cpm_core.parameters.quotation import format_count, format_repr, quote_value, format_size
 
 _ON_LINE_DISTANCE = 1e-6
 """Distance within which a position counts as on a line [px]."""
@@ -70,12 +70,12 @@ class Regions:
         """Raise a `ValueError` unless every region of interest contains a pixel of an image of this shape."""
         if len(shape) != 2:
             raise ValueError(
-                f"these regions are for an image, but this is a volume of {sized(shape, '')}: use VolumeRegions."
+                f"these regions are for an image, but this is a volume of {format_size(shape, '')}: use VolumeRegions."
             )
         for number, polygon in enumerate(self.interest, start=1):
             if not pixels_in_polygon(polygon, shape).any():
                 raise ValueError(
-                    f"region of interest {number} holds no pixel of the image ({sized(shape, 'pixels')}): "
+                    f"region of interest {number} holds no pixel of the image ({format_size(shape, 'pixels')}): "
                     "draw it inside the image, around an object."
                 )
 
@@ -114,15 +114,15 @@ class Regions:
         return np.concatenate([np.zeros((0, 4)), *(path_segments(polyline.corners_of(line)) for line in self.barriers)])
 
     def __repr__(self) -> str:
-        interest = counted(len(self.interest), "region of interest", "regions of interest")
-        return described("Regions", interest, counted(len(self.barriers), "barrier"))
+        interest = format_count(len(self.interest), "region of interest", "regions of interest")
+        return format_repr("Regions", interest, format_count(len(self.barriers), "barrier"))
 
 
 def _check_lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:
     """Check lines, and convert them to tuples."""
     checked = []
     if not isinstance(lines, Iterable) or (isinstance(lines, np.ndarray) and lines.ndim == 0):
-        raise ValueError(f"each {noun} must be a sequence of points, not {shown(lines)}: give a list of them.")
+        raise ValueError(f"each {noun} must be a sequence of points, not {quote_value(lines)}: give a list of them.")
     for number, line in enumerate(lines, start=1):
         what = f"{noun} {number}"
         try:

@@ -28,7 +28,7 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
 from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Voxel, frozen, record
 from cpm_core.numerics.vectors import Vector, row_of
-from cpm_core.parameters.quotation import counted, described, shown, sized
+from cpm_core.parameters.quotation import format_count, format_repr, quote_value, format_size
 
 WALL_CONTACT_DISTANCE = 1e-6
 """Distance from a wall within which a position touches it [voxels]."""
@@ -212,7 +212,7 @@ class Extrusion:
 
     def __post_init__(self) -> None:
         if not isinstance(self.closed, bool | np.bool_):
-            raise ValueError(f"closed is {shown(self.closed)} but must be True or False.")
+            raise ValueError(f"closed is {quote_value(self.closed)} but must be True or False.")
         kind = {"interest": (self.line,)} if self.closed else {"barriers": (self.line,)}
         checked = Regions(**kind)
         object.__setattr__(self, "line", (checked.interest or checked.barriers)[0])
@@ -228,7 +228,7 @@ class Extrusion:
 
     def __repr__(self) -> str:
         slices = f"slices {self.first:g} to {self.last:g} across axis {self.axis}"
-        return described("Extrusion", counted(len(self.line), "corner"), slices, "closed" if self.closed else "open")
+        return format_repr("Extrusion", format_count(len(self.line), "corner"), slices, "closed" if self.closed else "open")
 
 
 @lru_cache(maxsize=_CACHED_REGIONS)
@@ -288,19 +288,19 @@ class VolumeRegions:
         for number, limit in enumerate(self.barriers, start=1):
             if isinstance(limit, tuple) and not np.linalg.norm(limit[1]) > 0.0:
                 raise ValueError(
-                    f"the direction across barrier {number} is {shown(limit[1])} but must have a length above 0."
+                    f"the direction across barrier {number} is {quote_value(limit[1])} but must have a length above 0."
                 )
 
     def check_shape(self, shape: Extent) -> None:
         """Raise a `ValueError` unless masks have this shape and every region of interest holds one of its voxels."""
-        size = sized(shape, "")
+        size = format_size(shape, "")
         if len(shape) != 3:
             raise ValueError(f"these regions are for a volume, but the image is one of {size} pixels: use Regions.")
         for noun, limits in (("region of interest", self.interest), ("barrier", self.barriers)):
             for number, limit in enumerate(limits, start=1):
                 if isinstance(limit, Voxels) and limit.first is None and limit.mask.shape != shape:
                     raise ValueError(
-                        f"the mask of {noun} {number} has {sized(limit.mask.shape, 'voxels')} but must "
+                        f"the mask of {noun} {number} has {format_size(limit.mask.shape, 'voxels')} but must "
                         f"have those of the volume, {size}."
                     )
         for number, limit in enumerate(self.interest, start=1):
@@ -339,8 +339,8 @@ class VolumeRegions:
         return _build_walls(self, shape)
 
     def __repr__(self) -> str:
-        interest = counted(len(self.interest), "region of interest", "regions of interest")
-        return described("VolumeRegions", interest, counted(len(self.barriers), "barrier"))
+        interest = format_count(len(self.interest), "region of interest", "regions of interest")
+        return format_repr("VolumeRegions", interest, format_count(len(self.barriers), "barrier"))
 
 
 AnyRegions = Regions | VolumeRegions
@@ -387,7 +387,7 @@ def _fill_plane(filled: Mask, plane: Pair) -> None:
 def _check_limits(noun: str, form: str, given: Any) -> tuple[VolumeLimit, ...]:
     """Check limits, and convert them to pairs of places and to voxels."""
     if isinstance(given, np.ndarray) or not isinstance(given, Iterable):
-        raise ValueError(f"the limits of one kind must be a list, not {shown(given)}: give a list of every {noun}.")
+        raise ValueError(f"the limits of one kind must be a list, not {quote_value(given)}: give a list of every {noun}.")
     return tuple(_check_limit(f"{noun} {number}", form, limit) for number, limit in enumerate(given, start=1))
 
 

@@ -23,7 +23,7 @@ from cpm_core.numerics.real_numbers import check_finite_number, as_real_array, c
 from cpm_core.numerics.types import Array, Arrays, Sides, record
 from cpm_core.numerics.voxel_graph import Chain, find_chains, thin_to_lines
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 _CENTERLINE_SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
@@ -70,7 +70,7 @@ class CenterlineBranch:
         return self.nodes[0] == self.nodes[1] and len(self.points) > 2
 
     def __repr__(self) -> str:
-        return described("Branch", counted(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open")
+        return format_repr("Branch", format_count(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open")
 
 
 @record
@@ -130,8 +130,8 @@ class Centerlines:
         return np.array([np.linalg.norm(step, axis=1).sum() for step in steps])
 
     def __repr__(self) -> str:
-        branches = counted(len(self.branches), "branch", "branches")
-        return described("Centerlines", self.source, branches, f"{self.lengths.sum():,.1f} {self.unit or 'voxels'}")
+        branches = format_count(len(self.branches), "branch", "branches")
+        return format_repr("Centerlines", self.source, branches, f"{self.lengths.sum():,.1f} {self.unit or 'voxels'}")
 
 
 def sort_branches_by_length(lines: Centerlines) -> Centerlines:

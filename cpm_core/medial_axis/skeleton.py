@@ -28,7 +28,7 @@ from cpm_core.medial_axis.structure import correct_half_width
 from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, record
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 _THICKNESS_PERCENTILE = 95.0
 """Percentile of the length that `Skeleton.thickness` covers."""
@@ -148,8 +148,8 @@ class Skeleton(drawing.Pictured):
         return ax
 
     def __repr__(self) -> str:
-        branches = counted(len(self.contours), "branch", "branches")
-        return described("Skeleton", self.source, branches, f"{self.length:,.1f} px")
+        branches = format_count(len(self.contours), "branch", "branches")
+        return format_repr("Skeleton", self.source, branches, f"{self.length:,.1f} px")
 
 
 def extract_branches(axis: MedialAxis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:

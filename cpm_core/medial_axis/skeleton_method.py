@@ -32,9 +32,9 @@ from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, record
-from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
-from cpm_core.parameters.provenance import Provenance, taken
-from cpm_core.parameters.quotation import described, shown, sized
+from cpm_core.parameters import CHARGE_PARAMETERS, START_PARAMETERS, PRESETS, Parameters, find_invalidating
+from cpm_core.parameters.provenance import Provenance, select_parameters
+from cpm_core.parameters.quotation import format_repr, quote_value, format_size
 from cpm_core.reconstruction.surface.pipeline import find_surface
 
 Within = Contours | ArrayLike
@@ -153,7 +153,7 @@ class SkeletonMethod(ImageFields):
     name: ClassVar[str] = "skeleton"
     title: ClassVar[str] = "Skeleton"
     parameters: ClassVar[Texts] = tuple(
-        name for name in invalidating("field", "contours") if name not in (*OF_STARTS, *OF_CHARGES)
+        name for name in find_invalidating("field", "contours") if name not in (*START_PARAMETERS, *CHARGE_PARAMETERS)
     )
     seeded: ClassVar[bool] = False
 
@@ -260,7 +260,7 @@ class SkeletonMethod(ImageFields):
             channel, lines = "luminance", state.lines or Centerlines((), image.spacing, image.unit)
         elif isinstance(found, Structure):
             polarity, width = found.polarity, found.width
-        made = Provenance(self.name, taken(parameters, names), sha256=image.sha256, of_file=bool(image.file_sha256))
+        made = Provenance(self.name, select_parameters(parameters, names), sha256=image.sha256, of_file=bool(image.file_sha256))
         if lines is not None:
             lines = replace(lines, source=image.source, geometry=image.geometry, provenance=made)
         place = image.shape, image.spacing, image.unit, image.source
@@ -323,7 +323,7 @@ class SkeletonMethod(ImageFields):
         return inside if within is None else inside & within
 
     def __repr__(self) -> str:
-        return described("SkeletonMethod", self.image.source, sized(self.image.shape, ""))
+        return format_repr("SkeletonMethod", self.image.source, format_size(self.image.shape, ""))
 
 
 def _plane_regions(regions: AnyRegions | None) -> Regions | None:
@@ -398,7 +398,7 @@ def skeleton(
     """
     image = as_image(values)
     if of is not None and not (isinstance(of, str) and of in _POLARITY_CHOICES):
-        raise ValueError(f"of is {shown(of)} but must be one of {', '.join(_POLARITY_CHOICES)}.")
+        raise ValueError(f"of is {quote_value(of)} but must be one of {', '.join(_POLARITY_CHOICES)}.")
     params = params or PRESETS["noisy" if image.ndim == 2 else "volume"]
     params = replace(
         params,
@@ -408,7 +408,7 @@ def skeleton(
     )
     for name, value in (("outside", outside), ("max_width", params.max_width)) if image.ndim == 3 else ():
         if value:
-            raise ValueError(f"{name} is {shown(value)} but has no meaning in a volume: leave it out.")
+            raise ValueError(f"{name} is {quote_value(value)} but has no meaning in a volume: leave it out.")
     method = SkeletonMethod(image, params, within=within, outside=outside)
     state = method.start()
     while not state.stop_reason:

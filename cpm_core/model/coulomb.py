@@ -20,7 +20,7 @@ from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Index, Single
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 COULOMB_METHODS = ("auto", "exact", "tree")
 """Methods for the computation of the force."""
@@ -93,7 +93,7 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise ValueError(f"positions have the shape {points.shape} but must be (N, 2) or (N, 3).")
     if not isinstance(method, str) or method not in COULOMB_METHODS:
-        raise ValueError(f"method is {shown(method)} but must be one of {', '.join(COULOMB_METHODS)}.")
+        raise ValueError(f"method is {quote_value(method)} but must be one of {', '.join(COULOMB_METHODS)}.")
     count, axes = points.shape
     if not count:
         return np.zeros((0, axes))

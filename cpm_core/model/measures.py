@@ -23,7 +23,7 @@ import numpy as np
 
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Array, frozen, record
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 PAIR_FORCE = 0.5
 """Coulomb force of two particles d_min apart, in w1."""
@@ -96,4 +96,4 @@ class Forces:
         return self.coulomb + self.lorentz + self.placed + self.friction + self.damping
 
     def __repr__(self) -> str:
-        return described("Forces", f"on {counted(len(self.coulomb), 'particle')}")
+        return format_repr("Forces", f"on {format_count(len(self.coulomb), 'particle')}")

@@ -14,7 +14,7 @@ from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.polyline import lengths_along, points_at_lengths
 from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
 from cpm_core.numerics.types import Array, Extent, Mask, Position
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 _MIN_CIRCLE_PARTICLES = 5
 """Least number of particles on a circle."""
@@ -67,7 +67,7 @@ def circle(center: Position, radius: float, spacing: float = 2.0) -> Array:
     ((25, 2), 8.0)
     """
     if np.shape(center) != (2,) or not np.isfinite(as_real_array(center)).all():
-        raise ValueError(f"center is {shown(center)} but must be two finite numbers, (row, col).")
+        raise ValueError(f"center is {quote_value(center)} but must be two finite numbers, (row, col).")
     _check_positive("radius", radius)
     _check_positive("spacing", spacing)
     _check_count(2.0 * np.pi * radius / spacing, spacing)
@@ -153,7 +153,7 @@ def uniform_grid(shape: Extent, spacing: float = 8.0) -> Array:
     _check_positive("spacing", spacing)
     sides = np.ravel(as_real_array(shape))
     if not len(sides) or not all(side >= 1.0 and (np.isinf(side) or side == int(side)) for side in sides):
-        raise ValueError(f"shape is {shown(shape)} but must be whole numbers of pixels, 1 or more along each axis.")
+        raise ValueError(f"shape is {quote_value(shape)} but must be whole numbers of pixels, 1 or more along each axis.")
     _check_count(float(np.prod(sides / spacing + 1.0)), spacing)
     axes = []
     for n in sides.astype(int).tolist():

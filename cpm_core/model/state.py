@@ -15,7 +15,7 @@ from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, JsonDict, Extent, Index, Integers, Mask, Numbers, Single, record
 from cpm_core.numerics.vectors import Vector
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 MESH_INTERVAL = 4
 """Steps for which the force on a mesh is used: during these, particles move by a small part of its reach."""
@@ -222,7 +222,7 @@ class Particles:
         return Particles(*after)
 
     def __repr__(self) -> str:
-        return described("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
+        return format_repr("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
 
 
 @compiled
@@ -416,7 +416,7 @@ class State:
         return replace(self, stop_reason=reason, converged=converged)
 
     def __repr__(self) -> str:
-        particles = counted(self.count, "particle")
-        return described(
+        particles = format_count(self.count, "particle")
+        return format_repr(
             "State", f"step {self.step}", f"scale {self.scale}", particles, self.stop_reason.partition(":")[0]
         )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 _REAL_TYPES = (int, float, np.integer, np.floating)
 """Types that count as real numbers."""
@@ -35,7 +35,7 @@ def as_real_array(values: ArrayLike) -> Array:
     try:
         given = np.asarray(values)
     except ValueError:
-        raise ValueError(f"The values are {shown(values)}, whose lists differ in length: make them the same.") from None
+        raise ValueError(f"The values are {quote_value(values)}, whose lists differ in length: make them the same.") from None
     if given.size and given.dtype.kind not in "buif":
         raise ValueError(f"The values are of type {given.dtype} but must be real numbers.")
     return given.astype(float, copy=False)
@@ -65,7 +65,7 @@ def check_finite_number(name: str, value: Any, fits: Callable[[float], bool], wa
         with suppress(OverflowError):  # of a whole number of some hundred digits
             number = float(value)
     if not (math.isfinite(number) and fits(number)):
-        raise ValueError(f"{name} is {shown(value)} but must be {wanted}.")
+        raise ValueError(f"{name} is {quote_value(value)} but must be {wanted}.")
     return number
 
 
@@ -79,7 +79,7 @@ def check_three_numbers(name: str, values: ArrayLike, positive: bool = False) ->
         given = as_real_array(values)
     if given.shape != (3,) or not np.isfinite(given).all() or (positive and not (given > 0.0).all()):
         kind = "three numbers above 0" if positive else "three finite numbers"
-        raise ValueError(f"{name} is {shown(values)} but must be {kind}, (plane, row, col).")
+        raise ValueError(f"{name} is {quote_value(values)} but must be {kind}, (plane, row, col).")
     return given
 
 
@@ -88,12 +88,12 @@ def check_voxel_sides(name: str, values: ArrayLike) -> Array:
     sides = check_three_numbers(name, values, positive=True)
     if not (sides.min() >= _MIN_VOXEL_SIDE and sides.max() <= _MAX_VOXEL_SIDE):
         raise ValueError(
-            f"{name} is {shown(values)} but must be three numbers from {_MIN_VOXEL_SIDE:g} to {_MAX_VOXEL_SIDE:g}, "
+            f"{name} is {quote_value(values)} but must be three numbers from {_MIN_VOXEL_SIDE:g} to {_MAX_VOXEL_SIDE:g}, "
             "(plane, row, col): choose another unit."
         )
     if sides.max() > _MAX_SIDE_RATIO * sides.min():
         raise ValueError(
-            f"{name} is {shown(values)}, (plane, row, col), which makes a side of a voxel more than {_MAX_SIDE_RATIO} "
+            f"{name} is {quote_value(values)}, (plane, row, col), which makes a side of a voxel more than {_MAX_SIDE_RATIO} "
             "times as long as another: correct it."
         )
     return sides

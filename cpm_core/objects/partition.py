@@ -42,7 +42,7 @@ from cpm_core.objects.selection import Selection, overlap
 from cpm_core.objects.vessels import vessel_tree
 from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import counted, described, sized
+from cpm_core.parameters.quotation import format_count, format_repr, format_size
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.bounding import object_enclosed_by
 from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
@@ -522,7 +522,7 @@ class Partition(drawing.Pictured):
         return Prior(self.values if colors is None else colors.samples, grays=grays)
 
     def __repr__(self) -> str:
-        return described("Partition", self.image.source, sized(self.shape), counted(len(self.contours), "contour"))
+        return format_repr("Partition", self.image.source, format_size(self.shape), format_count(len(self.contours), "contour"))
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the image with the contours by matplotlib."""

@@ -8,7 +8,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
 from cpm_core.numerics.types import Array, Arrays, Mask, record
 from cpm_core.objects.confidence import Signs
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 
 @record
@@ -73,9 +73,9 @@ class Selection(drawing.Pictured):
         return self.mask[tuple(pixel.T)]
 
     def __repr__(self) -> str:
-        pixels, contours = f"{np.count_nonzero(self.mask):,} px", counted(len(self.contours), "contour")
-        return described(
-            "Selection", pixels, contours, counted(len(self.gaps), "gap"), f"{100.0 * self.confidence:.0f} % sure"
+        pixels, contours = f"{np.count_nonzero(self.mask):,} px", format_count(len(self.contours), "contour")
+        return format_repr(
+            "Selection", pixels, contours, format_count(len(self.gaps), "gap"), f"{100.0 * self.confidence:.0f} % sure"
         )
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:

@@ -22,7 +22,7 @@ from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects.partition import Partition, partition, without_run
 from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 _WIDEST = 2048
 """Longer side of the picture that is sent to a notebook [px]."""
@@ -167,7 +167,7 @@ class View(drawing.Pictured):
         ]
 
     def __repr__(self) -> str:
-        return described("View", self.partition.image.source, counted(len(self.objects), "object"))
+        return format_repr("View", self.partition.image.source, format_count(len(self.objects), "object"))
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self._widget._repr_mimebundle_(**options) if find_spec("anywidget") else {}

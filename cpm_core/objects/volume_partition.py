@@ -29,7 +29,7 @@ from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of, changed_near, is_other, logits_of
 from cpm_core.objects.prior.body_surface import body_surface
 from cpm_core.objects.prior.windows import SIDE, resampled
-from cpm_core.parameters.quotation import counted, described, sized
+from cpm_core.parameters.quotation import format_count, format_repr, format_size
 
 _BODY_LOOKUP_DISTANCE = 0.75
 """Distance from a surface at which the bodies on its sides are looked up [smallest sides of a voxel]."""
@@ -292,7 +292,7 @@ class VolumePartition:
         return _most_frequent(surface.component_of_vertex, inner), _most_frequent(surface.component_of_vertex, outer)
 
     def __repr__(self) -> str:
-        return described("VolumePartition", self.image.source, sized(self.shape, "voxels"))
+        return format_repr("VolumePartition", self.image.source, format_size(self.shape, "voxels"))
 
 
 @record
@@ -387,7 +387,7 @@ class VolumeSelection:
         return self.surface.area
 
     def __repr__(self) -> str:
-        return described("VolumeSelection", self.partition.image.source, counted(self.surface.components, "part"))
+        return format_repr("VolumeSelection", self.partition.image.source, format_count(self.surface.components, "part"))
 
     def same(self, other: VolumeSelection) -> bool:
         """Return whether another selection has the same bodies."""

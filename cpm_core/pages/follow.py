@@ -18,7 +18,7 @@ from cpm_core.numerics.types import Extent
 from cpm_core.pages.page import Page, without_image
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes import Start, collect_seeds, starts_from_contours
 
@@ -74,14 +74,14 @@ def follow(
     2 [1]
     """
     if not _is_row(pages):
-        raise ValueError(f"pages is {shown(pages)} but must be a sequence of images, such as load_pages(path).")
+        raise ValueError(f"pages is {quote_value(pages)} but must be a sequence of images, such as load_pages(path).")
     count = len(pages)
     wanted = range(1, count + 1) if numbers is None else numbers
     if not _is_row(wanted):
-        raise ValueError(f"numbers is {shown(numbers)} but must be a sequence of the numbers of pages.")
+        raise ValueError(f"numbers is {quote_value(numbers)} but must be a sequence of the numbers of pages.")
     for number in wanted:
         if not isinstance(number, int | np.integer) or not 1 <= number <= count:
-            raise ValueError(f"page is {shown(number)}, but there are {count} pages: choose 1 to {count}.")
+            raise ValueError(f"page is {quote_value(number)}, but there are {count} pages: choose 1 to {count}.")
 
     def iterate_pages() -> Iterator[Page]:
         follower = Follower()

@@ -14,7 +14,7 @@ from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Integers, JsonObject, frozen, record
 from cpm_core.pages.tracks import TrackEvent, origins_of
-from cpm_core.parameters.quotation import counted, described
+from cpm_core.parameters.quotation import format_count, format_repr
 
 _VERTEX_DECIMALS = 4
 """Decimals of the vertices of contours, as files hold them [px]."""
@@ -58,7 +58,7 @@ class Page:
         return () if self.result is None else self.result.contours
 
     def __repr__(self) -> str:
-        return described("Page", str(self.number), self.trouble or counted(len(self.contours), "contour"))
+        return format_repr("Page", str(self.number), self.trouble or format_count(len(self.contours), "contour"))
 
 
 @record

@@ -18,7 +18,7 @@ from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.numerics.polyline import repeat_indices, sample_path
 from cpm_core.numerics.types import Array, Extent, Index, Integers, frozen
-from cpm_core.parameters.quotation import described
+from cpm_core.parameters.quotation import format_repr
 
 LEAST_OVERLAP = 0.2
 """Least overlap of two contours of one track."""
@@ -85,7 +85,7 @@ class TrackEvent:
         return f"Page {self.page}: {words}."
 
     def __repr__(self) -> str:
-        return described("TrackEvent", self.sentence)
+        return format_repr("TrackEvent", self.sentence)
 
 
 def origins_of(events: Iterable[TrackEvent]) -> dict[int, int]:

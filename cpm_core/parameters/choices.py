@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 Invalidates = Literal["nothing", "contours", "field", "run"]
 Edges = Literal["gradient", "vessels"]
@@ -38,7 +38,7 @@ class ChoiceInfo:
     invalidates: Invalidates
 
 
-CHOICES = {
+CHOICE_PARAMETERS = {
     "edges": ChoiceInfo(
         "edges", "Edges from", "Where edges are found.",
         {
@@ -80,4 +80,4 @@ def check_choice(info: ChoiceInfo, value: object) -> None:
     """Raise a `ValueError` that names field, value and choices unless `value` is one of them."""
     if not isinstance(value, str) or value not in info.choices:
         names = " or ".join(f'"{name}"' for name in info.choices)
-        raise ValueError(f"{info.name} is {shown(value)} but must be {names}.")
+        raise ValueError(f"{info.name} is {quote_value(value)} but must be {names}.")

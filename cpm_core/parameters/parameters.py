@@ -12,9 +12,9 @@ from typing import Literal, cast
 
 import numpy as np
 
-from cpm_core.parameters.choices import CHOICES, Accuracy, Channel, Edges, check_choice
-from cpm_core.parameters.quotation import call, shown
-from cpm_core.parameters.table import AUTOMATIC, PARAMETERS, UNLIMITED_REACH, ParameterInfo, invalidating
+from cpm_core.parameters.choices import CHOICE_PARAMETERS, Accuracy, Channel, Edges, check_choice
+from cpm_core.parameters.quotation import format_call, quote_value
+from cpm_core.parameters.table import AUTOMATIC_PARAMETERS, PARAMETERS, UNLIMITED_REACH, ParameterInfo, find_invalidating
 
 
 @dataclass(frozen=True)
@@ -137,10 +137,10 @@ class Parameters:
             value = getattr(self, field.name)
             if isinstance(value, np.generic):
                 object.__setattr__(self, field.name, value.item())
-            if field.name in CHOICES:
-                check_choice(CHOICES[field.name], getattr(self, field.name))
+            if field.name in CHOICE_PARAMETERS:
+                check_choice(CHOICE_PARAMETERS[field.name], getattr(self, field.name))
             else:
-                _check(PARAMETERS[field.name], getattr(self, field.name))
+                _check_parameter(PARAMETERS[field.name], getattr(self, field.name))
         object.__setattr__(self, "scales", int(self.scales))
         if not self.w2 > self.w1:
             raise ValueError(
@@ -151,7 +151,7 @@ class Parameters:
     @cached_property
     def steering(self) -> tuple[object, ...]:
         """Values that affect the motion of the particles: all but those that concern only the start or the contours."""
-        return tuple(getattr(self, name) for name in invalidating("nothing", "field"))
+        return tuple(getattr(self, name) for name in find_invalidating("nothing", "field"))
 
     def exponent_in(self, dimension: int) -> float:
         """Return `exponent` for an image of this many dimensions."""
@@ -163,22 +163,22 @@ class Parameters:
             for field in fields(self)
             if getattr(self, field.name) != field.default
         ]
-        return call("Parameters", changed)
+        return format_call("Parameters", changed)
 
 
-def _check(info: ParameterInfo, value: object) -> None:
+def _check_parameter(info: ParameterInfo, value: object) -> None:
     """Raise a `ValueError` that names field, value and range unless `value` fits."""
-    if info.name in AUTOMATIC and isinstance(value, str) and value == "auto":
+    if info.name in AUTOMATIC_PARAMETERS and isinstance(value, str) and value == "auto":
         return
     whole = info.name == "scales"
     fits = isinstance(value, (int, float)) and not isinstance(value, bool) and info.low <= value <= info.high
     if not fits or (whole and value != int(cast("float", value))):
         kind = "a whole number" if whole else "a number"
-        words = f"{kind} from {info.low:g} to {info.high:g}" + (' or "auto"' if info.name in AUTOMATIC else "")
-        raise ValueError(f"{info.name} is {shown(value)} but must be {words}.")
+        words = f"{kind} from {info.low:g} to {info.high:g}" + (' or "auto"' if info.name in AUTOMATIC_PARAMETERS else "")
+        raise ValueError(f"{info.name} is {quote_value(value)} but must be {words}.")
 
 
-DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICES)}
+DEFAULT_VALUES: dict[str, float | str] = {name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICE_PARAMETERS)}
 """Default value of every parameter: the paper's."""
 
 _AUTOMATIC_PRESET = Parameters(

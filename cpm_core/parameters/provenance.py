@@ -43,6 +43,6 @@ class Provenance:
     of_file: bool = True
 
 
-def taken(parameters: Parameters, names: Iterable[str]) -> dict[str, float | str]:
+def select_parameters(parameters: Parameters, names: Iterable[str]) -> dict[str, float | str]:
     """Select the values of the named parameters, for `Provenance.parameters`."""
     return {name: getattr(parameters, name) for name in names}

@@ -11,7 +11,7 @@ _MAX_LINE_WIDTH = 100
 """Characters of the one-line representation of an object."""
 
 
-def shown(value: object) -> str:
+def quote_value(value: object) -> str:
     """Quote a value for a sentence: on one line, printable, at most 40 characters."""
     if isinstance(value, str):
         text = f'"{repr(value[: _MAX_QUOTED_LENGTH + 1])[1:-1]}"'
@@ -22,7 +22,7 @@ def shown(value: object) -> str:
     return text if len(text) <= _MAX_QUOTED_LENGTH else f"{text[: _MAX_QUOTED_LENGTH - 4]}…"
 
 
-def described(kind: str, *facts: str) -> str:
+def format_repr(kind: str, *facts: str) -> str:
     """Format the one-line representation of an object: its kind, then the facts that are not empty.
 
     >>> described("Image", "cells.png", "", "240 x 320 px")
@@ -33,7 +33,7 @@ def described(kind: str, *facts: str) -> str:
     return f"<{line}>" if len(line) <= _MAX_LINE_WIDTH - 2 else f"<{line[: _MAX_LINE_WIDTH - 3]}…>"
 
 
-def call(name: str, arguments: Sequence[str]) -> str:
+def format_call(name: str, arguments: Sequence[str]) -> str:
     """Format a call on one line; arguments that do not fit are replaced by an ellipsis."""
     text, room = f"{name}({', '.join(arguments)})", len(arguments)
     while len(text) > _MAX_LINE_WIDTH:
@@ -42,11 +42,11 @@ def call(name: str, arguments: Sequence[str]) -> str:
     return text
 
 
-def counted(count: int, one: str, several: str = "") -> str:
+def format_count(count: int, one: str, several: str = "") -> str:
     """Format a count with its noun: ``"1 contour"``, ``"2 contours"``."""
     return f"{count:,} {one if count == 1 else several or one + 's'}"
 
 
-def sized(shape: tuple[int, ...], unit: str = "px") -> str:
+def format_size(shape: tuple[int, ...], unit: str = "px") -> str:
     """Format a shape: ``"240 x 320 px"``."""
     return f"{' x '.join(map(str, shape))} {unit}".strip()

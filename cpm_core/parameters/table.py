@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-from cpm_core.parameters.choices import CHOICES, Invalidates
+from cpm_core.parameters.choices import CHOICE_PARAMETERS, Invalidates
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class ParameterInfo:
     step: float
     title: str
     meaning: str
-    more: str
+    effect_of_larger: str
     invalidates: Invalidates
     equation: str = ""
     advanced: bool = False
@@ -214,31 +214,31 @@ _PARAMETER_TABLE = (
 PARAMETERS = {info.name: info for info in _PARAMETER_TABLE}
 """Description of every numeric parameter, by name."""
 
-OF_SKELETONS = ("polarity", "max_width", "pruning")
+SKELETON_PARAMETERS = ("polarity", "max_width", "pruning")
 """Parameters that only skeletons depend on."""
 
-OF_STARTS = ("reach", "weakest_edge")
+START_PARAMETERS = ("reach", "weakest_edge")
 """Parameters that matter only with a start."""
 
-OF_CHARGES = ("exponent", "accuracy")
+CHARGE_PARAMETERS = ("exponent", "accuracy")
 """Parameters that matter only with particles: they act on the field of the fixed charges alone."""
 
-OF_PLANES = (
+PLANE_PARAMETERS = (
     *("reach", "weakest_edge", "max_border", "max_gap", "min_strength", "sure_edge", "min_contrast", "min_length"),
     "edges",
 )
 """Parameters that are meaningful only in an image; in a volume they must have their default value."""
 
-OF_VOLUMES = ("accuracy",)
+VOLUME_PARAMETERS = ("accuracy",)
 """Parameters that have no effect on an image."""
 
-AUTOMATIC = ("smoothing", "gamma", "exponent")
+AUTOMATIC_PARAMETERS = ("smoothing", "gamma", "exponent")
 """Parameters whose value may also be ``"auto"``, which derives it from the image."""
 
 
 @cache
-def invalidating(*kinds: Invalidates) -> tuple[str, ...]:
+def find_invalidating(*kinds: Invalidates) -> tuple[str, ...]:
     """Return the names of all parameters, numbers and choices, whose change makes one of `kinds` out of date."""
     numbers = [(name, info.invalidates) for name, info in PARAMETERS.items()]
-    named = [(name, info.invalidates) for name, info in CHOICES.items()]
+    named = [(name, info.invalidates) for name, info in CHOICE_PARAMETERS.items()]
     return tuple(name for name, invalid in (*numbers, *named) if invalid in kinds)

@@ -28,10 +28,10 @@ from cpm_core.model.starts import check_seeds
 from cpm_core.model.state import Particles, SpaceState, State
 from cpm_core.model.volume import step as volume
 from cpm_core.numerics.types import Array, Texts
-from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
-from cpm_core.parameters.choices import CHOICES
-from cpm_core.parameters.provenance import Provenance, taken
-from cpm_core.parameters.quotation import counted, described, sized
+from cpm_core.parameters import SKELETON_PARAMETERS, PARAMETERS, Parameters
+from cpm_core.parameters.choices import CHOICE_PARAMETERS
+from cpm_core.parameters.provenance import Provenance, select_parameters
+from cpm_core.parameters.quotation import format_count, format_repr, format_size
 from cpm_core.segmentation.finer_scale import begin_scale, thin_seeds
 from cpm_core.segmentation.outcome import find_state_contours, find_state_surface
 from cpm_core.segmentation.reach.local_fields import LocalFields
@@ -93,7 +93,7 @@ class Engine(ImageFields):
 
     name: ClassVar[str] = "cpm"
     title: ClassVar[str] = "Charged particles"
-    parameters: ClassVar[Texts] = tuple(name for name in (*PARAMETERS, *CHOICES) if name not in OF_SKELETONS)
+    parameters: ClassVar[Texts] = tuple(name for name in (*PARAMETERS, *CHOICE_PARAMETERS) if name not in SKELETON_PARAMETERS)
     seeded: ClassVar[bool] = True
 
     def __init__(
@@ -301,7 +301,7 @@ class Engine(ImageFields):
         return self._local_fields.field_at(state.scale, state.start, parameters, state.window)
 
     def __repr__(self) -> str:
-        return described("Engine", self.image.source, sized(self.image.shape, ""), counted(self.scales, "scale"))
+        return format_repr("Engine", self.image.source, format_size(self.image.shape, ""), format_count(self.scales, "scale"))
 
 
 _ATTRIBUTE_OF_METRIC = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {
@@ -314,7 +314,7 @@ def _build_provenance(image: Image, state: State, parameters: Parameters) -> Pro
     """Record how the contours of a state were found."""
     return Provenance(
         "cpm",
-        taken(parameters, Engine.parameters),
+        select_parameters(parameters, Engine.parameters),
         len(state.start),
         tuple({"shape": "charge", **asdict(charge)} for charge in state.charges),
         state.scale,

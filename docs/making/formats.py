@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from cpm_core.formats import (
     CONTOURS_READABLE,
-    FOR_CENTERLINES,
-    FOR_SKELETONS,
-    FOR_VOLUMES,
-    READABLE,
+    CENTERLINES_WRITABLE,
+    SKELETONS_WRITABLE,
+    VOLUMES_WRITABLE,
+    IMAGES_READABLE,
     SURFACES_READABLE,
-    WRITABLE,
+    CONTOURS_WRITABLE,
 )
 from making.tables import table
 
@@ -47,18 +47,18 @@ CHECKED: dict[str, str] = {
 
 def readable() -> str:
     """Images and volumes that can be read."""
-    return table(("suffix", "what it is"), ((f"`{suffix}`", what) for suffix, what in READABLE.items()))
+    return table(("suffix", "what it is"), ((f"`{suffix}`", what) for suffix, what in IMAGES_READABLE.items()))
 
 
 def writable() -> str:
     """Files that can be written, and from what."""
     lines = []
-    for suffix, what in {**WRITABLE, **FOR_VOLUMES, **FOR_CENTERLINES, **WRITABLE}.items():
+    for suffix, what in {**CONTOURS_WRITABLE, **VOLUMES_WRITABLE, **CENTERLINES_WRITABLE, **CONTOURS_WRITABLE}.items():
         of = [
             word
             for word, known in (
-                ("contours", WRITABLE), ("skeletons", FOR_SKELETONS), ("volumes", FOR_VOLUMES),
-                ("center lines", FOR_CENTERLINES),
+                ("contours", CONTOURS_WRITABLE), ("skeletons", SKELETONS_WRITABLE), ("volumes", VOLUMES_WRITABLE),
+                ("center lines", CENTERLINES_WRITABLE),
             )
             if suffix in known
         ]  # fmt: skip

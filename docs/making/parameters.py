@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, ParameterInfo
-from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters import DEFAULT_VALUES, PARAMETERS, PRESETS, ParameterInfo
+from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from making.tables import table as made
 
 _STALE = {
@@ -18,19 +18,19 @@ _STALE = {
 def table_line(info: ParameterInfo) -> tuple[str, ...]:
     """The row of a parameter that is a number."""
     unit = f" {info.unit}" if info.unit else ""
-    default = DEFAULTS[info.name]
+    default = DEFAULT_VALUES[info.name]
     allowed = f"{info.low:g} or more" if info.high >= 1e9 else f"{info.low:g} to {info.high:g}"
     value = default if isinstance(default, str) else f"{default:g}{unit}"
-    meaning = f"**{info.title}.** {info.meaning} {info.more}" + (f" ({info.equation})" if info.equation else "")
+    meaning = f"**{info.title}.** {info.meaning} {info.effect_of_larger}" + (f" ({info.equation})" if info.equation else "")
     return f"`{info.name}`", info.symbol, value, allowed, meaning, _STALE[info.invalidates]
 
 
 def table_of_choices() -> str:
     """All parameters that are choices."""
     lines = []
-    for name, choice in CHOICES.items():
+    for name, choice in CHOICE_PARAMETERS.items():
         values = "<br>".join(f"`{value}`: {what}" for value, what in choice.choices.items())
-        lines.append((f"`{name}`", f"`{DEFAULTS[name]}`", f"**{choice.title}.** {choice.meaning}", values))
+        lines.append((f"`{name}`", f"`{DEFAULT_VALUES[name]}`", f"**{choice.title}.** {choice.meaning}", values))
     return made(("name", "default", "what it does", "values"), lines)
 
 

@@ -56,9 +56,9 @@ def encode_wkt(result: Result) -> bytes:
 
 def test_a_format_is_a_function_and_a_line_in_the_table_of_writers(monkeypatch, tmp_path) -> None:
     text = "well-known text"
-    monkeypatch.setattr(writers, "FORMATS", (*writers.FORMATS, writers.Format(".wkt", encode_wkt, text)))
+    monkeypatch.setattr(writers, "FILE_FORMATS", (*writers.FILE_FORMATS, writers.Format(".wkt", encode_wkt, text)))
     # what follows from the table when the program is started
-    monkeypatch.setattr(writers, "_SUFFIXES", tuple(one.suffix for one in writers.FORMATS))
+    monkeypatch.setattr(writers, "_FORMAT_SUFFIXES", tuple(one.suffix for one in writers.FILE_FORMATS))
     writers.export(result_of(Contour(SQUARE, True, 1.0)), tmp_path / "square.wkt")
     assert (tmp_path / "square.wkt").read_text() == "POLYGON ((10 10, 20 10, 20 20, 10 20, 10 10))"
 

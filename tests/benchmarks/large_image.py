@@ -30,7 +30,7 @@ from cpm_core.chunked.survey import Tone, Whole
 from cpm_core.cli.workers import cluster, finished, on_one_core
 from cpm_core.contours.agreement import DEFAULT_TOLERANCE, distances_to_contours
 from cpm_core.contours.contour import Contour, sample_contours
-from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
+from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import split_into_tiles
 from cpm_core.numerics.parallel import limit_cores
@@ -89,12 +89,12 @@ def part(window, side):
 
 def make(path, side):
     began = time.perf_counter()
-    levels = create_levels(path, (side, side), np.uint8, TILE, (0.25, 0.25), "µm")
+    levels = create_multiscale(path, (side, side), np.uint8, TILE, (0.25, 0.25), "µm")
     for window in split_into_tiles((side, side), TILE):
-        write_part(path, 0, window, part(window, side))
+        write_window(path, 0, window, part(window, side))
     for level in range(1, levels):
         for window in split_into_tiles((-(-side // 2**level),) * 2, TILE):
-            halve_part(path, level, window)
+            halve_window(path, level, window)
     print(f"{count_along(side) ** 2} nuclei in {time.perf_counter() - began:.0f} s")
 
 
@@ -170,8 +170,8 @@ def objects(side, core):
     values, parameters = of_many_sizes(side), cpm.Parameters(smoothing=1.5)
     with tempfile.TemporaryDirectory() as folder:
         path, store = Path(folder) / "drawn.zarr", Store(Path(folder) / "chunks")
-        create_levels(path, values.shape, values.dtype, TILE)
-        write_part(path, 0, np.s_[:, :], values)
+        create_multiscale(path, values.shape, values.dtype, TILE)
+        write_window(path, 0, np.s_[:, :], values)
         task = Task(Source(path, Reading()), parameters, "grid", store, None, True)
         found = run(task, serial, core)
         several = {}

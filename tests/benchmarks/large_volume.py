@@ -17,7 +17,7 @@ import numpy as np
 import psutil
 import scipy
 
-from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
+from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
 from cpm_core.numerics.grids import split_into_tiles, zero_surface
 
 PITCH, REACH, TILE = 97.0, 40, 256
@@ -72,12 +72,12 @@ def part(window, side):
 
 def make(path, side):
     began = time.perf_counter()
-    levels = create_levels(path, (side,) * 3, np.uint8, TILE, (0.5, 0.5, 0.5), "µm")
+    levels = create_multiscale(path, (side,) * 3, np.uint8, TILE, (0.5, 0.5, 0.5), "µm")
     for window in split_into_tiles((side,) * 3, TILE):
-        write_part(path, 0, window, part(window, side))
+        write_window(path, 0, window, part(window, side))
     for level in range(1, levels):
         for window in split_into_tiles((-(-side // 2**level),) * 3, TILE):
-            halve_part(path, level, window)
+            halve_window(path, level, window)
     print(f"{count_along(side) ** 3} bodies in {time.perf_counter() - began:.0f} s")
 
 

@@ -15,9 +15,9 @@ import pytest
 from matplotlib import pyplot
 
 import cpm_core as cpm
-from cpm_core.formats import FOR_CENTERLINES, FOR_VOLUMES, WRITABLE
+from cpm_core.formats import CENTERLINES_WRITABLE, VOLUMES_WRITABLE, CONTOURS_WRITABLE
 from cpm_core.parameters import PARAMETERS
-from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters.choices import CHOICE_PARAMETERS
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -100,9 +100,9 @@ def test_the_example_of_a_table_gives_what_it_says(name):
 
 
 def test_tables_hold_every_parameter_format_and_command():
-    assert all(f"| `{name}` |" in parameters.table() for name in (*PARAMETERS, *CHOICES))
+    assert all(f"| `{name}` |" in parameters.table() for name in (*PARAMETERS, *CHOICE_PARAMETERS))
     assert all(f"| `{name}` |" in parameters.presets() for name in cpm.PRESETS)
-    assert all(f"| `{suffix}` |" in formats.writable() for suffix in {**WRITABLE, **FOR_VOLUMES, **FOR_CENTERLINES})
+    assert all(f"| `{suffix}` |" in formats.writable() for suffix in {**CONTOURS_WRITABLE, **VOLUMES_WRITABLE, **CENTERLINES_WRITABLE})
     commands = command_line.text()
     assert {"## cpm run", "## cpm batch", "## cpm skeleton", "## cpm info"} <= set(commands.splitlines())
     assert "--time-step" in commands

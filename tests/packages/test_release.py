@@ -14,7 +14,7 @@ from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
 from cpm_core.formats.common.provenance import VERSION
-from cpm_core.formats.sessions.session_file import MARK, SUFFIX
+from cpm_core.formats.sessions.session_file import SESSION_MARK, SESSION_SUFFIX
 from tests.packages.places import ROOT
 
 LINUX = ROOT / "release" / "linux"
@@ -67,8 +67,8 @@ def test_conda_installs_what_pip_installs_with_the_window() -> None:
 
 
 def test_session_files_are_known_by_name_and_content(kind) -> None:
-    assert kind.find("m:glob", NAMESPACE).get("pattern") == f"*{SUFFIX}"
-    assert kind.find("m:magic/m:match", NAMESPACE).get("value") == MARK
+    assert kind.find("m:glob", NAMESPACE).get("pattern") == f"*{SESSION_SUFFIX}"
+    assert kind.find("m:magic/m:match", NAMESPACE).get("value") == SESSION_MARK
 
 
 @pytest.mark.parametrize(

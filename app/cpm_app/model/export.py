@@ -16,14 +16,14 @@ from cpm_app.model.document.objects import objects_result
 from cpm_app.model.text.language import from_core, tr, written
 from cpm_core import Contour, Image, Result, Skeleton
 from cpm_core.formats import (
-    ANIMATED,
-    DRAWN,
-    FOR_CENTERLINES,
-    FOR_SKELETONS,
-    FOR_STACKS,
-    FOR_VOLUMES,
-    WRITABLE,
-    left_out,
+    ANIMATIONS_WRITABLE,
+    FIGURE_SUFFIXES,
+    CENTERLINES_WRITABLE,
+    SKELETONS_WRITABLE,
+    STACKS_WRITABLE,
+    VOLUMES_WRITABLE,
+    CONTOURS_WRITABLE,
+    count_left_out,
 )
 from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
@@ -76,12 +76,12 @@ _ANIMATION_NAMES = {".gif": tr("GIF"), ".png": tr("APNG, in full color"), ".mp4"
 """Names of the formats of animations, by suffix."""
 
 _FORMATS_BY_KIND = {
-    "skeleton": FOR_SKELETONS,
-    "surface": FOR_VOLUMES,
-    "lines": FOR_CENTERLINES,
-    "pages": FOR_STACKS,
-    "run": ANIMATED,
-    "turntable": ANIMATED,
+    "skeleton": SKELETONS_WRITABLE,
+    "surface": VOLUMES_WRITABLE,
+    "lines": CENTERLINES_WRITABLE,
+    "pages": STACKS_WRITABLE,
+    "run": ANIMATIONS_WRITABLE,
+    "turntable": ANIMATIONS_WRITABLE,
     "space": {".png": tr("PNG")},
 }
 """Writers of each kind that is not written as contours, by suffix."""
@@ -102,11 +102,11 @@ def formats(what: What = "contours", in_volume: bool = False, of_dicom: bool = F
     DICOM segmentations are offered where the image is `of_dicom` and the package that writes them is installed. A
     frozen application without matplotlib, which cannot be added to it, offers no figures.
     """
-    writable = FOR_VOLUMES if in_volume and what == "objects" else _FORMATS_BY_KIND.get(what, WRITABLE)
+    writable = VOLUMES_WRITABLE if in_volume and what == "objects" else _FORMATS_BY_KIND.get(what, CONTOURS_WRITABLE)
     names = {"space": writable, "run": _ANIMATION_NAMES, "turntable": _ANIMATION_NAMES}.get(what, _FORMAT_NAMES)
     lacking = {*_ALIAS_SUFFIXES, *_OMITTED_SUFFIXES.get(what, "").split()}
     if getattr(sys, "frozen", False) and not has_matplotlib():
-        lacking |= DRAWN
+        lacking |= FIGURE_SUFFIXES
     if not of_dicom or find_spec("highdicom") is None:
         lacking.add(".seg.dcm")
     known = {suffix: name for suffix, name in names.items() if suffix in writable}
@@ -216,7 +216,7 @@ def _thinned(contour: Contour, tolerance: float) -> Contour:
 
 def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
     """Tell what a file with a suffix holds of a result, and what it leaves out."""
-    surface, missing = result.surface if isinstance(result, Result) else None, left_out(result, suffix)
+    surface, missing = result.surface if isinstance(result, Result) else None, count_left_out(result, suffix)
     if what == "objects":
         groups = {one.group for one in result.contours}
         count = len(groups if surface is None or surface.numbers is None else set(surface.numbers.tolist()))

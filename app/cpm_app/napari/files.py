@@ -28,8 +28,8 @@ def _read(path: str | Sequence[str]) -> list[LayerData]:
         found = read_contours(file)
         if found.contours:
             layers.append(layer_of_contours(found.contours, file.stem, found.shape or ()))
-        if len(found.places):
-            layers.append((found.places, {"name": f"{file.stem} points", "size": 3}, "points"))
+        if len(found.points):
+            layers.append((found.points, {"name": f"{file.stem} points", "size": 3}, "points"))
     return layers
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from cpm_core import Contour, Result, measure
 from cpm_core.contours import assign_numbers
-from cpm_core.formats import color_of, ellipse
-from cpm_core.formats.contours.contents import DEFAULT
+from cpm_core.formats import parse_color, flatten_ellipse
+from cpm_core.formats.contours.contents import DEFAULT_COLOR
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Integers, JsonObject
 
@@ -39,7 +39,7 @@ def layer_of_contours(contours: Sequence[Contour], name: str, shape: Sequence[in
     }
     look = {
         "shape_type": ["polygon" if contour.closed else "path" for contour in lines],
-        "edge_color": [contour.color or DEFAULT for contour in lines] or DEFAULT,
+        "edge_color": [contour.color or DEFAULT_COLOR for contour in lines] or DEFAULT_COLOR,
         "face_color": "transparent",
         "edge_width": 1,
         "features": features,
@@ -64,9 +64,9 @@ def contours_of(data: Sequence[Array], settings: JsonObject) -> tuple[tuple[Cont
     """
     drawn = drawn_lines([np.asarray(corners)[:, -2:] for corners in data], settings["shape_type"])
     names = settings["features"].get("name", [""] * len(drawn))
-    shades = [color_of([round(255 * float(part)) for part in shade]) for shade in settings["edge_color"]]
+    shades = [parse_color([round(255 * float(part)) for part in shade]) for shade in settings["edge_color"]]
     contours = tuple(
-        replace(line, name=name if isinstance(name, str) else "", color="" if color == DEFAULT else color)
+        replace(line, name=name if isinstance(name, str) else "", color="" if color == DEFAULT_COLOR else color)
         for line, name, color in zip(drawn, names, shades, strict=True)
     )
     known = settings["metadata"].get(_SHAPE_KEY)
@@ -86,6 +86,6 @@ def drawn_lines(data: Iterable[Array], kinds: Iterable[str]) -> list[Contour]:
         points = np.asarray(corners, dtype=float)
         if kind == "ellipse":
             one, two, three = points[:3]
-            points = ellipse(points.mean(axis=0), 0.5 * (two - one), 0.5 * (three - two))
+            points = flatten_ellipse(points.mean(axis=0), 0.5 * (two - one), 0.5 * (three - two))
         lines.append(Contour(points, kind in _CLOSED_KINDS and len(points) > 2))
     return lines

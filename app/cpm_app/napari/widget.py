@@ -68,7 +68,7 @@ class FindWidget(Container):  # type: ignore[misc]
         self.sliders = [
             FloatSlider(
                 name=name, label=info.title, min=info.slider_low, max=info.slider_high, step=info.step,
-                tooltip=f"{info.meaning} {info.more}",
+                tooltip=f"{info.meaning} {info.effect_of_larger}",
             )
             for name in _SLIDER_NAMES
             for info in [cpm.PARAMETERS[name]]

@@ -32,7 +32,7 @@ from cpm_app.session.worker.run import Run
 from cpm_app.session.worker.worker_thread import WorkerThread
 from cpm_core import METHODS, Image, Parameters
 from cpm_core.formats import Reading
-from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.shapes import Sphere
 
 _PREPARING_TEXT = tr("Preparing (takes longer the first time)…")
@@ -330,7 +330,7 @@ class Session(QObject):
         path: str | Path,
         resumes: bool = False,
         as_volume: bool | None = None,
-        reading: Reading = DEFAULT,
+        reading: Reading = DEFAULT_READING,
     ) -> None:
         """Open an image or a session file.
 

@@ -17,13 +17,13 @@ from cpm_core.numerics.types import Callback, Integers
 
 AnyPath = str | os.PathLike[str]
 
-MOST = 2**29
+MAX_FILE_SIZE = 2**29
 """Largest size of a file of contours or of a surface [bytes]."""
 
 _HASH_BLOCK = 2**20
 """Size of the blocks in which a file is hashed [bytes]."""
 
-_LARGEST = 2**30
+_LARGEST_HASHED_WHOLE = 2**30
 """Size up to which a whole file is hashed, which takes some seconds [bytes]."""
 
 _SAMPLED_BLOCKS = 64
@@ -35,7 +35,7 @@ _MAX_FOLDER_LENGTH = 40
 _LOG = logging.getLogger(__name__)
 
 
-def missing(what: str, package: str, install: str) -> str:
+def missing_package_message(what: str, package: str, install: str) -> str:
     """Return a sentence on what needs a missing package, with the pip requirement that installs it."""
     return f'{what} needs the package {package}, which is not installed: run pip install "{install}".'
 
@@ -54,7 +54,7 @@ class UnreadableError(ValueError):
         self.images = images
 
 
-def placed(file: Path) -> str:
+def format_location(file: Path) -> str:
     """Format a path for a sentence: the file name first, since it matters most, then the end of a long folder."""
     folder = os.path.dirname(file)  # noqa: PTH120 - empty where none is given
     if len(folder) > _MAX_FOLDER_LENGTH:
@@ -62,30 +62,30 @@ def placed(file: Path) -> str:
     return f"{file.name} in {folder.rstrip(os.sep)}{os.sep}" if folder else file.name
 
 
-def content_of(file: Path, most: int = MOST, part: int = -1) -> bytes:
+def read_content(file: Path, max_size: int = MAX_FILE_SIZE, head_size: int = -1) -> bytes:
     """Return the bytes of a file, or its first `part` bytes; UnreadableError when it cannot be read or is too large."""
     try:
         known = file.stat()
         if stat.S_ISDIR(known.st_mode):
-            raise UnreadableError(f"{placed(file)} is a folder: choose a file in it.")
+            raise UnreadableError(f"{format_location(file)} is a folder: choose a file in it.")
         if not stat.S_ISREG(known.st_mode):
-            raise UnreadableError(f"{placed(file)} is not an ordinary file: choose another one.")
-        if known.st_size > most and part < 0:
-            raise UnreadableError(f"{file.name} has {known.st_size >> 20} MB, more than the {most >> 20} MB allowed.")
+            raise UnreadableError(f"{format_location(file)} is not an ordinary file: choose another one.")
+        if known.st_size > max_size and head_size < 0:
+            raise UnreadableError(f"{file.name} has {known.st_size >> 20} MB, more than the {max_size >> 20} MB allowed.")
         with file.open("rb") as stream:
-            return stream.read(part)
+            return stream.read(head_size)
     except FileNotFoundError:
-        raise UnreadableError(f"{placed(file)} does not exist: check its name and folder.") from None
+        raise UnreadableError(f"{format_location(file)} does not exist: check its name and folder.") from None
     except PermissionError:
         raise UnreadableError(
-            f"{placed(file)} cannot be read, because you have no permission: ask its owner for it."
+            f"{format_location(file)} cannot be read, because you have no permission: ask its owner for it."
         ) from None
     except OSError as error:
-        raise UnreadableError(f"{placed(file)} cannot be read: {error.strerror or error}.") from error
+        raise UnreadableError(f"{format_location(file)} cannot be read: {error.strerror or error}.") from error
 
 
 @contextlib.contextmanager
-def decoding(name: str, otherwise: str) -> Iterator[None]:
+def explain_decoding_errors(name: str, fallback: str) -> Iterator[None]:
     """Turn any decoding error into a ValueError that names the file; unknown causes become the sentence `otherwise`."""
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -99,10 +99,10 @@ def decoding(name: str, otherwise: str) -> Iterator[None]:
         raise ValueError(f"{name} does not fit into memory: crop it or make it smaller first.") from None
     except Exception as error:  # decoders raise exceptions of any kind on damaged files
         _LOG.info("%s: %s: %s", name, type(error).__name__, error)
-        raise ValueError(f"{name} {otherwise}") from error
+        raise ValueError(f"{name} {fallback}") from error
 
 
-def fingerprint(path: Path, go_on: Callback | None = None) -> str:
+def compute_fingerprint(path: Path, check_cancelled: Callback | None = None) -> str:
     """Return the hash of a file: SHA-256 as 64 hexadecimal digits.
 
     Above 1 GiB only the size and some blocks are hashed, the first and the last among them, and the hash begins with
@@ -113,23 +113,23 @@ def fingerprint(path: Path, go_on: Callback | None = None) -> str:
         with path.open("rb") as stream:
             size = stream.seek(0, os.SEEK_END)
             starts: Iterable[int] = range(0, size, _HASH_BLOCK)
-            if size > _LARGEST:
+            if size > _LARGEST_HASHED_WHOLE:
                 kind = "sampled:"
                 found.update(b"%d\n" % size)
                 starts = (number * (size - _HASH_BLOCK) // (_SAMPLED_BLOCKS - 1) for number in range(_SAMPLED_BLOCKS))
             for start in starts:
                 stream.seek(start)
                 found.update(stream.read(_HASH_BLOCK))
-                if go_on is not None:
-                    go_on()
+                if check_cancelled is not None:
+                    check_cancelled()
     except OSError as error:
-        raise ValueError(f"{placed(path)} cannot be read: {error.strerror or error}.") from error
+        raise ValueError(f"{format_location(path)} cannot be read: {error.strerror or error}.") from error
     return f"{kind}{found.hexdigest()}"
 
 
-def fingerprint_if_read(path: Path, go_on: Callback | None = None) -> str:
+def try_fingerprint(path: Path, check_cancelled: Callback | None = None) -> str:
     """Return the hash of a file as `fingerprint` does; empty when the file cannot be read."""
     try:
-        return fingerprint(path, go_on)
+        return compute_fingerprint(path, check_cancelled)
     except ValueError:
         return ""

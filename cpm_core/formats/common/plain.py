@@ -22,22 +22,22 @@ from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.numerics.types import JsonDict, Numbers, JsonObject, Texts, frozen
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 from cpm_core.shapes import SHAPES_BY_NAME, Shape
 
 T = TypeVar("T")
 
-LARGEST = 1e6
+LARGEST_NUMBER = 1e6
 """Largest magnitude of a number: far outside any image, yet sums of such numbers do not overflow."""
 
 _REGION_TYPES: dict[str, type[AnyRegions]] = {"regions": Regions, "volume_regions": VolumeRegions}
 
-NAMES = tuple(_REGION_TYPES)
+REGION_KEYS = tuple(_REGION_TYPES)
 """Keys of the entries that hold the limits of particles, in an image and in a volume."""
 
 
 @frozen
-class _Packed:
+class _PackedBox:
     """Voxels of a box, eight to a byte."""
 
     first: tuple[int, int, int] | None
@@ -45,37 +45,37 @@ class _Packed:
     voxels: str
 
 
-def to_plain(value: object) -> Any:
+def to_json(value: object) -> Any:
     """Convert a dataclass, or the value of one of its fields, to JSON."""
     if isinstance(value, tuple | list):  # first, and without a call per coordinate, since most values are positions
-        return [item if type(item) is float else to_plain(item) for item in value]
+        return [item if type(item) is float else to_json(item) for item in value]
     if isinstance(value, PackedVoxels):
-        return to_plain(value.voxels)
+        return to_json(value.voxels)
     if isinstance(value, Voxels):
-        return {"first": to_plain(value.first), "shape": value.mask.shape, "voxels": encode_array(np.packbits(value.mask))}
+        return {"first": to_json(value.first), "shape": value.mask.shape, "voxels": encode_array(np.packbits(value.mask))}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {field.name: to_plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+        return {field.name: to_json(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, bool | str | int) or value is None:
         return value
     return float(value)  # type: ignore[arg-type]  # numbers of NumPy as well
 
 
-def from_plain(kind: type[T], plain: object, where: str) -> T:
+def from_json(kind: type[T], plain: object, where: str) -> T:
     """Build a dataclass of type `kind` from a mapping of its fields; fields with a default may be missing.
 
     ValueError when a field is missing, unknown or of the wrong type, or the dataclass rejects a value; `where` names
     the dataclass in the message, as in ``"shape 3"``.
     """
-    plain = mapping(plain, where)
+    plain = expect_mapping(plain, where)
     hints = get_type_hints(kind, include_extras=True)
     fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     unknown = sorted(str(name) for name in plain if name not in fields)
     if unknown:
-        raise ValueError(f"{where} has a value {shown(unknown[0])}, but only {', '.join(fields)} are known.")
+        raise ValueError(f"{where} has a value {quote_value(unknown[0])}, but only {', '.join(fields)} are known.")
     given: JsonDict = {}
     for name, field in fields.items():
         if name in plain:
-            given[name] = _value(hints[name], plain[name], f"{name} of {where}")
+            given[name] = _parse_value(hints[name], plain[name], f"{name} of {where}")
         elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
             raise ValueError(f"{where} has no {name}.")
     try:
@@ -84,138 +84,138 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
         raise ValueError(f"{where} cannot be used: {error}") from error
 
 
-def shape_to_plain(shape: Shape) -> JsonDict:
+def shape_to_json(shape: Shape) -> JsonDict:
     """Convert a shape to JSON: its kind and the values of its fields."""
     kind = next(name for name, made in SHAPES_BY_NAME.items() if type(shape) is made)
-    return {"shape": kind, **to_plain(shape)}
+    return {"shape": kind, **to_json(shape)}
 
 
-def shape_from_plain(plain: object, where: str) -> Shape:
+def shape_from_json(plain: object, where: str) -> Shape:
     """Build a shape from JSON; ValueError when it is not a valid shape."""
-    values = dict(mapping(plain, where))
+    values = dict(expect_mapping(plain, where))
     kind = values.pop("shape", None)
     if not isinstance(kind, str) or kind not in SHAPES_BY_NAME:
-        raise ValueError(f"{where} is of the kind {shown(kind)} but must be one of {', '.join(SHAPES_BY_NAME)}.")
-    return from_plain(SHAPES_BY_NAME[kind], values, f"{where} ({kind})")
+        raise ValueError(f"{where} is of the kind {quote_value(kind)} but must be one of {', '.join(SHAPES_BY_NAME)}.")
+    return from_json(SHAPES_BY_NAME[kind], values, f"{where} ({kind})")
 
 
-def parameters_from_plain(plain: object) -> tuple[Parameters, Texts]:
+def parameters_from_json(plain: object) -> tuple[Parameters, Texts]:
     """Build parameters from JSON, and list the names that are unknown.
 
     Missing parameters have their defaults. ValueError when `plain` is not a mapping, or a value is out of range.
     """
-    given = dict(mapping(plain, "parameters"))
+    given = dict(expect_mapping(plain, "parameters"))
     known = {field.name for field in dataclasses.fields(Parameters)}
     values = {name: value for name, value in given.items() if name in known}
     for name, value in values.items():
         if not isinstance(value, str):
-            number(value, name, 1e9)
+            expect_number(value, name, 1e9)
     return Parameters(**values), tuple(sorted(set(given) - known))
 
 
-def mapping(value: object, where: str) -> JsonObject:
+def expect_mapping(value: object, where: str) -> JsonObject:
     """Return a JSON object unchanged; ValueError for anything else."""
     if not isinstance(value, Mapping):
-        raise ValueError(f"{where} is {shown(value)} but must be an object with named values.")
+        raise ValueError(f"{where} is {quote_value(value)} but must be an object with named values.")
     return value
 
 
-def number(value: object, where: str, largest: float = LARGEST) -> float:
+def expect_number(value: object, where: str, largest: float = LARGEST_NUMBER) -> float:
     """Return a finite number within limits as float; ValueError for anything else."""
     if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= largest:
         return float(value)
-    raise ValueError(f"{where} is {shown(value)} but must be a number from {-largest:g} to {largest:g}.")
+    raise ValueError(f"{where} is {quote_value(value)} but must be a number from {-largest:g} to {largest:g}.")
 
 
-def items(value: object, where: str = "runs") -> list[Any]:
+def expect_list(value: object, where: str = "runs") -> list[Any]:
     """Return a list unchanged; ValueError for anything else."""
-    return _checked(value, list, "a list", where)
+    return _expect_type(value, list, "a list", where)
 
 
-def text(value: object, where: str) -> str:
+def expect_text(value: object, where: str) -> str:
     """Return a text unchanged; ValueError for anything else."""
-    return _checked(value, str, "text", where)
+    return _expect_type(value, str, "text", where)
 
 
-def _checked(value: object, kind: type[T], what: str, where: str) -> T:
+def _expect_type(value: object, kind: type[T], what: str, where: str) -> T:
     """Return a value of this type unchanged; ValueError for anything else."""
     if not isinstance(value, kind):
-        raise ValueError(f"{where} is {shown(value)} but must be {what}.")
+        raise ValueError(f"{where} is {quote_value(value)} but must be {what}.")
     return value
 
 
-def _whole(value: object, where: str) -> int:
+def _expect_whole_number(value: object, where: str) -> int:
     """Return a whole number as int; ValueError for anything else."""
-    found = int(number(value, where))
+    found = int(expect_number(value, where))
     if found != value:
-        raise ValueError(f"{where} is {shown(value)} but must be a whole number.")
+        raise ValueError(f"{where} is {quote_value(value)} but must be a whole number.")
     return found
 
 
-def _value(hint: Any, plain: object, where: str) -> Any:
+def _parse_value(hint: Any, plain: object, where: str) -> Any:
     """Parse a JSON value by the type hint of its field."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin in (Union, UnionType):
-        return _one_of(inner, plain, where)
+        return _parse_union(inner, plain, where)
     if origin is Annotated:  # a tuple whose possible lengths the annotation lists
         kind, *counts = inner
-        found = _value(kind, plain, where)
+        found = _parse_value(kind, plain, where)
         if len(found) not in counts:
-            raise ValueError(f"{where} is {shown(plain)} but must be a list of {' or '.join(map(str, counts))} values.")
+            raise ValueError(f"{where} is {quote_value(plain)} but must be a list of {' or '.join(map(str, counts))} values.")
         return found
     if origin is tuple:
-        listed = items(plain, where)
+        listed = expect_list(plain, where)
         if inner[-1] is Ellipsis:
             inner = inner[:1] * len(listed)
         if len(listed) != len(inner):
-            raise ValueError(f"{where} is {shown(plain)} but must be a list of {len(inner)} values.")
-        return tuple(_value(each, item, where) for each, item in zip(inner, listed, strict=True))
+            raise ValueError(f"{where} is {quote_value(plain)} but must be a list of {len(inner)} values.")
+        return tuple(_parse_value(each, item, where) for each, item in zip(inner, listed, strict=True))
     if origin is Literal:
         if plain not in inner or isinstance(plain, bool):
-            raise ValueError(f"{where} is {shown(plain)} but must be one of {', '.join(map(shown, inner))}.")
+            raise ValueError(f"{where} is {quote_value(plain)} but must be one of {', '.join(map(quote_value, inner))}.")
         return plain
-    return _VALUE_PARSERS[hint](plain, where) if hint in _VALUE_PARSERS else from_plain(hint, plain, where)
+    return _VALUE_PARSERS[hint](plain, where) if hint in _VALUE_PARSERS else from_json(hint, plain, where)
 
 
-def _one_of(kinds: tuple[Any, ...], plain: object, where: str) -> Any:
+def _parse_union(kinds: tuple[Any, ...], plain: object, where: str) -> Any:
     """Parse a value as the first type of a union that fits."""
     if plain is None and type(None) in kinds:
         return None
     *others, last = (kind for kind in kinds if kind is not type(None))
     for kind in others:
         with contextlib.suppress(ValueError):
-            return _value(kind, plain, where)
-    return _value(last, plain, where)
+            return _parse_value(kind, plain, where)
+    return _parse_value(last, plain, where)
 
 
-def _voxels(plain: object, where: str) -> Voxels:
+def _parse_voxels(plain: object, where: str) -> Voxels:
     """Parse the voxels of a box, checking their number before memory is allocated."""
-    box = from_plain(_Packed, plain, where)
+    box = from_json(_PackedBox, plain, where)
     count = math.prod(box.shape)
     if min(box.shape) < 1 or count > MAX_BOX_VOXELS:
-        raise ValueError(f"shape of {where} is {shown(box.shape)} but may be {MAX_BOX_VOXELS:,} voxels at most.")
+        raise ValueError(f"shape of {where} is {quote_value(box.shape)} but may be {MAX_BOX_VOXELS:,} voxels at most.")
     bits = decode_array(box.voxels, np.uint8, -(-count // 8), where)
     return Voxels(np.unpackbits(bits, count=count).reshape(box.shape).astype(bool), box.first)
 
 
 _VALUE_PARSERS: dict[Any, Callable[[object, str], Any]] = {
-    float: number,
-    int: _whole,
-    str: text,
-    bool: lambda plain, where: _checked(plain, bool, "true or false", where),
-    Voxels: _voxels,
-    PackedVoxels: lambda plain, where: PackedVoxels.from_voxels(_voxels(plain, where)),
+    float: expect_number,
+    int: _expect_whole_number,
+    str: expect_text,
+    bool: lambda plain, where: _expect_type(plain, bool, "true or false", where),
+    Voxels: _parse_voxels,
+    PackedVoxels: lambda plain, where: PackedVoxels.from_voxels(_parse_voxels(plain, where)),
 }
 
 
-def array_to_plain(array: Numbers) -> JsonDict:
+def array_to_json(array: Numbers) -> JsonDict:
     """Convert an array of numbers of any shape to JSON, losslessly."""
     return {"shape": list(array.shape), "data": encode_array(array)}
 
 
-def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, ...], where: str) -> Numbers:
+def array_from_json(plain: object, dtype: DTypeLike, shape: tuple[int | None, ...], where: str) -> Numbers:
     """Build an array of this dtype and shape, where None allows any length; ValueError, naming `where`, otherwise."""
-    given = mapping(plain, where)
+    given = expect_mapping(plain, where)
     sides = given.get("shape")
     if not (
         isinstance(sides, list)
@@ -224,37 +224,37 @@ def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, .
         and all(wanted in (None, side) for side, wanted in zip(sides, shape, strict=True))
     ):
         wanted = " x ".join("any" if side is None else str(side) for side in shape)
-        raise ValueError(f"{where} has the shape {shown(sides)} but must have {wanted} entries.")
+        raise ValueError(f"{where} has the shape {quote_value(sides)} but must have {wanted} entries.")
     return decode_array(given.get("data"), dtype, math.prod(sides), where).reshape(sides)
 
 
-def regions_to_plain(regions: AnyRegions | None) -> JsonDict:
+def regions_to_json(regions: AnyRegions | None) -> JsonDict:
     """Convert limits to a JSON object of one entry; empty without limits."""
-    return {name: to_plain(regions) for name, kind in _REGION_TYPES.items() if isinstance(regions, kind)}
+    return {name: to_json(regions) for name, kind in _REGION_TYPES.items() if isinstance(regions, kind)}
 
 
-def regions_from_plain(plain: JsonObject, where: str) -> AnyRegions | None:
+def regions_from_json(plain: JsonObject, where: str) -> AnyRegions | None:
     """Build the limits in a JSON object; None if it has none, ValueError when they are invalid."""
-    return next((from_plain(kind, plain[name], where) for name, kind in _REGION_TYPES.items() if name in plain), None)
+    return next((from_json(kind, plain[name], where) for name, kind in _REGION_TYPES.items() if name in plain), None)
 
 
-def encoded_json(content: JsonObject) -> bytes:
+def encode_json(content: JsonObject) -> bytes:
     """Encode an object as UTF-8, one line per entry of its lists and objects; ValueError for what JSON cannot hold."""
     lines = []
     for key, value in content.items():
         if isinstance(value, list) and value:
-            entries, ends = [_line(item) for item in value], "[]"
+            entries, ends = [_dump_line(item) for item in value], "[]"
         elif isinstance(value, Mapping) and value and key != "image":
-            entries, ends = [f"{_line(name)}: {_line(item)}" for name, item in value.items()], "{}"
+            entries, ends = [f"{_dump_line(name)}: {_dump_line(item)}" for name, item in value.items()], "{}"
         else:
-            lines.append(f"  {_line(key)}: {_line(value)}")
+            lines.append(f"  {_dump_line(key)}: {_dump_line(value)}")
             continue
         inner = ",\n".join(f"    {entry}" for entry in entries)
-        lines.append(f"  {_line(key)}: {ends[0]}\n{inner}\n  {ends[1]}")
+        lines.append(f"  {_dump_line(key)}: {ends[0]}\n{inner}\n  {ends[1]}")
     return ("{\n" + ",\n".join(lines) + "\n}\n").encode(errors="backslashreplace")
 
 
-def _line(value: object) -> str:
+def _dump_line(value: object) -> str:
     # File names may hold bytes that are not text; the caller encodes them as escapes.
     """Dump a value as JSON on one line."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False, default=dict)

@@ -18,29 +18,29 @@ _QUOTE_MARK = "'"
 _DIGIT_RUN = re.compile(r"(\d+)")
 
 
-def in_natural_order(name: str) -> tuple[list[str | int], str]:
+def natural_sort_key(name: str) -> tuple[list[str | int], str]:
     """Return a sort key that puts a2 before a10: numbers compare by value, letters regardless of case."""
     parts = _DIGIT_RUN.split(name.casefold())
     return [int(part) if index % 2 else part for index, part in enumerate(parts)], name
 
 
-def printable(text: str) -> str:
+def make_printable(text: str) -> str:
     """Replace each character that cannot be shown by the replacement character (U+FFFD)."""
     return _UNPRINTABLE_CHARACTERS.sub("\ufffd", text)
 
 
-def label_of(number: int, name: str, color: bytes) -> Label:
+def build_label(number: int, name: str, color: bytes) -> Label:
     """Build a label from a file: its name made printable, and its color from red, green and blue bytes or none."""
-    return Label(number, printable(name), f"#{color.hex()}" if color else "")
+    return Label(number, make_printable(name), f"#{color.hex()}" if color else "")
 
 
-def cell(text: str) -> str:
+def escape_cell(text: str) -> str:
     """Make text safe for a table cell: quoted if a spreadsheet would take it for a formula; see `text_of_cell`."""
-    shown = printable(text)
+    shown = make_printable(text)
     return _QUOTE_MARK + shown if shown.lstrip(_QUOTE_MARK).startswith(_FORMULA_STARTS) else shown
 
 
-def text_of_cell(content: str) -> str:
+def unescape_cell(content: str) -> str:
     """Undo `cell`."""
     return (
         content[1:]

@@ -13,7 +13,7 @@ from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import make_printable
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -27,37 +27,37 @@ Outcome = Result | Skeleton
 VERSION = "1.0.0rc1"
 """Version of CPM; the package is built with it."""
 
-PROGRAM = f"CPM {VERSION}"
+PROGRAM_NAME = f"CPM {VERSION}"
 """Name and version of the program, as files state them."""
 
-ENTRY = "provenance"
+PROVENANCE_KEY = "provenance"
 """Key of the provenance in JSON files."""
 
 _MAX_LISTED_POSITIONS = 32
 """Number of positions of a shape up to which they are listed; beyond it only their number is."""
 
 
-def facts_of(result: Outcome) -> JsonDict:
+def describe_provenance(result: Outcome) -> JsonDict:
     """Describe the provenance of a result as JSON."""
-    facts = facts_on(result.source, result.provenance, _limits(result))
+    facts = describe_image_provenance(result.source, result.provenance, _describe_limits(result))
     if isinstance(result, Result) and result.provenance.method != "objects":
         facts |= {"steps": result.steps, "stop_reason": result.stop_reason}
     return facts
 
 
-def facts_on(source: str, made: Provenance, shapes: Iterable[JsonObject] = ()) -> JsonDict:
+def describe_image_provenance(source: str, provenance: Provenance, shapes: Iterable[JsonObject] = ()) -> JsonDict:
     """Describe the provenance for an image of this name as JSON, adding those of `shapes` that it lacks."""
-    image = {"name": printable(PurePosixPath(PureWindowsPath(source).name).name)}
-    if made.sha256:
-        image["sha256" if made.of_file else "array_sha256"] = made.sha256
+    image = {"name": make_printable(PurePosixPath(PureWindowsPath(source).name).name)}
+    if provenance.sha256:
+        image["sha256" if provenance.of_file else "array_sha256"] = provenance.sha256
     facts: JsonDict = {"program": "CPM", "version": VERSION, "image": image}
-    if made.method:
-        facts["method"] = made.method
-    if made.parameters:
-        facts["parameters"] = dict(made.parameters)
-    if made.seeds is not None:
-        facts["seeds"] = made.seeds
-    drawn = [*made.shapes, *(shape for shape in shapes if shape not in made.shapes)]
+    if provenance.method:
+        facts["method"] = provenance.method
+    if provenance.parameters:
+        facts["parameters"] = dict(provenance.parameters)
+    if provenance.seeds is not None:
+        facts["seeds"] = provenance.seeds
+    drawn = [*provenance.shapes, *(shape for shape in shapes if shape not in provenance.shapes)]
     if drawn:
         facts["shapes"] = [
             {
@@ -66,19 +66,19 @@ def facts_on(source: str, made: Provenance, shapes: Iterable[JsonObject] = ()) -
             }
             for shape in drawn
         ]
-    if made.scale is not None:
-        facts["scale"] = made.scale
-    if made.steered:
+    if provenance.scale is not None:
+        facts["scale"] = provenance.scale
+    if provenance.steered:
         facts["steered"] = True
     return facts
 
 
-def text_of(facts: JsonObject) -> str:
+def dump_provenance(facts: JsonObject) -> str:
     """Dump a provenance as JSON on one line of ASCII, for a comment or description in a file."""
     return json.dumps(facts, allow_nan=False, separators=(",", ":"))
 
 
-def entries_of(facts: JsonObject) -> dict[str, str]:
+def flatten_provenance(facts: JsonObject) -> dict[str, str]:
     """Flatten a provenance to names and short texts, for files that hold no JSON, such as tables.
 
     Only the name of an image may contain a comma: many programs that read tables do not understand quoted cells.
@@ -88,29 +88,29 @@ def entries_of(facts: JsonObject) -> dict[str, str]:
     entries = {"program": f"{facts['program']} {facts['version']}", "image": image["name"], **hashes}
     for name, value in facts.items():
         if name == "parameters":
-            entries[name] = _plain(value)
+            entries[name] = _format_values(value)
         elif name == "shapes":
-            entries[name] = "; ".join(map(_plain, value))
+            entries[name] = "; ".join(map(_format_values, value))
         elif name not in ("program", "version", "image"):
             entries[name] = str(value).replace(",", ";")
     return entries
 
 
-def _plain(values: JsonObject) -> str:
+def _format_values(values: JsonObject) -> str:
     """Format names with their values, flattening nested lists."""
-    return " ".join(f"{name}={' '.join(_flat(value))}" for name, value in values.items())
+    return " ".join(f"{name}={' '.join(_iterate_leaves(value))}" for name, value in values.items())
 
 
-def _flat(value: Any) -> Iterator[str]:
+def _iterate_leaves(value: Any) -> Iterator[str]:
     """Yield the leaves of nested lists as texts."""
     if isinstance(value, (list, tuple)):
         for part in value:
-            yield from _flat(part)
+            yield from _iterate_leaves(part)
     else:
         yield str(value).replace(",", ";")
 
 
-def plain_shapes(shapes: Iterable[Shape]) -> tuple[JsonDict, ...]:
+def describe_shapes(shapes: Iterable[Shape]) -> tuple[JsonDict, ...]:
     """Describe shapes for `Provenance.shapes`, with the kinds and fields of session files."""
     kinds = {kind: name for name, kind in SHAPES_BY_NAME.items()}
     found = []
@@ -122,19 +122,19 @@ def plain_shapes(shapes: Iterable[Shape]) -> tuple[JsonDict, ...]:
     return tuple(found)
 
 
-def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[JsonObject] = ()) -> Result:
+def record_drawn_shapes(result: Result, shapes: Iterable[Shape], described: Iterable[JsonObject] = ()) -> Result:
     """Record the shapes that seeds, limits and charges of a run come from, and `more` already described as JSON."""
-    return replace(result, provenance=replace(result.provenance, shapes=(*plain_shapes(shapes), *more)))
+    return replace(result, provenance=replace(result.provenance, shapes=(*describe_shapes(shapes), *described)))
 
 
-def _limits(result: Outcome) -> list[JsonDict]:
+def _describe_limits(result: Outcome) -> list[JsonDict]:
     """Describe the regions of interest and barriers of a run as shapes."""
     known = (result.regions if isinstance(result, Result) else None) or Regions()
     limits = {"region": known.interest, "barrier": known.barriers}
-    return [{"shape": shape, **_limit(limit)} for shape, several in limits.items() for limit in several]
+    return [{"shape": shape, **_describe_limit(limit)} for shape, several in limits.items() for limit in several]
 
 
-def _limit(limit: Any) -> JsonDict:
+def _describe_limit(limit: Any) -> JsonDict:
     """Describe the extent of a region of interest or a barrier."""
     if isinstance(limit, Extrusion):
         return {"points": limit.line, "axis": limit.axis, "first": limit.first, "last": limit.last}

@@ -9,10 +9,10 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats.common.plain import encoded_json
-from cpm_core.formats.common.provenance import ENTRY, PROGRAM, Outcome, facts_of
-from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, rounded
-from cpm_core.formats.contours.mask import mask_of_runs, outlines
+from cpm_core.formats.common.plain import encode_json
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, PROGRAM_NAME, Outcome, describe_provenance
+from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, contour_rgb, round_coordinates
+from cpm_core.formats.contours.mask import decode_runs, find_outlines
 from cpm_core.numerics.types import JsonDict
 
 _UNNAMED_CATEGORY = "object"
@@ -25,7 +25,7 @@ _HOLES_KEY = "holes"
 """Entry of CPM next to a run-length mask: whether each of its curves is a hole."""
 
 
-def encode(result: Outcome) -> bytes:
+def encode_coco(result: Outcome) -> bytes:
     """Write an instance for each label of the label mask, with its net area and its box.
 
     Classes, or else names, become categories. Coordinates are (x, y) in px from the corner of the image. An instance
@@ -44,25 +44,25 @@ def encode(result: Outcome) -> bytes:
             f"No contour of {result.source} is closed, and a COCO file holds only closed ones: "
             "continue the run, or export to GeoJSON or CSV."
         )
-    categories = sorted({_category(contour) for pairs in parts.values() for contour, _ in pairs})
+    categories = sorted({_category_name(contour) for pairs in parts.values() for contour, _ in pairs})
     surrounding = {row.inside for row in rows if row.closed}
     labels = rasterize_labels(result.contours, result.shape) if surrounding - {0} else None
     height, width = result.shape
     instances: list[JsonDict] = []
     for label, pairs in sorted(parts.items()):
         first, measures = pairs[0]
-        polygons = [_polygon(contour) for contour, _ in pairs]
+        polygons = [_flatten_polygon(contour) for contour, _ in pairs]
         corners = np.reshape(np.concatenate(polygons), (-1, 2))
         instance = {
             "id": measures.number,
             "image_id": 1,
-            "category_id": 1 + categories.index(_category(first)),
+            "category_id": 1 + categories.index(_category_name(first)),
             "segmentation": polygons,
             "area": round(sum(row.net_area for _, row in pairs), 4),
             "gross_area": round(sum(row.area for _, row in pairs), 4),
-            "bbox": rounded(np.concatenate([corners.min(axis=0), np.ptp(corners, axis=0)])),
+            "bbox": round_coordinates(np.concatenate([corners.min(axis=0), np.ptp(corners, axis=0)])),
             "iscrowd": 0,
-            "color": list(rgb(first)),
+            "color": list(contour_rgb(first)),
         }
         if first.category:
             instance["name"] = first.name
@@ -74,12 +74,12 @@ def encode(result: Outcome) -> bytes:
             changes = np.flatnonzero(np.diff(mask.T.ravel(), prepend=False, append=False))
             counts = np.diff(changes, prepend=0, append=labels.size).tolist()  # down one column after the other
             instance["segmentation"] = {"counts": counts, "size": [height, width]}
-            instance[_OUTLINES_KEY] = [*polygons, *map(_polygon, holes)]
+            instance[_OUTLINES_KEY] = [*polygons, *map(_flatten_polygon, holes)]
             instance[_HOLES_KEY] = [False] * len(polygons) + [True] * len(holes)
         instances.append(instance)
-    return encoded_json(
+    return encode_json(
         {
-            "info": {"description": f"Contours of {result.source}", "contributor": PROGRAM, ENTRY: facts_of(result)},
+            "info": {"description": f"Contours of {result.source}", "contributor": PROGRAM_NAME, PROVENANCE_KEY: describe_provenance(result)},
             "licenses": [],
             "images": [{"id": 1, "file_name": result.source, "width": width, "height": height}],
             "categories": [{"id": k, "name": name, "supercategory": ""} for k, name in enumerate(categories, start=1)],
@@ -88,23 +88,23 @@ def encode(result: Outcome) -> bytes:
     )
 
 
-def _category(contour: Contour) -> str:
+def _category_name(contour: Contour) -> str:
     """Return the category of a contour: its class, else its name."""
     return contour.category or contour.name or _UNNAMED_CATEGORY
 
 
-def _polygon(contour: Contour) -> list[float]:
+def _flatten_polygon(contour: Contour) -> list[float]:
     """Flatten a contour to [x1, y1, x2, y2, ...] from the corner of the image [px]."""
-    return rounded((contour.points[:, ::-1] + PIXEL).ravel())
+    return round_coordinates((contour.points[:, ::-1] + PIXEL_OFFSET).ravel())
 
 
-def read(content: JsonDict) -> Contents:
+def read_coco(content: JsonDict) -> CollectedContours:
     """Read the contours of the instances of the first image that has any.
 
     The category becomes the class of a contour, and its name if it has none. Contours of run-length masks run between
     pixels, unless CPM has written their outlines next to them.
     """
-    found = Contents(own=ENTRY in (content.get("info") or {}))
+    found = CollectedContours(is_own=PROVENANCE_KEY in (content.get("info") or {}))
     categories = {entry["id"]: entry["name"] for entry in content.get("categories", [])}
     images = {entry["id"]: entry for entry in content["images"]}
     used = {entry["image_id"] for entry in content["annotations"]}
@@ -119,24 +119,24 @@ def read(content: JsonDict) -> Contents:
     for entry in content["annotations"]:
         if entry["image_id"] == chosen:
             name = categories.get(entry.get("category_id"), "")
-            _add(found, entry, "" if name == _UNNAMED_CATEGORY else name)
+            _add_instance(found, entry, "" if name == _UNNAMED_CATEGORY else name)
     return found
 
 
-def _add(found: Contents, entry: JsonDict, name: str) -> None:
+def _add_instance(found: CollectedContours, entry: JsonDict, name: str) -> None:
     """Add the contours of an instance."""
     known: JsonDict = {"name": entry.get("name") or name, "category": name, "color": entry.get("color")}
     shapes = entry.get("segmentation")
     if entry.get(_OUTLINES_KEY):
-        found.add_object(zip(map(_corners, entry[_OUTLINES_KEY]), entry[_HOLES_KEY], strict=True), **known)
+        found.add_object(zip(map(_parse_ring, entry[_OUTLINES_KEY]), entry[_HOLES_KEY], strict=True), **known)
     elif isinstance(shapes, dict):
-        found.add_object(outlines(mask_of_runs(shapes)), **known)
+        found.add_object(find_outlines(decode_runs(shapes)), **known)
     elif shapes:
-        found.add_object(((_corners(ring), False) for ring in shapes), **known)
+        found.add_object(((_parse_ring(ring), False) for ring in shapes), **known)
     else:
-        found.left_out["instance without an outline"] += 1
+        found.omissions["instance without an outline"] += 1
 
 
-def _corners(ring: Any) -> Any:
+def _parse_ring(ring: Any) -> Any:
     """Parse a ring [x1, y1, x2, y2, ...] as vertices (row, col), shape (K, 2) [px]."""
-    return np.array(ring, float).reshape(-1, 2)[:, ::-1] - PIXEL
+    return np.array(ring, float).reshape(-1, 2)[:, ::-1] - PIXEL_OFFSET

@@ -16,31 +16,31 @@ from PIL import ImageColor
 from cpm_core.contours.contour import Contour, ReachedBy
 from cpm_core.numerics.types import Array, JsonDict, frozen
 
-DEFAULT = "#d6006c"
+DEFAULT_COLOR = "#d6006c"
 """Color of contours that have none of their own: visible on gray and on white."""
 
-PIXEL = 0.5
+PIXEL_OFFSET = 0.5
 """Center of the first pixel in formats that count from its corner [px]."""
 
 
-def rgb(contour: Contour) -> tuple[int, int, int]:
+def contour_rgb(contour: Contour) -> tuple[int, int, int]:
     """Return red, green and blue of a contour, each from 0 to 255."""
-    color = contour.color or DEFAULT
+    color = contour.color or DEFAULT_COLOR
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
 
 
-def pairs(points: Array) -> list[list[float]]:
+def to_xy_pairs(points: Array) -> list[list[float]]:
     """Convert points (row, col), shape (N, 2), to pairs [x, y] from the corner of the image [px]."""
-    return rounded(points[:, ::-1] + PIXEL)
+    return round_coordinates(points[:, ::-1] + PIXEL_OFFSET)
 
 
-def rounded(values: Array) -> list[Any]:
+def round_coordinates(values: Array) -> list[Any]:
     """Round numbers of any shape to four decimals, as nested lists."""
     return list(np.round(values, 4).tolist())
 
 
 @frozen
-class Plane:
+class PlaneInfo:
     """What is known of the image that contours belong to: its shape, and the size of a pixel and its unit."""
 
     shape: tuple[int, int] | None = None
@@ -49,7 +49,7 @@ class Plane:
 
 
 @dataclass(eq=False)
-class Contents:
+class CollectedContours:
     """Contours and points collected by a reader.
 
     Attributes
@@ -72,14 +72,14 @@ class Contents:
 
     contours: list[Contour] = field(default_factory=list)
     pages: list[int] = field(default_factory=list)
-    places: list[tuple[float, float, int]] = field(default_factory=list)
-    left_out: Counter[str] = field(default_factory=Counter)
+    points: list[tuple[float, float, int]] = field(default_factory=list)
+    omissions: Counter[str] = field(default_factory=Counter)
     shape: tuple[int, int] | None = None
     notes: list[str] = field(default_factory=list)
-    own: bool = False
+    is_own: bool = False
     _objects: int = field(default=0, repr=False)
 
-    def add(self, points: Any, closed: bool, *, page: int = 0, junctions: Any = (), **properties: Any) -> None:
+    def add_contour(self, points: Any, closed: bool, *, page: int = 0, junctions: Any = (), **properties: Any) -> None:
         """Add a line of vertices (row, col), shape (K, 2) [px]; a single vertex is added as a point.
 
         `properties` are fields of `Contour`. ValueError when `points` are not pairs.
@@ -88,18 +88,18 @@ class Contents:
         if vertices.ndim != 2 or vertices.shape[1] != 2:
             raise ValueError("vertices are not pairs")
         if not len(vertices):
-            self.left_out["empty line"] += 1
+            self.omissions["empty line"] += 1
             return
         if len(vertices) == 1:
-            self.add_place(vertices[0], page)
+            self.add_point(vertices[0], page)
             return
         if closed and len(vertices) > 2 and np.array_equal(vertices[0], vertices[-1]):
             vertices = vertices[:-1]
         first, last = (*map(bool, junctions), False, False)[:2]
-        known = checked(properties)
-        if self.own and re.fullmatch(r"(contour|track) \d+", known["name"]):
+        known = clean_properties(properties)
+        if self.is_own and re.fullmatch(r"(contour|track) \d+", known["name"]):
             known["name"] = ""
-        if self.own and known["color"] == DEFAULT:
+        if self.is_own and known["color"] == DEFAULT_COLOR:
             known["color"] = ""
         self.contours.append(Contour(vertices, closed and len(vertices) > 2, junctions=(first, last), **known))
         self.pages.append(page)
@@ -113,37 +113,37 @@ class Contents:
             group = self._objects
         for points, hole in rings:
             own = {**properties, "number": 0} if hole else properties
-            self.add(points, True, page=page, group=group, hole=hole, **own)
+            self.add_contour(points, True, page=page, group=group, hole=hole, **own)
 
-    def add_place(self, place: Sequence[float] | Array, page: int = 0) -> None:
+    def add_point(self, place: Sequence[float] | Array, page: int = 0) -> None:
         """Add a single point (row, col), shape (2,) [px]."""
         row, col = map(float, place)
-        self.places.append((row, col, page))
+        self.points.append((row, col, page))
 
 
-def checked(properties: JsonDict) -> JsonDict:
+def clean_properties(properties: JsonDict) -> JsonDict:
     """Clean the properties of a contour, dropping values that it cannot have."""
     reached = properties.pop("reached", "")
     return {
         **properties,
         "name": str(properties.get("name") or ""),
         "category": str(properties.get("category") or ""),
-        "color": color_of(properties.get("color")),
-        "strength": _finite(properties.get("strength")),
-        "bridged": _finite(properties.get("bridged")),
-        "gray": None if properties.get("gray") is None else _finite(properties["gray"]),
+        "color": parse_color(properties.get("color")),
+        "strength": _finite_or_zero(properties.get("strength")),
+        "bridged": _finite_or_zero(properties.get("bridged")),
+        "gray": None if properties.get("gray") is None else _finite_or_zero(properties["gray"]),
         "number": max(0, int(properties.get("number") or 0)),
         "way": partial(str, reached) if reached in get_args(ReachedBy) else None,
     }
 
 
-def _finite(value: Any) -> float:
+def _finite_or_zero(value: Any) -> float:
     """Return a number, 0 if it is missing or not finite."""
     number = float(value or 0.0)
     return number if math.isfinite(number) else 0.0
 
 
-def color_of(value: object) -> str:
+def parse_color(value: object) -> str:
     """Parse a color from red, green and blue, a whole number 0xRRGGBB, or a name; empty if it is none."""
     if isinstance(value, str):
         try:

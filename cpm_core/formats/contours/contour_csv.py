@@ -16,10 +16,10 @@ import numpy as np
 from cpm_core.contours.contour import assign_numbers
 from cpm_core.contours.measurements import compute_centroid, assign_labels, measure
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.printable import cell, text_of_cell
-from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
-from cpm_core.formats.contours.contents import Contents
-from cpm_core.formats.images.resolution import in_ascii
+from cpm_core.formats.common.printable import escape_cell, unescape_cell
+from cpm_core.formats.common.provenance import Outcome, flatten_provenance, describe_provenance
+from cpm_core.formats.contours.contents import CollectedContours
+from cpm_core.formats.images.resolution import ascii_unit
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.pages.page import StackResult
 
@@ -30,7 +30,7 @@ _REQUIRED_COLUMNS = {"closed", "row", "col"}
 """Columns that a table of vertices must have besides the number of the contour."""
 
 
-def encode(result: Outcome) -> bytes:
+def encode_vertices(result: Outcome) -> bytes:
     """Tabulate the vertices of all contours, one per row.
 
     Columns: ``contour`` (number), ``closed`` (TRUE or FALSE; the first vertex is not repeated), ``label`` (in the label
@@ -42,25 +42,25 @@ def encode(result: Outcome) -> bytes:
     contrast, and with a column ``radius``: the distance to the boundary [px]. Provenance is in the first row only,
     because a table may have a hundred thousand.
     """
-    return table(_vertices(result), ("contour", "closed", "label", "strength", "vertex", "row", "col"))
+    return encode_csv_rows(_build_vertex_rows(result), ("contour", "closed", "label", "strength", "vertex", "row", "col"))
 
 
-def _vertices(result: Outcome) -> list[Row]:
+def _build_vertex_rows(result: Outcome) -> list[Row]:
     """Build the rows of `encode`."""
     radii = result.radii if isinstance(result, Skeleton) else None
     labels = range(1, len(result.contours) + 1) if radii is not None else assign_labels(result.contours)
-    has, unit, (high, wide) = _attributes(result), in_ascii(result.unit, ""), result.spacing[-2:]
+    has, unit, (high, wide) = _find_attributes(result), ascii_unit(result.unit, ""), result.spacing[-2:]
     rows: list[Row] = []
     for index, (number, contour) in enumerate(zip(assign_numbers(result.contours), result.contours, strict=True)):
-        fixed: Row = {"contour": number, "closed": _truth(contour.closed), "label": labels[index]}
+        fixed: Row = {"contour": number, "closed": _format_bool(contour.closed), "label": labels[index]}
         fixed["strength"] = f"{contour.strength:.6g}"
         common: Row = {}
         if radii is None:
             common["contrast"] = f"{contour.contrast:.4f}" if contour.measure_contrast else ""
         if has & {"name", "color"}:
-            common |= {"name": cell(contour.name), "color": contour.color}
+            common |= {"name": escape_cell(contour.name), "color": contour.color}
         if "category" in has:
-            common["class"] = cell(contour.category)
+            common["class"] = escape_cell(contour.category)
         if "by_hand" in has:
             common["by_hand"] = f"{contour.length_by_hand:.4f}"
         for vertex, (row, col) in enumerate(contour.points.tolist()):
@@ -72,17 +72,17 @@ def _vertices(result: Outcome) -> list[Row]:
             if radii is not None:
                 rows[-1]["radius"] = f"{radii[index][vertex]:.4f}"
     if rows:
-        rows[0] |= provenance_cells(result)
+        rows[0] |= build_provenance_cells(result)
     return rows
 
 
-def _attributes(result: Outcome) -> set[str]:
+def _find_attributes(result: Outcome) -> set[str]:
     """Find the attributes that any contour has, which get columns."""
     names = ("name", "color", "category", "by_hand", "group", "gray")
     return {name for name in names for contour in result.contours if getattr(contour, name)}
 
 
-def _truth(value: bool) -> str:
+def _format_bool(value: bool) -> str:
     """Format a truth value as TRUE or FALSE."""
     return str(value).upper()
 
@@ -100,12 +100,12 @@ def encode_measures(result: Outcome) -> bytes:
     (length without a detected edge). For a skeleton also ``thickness_min_px``, ``thickness_median_px`` and
     ``thickness_max_px``. If known for any contour, ``reached``: how particles got to it (`Contour.reached`).
     """
-    return table(_measures(result), ("contour", "label", "closed", "length_px"))
+    return encode_csv_rows(_build_measure_rows(result), ("contour", "label", "closed", "length_px"))
 
 
-def _measures(result: Outcome) -> list[Row]:
+def _build_measure_rows(result: Outcome) -> list[Row]:
     """Build the rows of `encode_measures`."""
-    has, origin = _attributes(result), provenance_cells(result)
+    has, origin = _find_attributes(result), build_provenance_cells(result)
     measures, rows = measure(result.contours, result.spacing), []
     known = any(one.reached for one in measures)
     for index, (contour, one) in enumerate(zip(result.contours, measures, strict=True)):
@@ -113,9 +113,9 @@ def _measures(result: Outcome) -> list[Row]:
         row: Row = {
             "contour": one.number,
             "label": one.label,
-            "name": cell(one.name),
+            "name": escape_cell(one.name),
             "color": one.color,
-            "closed": _truth(one.closed),
+            "closed": _format_bool(one.closed),
             "junctions": one.junctions,
             "inside": one.inside,
             "strength": f"{one.strength:.6g}",
@@ -124,7 +124,7 @@ def _measures(result: Outcome) -> list[Row]:
             **{f"{name}_area_px2": f"{area:.4f}" if one.closed else "" for name, (area, _) in areas.items()},
         }
         if result.unit:
-            unit = in_ascii(result.unit, "")
+            unit = ascii_unit(result.unit, "")
             row[f"length_{unit}"] = f"{one.length_in_units:.7g}"
             row |= {f"{name}_area_{unit}2": f"{area:.7g}" if one.closed else "" for name, (_, area) in areas.items()}
         if "gray" in has:
@@ -132,9 +132,9 @@ def _measures(result: Outcome) -> list[Row]:
         if "by_hand" in has:
             row["by_hand_px"] = f"{one.by_hand:.4f}"
         if "category" in has:
-            row["class"] = cell(contour.category)
+            row["class"] = escape_cell(contour.category)
         if "group" in has:
-            row |= {"object": contour.group, "hole": _truth(contour.hole), "bridged_px": f"{contour.bridged:.4f}"}
+            row |= {"object": contour.group, "hole": _format_bool(contour.hole), "bridged_px": f"{contour.bridged:.4f}"}
         if known:
             row["reached"] = one.reached
         if isinstance(result, Skeleton):
@@ -144,7 +144,7 @@ def _measures(result: Outcome) -> list[Row]:
     return rows
 
 
-def encode_table(result: Outcome) -> bytes:
+def encode_object_table(result: Outcome) -> bytes:
     """Tabulate the regions enclosed by closed contours, or the objects in a volume, one per row.
 
     The columns are those of `Result.table`, in the unit of the image if it is known, which ends their names
@@ -162,7 +162,7 @@ def encode_table(result: Outcome) -> bytes:
     columns: Row = {}
     for name, unit in measured.units.items():
         power = {"²": "2", "³": "3"}.get(unit[-1:], "")
-        columns[f"{name}_{in_ascii(unit.rstrip('²³'), '')}{power}" if unit else name] = measured[name].tolist()
+        columns[f"{name}_{ascii_unit(unit.rstrip('²³'), '')}{power}" if unit else name] = measured[name].tolist()
     rows: list[Row] = []
     for values in zip(*columns.values(), strict=True):
         row = {
@@ -171,23 +171,23 @@ def encode_table(result: Outcome) -> bytes:
         }
         first = firsts.get(int(row["label"]))
         if first is not None:
-            row["name"] = cell(first.name)
+            row["name"] = escape_cell(first.name)
             if first.group:
-                row |= {"object": first.group, "class": cell(first.category), "color": first.color}
-        rows.append(row | provenance_cells(result))
-    return table(rows)
+                row |= {"object": first.group, "class": escape_cell(first.category), "color": first.color}
+        rows.append(row | build_provenance_cells(result))
+    return encode_csv_rows(rows)
 
 
-def encode_pages(found: StackResult) -> bytes:
+def encode_page_vertices(found: StackResult) -> bytes:
     """Tabulate the vertices of the contours on all pages of a stack, one per row.
 
     Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), and those of `encode` except
     ``contour``; ``label`` is the label in the label stack: the track, or 0 when open.
     """
-    return table(_on_pages(found, _vertices), ("page", "track"))
+    return encode_csv_rows(_build_page_rows(found, _build_vertex_rows), ("page", "track"))
 
 
-def encode_measures_of_pages(found: StackResult) -> bytes:
+def encode_page_measures(found: StackResult) -> bytes:
     """Tabulate the measures of the contours on all pages of a stack, one contour per row.
 
     Columns: ``page``, ``track``, ``centroid_row`` and ``centroid_col`` (centroid of the enclosed area, or of the line
@@ -197,32 +197,32 @@ def encode_measures_of_pages(found: StackResult) -> bytes:
 
     def build_rows_with_centroids(result: Outcome) -> list[Row]:
         rows = []
-        for contour, row in zip(result.contours, _measures(result), strict=True):
+        for contour, row in zip(result.contours, _build_measure_rows(result), strict=True):
             center = compute_centroid(contour)
             rows.append({"centroid_row": f"{center[0]:.4f}", "centroid_col": f"{center[1]:.4f}"} | row)
         return rows
 
-    return table(_on_pages(found, build_rows_with_centroids), ("page", "track"))
+    return encode_csv_rows(_build_page_rows(found, build_rows_with_centroids), ("page", "track"))
 
 
-def _on_pages(found: StackResult, tabulated: Callable[[Outcome], list[Row]]) -> list[Row]:
+def _build_page_rows(found: StackResult, build_rows: Callable[[Outcome], list[Row]]) -> list[Row]:
     """Build the rows of all pages, with page and track in front."""
     rows: list[Row] = []
     for page, result in found.results:
-        for row in tabulated(result):
+        for row in build_rows(result):
             track = row.pop("contour")
             rows.append({"page": page, "track": track} | row | {"label": track if row["label"] else 0})
     return rows
 
 
-def provenance_cells(result: Outcome) -> Row:
+def build_provenance_cells(result: Outcome) -> Row:
     """Build the cells of the provenance, by column."""
-    return {name: cell(value) for name, value in entries_of(facts_of(result)).items()}
+    return {name: escape_cell(value) for name, value in flatten_provenance(describe_provenance(result)).items()}
 
 
-def table(rows: Sequence[Row], empty: Sequence[str] = ()) -> bytes:
+def encode_csv_rows(rows: Sequence[Row], header: Sequence[str] = ()) -> bytes:
     """Encode rows as a UTF-8 CSV file with a header: commas, decimal points, and `empty` as header without rows."""
-    columns: Row = dict.fromkeys(chain.from_iterable(rows) if rows else empty, "")
+    columns: Row = dict.fromkeys(chain.from_iterable(rows) if rows else header, "")
     stream = io.StringIO(newline="")
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(columns)
@@ -230,7 +230,7 @@ def table(rows: Sequence[Row], empty: Sequence[str] = ()) -> bytes:
     return stream.getvalue().encode()
 
 
-def read(text: str, name: str) -> Contents:
+def read_contour_csv(text: str, name: str) -> CollectedContours:
     """Read contours from a table with one vertex per row."""
     rows = list(csv.DictReader(text.splitlines()))
     columns = set(rows[0] if rows else ())
@@ -241,16 +241,16 @@ def read(text: str, name: str) -> Contents:
             f"{name} is not a table of contours: it has no column {' or '.join(sorted(missing))}. Choose a table of "
             "vertices that CPM has written."
         )
-    found = Contents()
+    found = CollectedContours()
     for (page, of), group in groupby(rows, key=lambda row: (row.get("page") or "0", row[number])):
         vertices = list(group)
         first = vertices[0]
-        found.add(
+        found.add_contour(
             [(float(row["row"]), float(row["col"])) for row in vertices],
             first["closed"].strip().upper() == "TRUE",
             page=int(page),
             strength=first.get("strength") or 0.0,
-            name=text_of_cell(first.get("name") or ""),
+            name=unescape_cell(first.get("name") or ""),
             color=first.get("color") or "",
             number=int(of) if of.strip().isdecimal() else 0,
         )

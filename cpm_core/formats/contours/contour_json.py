@@ -11,9 +11,9 @@ import numpy as np
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.plain import encoded_json, from_plain, to_plain
-from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of, facts_on
-from cpm_core.formats.contours.contents import Contents, checked, rounded
+from cpm_core.formats.common.plain import encode_json, from_json, to_json
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, Outcome, describe_provenance, describe_image_provenance
+from cpm_core.formats.contours.contents import CollectedContours, clean_properties, round_coordinates
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array, JsonDict, JsonObject
 from cpm_core.pages.page import Page, StackResult
@@ -27,7 +27,7 @@ _STACK_FORMAT = "cpm-pages"
 """Value of the entry ``format`` for all pages of a stack."""
 
 
-def encode(result: Outcome) -> bytes:
+def encode_contour_json(result: Outcome) -> bytes:
     """Write an object with the image, the run, the contours and the bridges; `load_contours` reads it back.
 
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
@@ -40,10 +40,10 @@ def encode(result: Outcome) -> bytes:
     ``provenance`` is described by `provenance.facts_of`. Branches of a skeleton are contours with ``radii`` [px], and
     there is no run.
     """
-    return encoded_json({"format": _IMAGE_FORMAT, "version": 1, **_result_to_plain(result)})
+    return encode_json({"format": _IMAGE_FORMAT, "version": 1, **_result_to_json(result)})
 
 
-def encode_pages(found: StackResult) -> bytes:
+def encode_pages_json(found: StackResult) -> bytes:
     """Write an object with a stack, its tracks and its pages; `page_from_plain` reads a page back.
 
     ``stack`` has its ``name``, the number of its ``pages``, the ``axis`` z, t or c, and the ``drawn`` shapes. Each of
@@ -52,43 +52,43 @@ def encode_pages(found: StackResult) -> bytes:
     and the entries that `encode` writes for an image; the number of a contour is its track.
     """
     stack: JsonDict = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
-    stack |= {"drawn": facts_on(found.source, Provenance(), found.drawn).get("shapes", [])}
+    stack |= {"drawn": describe_image_provenance(found.source, Provenance(), found.drawn).get("shapes", [])}
     tracks = [
         {"track": one.number, "pages": list(one.pages), "origin": one.origin, "ends": one.end and one.end.kind}
         for one in found.tracks
     ]
-    pages = list(map(page_to_plain, found.pages))
-    return encoded_json({"format": _STACK_FORMAT, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
+    pages = list(map(page_to_json, found.pages))
+    return encode_json({"format": _STACK_FORMAT, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
 
 
-def page_to_plain(page: Page) -> JsonDict:
+def page_to_json(page: Page) -> JsonDict:
     """Convert a page to an entry of ``pages``; see `encode_pages`."""
-    plain: JsonDict = {"page": page.number, "trouble": page.trouble, "events": to_plain(page.events)}
+    plain: JsonDict = {"page": page.number, "trouble": page.trouble, "events": to_json(page.events)}
     if page.result is not None:
-        plain |= _result_to_plain(page.result)
+        plain |= _result_to_json(page.result)
         for entry in plain["contours"]:
             entry["label"] = entry["number"] if entry["label"] else 0
     return plain
 
 
-def _result_to_plain(result: Outcome) -> JsonDict:
+def _result_to_json(result: Outcome) -> JsonDict:
     """Convert a result to JSON; see `encode`."""
     image: JsonDict = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
         image["channel"] = result.channel
-    content: JsonDict = {"image": image, ENTRY: facts_of(result), "contours": _contours_to_plain(result)}
+    content: JsonDict = {"image": image, PROVENANCE_KEY: describe_provenance(result), "contours": _contours_to_json(result)}
     if isinstance(result, Result):
         run = {name: getattr(result, name) for name in ("steps", "converged", "stop_reason")}
         content["run"] = run | {"particles": len(result.particles)}
         content["bridges"] = [
-            {"length": round(bridge.length, 4), "strength": round(bridge.strength, 6), "points": rounded(bridge.points)}
+            {"length": round(bridge.length, 4), "strength": round(bridge.strength, 6), "points": round_coordinates(bridge.points)}
             for bridge in result.bridges
         ]
     return content
 
 
-def _contours_to_plain(result: Outcome) -> list[JsonDict]:
+def _contours_to_json(result: Outcome) -> list[JsonDict]:
     """Convert the contours of a result to JSON; see `encode`."""
     entries: list[JsonDict] = []
     rows = measure(result.contours, result.spacing)
@@ -110,47 +110,47 @@ def _contours_to_plain(result: Outcome) -> list[JsonDict]:
         if contour.group:
             entry |= {"object": contour.group, "hole": contour.hole, "bridged": round(contour.bridged, 4)}
         if isinstance(result, Skeleton):
-            entry["radii"] = rounded(result.radii[index])
-        entries.append(entry | {"points": rounded(contour.points)})
+            entry["radii"] = round_coordinates(result.radii[index])
+        entries.append(entry | {"points": round_coordinates(contour.points)})
     return entries
 
 
-def is_own(content: Any) -> bool:
+def is_cpm_json(content: Any) -> bool:
     """Return whether JSON is of this format."""
     return isinstance(content, dict) and content.get("format") in (_IMAGE_FORMAT, _STACK_FORMAT)
 
 
-def read(content: JsonDict) -> Contents:
+def read_contour_json(content: JsonDict) -> CollectedContours:
     """Read contours with their numbers, objects and strengths, and for a stack their pages."""
-    found = Contents()
+    found = CollectedContours()
     for page in content["pages"] if content["format"] == _STACK_FORMAT else [content]:
-        for contour in map(_contour_from, page.get("contours", ())):
-            found.shape = _shape_of(page)
+        for contour in map(_contour_from_json, page.get("contours", ())):
+            found.shape = _parse_shape(page)
             if len(contour.points) > 1:
                 found.contours.append(contour)
                 found.pages.append(int(page.get("page", 0)))
             else:
-                found.add_place(contour.points[0], int(page.get("page", 0)))
+                found.add_point(contour.points[0], int(page.get("page", 0)))
     return found
 
 
-def page_from_plain(plain: JsonObject) -> Page:
+def page_from_json(plain: JsonObject) -> Page:
     """Build the page of an entry; a damaged one raises an exception of any kind."""
-    events = tuple(from_plain(TrackEvent, event, "event of a page") for event in plain["events"])
-    result = _result_from(plain) if "contours" in plain else None
+    events = tuple(from_json(TrackEvent, event, "event of a page") for event in plain["events"])
+    result = _result_from_json(plain) if "contours" in plain else None
     return Page(int(plain["page"]), result, events, str(plain["trouble"]))
 
 
-def _result_from(plain: JsonObject) -> Result:
+def _result_from_json(plain: JsonObject) -> Result:
     """Build the result of a page from JSON."""
     image, run = plain["image"], plain["run"]
-    rows, cols = _shape_of(plain)
+    rows, cols = _parse_shape(plain)
     height, width = map(float, image["spacing"])
     contours = []
     for entry in plain["contours"]:
-        contour, contrast = _contour_from(entry), entry["contrast"]
+        contour, contrast = _contour_from_json(entry), entry["contrast"]
         contours.append(contour if contrast is None else replace(contour, measure_contrast=partial(float, float(contrast))))
-    facts = plain[ENTRY]
+    facts = plain[PROVENANCE_KEY]
     return Result(
         np.zeros((int(run["particles"]), 2)),  # the file holds only their number
         tuple(contours),
@@ -162,7 +162,7 @@ def _result_from(plain: JsonObject) -> Result:
         (height, width),
         image["unit"],
         str(image["name"]),
-        tuple(Bridge(_points(one), float(one["length"]), float(one["strength"])) for one in plain["bridges"]),
+        tuple(Bridge(_parse_points(one), float(one["length"]), float(one["strength"])) for one in plain["bridges"]),
         channel=image.get("channel", "luminance"),
         provenance=Provenance(
             **{name: facts[name] for name in ("method", "parameters", "seeds", "scale", "steered") if name in facts},
@@ -173,23 +173,23 @@ def _result_from(plain: JsonObject) -> Result:
     )
 
 
-def _shape_of(plain: JsonObject) -> tuple[int, int]:
+def _parse_shape(plain: JsonObject) -> tuple[int, int]:
     """Parse the shape of the image."""
     rows, cols = plain["image"]["shape"]
     return int(rows), int(cols)
 
 
-def _contour_from(plain: JsonObject) -> Contour:
+def _contour_from_json(plain: JsonObject) -> Contour:
     """Build a contour from JSON."""
     first, last = plain["junctions"]
     known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "reached", "bridged", "gray")}
-    properties = checked(
+    properties = clean_properties(
         known
         | {"category": plain.get("class"), "group": int(plain.get("object", 0)), "hole": bool(plain.get("hole", False))}
     )
-    return Contour(_points(plain), bool(plain["closed"]), junctions=(bool(first), bool(last)), **properties)
+    return Contour(_parse_points(plain), bool(plain["closed"]), junctions=(bool(first), bool(last)), **properties)
 
 
-def _points(plain: JsonObject) -> Array:
+def _parse_points(plain: JsonObject) -> Array:
     """Parse the vertices of a contour, shape (K, 2)."""
     return np.array(plain["points"], float).reshape(len(plain["points"]), 2)

@@ -20,7 +20,7 @@ _MIN_ELLIPSE_VERTICES = 128
 """Fewest vertices of an ellipse."""
 
 
-def ellipse(
+def flatten_ellipse(
     center: Sequence[float] | Array,
     first: Sequence[float] | Array,
     second: Sequence[float] | Array,
@@ -45,13 +45,13 @@ def ellipse(
     return np.asarray(center, float) + np.outer(np.cos(angle), one) + np.outer(np.sin(angle), other)
 
 
-def rectangle(corner: Sequence[float] | Array, opposite: Sequence[float] | Array) -> Array:
+def rectangle_corners(corner: Sequence[float] | Array, opposite: Sequence[float] | Array) -> Array:
     """Return the corners of an upright rectangle with two given opposite ones, shape (4, 2)."""
     (top, left), (bottom, right) = corner, opposite
     return np.array([(top, left), (top, right), (bottom, right), (bottom, left)], float)
 
 
-def bezier(*corners: Sequence[float] | Array) -> Array:
+def flatten_bezier(*corners: Sequence[float] | Array) -> Array:
     """Flatten a quadratic or cubic Bézier curve with these control points, shape (2,); omits the first one."""
     control = np.array([tuple(corner) for corner in corners], float)
     if len(control) == 3:
@@ -64,7 +64,7 @@ def bezier(*corners: Sequence[float] | Array) -> Array:
     return shares @ control
 
 
-def nested(curves: Sequence[Array]) -> list[tuple[Array, bool]]:
+def mark_holes(curves: Sequence[Array]) -> list[tuple[Array, bool]]:
     """Mark the holes among curves of shape (K, 2) around one area: those that an odd number of the others encloses."""
     around = [
         sum(bool(polyline.points_inside(other, curve[:1])[0]) for other in curves if other is not curve) for curve in curves

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
-from cpm_core.formats.contours.contents import Contents, Plane
+from cpm_core.formats.common.provenance import Outcome, flatten_provenance, describe_provenance
+from cpm_core.formats.contours.contents import CollectedContours, PlaneInfo
 from cpm_core.formats.contours.curves import CURVE_TOLERANCE
 from cpm_core.numerics.types import Array
 
@@ -54,7 +54,7 @@ _RELATIVE_TOLERANCE = 1e-6
 """Largest distance of the vertices from a large curve, as a fraction of its size; else it is `CURVE_TOLERANCE` px."""
 
 
-def encode(result: Outcome) -> bytes:
+def encode_dxf(result: Outcome) -> bytes:
     """Write each contour as a polyline.
 
     The drawing is upright: x runs along columns and y upward, from the lower left corner of the image, in the unit of
@@ -83,7 +83,7 @@ def encode(result: Outcome) -> bytes:
         else:
             polyline = model.add_lwpolyline((), close=contour.closed, dxfattribs=look)
             polyline.lwpoints = _Vertices(places.tolist())  # type: ignore[assignment]
-    comments = entries_of(facts_of(result))
+    comments = flatten_provenance(describe_provenance(result))
     comments |= {
         _SHAPE_COMMENT: " ".join(map(str, result.shape)),
         _SPACING_COMMENT: " ".join(f"{size:.17g}" for size in result.spacing),
@@ -108,7 +108,7 @@ class _Vertices(list[list[float]]):
         return "".join(f" 10\n{x}\n 20\n{y}\n" for x, y in self)
 
 
-def read(content: bytes, plane: Plane) -> Contents:
+def read_dxf(content: bytes, plane: PlaneInfo) -> CollectedContours:
     """Read contours from the lines of a drawing, whose origin is the lower left corner of the image.
 
     If header and image both state a unit, lengths are converted to px by the pixel size; otherwise a unit of the
@@ -126,7 +126,7 @@ def read(content: bytes, plane: Plane) -> Contents:
             rf"^999\s+({_SHAPE_COMMENT}|{_SPACING_COMMENT}): ([^\r\n]*)", content.decode("latin-1"), re.MULTILINE
         )
     )
-    found = Contents()
+    found = CollectedContours()
     shape, spacing, scale = plane.shape, np.ones(2), 1.0
     if own:
         rows, cols = map(int, own[_SHAPE_COMMENT].split())
@@ -150,7 +150,7 @@ def read(content: bytes, plane: Plane) -> Contents:
                 path.is_closed,
             )
         else:
-            found.left_out[f"entity {entity.dxftype()}"] += 1
+            found.omissions[f"entity {entity.dxftype()}"] += 1
             continue
         places = np.array([(place.x, place.y) for place in vertices]).reshape(-1, 2)
         lines.append((entity, places * scale / spacing[::-1], closed))
@@ -161,11 +161,11 @@ def read(content: bytes, plane: Plane) -> Contents:
         layer = entity.dxf.layer
         name = "" if layer in ("0", *_LAYER_COLORS) else layer
         points = np.column_stack([height - places[:, 1] - 0.5, places[:, 0] - 0.5])
-        found.add(points, closed, name=name, color=_color(entity, drawing, bool(own)))
+        found.add_contour(points, closed, name=name, color=_find_color(entity, drawing, bool(own)))
     return found
 
 
-def _color(entity: DXFGraphic, drawing: Drawing, own: bool) -> tuple[int, int, int] | None:
+def _find_color(entity: DXFGraphic, drawing: Drawing, own: bool) -> tuple[int, int, int] | None:
     """Find the color of an entity, its own or its layer's; None for the layers of CPM and the usual color."""
     import ezdxf.colors
 

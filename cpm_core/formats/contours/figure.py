@@ -7,7 +7,7 @@ from pathlib import Path
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, write_together
 from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
+from cpm_core.formats.common.provenance import Outcome, describe_provenance, dump_provenance
 from cpm_core.image.drawing import FIGURE_FORMATS, render_figure, new_figure
 from cpm_core.medial_axis.skeleton import Skeleton
 
@@ -48,11 +48,11 @@ def write_figure(
     for file in files:
         check_target(file, FIGURE_FORMATS, "of a figure")
     drawn = {"image": image, "contours": contours, "particles": particles, "labels": labels, "scale_bar": scale_bar}
-    contents = [(file, encoded(file.suffix.lower(), result, **drawn)) for file in files]
+    contents = [(file, encode_figure(file.suffix.lower(), result, **drawn)) for file in files]
     write_together(contents)
 
 
-def encoded(suffix: str, result: Outcome, **drawn: bool) -> bytes:
+def encode_figure(suffix: str, result: Outcome, **drawn: bool) -> bytes:
     """Encode the figure of `write_figure` in the format of a suffix; `drawn` is passed to `Result.plot`."""
     surface = result.surface if isinstance(result, Result) else None
     figure, ax = new_figure(result.shape if surface is None else None, result.spacing)
@@ -60,4 +60,4 @@ def encoded(suffix: str, result: Outcome, **drawn: bool) -> bytes:
         result.plot(ax, image=drawn.get("image", True), scale_bar=drawn.get("scale_bar", True))
     else:
         result.plot(ax, **drawn)
-    return render_figure(figure, suffix, text_of(facts_of(result)))
+    return render_figure(figure, suffix, dump_provenance(describe_provenance(result)))

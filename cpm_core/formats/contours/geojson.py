@@ -9,13 +9,13 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.measurements import Measures, measure
-from cpm_core.formats.common.plain import encoded_json
-from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
-from cpm_core.formats.contours.contents import PIXEL, Contents, color_of, pairs, rgb
+from cpm_core.formats.common.plain import encode_json
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, Outcome, describe_provenance
+from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, parse_color, to_xy_pairs, contour_rgb
 from cpm_core.numerics.types import Array, JsonDict
 
 
-def encode(result: Outcome) -> bytes:
+def encode_geojson(result: Outcome) -> bytes:
     """Write a collection of features, one for each contour (RFC 7946, with the properties that QuPath uses).
 
     A closed contour is a polygon whose interior rings are the contours directly inside it, so that it covers the pixels
@@ -24,10 +24,10 @@ def encode(result: Outcome) -> bytes:
     (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5). Provenance is an entry of
     the collection, a foreign member as the format allows.
     """
-    return encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
+    return encode_json({"type": "FeatureCollection", PROVENANCE_KEY: describe_provenance(result), "features": build_features(result)})
 
 
-def features_of(result: Outcome) -> list[JsonDict]:
+def build_features(result: Outcome) -> list[JsonDict]:
     """Build the features of a result; see `encode`."""
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
@@ -37,16 +37,16 @@ def features_of(result: Outcome) -> list[JsonDict]:
     return [
         {
             "type": "Feature",
-            "geometry": _geometry(contour, holes.get(row.number, [])),
+            "geometry": _build_geometry(contour, holes.get(row.number, [])),
             "properties": {
                 "objectType": "annotation",
                 "name": contour.name or f"contour {row.number}",
-                "color": list(rgb(contour)),
-                **({"classification": {"name": kind, "color": list(rgb(contour))}} if kind else {}),
+                "color": list(contour_rgb(contour)),
+                **({"classification": {"name": kind, "color": list(contour_rgb(contour))}} if kind else {}),
                 "closed": row.closed,
                 "junctions": list(contour.junctions),
                 "inside": row.inside,
-                "measurements": _measurements(contour, row, result.unit),
+                "measurements": _build_measurements(contour, row, result.unit),
             },
         }
         for contour, row in zip(result.contours, rows, strict=True)
@@ -55,7 +55,7 @@ def features_of(result: Outcome) -> list[JsonDict]:
     ]
 
 
-def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str, float]:
+def _build_measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str, float]:
     """Build the measurements under the names that QuPath uses; the net area is that of the polygon with its holes."""
     found = {"Length px": row.length}
     if unit:
@@ -74,65 +74,65 @@ def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str
     return {name: round(value, 6) for name, value in found.items()}
 
 
-def _geometry(contour: Contour, holes: Contours) -> JsonDict:
+def _build_geometry(contour: Contour, holes: Contours) -> JsonDict:
     """Build a polygon (exterior counterclockwise in (x, y), holes clockwise), a line, or a point."""
     from shapely.geometry import LineString, Point, Polygon, mapping
     from shapely.geometry.polygon import orient
 
     if contour.closed and len(contour.points) > 2:
-        return dict(mapping(orient(Polygon(pairs(contour.points), [pairs(hole.points) for hole in holes]))))
+        return dict(mapping(orient(Polygon(to_xy_pairs(contour.points), [to_xy_pairs(hole.points) for hole in holes]))))
     kind = LineString if len(contour.points) > 1 else Point
-    return dict(mapping(kind(pairs(contour.path if kind is LineString else contour.points))))
+    return dict(mapping(kind(to_xy_pairs(contour.path if kind is LineString else contour.points))))
 
 
-def read(content: Any) -> Contents:
+def read_geojson(content: Any) -> CollectedContours:
     """Read the contours of all geometries, in px from the corner of the image; interior rings are holes.
 
     The name of a contour is that of its feature, else that of its class. In files of CPM a contour inside another is
     both an interior ring and a feature of its own, and then it is no hole.
     """
-    own = isinstance(content, dict) and ENTRY in content
-    found = Contents(own=own)
-    geometries = list(_geometries(content, {}, found))
-    exteriors = {_key(rings[0]) for kind, rings, _ in geometries if kind == "Polygon"}
+    own = isinstance(content, dict) and PROVENANCE_KEY in content
+    found = CollectedContours(is_own=own)
+    geometries = list(_iterate_geometries(content, {}, found))
+    exteriors = {_ring_key(rings[0]) for kind, rings, _ in geometries if kind == "Polygon"}
     for kind, rings, feature in geometries:
-        properties, page = _properties(feature, own), _page(feature)
+        properties, page = _parse_properties(feature, own), _parse_page(feature)
         if kind == "Polygon":
-            holes = [(ring, True) for ring in rings[1:] if _key(ring) not in exteriors]
+            holes = [(ring, True) for ring in rings[1:] if _ring_key(ring) not in exteriors]
             found.add_object([(rings[0], False), *holes], page=page, **properties)
         else:
-            found.add(rings[0], False, page=page, **properties)
+            found.add_contour(rings[0], False, page=page, **properties)
     return found
 
 
-def _geometries(content: Any, feature: JsonDict, found: Contents) -> Iterator[tuple[str, list[Array], JsonDict]]:
+def _iterate_geometries(content: Any, feature: JsonDict, found: CollectedContours) -> Iterator[tuple[str, list[Array], JsonDict]]:
     """Yield kind, rings (row, col) and feature of each geometry; a point is a line of one vertex."""
     import shapely
 
     if isinstance(content, list):
         for entry in content:
-            yield from _geometries(entry, feature, found)
+            yield from _iterate_geometries(entry, feature, found)
         return
     kind = content["type"]
     if kind in ("FeatureCollection", "GeometryCollection"):
-        yield from _geometries(content["features" if kind == "FeatureCollection" else "geometries"], feature, found)
+        yield from _iterate_geometries(content["features" if kind == "FeatureCollection" else "geometries"], feature, found)
     elif kind == "Feature" and content["geometry"] is None:
-        found.left_out["feature without a geometry"] += 1
+        found.omissions["feature without a geometry"] += 1
     elif kind == "Feature":
-        yield from _geometries(content["geometry"], content, found)
+        yield from _iterate_geometries(content["geometry"], content, found)
     else:
         placed = {**feature, "plane": content.get("plane") or feature.get("plane")}
         for part in shapely.get_parts(shapely.geometry.shape(content)):
             rings = (part.exterior, *part.interiors) if part.geom_type == "Polygon" else (part,)
-            yield part.geom_type, [shapely.get_coordinates(ring)[:, ::-1] - PIXEL for ring in rings], placed
+            yield part.geom_type, [shapely.get_coordinates(ring)[:, ::-1] - PIXEL_OFFSET for ring in rings], placed
 
 
-def _properties(feature: JsonDict, own: bool) -> JsonDict:
+def _parse_properties(feature: JsonDict, own: bool) -> JsonDict:
     """Parse name, color and junctions of a feature, dropping those that CPM gives to contours without any."""
     properties = feature.get("properties") or {}
     kind = properties.get("classification") or {}
     kind = {"name": kind} if isinstance(kind, str) else kind
-    colors = (color_of(one.get(key)) for one in (properties, kind) for key in ("color", "colorRGB"))
+    colors = (parse_color(one.get(key)) for one in (properties, kind) for key in ("color", "colorRGB"))
     color = next(filter(None, colors), "")
     measures = properties.get("measurements")
     strength = measures.get("Edge strength", 0.0) if own and isinstance(measures, dict) else 0.0
@@ -145,7 +145,7 @@ def _properties(feature: JsonDict, own: bool) -> JsonDict:
     }
 
 
-def _page(feature: JsonDict) -> int:
+def _parse_page(feature: JsonDict) -> int:
     """Parse the page of a stack: that written by CPM, else the plane of QuPath; 0 without either."""
     properties = feature.get("properties") or {}
     if "page" in properties:
@@ -154,6 +154,6 @@ def _page(feature: JsonDict) -> int:
     return 1 + max(int(plane.get("z", 0)), int(plane.get("t", 0))) if plane else 0
 
 
-def _key(points: Array) -> frozenset[tuple[float, ...]]:
+def _ring_key(points: Array) -> frozenset[tuple[float, ...]]:
     """Return a key that is equal for rings that differ only in first point or direction."""
     return frozenset(map(tuple, np.round(points, 3).tolist()))

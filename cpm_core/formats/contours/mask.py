@@ -15,7 +15,7 @@ from PIL import Image
 from cpm_core.numerics.types import Array, Mask
 
 
-def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tuple[Array, bool]]:
+def find_outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tuple[Array, bool]]:
     """Find the closed curves around the pixels of a mask.
 
     Parameters
@@ -39,7 +39,7 @@ def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tupl
     return found
 
 
-def numbered_colors(file: Path) -> NDArray[np.integer] | None:
+def read_color_indices(file: Path) -> NDArray[np.integer] | None:
     """Read the color indices of a PNG with a color table, int32 of shape (H, W); None for other files."""
     try:
         with Image.open(file, formats=("PNG",)) as picture:
@@ -50,24 +50,24 @@ def numbered_colors(file: Path) -> NDArray[np.integer] | None:
     return None
 
 
-def objects(labels: NDArray[np.integer]) -> Iterator[tuple[int, list[tuple[Array, bool]]]]:
+def find_label_outlines(labels: NDArray[np.integer]) -> Iterator[tuple[int, list[tuple[Array, bool]]]]:
     """Yield each label of a mask of shape (H, W) with its `outlines`; 0 is the background."""
     for number, window in enumerate(scipy.ndimage.find_objects(labels), start=1):
         if window is not None:
             rows, cols = window
-            yield number, outlines(labels[window] == number, rows.start, cols.start)
+            yield number, find_outlines(labels[window] == number, rows.start, cols.start)
 
 
-def mask_of_runs(plain: Any) -> Mask:
+def decode_runs(plain: Any) -> Mask:
     """Decode a run-length mask of COCO with ``size`` and ``counts``, a list or text, to bool of shape (H, W)."""
     height, width = (int(side) for side in plain["size"])
     counts = plain["counts"]
-    lengths = _unpacked(counts) if isinstance(counts, str) else np.array(counts, np.int64).reshape(-1)
+    lengths = _unpack_run_lengths(counts) if isinstance(counts, str) else np.array(counts, np.int64).reshape(-1)
     values = np.arange(len(lengths)) % 2 == 1
     return np.repeat(values, lengths).reshape(width, height).T
 
 
-def _unpacked(text: str) -> np.ndarray[Any, np.dtype[np.int64]]:
+def _unpack_run_lengths(text: str) -> np.ndarray[Any, np.dtype[np.int64]]:
     """Decode the lengths of runs from compressed text.
 
     A character holds five bits, the lowest first, and a flag for whether another follows; from the fourth length on,

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.content import AnyPath, content_of
+from cpm_core.formats.common.content import AnyPath, read_content
 from cpm_core.formats.common.provenance import Outcome
-from cpm_core.formats.contours.contour_csv import Row, provenance_cells, table
+from cpm_core.formats.contours.contour_csv import Row, build_provenance_cells, encode_csv_rows
 from cpm_core.numerics.types import Array, Integers
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 _AXIS_COLUMNS = ("plane", "row", "col")
 """Columns of the coordinates."""
 
 
-def encode(result: Outcome) -> bytes:
+def encode_points(result: Outcome) -> bytes:
     """Tabulate particles as ``plane,row,col`` in voxels; ValueError unless there are particles in a volume.
 
     Provenance (`provenance.entries_of`) is in the last columns of the first row.
@@ -29,8 +29,8 @@ def encode(result: Outcome) -> bytes:
         {name: f"{at:.7g}" for name, at in zip(_AXIS_COLUMNS, place, strict=True)}
         for place in result.particles.tolist()
     ]
-    rows[0] |= provenance_cells(result)
-    return table(rows)
+    rows[0] |= build_provenance_cells(result)
+    return encode_csv_rows(rows)
 
 
 def load_points(path: AnyPath, axes: int = 2) -> Array:
@@ -63,7 +63,7 @@ def load_points(path: AnyPath, axes: int = 2) -> Array:
     """
     file = Path(path)
     try:
-        text = content_of(file).decode("utf-8-sig")
+        text = read_content(file).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(
             f"{file.name} is not a text file: give a CSV file with a row and a column on each line."
@@ -81,10 +81,10 @@ def load_points(path: AnyPath, axes: int = 2) -> Array:
             lines = lines[1:]
     if not lines:
         raise ValueError(f"{file.name} holds no points: give a row and a column on each line.")
-    return np.array([_point(file.name, number, cells, columns) for number, cells in lines])
+    return np.array([_parse_point(file.name, number, cells, columns) for number, cells in lines])
 
 
-def _point(name: str, number: int, cells: list[str], columns: Integers) -> tuple[float, ...]:
+def _parse_point(name: str, number: int, cells: list[str], columns: Integers) -> tuple[float, ...]:
     """Parse the coordinates of a point; ValueError, naming the line, unless they are finite numbers."""
     try:
         place = tuple(float(cells[column]) for column in columns)
@@ -92,5 +92,5 @@ def _point(name: str, number: int, cells: list[str], columns: Integers) -> tuple
         place = (np.nan,)
     if not np.isfinite(place).all():
         words = "two numbers, row and column" if len(columns) == 2 else "three numbers, plane, row and column"
-        raise ValueError(f"Line {number} of {name} is {shown(','.join(cells))} but must be {words} in px.")
+        raise ValueError(f"Line {number} of {name} is {quote_value(','.join(cells))} but must be {words} in px.")
     return place

@@ -13,9 +13,9 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
-from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
-from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
-from cpm_core.formats.contours.curves import bezier
+from cpm_core.formats.common.provenance import Outcome, describe_provenance, dump_provenance
+from cpm_core.formats.contours.contents import DEFAULT_COLOR, CollectedContours, PlaneInfo
+from cpm_core.formats.contours.curves import flatten_bezier
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array, JsonDict
@@ -45,7 +45,7 @@ _MIN_PAGE_SIDE = 10.0
 """Smallest side of a page of true size [mm]: a page of the size of a cell would be invisible."""
 
 
-def encode(result: Outcome) -> bytes:
+def encode_svg(result: Outcome) -> bytes:
     """Draw the contours of a result.
 
     User units are pixels of the image, x along columns and y along rows, pixel centers at integers: the image covers
@@ -56,22 +56,22 @@ def encode(result: Outcome) -> bytes:
     is such a path, with the distance of its vertices to the boundary [px]. The metadata are the provenance as JSON.
     """
     rows, cols = result.shape
-    width, height = _page(result)
+    width, height = _page_size(result)
     spacing = " ".join(f"{size:.9g}" for size in result.spacing)
     known = f' data-unit="{escape(result.unit)}" data-spacing="{spacing}"' if result.unit else ""
     if isinstance(result, Skeleton):
         title = "Skeleton"
-        paths = [_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)]
+        paths = [_format_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)]
     else:
         title = "Contours"
-        paths = [_path(contour, n) for contour, n in zip(result.contours, assign_labels(result.contours), strict=True)]
+        paths = [_format_path(contour, n) for contour, n in zip(result.contours, assign_labels(result.contours), strict=True)]
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="-0.5 -0.5 {cols} {rows}" '
         f'preserveAspectRatio="none"{known}>',
         f"<title>{title} of {escape(result.source, quote=False)}</title>",
-        f"<metadata>{escape(text_of(facts_of(result)), quote=False)}</metadata>",
-        f'<g fill="none" stroke="{DEFAULT}" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round">',
+        f"<metadata>{escape(dump_provenance(describe_provenance(result)), quote=False)}</metadata>",
+        f'<g fill="none" stroke="{DEFAULT_COLOR}" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round">',
         *paths,
         "</g>",
         "</svg>",
@@ -79,7 +79,7 @@ def encode(result: Outcome) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def _path(contour: Contour, label: int, radii: Array | None = None) -> str:
+def _format_path(contour: Contour, label: int, radii: Array | None = None) -> str:
     """Format a contour as a path, with the radii of its vertices, shape (K,), if it is a branch."""
     vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # a single vertex: a dot
     points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
@@ -96,36 +96,36 @@ def _path(contour: Contour, label: int, radii: Array | None = None) -> str:
     )
 
 
-def _page(result: Outcome) -> tuple[str, str]:
+def _page_size(result: Outcome) -> tuple[str, str]:
     """Return width and height of the drawing as SVG lengths."""
     size = np.array(result.shape) * result.spacing
-    millimeters = size * resolution.factor(result.unit, "mm")
+    millimeters = size * resolution.conversion_factor(result.unit, "mm")
     if millimeters.min() >= _MIN_PAGE_SIDE:
         return f"{millimeters[1]:.6g}mm", f"{millimeters[0]:.6g}mm"
     pixels = size / min(result.spacing)
     return f"{pixels[1]:.6g}", f"{pixels[0]:.6g}"
 
 
-def read(text: str, plane: Plane) -> Contents:
+def read_svg(text: str, plane: PlaneInfo) -> CollectedContours:
     """Read contours from all paths and shapes, in px.
 
     The view box begins at the corner of the image; one of another size but the same shape as the image is scaled to it.
     Title, label or identifier is the name of a contour, its stroke or else its fill the color.
     """
     root = ET.fromstring(text)
-    if _tag(root) != "svg":
+    if _tag_name(root) != "svg":
         raise ValueError("not a drawing")
-    found = Contents()
+    found = CollectedContours()
     own = "data-closed" in text and root.find("{*}metadata") is not None
-    frame, size, found.shape = _frame(root, plane, own)
-    for element, matrix, look in _elements(root, frame, {}, found):
-        for places, closed in _lines_of(element, matrix, size):
+    frame, size, found.shape = _parse_frame(root, plane, own)
+    for element, matrix, look in _iterate_elements(root, frame, {}, found):
+        for places, closed in _flatten_element(element, matrix, size):
             dot = own and len(places) == 2 and np.array_equal(places[0], places[1])
-            found.add(places[: 1 if dot else None, ::-1], closed, **_known(element, look, own))
+            found.add_contour(places[: 1 if dot else None, ::-1], closed, **_parse_attributes(element, look, own))
     return found
 
 
-def _frame(root: ET.Element, plane: Plane, own: bool) -> tuple[Any, tuple[float, float], tuple[int, int] | None]:
+def _parse_frame(root: ET.Element, plane: PlaneInfo, own: bool) -> tuple[Any, tuple[float, float], tuple[int, int] | None]:
     """Parse the matrix from drawing coordinates to (x, y) in px, width and height, and the shape of the image."""
     from svgelements import Length, Matrix
 
@@ -143,36 +143,36 @@ def _frame(root: ET.Element, plane: Plane, own: bool) -> tuple[Any, tuple[float,
     return matrix, (width, height), (round(height), round(width)) if own else None
 
 
-def _elements(
-    parent: ET.Element, matrix: Any, look: dict[str, str], found: Contents
+def _iterate_elements(
+    parent: ET.Element, matrix: Any, look: dict[str, str], found: CollectedContours
 ) -> Iterator[tuple[ET.Element, Any, dict[str, str]]]:
     """Yield drawn elements with the matrix from their coordinates to px and the style that they inherit."""
     from svgelements import Matrix
 
     for element in parent:
-        tag = _tag(element)
+        tag = _tag_name(element)
         parts = (part.partition(":") for part in element.get("style", "").split(";"))
         style = element.attrib | {name.strip(): value.strip() for name, _, value in parts if value}
         if tag in _UNDRAWN_TAGS or style.get("display") == "none":
             continue
         if tag in _SKIPPED_TAGS:
-            found.left_out[_SKIPPED_TAGS[tag]] += 1
+            found.omissions[_SKIPPED_TAGS[tag]] += 1
             continue
         placed = Matrix(element.get("transform", "")) * matrix
         inherited = look | {name: value for name, value in style.items() if name in ("stroke", "fill")}
         if tag in ("g", "a", "svg", "switch"):
-            yield from _elements(element, placed, inherited, found)
+            yield from _iterate_elements(element, placed, inherited, found)
         else:
             yield element, placed, inherited
 
 
-def _tag(element: ET.Element) -> str:
+def _tag_name(element: ET.Element) -> str:
     """Return the tag of an element without its namespace; empty for comments."""
     tag: Any = element.tag
     return tag.rpartition("}")[2] if isinstance(tag, str) else ""  # a comment has a function for a tag
 
 
-def _known(element: ET.Element, look: dict[str, str], own: bool) -> JsonDict:
+def _parse_attributes(element: ET.Element, look: dict[str, str], own: bool) -> JsonDict:
     """Parse name, color and, in drawings of CPM, number and strength."""
     title = element.find("{*}title")
     label = next((value for key, value in element.attrib.items() if key.endswith("}label")), "")
@@ -187,11 +187,11 @@ def _known(element: ET.Element, look: dict[str, str], own: bool) -> JsonDict:
     return known
 
 
-def _lines_of(element: ET.Element, matrix: Any, size: tuple[float, float]) -> Iterator[tuple[Array, bool]]:
+def _flatten_element(element: ET.Element, matrix: Any, size: tuple[float, float]) -> Iterator[tuple[Array, bool]]:
     """Flatten the lines of an element, (x, y) of shape (K, 2) in px, each with whether it is closed."""
     import svgelements
 
-    tag = _tag(element)
+    tag = _tag_name(element)
     if tag not in _SHAPE_TAGS:
         return
     make = getattr(svgelements, "SimpleLine" if tag == "line" else tag.capitalize())
@@ -206,9 +206,9 @@ def _lines_of(element: ET.Element, matrix: Any, size: tuple[float, float]) -> It
         closed = False
         for segment in part:
             if isinstance(segment, svgelements.CubicBezier):
-                points.extend(bezier(segment.start, segment.control1, segment.control2, segment.end))
+                points.extend(flatten_bezier(segment.start, segment.control1, segment.control2, segment.end))
             elif isinstance(segment, svgelements.QuadraticBezier):
-                points.extend(bezier(segment.start, segment.control, segment.end))
+                points.extend(flatten_bezier(segment.start, segment.control, segment.end))
             elif isinstance(segment, svgelements.Close):
                 closed = True
             else:

@@ -21,7 +21,7 @@ ORIENTATION_TAG = 274
 
 
 @record
-class Decoded:
+class DecodedImage:
     """Gray levels of a file, not checked yet.
 
     Attributes
@@ -54,7 +54,7 @@ class Decoded:
     finer: tuple[Any, ...] = ()
 
 
-def check_size(name: str, rows: int, columns: int) -> None:
+def check_pixel_count(name: str, rows: int, columns: int) -> None:
     """Raise UnreadableError for an image of more than `MAXIMUM_PIXELS` pixels, before it is unpacked."""
     if rows * columns > MAXIMUM_PIXELS:
         side = math.isqrt(MAXIMUM_PIXELS)
@@ -63,9 +63,9 @@ def check_size(name: str, rows: int, columns: int) -> None:
         )
 
 
-def from_samples(
+def decode_samples(
     samples: Numbers, alpha: Numbers | None = None, notes: Texts = (), white: float | None = None
-) -> Decoded:
+) -> DecodedImage:
     """Reduce samples to gray levels and keep their colors; see `reduced`.
 
     Parameters
@@ -89,15 +89,15 @@ def from_samples(
         samples.reshape(-1, width, count), None if alpha is None else alpha.reshape(-1, width), white
     )
     colors = colors and replace(colors, samples=colors.samples.reshape(*shape, width, 3))
-    return Decoded(values.reshape(*shape, width), notes=(*notes, *said), colors=colors)
+    return DecodedImage(values.reshape(*shape, width), notes=(*notes, *said), colors=colors)
 
 
-def from_bands(samples: Numbers) -> Decoded:
+def decode_bands(samples: Numbers) -> DecodedImage:
     """Reduce samples of shape (..., 3) or (..., 4), red, green, blue and perhaps opacity, to gray levels."""
-    return from_samples(samples[..., :3], samples[..., 3] if samples.shape[-1] == 4 else None)
+    return decode_samples(samples[..., :3], samples[..., 3] if samples.shape[-1] == 4 else None)
 
 
-def upright(decoded: Decoded, orientation: int) -> Decoded:
+def rotate_upright(decoded: DecodedImage, orientation: int) -> DecodedImage:
     """Rotate and mirror an image by its orientation tag (1 to 8); unknown tags leave it unchanged."""
     if orientation not in range(2, 9):
         return decoded

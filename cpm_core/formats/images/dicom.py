@@ -12,18 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.formats.common.content import UnreadableError, content_of
-from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.decoded import Decoded, check_size, from_bands, from_samples
-from cpm_core.formats.images.dicom_series import Frame, all_series, frames_of
-from cpm_core.formats.images.reading import Reading, series_of
-from cpm_core.formats.images.stack import Stack, joined
+from cpm_core.formats.common.content import UnreadableError, read_content
+from cpm_core.formats.common.printable import make_printable
+from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count, decode_bands, decode_samples
+from cpm_core.formats.images.dicom_series import DicomFrame, group_series, read_file_frames
+from cpm_core.formats.images.reading import Reading, select_series
+from cpm_core.formats.images.stack import Stack, stack_planes
 from cpm_core.image.gray_levels import NO_DATA_VALUE
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Numbers, Texts
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
-READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
+FILE_KINDS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
 
 _DICOM_MARK = b"DICM"
 """Mark of a DICOM file."""
@@ -54,7 +54,7 @@ _PIXEL_ENTRIES = ("PixelData", "FloatPixelData", "DoubleFloatPixelData")
 logging.getLogger("pydicom").addHandler(logging.NullHandler())
 
 
-def reads(head: bytes, _path: Path) -> bool:
+def can_read(head: bytes, _path: Path) -> bool:
     """Return whether a file begins like DICOM: with its mark, or for old files with an entry."""
     if head.startswith(_DICOM_MARK, _DICOM_MARK_OFFSET):
         return True
@@ -66,34 +66,34 @@ def reads(head: bytes, _path: Path) -> bool:
     )
 
 
-def is_series(folder: Path) -> bool:
+def holds_dicom_series(folder: Path) -> bool:
     """Return whether a folder holds a DICOM file, by the first bytes of its files."""
-    return bool(_files(folder, most=1))
+    return bool(_list_dicom_files(folder, max_count=1))
 
 
-def dicom_files_beside(path: Path, most: int) -> list[Path]:
+def find_sibling_dicom_files(path: Path, max_count: int) -> list[Path]:
     """List up to `most` DICOM files in the folder of a DICOM file; none for other files or folders."""
-    return _files(path.parent, most) if is_dicom(path) else []
+    return _list_dicom_files(path.parent, max_count) if is_dicom(path) else []
 
 
-def _files(folder: Path, most: int | None = None) -> list[Path]:
+def _list_dicom_files(folder: Path, max_count: int | None = None) -> list[Path]:
     """List the DICOM files of a folder by their first bytes, sorted by name, `most` at most."""
     try:
         paths = sorted(folder.iterdir())
     except OSError:
         return []
-    return list(islice((path for path in paths if not path.name.startswith(".") and is_dicom(path)), most))
+    return list(islice((path for path in paths if not path.name.startswith(".") and is_dicom(path)), max_count))
 
 
 def is_dicom(path: Path) -> bool:
     """Return whether a file is DICOM, by its first bytes; False for a folder."""
     try:
-        return reads(content_of(path, part=512), path)
+        return can_read(read_content(path, head_size=512), path)
     except UnreadableError:
         return False
 
 
-def stack(path: Path, reading: Reading) -> Stack:
+def open_image_file(path: Path, reading: Reading) -> Stack:
     """Open a file, or the selected series of a folder, by default the one with the most images.
 
     Raises
@@ -101,37 +101,37 @@ def stack(path: Path, reading: Reading) -> Stack:
     UnreadableError
         When no file holds an image.
     """
-    name = printable(path.name)
-    frames, damaged = frames_in(path)
+    name = make_printable(path.name)
+    frames, damaged = read_frames(path)
     if not frames:
         raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
 
-    groups = all_series(frames, name, partial(decoded, name))
+    groups = group_series(frames, name, partial(decode_frames, name))
     series = sorted((one for group in groups for one in group), key=lambda one: (one.series, -one.shape[0]))
     titles = tuple(title for one in series for title in one.series)
-    number = series_of(reading.series, titles, int(np.argmax([one.times * one.shape[0] for one in series])), name)
+    number = select_series(reading.series, titles, int(np.argmax([one.times * one.shape[0] for one in series])), name)
     chosen = series[number]
     notes = []
     if len(groups) > 1 and reading.series is None:
-        which = f"{number + 1} ({shown(titles[number])})"
+        which = f"{number + 1} ({quote_value(titles[number])})"
         notes.append(f"Of its {len(groups)} series that with the most images was taken, {which}.")
-        if chosen.shape[0] < MINIMUM_SIDE and chosen.times == 1 and chosen.stretch is None:
+        if chosen.shape[0] < MINIMUM_SIDE and chosen.times == 1 and chosen.volume_range is None:
             differ = f"Its {len(frames)} images have {len(groups)} different sizes, directions or series."
-            chosen = replace(chosen, stretch=(0, chosen.shape[0]), of_volume=(differ,))
+            chosen = replace(chosen, volume_range=(0, chosen.shape[0]), volume_notes=(differ,))
     if damaged:
         notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
-    return replace(chosen, series=titles, number=number, notes=(*notes, *chosen.notes))
+    return replace(chosen, series=titles, series_number=number, notes=(*notes, *chosen.notes))
 
 
-def frames_in(path: Path) -> tuple[list[Frame], int]:
+def read_frames(path: Path) -> tuple[list[DicomFrame], int]:
     """Read the frames of a file, or of all files of a folder, and count the damaged files."""
     import pydicom  # only here, because it takes long to import
 
-    frames: list[Frame] = []
+    frames: list[DicomFrame] = []
     damaged = 0
-    for file in _files(path) if path.is_dir() else [path]:
+    for file in _list_dicom_files(path) if path.is_dir() else [path]:
         try:
-            frames += frames_of(pydicom, file)
+            frames += read_file_frames(pydicom, file)
         except Exception:
             if path.is_file():
                 raise
@@ -139,18 +139,18 @@ def frames_in(path: Path) -> tuple[list[Frame], int]:
     return frames, damaged
 
 
-def decoded(name: str, frames: Sequence[Frame]) -> Decoded:
+def decode_frames(name: str, frames: Sequence[DicomFrame]) -> DecodedImage:
     """Decode the pixels of frames as planes; `name` is that of their file or folder in messages."""
     opened: tuple[Path | None, Any] = (None, None)
     found = []
     for frame in frames:
         if opened[0] != frame.path:
-            opened = frame.path, _dataset(frame.path)
-        found.append(_decoded(opened[1], frame, name))
-    return joined(found)
+            opened = frame.path, _read_dataset(frame.path)
+        found.append(_decode_frame(opened[1], frame, name))
+    return stack_planes(found)
 
 
-def _dataset(path: Path) -> Any:
+def _read_dataset(path: Path) -> Any:
     """Read a file, completing the transfer syntax of old files."""
     import pydicom
 
@@ -162,10 +162,10 @@ def _dataset(path: Path) -> Any:
     return dataset
 
 
-def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
+def _decode_frame(dataset: Any, frame: DicomFrame, name: str) -> DecodedImage:
     """Decode one image of a file: values in the unit of the file, bright where they should appear bright."""
-    check_size(name, *frame.shape)
-    stored = _unpacked(dataset, frame, name)
+    check_pixel_count(name, *frame.shape)
+    stored = _unpack_pixels(dataset, frame, name)
     if stored.shape[:2] != frame.shape:
         raise ValueError("the pixels have another size than the header says")
     colors = str(dataset.get("PhotometricInterpretation", "MONOCHROME2")).strip()
@@ -174,10 +174,10 @@ def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
 
         table = apply_color_lut(stored, dataset)
         bright = table if table.max(initial=0) < 256 else table >> 8  # some programs write eight bits in sixteen
-        return from_bands(bright.astype(np.uint8)[..., :3])
+        return decode_bands(bright.astype(np.uint8)[..., :3])
     bits = int(dataset.get("BitsStored", 8 * stored.dtype.itemsize))
     if stored.ndim == 3:
-        return from_samples(stored[..., :3], white=2.0**bits - 1.0)
+        return decode_samples(stored[..., :3], white=2.0**bits - 1.0)
     values: Numbers = stored
     notes: Texts = ()
     if colors == "MONOCHROME1":
@@ -185,10 +185,10 @@ def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
         values, notes = ends - stored.astype(np.int64), ("It counts from white to black and was inverted.",)
     if (frame.slope, frame.intercept) != (1.0, 0.0):
         values = values * np.float64(frame.slope) + np.float64(frame.intercept)
-    return Decoded(_without_padding(dataset, values, stored), notes=notes)
+    return DecodedImage(_mask_padding(dataset, values, stored), notes=notes)
 
 
-def _without_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:
+def _mask_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:
     """Set pixels that only fill the rectangle, as outside the circle of a scanner, to `NO_DATA`."""
     names = ("PixelPaddingValue", "FloatPixelPaddingValue", "DoubleFloatPixelPaddingValue")
     given = next((dataset.get(name) for name in names if dataset.get(name) is not None), None)
@@ -203,7 +203,7 @@ def _without_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:
     return np.where(absent, np.float64(NO_DATA_VALUE), values) if absent.any() else values
 
 
-def _unpacked(dataset: Any, frame: Frame, name: str) -> Numbers:
+def _unpack_pixels(dataset: Any, frame: DicomFrame, name: str) -> Numbers:
     """Unpack the stored values of an image, shape (rows, columns) or (rows, columns, 3)."""
     from pydicom import encaps
     from pydicom.pixels.utils import pixel_array
@@ -221,7 +221,7 @@ def _unpacked(dataset: Any, frame: Frame, name: str) -> Numbers:
         )
         if codec is None and "missing dependencies" in str(error):
             raise UnreadableError(
-                f"{name} is packed as {printable(str(syntax.name))[:80]}, which is not read: save it without packing."
+                f"{name} is packed as {make_printable(str(syntax.name))[:80]}, which is not read: save it without packing."
             ) from error
         colored = int(dataset.get("SamplesPerPixel", 1)) != 1 and dataset.get("PhotometricInterpretation") != "RGB"
         if codec is None or colored:

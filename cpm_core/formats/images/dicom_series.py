@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.stack import Stack
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import MINIMUM_SIDE
@@ -47,7 +47,7 @@ _COMPARED_DECIMALS = 4
 
 
 @record
-class Frame:
+class DicomFrame:
     """One image of a file.
 
     Attributes
@@ -88,41 +88,41 @@ class Frame:
     index: int
     series: str
     title: str
-    number: tuple[float, ...]
+    sort_key: tuple[float, ...]
     shape: tuple[int, int]
     bytes_per_pixel: float
     origin: Array | None
-    along: Array | None
+    directions: Array | None
     spacing: tuple[float, float] | None
     unit: str | None
     thickness: float | None
     notes: Texts
     slope: float
     intercept: float
-    in_time: bool
+    is_time_series: bool
     hounsfield: bool
 
     @property
     def acquisition(self) -> float:
         """Number of its acquisition; 0 if unknown."""
-        return self.number[_ORDERING_TAGS.index("AcquisitionNumber")]
+        return self.sort_key[_ORDERING_TAGS.index("AcquisitionNumber")]
 
 
-Decode = Callable[[Sequence[Frame]], Decoded]
+DecodeFrames = Callable[[Sequence[DicomFrame]], DecodedImage]
 """Reads the pixels of frames as planes."""
 
 
-def frames_of(pydicom: Any, path: Path) -> list[Frame]:
+def read_file_frames(pydicom: Any, path: Path) -> list[DicomFrame]:
     """Read the frames of a file, none if it has no pixels; a damaged file raises ValueError or any other exception."""
     header = pydicom.dcmread(path, stop_before_pixels=True, force=True, specific_tags=list(_HEADER_TAGS))
     if "Rows" not in header or "Columns" not in header:
         return []
     count = int(header.get("NumberOfFrames", 1) or 1)
     own = header.get("PerFrameFunctionalGroupsSequence") or []
-    return [_frame(path, index, header, own[index : index + 1], count) for index in range(count)]
+    return [_build_frame(path, index, header, own[index : index + 1], count) for index in range(count)]
 
 
-def _frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> Frame:
+def _build_frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> DicomFrame:
     """Build a frame from the header and its own functional group."""
     groups = [*own, *(header.get("SharedFunctionalGroupsSequence") or [])[:1]]
 
@@ -132,32 +132,32 @@ def _frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> F
         found = (item.get(name) for item in items if item is not None and item.get(name) is not None)
         return next(found, header.get(name))
 
-    spacing, unit, notes = _spacing(header, find_value("PixelSpacing", "PixelMeasuresSequence"))
-    origin = _numbers(find_value("ImagePositionPatient", "PlanePositionSequence"), 3)
-    along = _along(_numbers(find_value("ImageOrientationPatient", "PlaneOrientationSequence"), 6))
+    spacing, unit, notes = _parse_pixel_spacing(header, find_value("PixelSpacing", "PixelMeasuresSequence"))
+    origin = _parse_numbers(find_value("ImagePositionPatient", "PlanePositionSequence"), 3)
+    along = _parse_directions(_parse_numbers(find_value("ImageOrientationPatient", "PlaneOrientationSequence"), 6))
     if count > 1 and not own:  # dose grids list the offsets of their images from the first one
-        offsets = _numbers(header.get("GridFrameOffsetVector"), count)
+        offsets = _parse_numbers(header.get("GridFrameOffsetVector"), count)
         if origin is not None and along is not None and offsets is not None:
             origin = origin + (offsets[index] - offsets[0]) * np.cross(*along)
         else:
             origin = None
     apart = (find_value(name, "PixelMeasuresSequence") for name in ("SpacingBetweenSlices", "SliceThickness"))
-    return Frame(
+    return DicomFrame(
         path,
         index,
         str(header.get("SeriesInstanceUID", "")),
         str(header.get("SeriesDescription", "") or header.get("SeriesNumber", "") or header.get("Modality", "")),
-        (*(_number(header.get(name)) for name in _ORDERING_TAGS), float(index)),
+        (*(_parse_number(header.get(name)) for name in _ORDERING_TAGS), float(index)),
         (int(header.Rows), int(header.Columns)),
         float(header.get("SamplesPerPixel", 1) or 1) * float(header.get("BitsAllocated", 16) or 16) / 8.0,
         origin,
         along,
         spacing,
         unit,
-        next((size for size in (abs(_number(one)) for one in apart) if size), None),
+        next((size for size in (abs(_parse_number(one)) for one in apart) if size), None),
         notes,
-        _number(find_value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
-        _number(find_value("RescaleIntercept", "PixelValueTransformationSequence")),
+        _parse_number(find_value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
+        _parse_number(find_value("RescaleIntercept", "PixelValueTransformationSequence")),
         count > 1 and not own and origin is None and ("FrameTime" in header or "FrameIncrementPointer" in header),
         header.get("Modality") == "CT"
         and find_value("RescaleIntercept", "PixelValueTransformationSequence") is not None
@@ -165,24 +165,24 @@ def _frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> F
     )
 
 
-def _spacing(header: Any, given: Any) -> tuple[tuple[float, float] | None, str | None, Texts]:
+def _parse_pixel_spacing(header: Any, given: Any) -> tuple[tuple[float, float] | None, str | None, Texts]:
     """Parse the size of a pixel along (row, col), its unit, and notes on it."""
     on_detector, nominal = header.get("ImagerPixelSpacing"), header.get("NominalScannedPixelSpacing")
     for sides in (given, on_detector, nominal):
-        found = _numbers(sides, 2)
+        found = _parse_numbers(sides, 2)
         if found is not None and min(found) > 0.0:
             notes = ("The size of a pixel is that on the detector.",) if sides is on_detector else ()
             return (float(found[0]), float(found[1])), "mm", notes
     regions = set()
     for region in header.get("SequenceOfUltrasoundRegions") or []:
-        row, col = (abs(_number(region.get(f"PhysicalDelta{axis}"))) for axis in "YX")
+        row, col = (abs(_parse_number(region.get(f"PhysicalDelta{axis}"))) for axis in "YX")
         units = {region.get(f"PhysicalUnits{axis}Direction") for axis in "YX"}
         if units == {_UNIT_CENTIMETER} and min(row, col) > 0.0:
             regions.add((row, col))
     return (regions.pop(), "cm", ()) if len(regions) == 1 else (None, None, ())
 
 
-def _along(turn: Array | None) -> Array | None:
+def _parse_directions(turn: Array | None) -> Array | None:
     """Parse the directions of columns and rows, shape (2, 3); None unless perpendicular, as when left unset."""
     if turn is None:
         return None
@@ -192,7 +192,7 @@ def _along(turn: Array | None) -> Array | None:
     return turn.reshape(2, 3) / lengths[:, None]
 
 
-def _numbers(given: Any, count: int) -> Array | None:
+def _parse_numbers(given: Any, count: int) -> Array | None:
     """Parse this many finite numbers, shape (count,); None for anything else."""
     try:
         found = np.array([float(number) for number in given])
@@ -201,63 +201,63 @@ def _numbers(given: Any, count: int) -> Array | None:
     return found if len(found) == count and np.isfinite(found).all() else None
 
 
-def _number(given: Any) -> float:
+def _parse_number(given: Any) -> float:
     """Parse a finite number, the first of several; 0 for anything else."""
-    found = _numbers(given[:1] if hasattr(given, "append") else [given], 1)
+    found = _parse_numbers(given[:1] if hasattr(given, "append") else [given], 1)
     return 0.0 if found is None else float(found[0])
 
 
-def all_series(frames: Sequence[Frame], name: str, decode: Decode) -> list[list[Stack]]:
+def group_series(frames: Sequence[DicomFrame], name: str, decode: DecodeFrames) -> list[list[Stack]]:
     """Group the frames of a file or folder into series, each with its evenly spaced parts.
 
     Frames of a series share image size, orientation and pixel size. Its longest evenly spaced part comes first,
     followed by all other such parts.
     """
-    groups: dict[tuple[object, ...], list[Frame]] = {}
+    groups: dict[tuple[object, ...], list[DicomFrame]] = {}
     for frame in frames:
-        along = None if frame.along is None else tuple(np.round(frame.along.ravel(), _COMPARED_DECIMALS - 1).tolist())
+        along = None if frame.directions is None else tuple(np.round(frame.directions.ravel(), _COMPARED_DECIMALS - 1).tolist())
         spacing = None if frame.spacing is None else tuple(round(side, _COMPARED_DECIMALS) for side in frame.spacing)
         kind = (frame.series, frame.shape, along, spacing, frame.origin is None)
         groups.setdefault(kind, []).append(frame)
     found = []
     for group in groups.values():
-        group.sort(key=lambda frame: frame.number)
-        if group[0].origin is None or group[0].along is None:
-            found.append(list(_without_places(group, name, decode)))
+        group.sort(key=lambda frame: frame.sort_key)
+        if group[0].origin is None or group[0].directions is None:
+            found.append(list(_stack_without_positions(group, name, decode)))
         else:
-            found += [list(_placed(part, name, decode)) for part in _apart(group)]
+            found += [list(_stack_by_position(part, name, decode)) for part in _split_acquisitions(group)]
     return found
 
 
-def _apart(frames: list[Frame]) -> list[list[Frame]]:
+def _split_acquisitions(frames: list[DicomFrame]) -> list[list[DicomFrame]]:
     """Split a series by acquisition if their slices interleave unevenly."""
-    heights, places = _places(frames)
-    if not _interleaved(places) or _is_even(np.diff(heights)):
+    heights, places = _group_by_position(frames)
+    if not _is_interleaved(places) or _is_evenly_spaced(np.diff(heights)):
         return [frames]
-    acquisitions: dict[float, list[Frame]] = {}
+    acquisitions: dict[float, list[DicomFrame]] = {}
     for frame in frames:
         title = f"{frame.title}, acquisition {frame.acquisition:g}".lstrip(", ")
         acquisitions.setdefault(frame.acquisition, []).append(replace(frame, title=title))
     return list(acquisitions.values())
 
 
-def _interleaved(places: list[list[Frame]]) -> bool:
+def _is_interleaved(places: list[list[DicomFrame]]) -> bool:
     """Return whether slices of several acquisitions interleave rather than follow one another."""
     owners = [frozenset(frame.acquisition for frame in place) for place in places]
     changes = sum(one.isdisjoint(other) for one, other in itertools.pairwise(owners))
     return changes >= max(2, len(frozenset[float]().union(*owners)))
 
 
-def _is_even(gaps: Array) -> bool:
+def _is_evenly_spaced(gaps: Array) -> bool:
     """Return whether the distances of slices, shape (N,), are about equal."""
     return not len(gaps) or bool(np.ptp(gaps) <= _MAX_UNEVENNESS * np.median(gaps))
 
 
-def _places(frames: list[Frame]) -> tuple[list[float], list[list[Frame]]]:
+def _group_by_position(frames: list[DicomFrame]) -> tuple[list[float], list[list[DicomFrame]]]:
     """Return the heights of slices along their normal, in order, and the frames at each height."""
-    assert frames[0].along is not None
-    normal = np.cross(*frames[0].along)
-    heights, places = list[float](), list[list[Frame]]()
+    assert frames[0].directions is not None
+    normal = np.cross(*frames[0].directions)
+    heights, places = list[float](), list[list[DicomFrame]]()
     for height, frame in sorted(((float(normal @ one.origin), one) for one in frames), key=lambda pair: pair[0]):
         if heights and height - heights[-1] < _SAME_SLICE_DISTANCE:
             places[-1].append(frame)
@@ -267,30 +267,30 @@ def _places(frames: list[Frame]) -> tuple[list[float], list[list[Frame]]]:
     return heights, places
 
 
-def _without_places(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
+def _stack_without_positions(frames: list[DicomFrame], name: str, decode: DecodeFrames) -> Iterator[Stack]:
     """Yield a series without positions: images in time, or slices in the order of their numbers."""
     first = frames[0]
-    if first.in_time or len(frames) == 1:
-        yield _stack(first.title, [[frame] for frame in frames], first.thickness, name, decode)
+    if first.is_time_series or len(frames) == 1:
+        yield _build_stack(first.title, [[frame] for frame in frames], first.thickness, name, decode)
         return
     apart = "" if first.thickness is None else f", {first.thickness:g} mm apart"
     note = f"The places of its slices are not given; they were taken in their order{apart}."
-    yield replace(_stack(first.title, [frames], first.thickness, name, decode), of_volume=(note,))
+    yield replace(_build_stack(first.title, [frames], first.thickness, name, decode), volume_notes=(note,))
 
 
-def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
+def _stack_by_position(frames: list[DicomFrame], name: str, decode: DecodeFrames) -> Iterator[Stack]:
     """Yield a series ordered along the normal of its slices, then its other evenly spaced parts."""
-    first, (heights, places) = frames[0], _places(frames)
-    assert first.along is not None
-    normal = np.cross(*first.along)
+    first, (heights, places) = frames[0], _group_by_position(frames)
+    assert first.directions is not None
+    normal = np.cross(*first.directions)
     times = min(map(len, places))
     notes = ("At some places it has more slices than at others; the first of them were taken.",)
-    ordered = [sorted(place, key=lambda frame: frame.number) for place in places]
+    ordered = [sorted(place, key=lambda frame: frame.sort_key) for place in places]
     by_time = [[place[time] for place in ordered] for time in range(times)]
     gaps, parts = np.diff(heights), [[0, 0]]
     mixed = ("Slices of several acquisitions lie between one another; they were taken as one volume.",)
     for end in range(1, len(heights)):
-        if not _is_even(gaps[parts[-1][0] : end]):
+        if not _is_evenly_spaced(gaps[parts[-1][0] : end]):
             parts.append([end - 1, end])
         parts[-1][1] = end
     longest = max(parts, key=lambda part: part[1] - part[0])
@@ -309,23 +309,23 @@ def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
             depth = float(np.linalg.norm(step))
         line = origins[shift] + np.arange(count + 1)[:, None] * step
         aside = float(np.linalg.norm(origins[shift : shift + count + 1] - line, axis=1).max())
-        doubts: Texts = mixed if _interleaved(places[begin : last + 1]) else ()
+        doubts: Texts = mixed if _is_interleaved(places[begin : last + 1]) else ()
         if aside > _MAX_SLICE_SHIFT * min(first.spacing or (1.0,)):
             doubts += (f"Its slices are shifted sideways by up to {aside:.3g} mm; they were taken as if in line.",)
-        found = replace(_stack(title, kept, depth, name, decode), of_volume=doubts)
+        found = replace(_build_stack(title, kept, depth, name, decode), volume_notes=doubts)
         if found.unit == "mm":
-            axes = (first.along[1], first.along[0])
+            axes = (first.directions[1], first.directions[0])
             lies = [Geometry(one, (normal, *axes), "LPS", depth) for one in origins]  # type: ignore[arg-type]
             at = Geometry(origins[shift] - shift * step, (step / depth, *axes), "LPS", depth)  # type: ignore[arg-type]
-            found = replace(found, geometry=at, places=tuple(lies))
+            found = replace(found, geometry=at, plane_geometries=tuple(lies))
         if times < max(map(len, places)):
             found = replace(found, notes=found.notes + notes)
         if whole and count + 1 < len(heights):
-            found = replace(found, stretch=(begin, last + 1), of_volume=(*_gap(gaps, begin, last), *doubts))
+            found = replace(found, volume_range=(begin, last + 1), volume_notes=(*_describe_gap(gaps, begin, last), *doubts))
         yield found
 
 
-def _stack(title: str, frames: list[list[Frame]], depth: float | None, name: str, decode: Decode) -> Stack:
+def _build_stack(title: str, frames: list[list[DicomFrame]], depth: float | None, name: str, decode: DecodeFrames) -> Stack:
     """Build a stack from frames by time and position."""
     first, planes = frames[0][0], len(frames[0])
     row, col = first.spacing or (1.0, 1.0)
@@ -341,13 +341,13 @@ def _stack(title: str, frames: list[list[Frame]], depth: float | None, name: str
         (between, row, col),
         first.unit,
         notes=first.notes,
-        word="frame" if planes == 1 else "plane",
+        plane_word="frame" if planes == 1 else "plane",
         series=(title,),
         hounsfield=first.hounsfield,
     )
 
 
-def _gap(gaps: Array, begin: int, last: int) -> tuple[str, str]:
+def _describe_gap(gaps: Array, begin: int, last: int) -> tuple[str, str]:
     """Describe the irregularity next to the longest even part, and which slices that part has."""
     usual = float(np.median(gaps[begin:last]))
     odd = begin - 1 if begin > 0 else last

@@ -6,7 +6,7 @@ import numpy as np
 
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Numbers
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 _BRIGHT_LEVEL = 200.0
 """Gray level of the drawn objects."""
@@ -39,33 +39,33 @@ def example(name: str = "disk") -> Image:
     >>> cpm.example("ball").shape
     (31, 31, 31)
     """
-    disk, fog = _disk(32, 32, 20.0), np.exp(-0.5 * (_around(32, 52) / 6.0) ** 2)
+    disk, fog = _draw_disk(32, 32, 20.0), np.exp(-0.5 * (_distance_from(32, 52) / 6.0) ** 2)
     red = disk / _BRIGHT_LEVEL
     drawn: dict[str, Numbers] = {
         "disk": disk,
-        "ring": _disk(32, 32, 24.0) - _disk(32, 32, 10.0),
-        "disks": _disk(32, 18, 10.0) + _disk(32, 46, 10.0),
+        "ring": _draw_disk(32, 32, 24.0) - _draw_disk(32, 32, 10.0),
+        "disks": _draw_disk(32, 18, 10.0) + _draw_disk(32, 46, 10.0),
         "gap": disk * (1.0 - fog) + 0.5 * _BRIGHT_LEVEL * fog,
         "colors": np.stack([40 + 180 * red, 140 - 90 * red, 60 + 0 * red], axis=-1).astype(np.uint8),
-        "ball": _BRIGHT_LEVEL * _within(np.linalg.norm(np.indices((31, 31, 31)) - 15.0, axis=0), 9.0),
+        "ball": _BRIGHT_LEVEL * _smooth_step(np.linalg.norm(np.indices((31, 31, 31)) - 15.0, axis=0), 9.0),
     }
     if not isinstance(name, str) or name not in drawn:
-        raise ValueError(f"there is no example {shown(name)}: choose one of {', '.join(drawn)}.")
+        raise ValueError(f"there is no example {quote_value(name)}: choose one of {', '.join(drawn)}.")
     if name == "ball":
         return Image(drawn[name], (1.0, 1.0, 1.0), "mm", name)
     return Image(drawn[name], (0.5, 0.5), "µm", name)
 
 
-def _within(distance: Array, radius: float) -> Array:
+def _smooth_step(distance: Array, radius: float) -> Array:
     """Return 1 inside a radius and 0 outside, with a ramp one pixel wide, by distances of any shape."""
     return np.clip(radius + 0.5 - distance, 0.0, 1.0)
 
 
-def _around(row: float, col: float) -> Array:
+def _distance_from(row: float, col: float) -> Array:
     """Return the distance of each pixel from a position, shape (64, 64)."""
     return np.hypot(*(np.indices((64, 64)) - np.array([row, col])[:, None, None]))
 
 
-def _disk(row: float, col: float, radius: float) -> Array:
+def _draw_disk(row: float, col: float, radius: float) -> Array:
     """Draw a disk, shape (64, 64)."""
-    return _BRIGHT_LEVEL * _within(_around(row, col), radius)
+    return _BRIGHT_LEVEL * _smooth_step(_distance_from(row, col), radius)

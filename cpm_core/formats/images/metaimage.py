@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.nrrd import stack_of
+from cpm_core.formats.common.printable import make_printable
+from cpm_core.formats.images.nrrd import build_stack
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import Stack, check_memory, file_beside
+from cpm_core.formats.images.stack import Stack, check_memory, find_data_file
 from cpm_core.numerics.types import JsonDict, Numbers
 
-READS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
+FILE_KINDS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
 
 _HEADER_BEGINNINGS = (b"ObjectType", b"NDims", b"ObjectSubType", b"Comment")
 """Entries that a header may begin with."""
@@ -28,15 +28,15 @@ _ELEMENT_SIZES = {"CHAR": 1, "SHORT": 2, "INT": 4, "LONG": 4, "LONG_LONG": 8, "F
 """Type of an element, without its sign -> its size [bytes]."""
 
 
-def reads(head: bytes, _path: Path) -> bool:
+def can_read(head: bytes, _path: Path) -> bool:
     """Return whether a file begins like a header of MetaImage."""
     return head.startswith(_HEADER_BEGINNINGS) and b"=" in head[:40]
 
 
-def stack(path: Path, _reading: Reading) -> Stack:
+def open_image_file(path: Path, _reading: Reading) -> Stack:
     """Open a volume: the axes of the file are columns, rows, planes and times."""
-    name = printable(path.name)
-    entries, begin = _header(path)
+    name = make_printable(path.name)
+    entries, begin = _read_metaimage_header(path)
     sizes = [int(size) for size in entries["dimsize"].split()]
     if not 2 <= len(sizes) <= 4 or int(entries["ndims"]) != len(sizes):
         raise UnreadableError(f"{name} has {len(sizes)} axes, but a volume has two to four: save one volume of it.")
@@ -49,7 +49,7 @@ def stack(path: Path, _reading: Reading) -> Stack:
     packed = _is_true(entries.get("compresseddata", ""))
     file = path
     if entries["elementdatafile"].upper() != "LOCAL":
-        file, begin = file_beside(path, entries["elementdatafile"]), int(entries.get("headersize", "0"))
+        file, begin = find_data_file(path, entries["elementdatafile"]), int(entries.get("headersize", "0"))
 
     def read_values() -> Numbers:
         if packed:
@@ -61,10 +61,10 @@ def stack(path: Path, _reading: Reading) -> Stack:
 
     color = bands in (3, 4) and kind.kind == "u"
     kinds = ["rgb-color" if color else "vector", *3 * ["domain"], "time"]
-    return stack_of(name, {"sizes": shape, "kinds": kinds, **_place(entries, len(sizes))}, kind.itemsize, read_values)
+    return build_stack(name, {"sizes": shape, "kinds": kinds, **_convert_position(entries, len(sizes))}, kind.itemsize, read_values)
 
 
-def _header(path: Path) -> tuple[dict[str, str], int]:
+def _read_metaimage_header(path: Path) -> tuple[dict[str, str], int]:
     """Read the entries by name, in lower case, and the offset of their end; the location of the values is the last."""
     entries: dict[str, str] = {}
     with path.open("rb") as stream:
@@ -84,7 +84,7 @@ def _is_true(text: str) -> bool:
     return text.lower() in ("true", "1", "yes")
 
 
-def _place(entries: dict[str, str], axes: int) -> JsonDict:
+def _convert_position(entries: dict[str, str], axes: int) -> JsonDict:
     """Convert the entries on voxel size and position to those of NRRD."""
 
     def parse_numbers(*names: str) -> Any:

@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.decoded import Decoded, from_bands
+from cpm_core.formats.common.printable import make_printable
+from cpm_core.formats.images.decoded import DecodedImage, decode_bands
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.resolution import known_unit
-from cpm_core.formats.images.stack import Stack, position_of
-from cpm_core.parameters.quotation import shown
+from cpm_core.formats.images.resolution import find_unit
+from cpm_core.formats.images.stack import Stack, position_from_affine
+from cpm_core.parameters.quotation import quote_value
 
-READS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
+FILE_KINDS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
 
 _GZIP_MAGIC = b"\x1f\x8b"
 """First bytes of a gzip file."""
@@ -41,18 +41,18 @@ _GZIP_BLOCK = 2**20
 """Size of the blocks in which a file is unpacked [bytes]."""
 
 
-def reads(head: bytes, path: Path) -> bool:
+def can_read(head: bytes, path: Path) -> bool:
     """Return whether a file, unpacked if it is compressed, begins like a NIfTI volume."""
     if not head.startswith(_GZIP_MAGIC):
-        return _kind(head) is not None
+        return _find_reader_class(head) is not None
     try:
         with gzip.open(path) as stream:
-            return _kind(stream.read(352)) is not None
+            return _find_reader_class(stream.read(352)) is not None
     except (OSError, EOFError, ValueError, zlib.error):
         return path.name.lower().endswith(".nii.gz")
 
 
-def stack(path: Path, _reading: Reading) -> Stack:
+def open_image_file(path: Path, _reading: Reading) -> Stack:
     """Open a volume: the first axes of the file are columns, rows and planes.
 
     Raises
@@ -60,24 +60,24 @@ def stack(path: Path, _reading: Reading) -> Stack:
     UnreadableError
         When the file has more axes than planes, rows, columns, times and channels.
     """
-    name = printable(path.name)
-    with _opened(path) as volume:
+    name = make_printable(path.name)
+    with _open_volume(path) as volume:
         sizes = [int(size) for size in volume.shape]
         if len(sizes) < 2 or min(sizes) < 1:
             raise ValueError("there are too few axes")
         if math.prod(sizes[5:]) > 1:
-            raise UnreadableError(f"{name} has {len(sizes)} axes, {shown(tuple(sizes))}: save one volume of it.")
+            raise UnreadableError(f"{name} has {len(sizes)} axes, {quote_value(tuple(sizes))}: save one volume of it.")
         columns, rows, planes, times, channels = (*sizes, 1, 1, 1)[:5]
         stored = volume.get_data_dtype()
-        unit = known_unit(volume.header.get_xyzt_units()[0])
+        unit = find_unit(volume.header.get_xyzt_units()[0])
         sides = [abs(float(side)) for side in (*volume.header.get_zooms()[:3], 1.0, 1.0)[2::-1]]
-        spacing, _, geometry, notes = position_of(volume.affine, "RAS", sides, "mm")
+        spacing, _, geometry, notes = position_from_affine(volume.affine, "RAS", sides, "mm")
         if unit is None:
             notes = ("It names no unit of length; millimeters were taken.", *notes)
 
-    def read_planes(time: int, channel: int, first: int, end: int) -> Decoded:
+    def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
         at = (slice(None), slice(None), slice(first, end), time, channel)
-        with _opened(path) as volume:
+        with _open_volume(path) as volume:
             part = np.asanyarray(volume.dataobj[at[: len(sizes)]]).reshape(columns, rows, end - first).T
             stream = volume.file_map["image"].fileobj
             while isinstance(stream, gzip.GzipFile) and stream.read(
@@ -85,8 +85,8 @@ def stack(path: Path, _reading: Reading) -> Stack:
             ):  # to the end, where the checksum is verified
                 pass
         if part.dtype.fields is None:
-            return Decoded(part)
-        return from_bands(np.stack([part[band] for band in part.dtype.names], axis=-1))
+            return DecodedImage(part)
+        return decode_bands(np.stack([part[band] for band in part.dtype.names], axis=-1))
 
     return Stack(
         name,
@@ -102,20 +102,20 @@ def stack(path: Path, _reading: Reading) -> Stack:
     )
 
 
-def _kind(head: bytes) -> str | None:
+def _find_reader_class(head: bytes) -> str | None:
     """Find the class of nibabel by the first bytes of a file; None for other files."""
     return next((kind for (place, mark), kind in _READER_CLASSES.items() if head.startswith(mark, place)), None)
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Any]:
+def _open_volume(path: Path) -> Iterator[Any]:
     """Open a volume, reading only its header; the content decides its kind, not the name."""
     import nibabel  # only here, because it takes long to import
 
     with path.open("rb") as raw:
         stream: Any = gzip.GzipFile(fileobj=raw) if raw.read(2) == _GZIP_MAGIC else raw
         raw.seek(0)
-        kind = _kind(stream.read(352))
+        kind = _find_reader_class(stream.read(352))
         stream.seek(0)
         if kind is None:
             raise ValueError("it has no mark of the format")

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import Decoded, from_bands
+from cpm_core.formats.images.decoded import DecodedImage, decode_bands
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import Position, Stack, check_memory, file_beside, position_of
+from cpm_core.formats.images.stack import VolumePosition, Stack, check_memory, find_data_file, position_from_affine
 from cpm_core.numerics.types import Array, Numbers
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
-READS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
+FILE_KINDS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
 
 _AXIS_ROLES = ("time", "channel", "plane", "row", "col", "color")
 """Roles that an axis of a file may have, in our order."""
@@ -40,23 +40,23 @@ _SPACE_CONVENTIONS = {
 """Names of spaces -> their conventions."""
 
 
-def reads(head: bytes, _path: Path) -> bool:
+def can_read(head: bytes, _path: Path) -> bool:
     """Return whether a file begins like an NRRD volume."""
     return head.startswith(b"NRRD000")
 
 
-def stack(path: Path, _reading: Reading) -> Stack:
+def open_image_file(path: Path, _reading: Reading) -> Stack:
     """Open a volume: the spatial axes of the file are columns, rows and planes."""
     import nrrd  # only here, because it takes long to import
 
-    name = printable(path.name)
+    name = make_printable(path.name)
     with path.open("rb") as stream:
         header = nrrd.read_header(stream)
         begin = stream.tell()
     itemsize = np.dtype(nrrd.reader._TYPEMAP_NRRD2NUMPY[header["type"]]).itemsize
     named = next((key for key in ("data file", "datafile") if key in header), None)
     if named is not None:
-        header[named] = str(file_beside(path, str(header[named])))
+        header[named] = str(find_data_file(path, str(header[named])))
 
     def read_values() -> Numbers:
         check_memory(tuple(map(int, header["sizes"])), itemsize, name)
@@ -64,10 +64,10 @@ def stack(path: Path, _reading: Reading) -> Stack:
             stream.seek(begin)
             return np.asarray(nrrd.read_data(header, stream, str(path)))
 
-    return stack_of(name, header, itemsize, read_values)
+    return build_stack(name, header, itemsize, read_values)
 
 
-def stack_of(name: str, header: Any, itemsize: int, values: Callable[[], Numbers]) -> Stack:
+def build_stack(name: str, header: Any, itemsize: int, read_values: Callable[[], Numbers]) -> Stack:
     """Build a stack from a header of NRRD; `values` reads all, of shape ``sizes``, each of `itemsize` bytes.
 
     Raises
@@ -78,15 +78,15 @@ def stack_of(name: str, header: Any, itemsize: int, values: Callable[[], Numbers
     sizes = [int(size) for size in header["sizes"]]
     if min(sizes) < 1:
         raise ValueError("the axes are not valid")
-    roles = _roles(header, sizes, name)
-    spacing, unit, geometry, notes = _position(header, roles)
+    roles = _assign_roles(header, sizes, name)
+    spacing, unit, geometry, notes = _parse_position(header, roles)
     size = {role: sizes[axis] for role, axis in roles.items()}
     shape = tuple(size.get(role, 1) for role in _AXIS_ROLES)
     order = [roles[role] for role in _AXIS_ROLES if role in roles]
 
-    def read_planes(time: int, channel: int, first: int, end: int) -> Decoded:
-        part = np.array(values().transpose(order).reshape(shape)[time, channel, first:end])
-        return Decoded(part[..., 0]) if shape[-1] == 1 else from_bands(part)
+    def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
+        part = np.array(read_values().transpose(order).reshape(shape)[time, channel, first:end])
+        return DecodedImage(part[..., 0]) if shape[-1] == 1 else decode_bands(part)
 
     return Stack(
         name,
@@ -102,7 +102,7 @@ def stack_of(name: str, header: Any, itemsize: int, values: Callable[[], Numbers
     )
 
 
-def _roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
+def _assign_roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
     """Assign roles to the axes of a file; spatial axes are columns, rows and planes, in this order."""
     kinds = [str(kind).lower() for kind in header.get("kinds", ["???"] * len(sizes))]
     vectors = header.get("space directions")
@@ -124,17 +124,17 @@ def _roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
         wanted = "color" if color else "time" if kinds[axis] == _TIME_KIND or last else "channel"
         role = next((one for one in (wanted, "channel", "time") if one not in roles), None)
         if role is None:
-            raise UnreadableError(f"{name} has the axes {shown(tuple(sizes))}: save one volume of it.")
+            raise UnreadableError(f"{name} has the axes {quote_value(tuple(sizes))}: save one volume of it.")
         roles[role] = axis
     return roles
 
 
-def _position(header: Any, roles: dict[str, int]) -> Position:
+def _parse_position(header: Any, roles: dict[str, int]) -> VolumePosition:
     """Parse voxel size and position from a header."""
     axes = [roles[role] for role in ("col", "row", "plane") if role in roles]
     vectors, own = header.get("space directions"), list(header.get("units", []))
     named = [*(own[axis] for axis in axes if axis < len(own) and vectors is None), *header.get("space units", [])]
-    unit = next((known for known in map(resolution.known_unit, map(str, named)) if known), None)
+    unit = next((known for known in map(resolution.find_unit, map(str, named)) if known), None)
     if vectors is None:
         given = header.get("spacings", [math.nan] * len(header["sizes"]))
         sides = [abs(float(given[axis])) for axis in axes]
@@ -152,4 +152,4 @@ def _position(header: Any, roles: dict[str, int]) -> Position:
     affine[:3, :3], affine[:3, 3] = along.T, np.array(header.get("space origin", np.zeros(3)), float)[:3]
     if space == "LAS":
         affine[1] *= -1.0
-    return position_of(affine, "RAS" if space == "RAS" else "LPS", (plane, row, col), unit or "mm")
+    return position_from_affine(affine, "RAS" if space == "RAS" else "LPS", (plane, row, col), unit or "mm")

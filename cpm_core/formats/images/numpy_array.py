@@ -10,14 +10,14 @@ import numpy as np
 from numpy.lib import format as array_format
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.decoded import Decoded, check_size, from_bands
-from cpm_core.formats.images.reading import Reading, series_of
+from cpm_core.formats.common.printable import make_printable
+from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count, decode_bands
+from cpm_core.formats.images.reading import Reading, select_series
 from cpm_core.formats.images.stack import Stack, check_memory
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Extent, Numbers, Texts
 
-READS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
+FILE_KINDS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
 
 _ZIP_MAGIC = b"PK\x03\x04"
 """First bytes of a ZIP archive."""
@@ -26,7 +26,7 @@ _ARRAY_SUFFIX = ".npy"
 """Suffix of the arrays in an archive."""
 
 
-def reads(head: bytes, path: Path) -> bool:
+def can_read(head: bytes, path: Path) -> bool:
     """Return whether a file begins like a NumPy array, or is an archive that holds one."""
     if head.startswith(b"\x93NUMPY"):
         return True
@@ -39,10 +39,10 @@ def reads(head: bytes, path: Path) -> bool:
         return path.suffix.lower() == ".npz"
 
 
-def stack(path: Path, reading: Reading) -> Stack:
+def open_image_file(path: Path, reading: Reading) -> Stack:
     """Open an array of two or three axes, perhaps with colors along a last one; from an archive the selected array."""
-    name = printable(path.name)
-    shape, kind, names, number = _header(path, reading, name)
+    name = make_printable(path.name)
+    shape, kind, names, number = _read_array_header(path, reading, name)
     member = names[number] + _ARRAY_SUFFIX if names else ""
     if kind.kind not in "buif":
         raise UnreadableError(f"{name} holds values of type {str(kind)[:80]}, but gray levels must be real numbers.")
@@ -55,21 +55,21 @@ def stack(path: Path, reading: Reading) -> Stack:
         )
     planes, rows, columns = (1, *shape[: count - color])[-3:]
     if planes == 1:
-        check_size(name, rows, columns)
+        check_pixel_count(name, rows, columns)
 
-    def read_planes(_time: int, _channel: int, first: int, end: int) -> Decoded:
-        stored = _values(path, member)
+    def read_planes(_time: int, _channel: int, first: int, end: int) -> DecodedImage:
+        stored = _read_array(path, member)
         whole = stored.reshape(planes, rows, columns, *shape[count - color :])
         part = np.array(whole[first:end])
-        return from_bands(part) if color else Decoded(part)
+        return decode_bands(part) if color else DecodedImage(part)
 
     each = float(kind.itemsize * (shape[-1] if color else 1))
     if member:
         check_memory(tuple(shape), kind.itemsize, name)
-    return Stack(name, (planes, rows, columns), read_planes, each, series=names, number=number)
+    return Stack(name, (planes, rows, columns), read_planes, each, series=names, series_number=number)
 
 
-def _header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[Any], Texts, int]:
+def _read_array_header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[Any], Texts, int]:
     """Read shape and type of the selected array, and for an archive the names of all arrays and its index."""
     with path.open("rb") as stream:
         if stream.read(4) != _ZIP_MAGIC:
@@ -92,7 +92,7 @@ def _header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[A
             "a number or a name.",
             tuple(images),
         )
-    at = series_of(reading.series, names, images[0] if images else 0, name)
+    at = select_series(reading.series, names, images[0] if images else 0, name)
     shape, kind = headers[at]
     return shape, kind, names, at
 
@@ -102,7 +102,7 @@ def _is_image(shape: Extent, kind: np.dtype[Any]) -> bool:
     return kind.kind in "buif" and len(shape) in (2, 3, 4) and min(shape[:2]) >= MINIMUM_SIDE
 
 
-def _values(path: Path, member: str) -> Numbers:
+def _read_array(path: Path, member: str) -> Numbers:
     """Read an array; one in a file of its own is memory-mapped."""
     if not member:
         return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))

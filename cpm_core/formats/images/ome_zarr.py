@@ -10,22 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.formats.common.content import UnreadableError, missing
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.content import UnreadableError, missing_package_message
+from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, Decoded
-from cpm_core.formats.images.reading import Reading, index_of, series_of
+from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, DecodedImage
+from cpm_core.formats.images.reading import Reading, select_index, select_series
 from cpm_core.formats.images.stack import Stack
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import JsonDict, Extent, Texts, record
-from cpm_core.parameters.quotation import sized
+from cpm_core.parameters.quotation import format_size
 
-READS = {".zarr": "OME-Zarr image"}
+FILE_KINDS = {".zarr": "OME-Zarr image"}
 
 _ZARR_MARKERS = ("zarr.json", ".zgroup", ".zarray")
 """Files one of which marks a Zarr folder."""
 
-_TILE = 256
+_TILE_SIDE = 256
 """Side of the tiles that are written, a quarter of it in volumes [px]; a file holds the tiles of a shard."""
 
 _MAX_COARSEST_SIDE = 512
@@ -44,7 +44,7 @@ def is_zarr(folder: Path) -> bool:
 
 
 @record
-class Levels:
+class MultiscaleImage:
     """An image at several resolutions, none of which has been read.
 
     Attributes
@@ -71,45 +71,45 @@ class Levels:
     spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
     unit: str | None = None
     series: Texts = ()
-    number: int = 0
+    series_number: int = 0
 
-    def count(self, axis: str, level: int = 0) -> int:
+    def axis_length(self, axis: str, level: int = 0) -> int:
         """Return the length of an axis given by its letter; 1 if there is none."""
         return int(self.arrays[level].shape[self.axes.index(axis)]) if axis in self.axes else 1
 
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the finest level."""
-        return self.count("y"), self.count("x")
+        return self.axis_length("y"), self.axis_length("x")
 
-    def planes(self, level: int, time: int, channel: int, planes: slice, window: Window) -> NDArray[Any]:
+    def read_planes(self, level: int, time: int, channel: int, planes: slice, window: Window) -> NDArray[Any]:
         """Read part of a level at a time and in a channel, shape (planes, rows, columns)."""
         chosen: dict[str, int | slice] = {"t": time, "c": channel, "z": planes, "y": window[0], "x": window[1]}
         found: NDArray[Any] = np.asarray(self.arrays[level][tuple(chosen[axis] for axis in self.axes)])
         return found if "z" in self.axes else found[None]
 
-    def finer(self, level: int, time: int, channel: int, plane: int) -> tuple[FinerPlane, ...]:
+    def find_finer_planes(self, level: int, time: int, channel: int, plane: int) -> tuple[FinerPlane, ...]:
         """Find a plane in the levels before one, finest first, as long as each has twice as many rows as the next."""
         found: list[FinerPlane] = []
-        while level > 0 and abs(self.count("y", level - 1) - 2 * self.count("y", level)) <= 1:
+        while level > 0 and abs(self.axis_length("y", level - 1) - 2 * self.axis_length("y", level)) <= 1:
             level -= 1
             found.insert(0, FinerPlane(self, level, time, channel, plane))
         return tuple(found)
 
-    def part(self, window: Window, reading: Reading) -> NDArray[Any]:
+    def read_window(self, window: Window, reading: Reading) -> NDArray[Any]:
         """Read a window of the finest level, shape of the window: of all planes, or the selected or first one."""
         chosen = (("time", reading.time, "t"), ("channel", reading.channel, "c"), ("page", reading.page, "z"))
-        time, channel, plane = (index_of(what, given, self.count(at), 0, self.name) for what, given, at in chosen)
+        time, channel, plane = (select_index(what, given, self.axis_length(at), 0, self.name) for what, given, at in chosen)
         if len(window) == 3:
-            return self.planes(0, time, channel, window[0], window[1:])
-        return self.planes(0, time, channel, slice(plane, plane + 1), window)[0]
+            return self.read_planes(0, time, channel, window[0], window[1:])
+        return self.read_planes(0, time, channel, slice(plane, plane + 1), window)[0]
 
 
 @record
 class FinerPlane:
     """A plane of a level, parts of which are read on demand."""
 
-    levels: Levels
+    levels: MultiscaleImage
     level: int
     time: int
     channel: int
@@ -118,32 +118,32 @@ class FinerPlane:
     @property
     def shape(self) -> tuple[int, int]:
         """Numbers of rows and columns."""
-        return self.levels.count("y", self.level), self.levels.count("x", self.level)
+        return self.levels.axis_length("y", self.level), self.levels.axis_length("x", self.level)
 
     def __getitem__(self, window: Window) -> NDArray[Any]:
         """Read the gray levels of a window."""
         plane = slice(self.plane, self.plane + 1)
-        return self.levels.planes(self.level, self.time, self.channel, plane, window)[0]
+        return self.levels.read_planes(self.level, self.time, self.channel, plane, window)[0]
 
 
-def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B008 - a frozen value
+def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage:  # noqa: B008 - a frozen value
     """Open an image in a Zarr folder; UnreadableError when it holds none, or the package zarr is missing."""
     try:
         import zarr
     except ImportError:
-        raise UnreadableError(missing(path.name, "zarr", "cpm-particles[scale]")) from None
-    name = printable(path.name)
+        raise UnreadableError(missing_package_message(path.name, "zarr", "cpm-particles[scale]")) from None
+    name = make_printable(path.name)
     found = zarr.open(path, mode="r")
     if isinstance(found, zarr.Array):
         if found.ndim not in range(2, len(_AXIS_LETTERS) + 1):
             raise UnreadableError(f"{name} has {found.ndim} axes, but an image has two to five.")
-        return Levels(name, (found,), _AXIS_LETTERS[-found.ndim :])
+        return MultiscaleImage(name, (found,), _AXIS_LETTERS[-found.ndim :])
     series = (
-        () if _scales_of(found) else tuple(sorted((key for key, _ in found.groups()), key=lambda key: (len(key), key)))
+        () if _find_multiscales(found) else tuple(sorted((key for key, _ in found.groups()), key=lambda key: (len(key), key)))
     )
-    number = series_of(reading.series, series, 0, name) if series else 0
+    number = select_series(reading.series, series, 0, name) if series else 0
     group = found[series[number]] if series else found
-    scales = _scales_of(group)
+    scales = _find_multiscales(group)
     if not scales:
         raise UnreadableError(f"{name} is a folder of Zarr without an image: name the one in it that has levels.")
     axes = [one if isinstance(one, dict) else {"name": one} for one in scales.get("axes", _AXIS_LETTERS)]
@@ -151,44 +151,44 @@ def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B0
     if not set("yx") <= set(letters) <= set(_AXIS_LETTERS):
         raise UnreadableError(f"{name} has the axes {letters}, but an image has rows and columns, y and x.")
     levels = tuple(group[one["path"]] for one in scales["datasets"])
-    sizes = dict(zip(letters, _scale(scales["datasets"][0]) * _scale(scales), strict=True)) if "axes" in scales else {}
+    sizes = dict(zip(letters, _combine_scales(scales["datasets"][0]) * _combine_scales(scales), strict=True)) if "axes" in scales else {}
     sides = tuple(float(sizes.get(axis, 1.0)) for axis in "zyx")
-    units = {resolution.known_unit(str(one.get("unit", ""))) for one in axes if one["name"] in "yx"}
+    units = {resolution.find_unit(str(one.get("unit", ""))) for one in axes if one["name"] in "yx"}
     unit = units.pop() if len(units) == 1 else None
     spacing = sides if unit and min(sides) > 0.0 else (1.0, 1.0, 1.0)
-    return Levels(name, levels, letters, spacing, unit, series, number)  # type: ignore[arg-type]
+    return MultiscaleImage(name, levels, letters, spacing, unit, series, number)  # type: ignore[arg-type]
 
 
-def _scales_of(group: Any) -> JsonDict:
+def _find_multiscales(group: Any) -> JsonDict:
     """Find the first entry on resolution levels in a group; empty if it has none."""
     known = dict(group.attrs)
     found: Sequence[JsonDict] = known.get("ome", known).get("multiscales", ())
     return dict(found[0]) if found else {}
 
 
-def _scale(entry: Mapping[str, Any]) -> NDArray[np.float64]:
+def _combine_scales(entry: Mapping[str, Any]) -> NDArray[np.float64]:
     """Multiply the scale transformations of an entry, for each axis; 1 without any."""
     scales = [one["scale"] for one in entry.get("coordinateTransformations", ()) if one["type"] == "scale"]
     return np.prod(np.array(scales, dtype=float), axis=0)  # 1 for an empty product
 
 
-def stack(path: Path, reading: Reading) -> Stack:
+def open_image_file(path: Path, reading: Reading) -> Stack:
     """Open an image at the finest level with a moderate number of pixels."""
-    levels = open_levels(path, reading)
-    planes = levels.count("z")
-    fitting = (k for k in range(len(levels.arrays)) if math.prod(levels.count(a, k) for a in "zyx") <= MAXIMUM_PIXELS)
+    levels = open_multiscale(path, reading)
+    planes = levels.axis_length("z")
+    fitting = (k for k in range(len(levels.arrays)) if math.prod(levels.axis_length(a, k) for a in "zyx") <= MAXIMUM_PIXELS)
     level = next(fitting, len(levels.arrays) - 1)
-    shape = (levels.count("z", level), levels.count("y", level), levels.count("x", level))
+    shape = (levels.axis_length("z", level), levels.axis_length("y", level), levels.axis_length("x", level))
 
-    def read_planes(time: int, channel: int, first: int, end: int) -> Decoded:
-        values = levels.planes(level, time, channel, slice(first, end), (slice(None), slice(None)))
+    def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
+        values = levels.read_planes(level, time, channel, slice(first, end), (slice(None), slice(None)))
         same = planes == shape[0] and end == first + 1
-        return Decoded(values, finer=levels.finer(level, time, channel, first) if same else ())
+        return DecodedImage(values, finer=levels.find_finer_planes(level, time, channel, first) if same else ())
 
     notes: Texts = ()
     if level:
         notes = (
-            f"It has {sized(levels.shape)}, of which level {level} was opened, {shape[1]} x {shape[2]} px; "
+            f"It has {format_size(levels.shape)}, of which level {level} was opened, {shape[1]} x {shape[2]} px; "
             "cpm run with --auto works on all of them.",
         )
     sides = (planes / shape[0], levels.shape[0] / shape[1], levels.shape[1] / shape[2])
@@ -198,24 +198,24 @@ def stack(path: Path, reading: Reading) -> Stack:
         shape,
         read_planes,
         float(levels.arrays[level].dtype.itemsize),
-        levels.count("t"),
-        levels.count("c"),
+        levels.axis_length("t"),
+        levels.axis_length("c"),
         (deep, row, col),
         levels.unit,
         notes=notes,
         series=levels.series,
-        number=levels.number,
+        series_number=levels.series_number,
     )
 
 
-def create_levels(
+def create_multiscale(
     path: Path,
     shape: Extent,
     dtype: Any,
     side: int,
     spacing: Sequence[float] = (1.0, 1.0, 1.0),
     unit: str | None = None,
-    more: Mapping[str, Any] = {},
+    metadata: Mapping[str, Any] = {},
 ) -> int:
     """Create an image or volume of zeros with levels of half the size each, and return their number.
 
@@ -226,12 +226,12 @@ def create_levels(
 
     group = zarr.open_group(path, mode="w")
     axes, part = _AXIS_LETTERS[-len(shape) :], 1 if len(shape) == 2 else 4
-    tile, shard = (_TILE // part,) * len(shape), (side,) * len(shape)
+    tile, shard = (_TILE_SIDE // part,) * len(shape), (side,) * len(shape)
     count = 1 + max(math.ceil(math.log2(max(shape) * part / _MAX_COARSEST_SIDE)), 0)
     for level in range(count):
         size = tuple(-(-n // 2**level) for n in shape)
         group.create_array(str(level), shape=size, dtype=dtype, chunks=tile, shards=shard)
-    units = {"unit": resolution.long_name(unit)} if unit else {}
+    units = {"unit": resolution.long_unit_name(unit)} if unit else {}
     sides = np.array(spacing[-len(shape) :], float)
     levels = [
         {
@@ -242,18 +242,18 @@ def create_levels(
     ]
     named = [{"name": name, "type": "space", **units} for name in axes]
     scales = [{"name": path.stem, "axes": named, "datasets": levels}]
-    group.attrs["ome"] = {"version": _OME_VERSION, "multiscales": scales, **more}
+    group.attrs["ome"] = {"version": _OME_VERSION, "multiscales": scales, **metadata}
     return count
 
 
-def write_part(path: Path, level: int, window: Window, values: NDArray[Any]) -> None:
+def write_window(path: Path, level: int, window: Window, values: NDArray[Any]) -> None:
     """Write a window of a level; `values` has the shape of the window."""
     import zarr
 
     zarr.open_group(path, mode="r+")[str(level)][window] = values
 
 
-def halve_part(path: Path, level: int, window: Window) -> None:
+def halve_window(path: Path, level: int, window: Window) -> None:
     """Fill a window of a level with every second pixel of the previous level along each axis."""
     import zarr
 

@@ -12,20 +12,20 @@ import PIL.Image
 from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import (
     ORIENTATION_TAG,
-    Decoded,
-    check_size,
-    from_bands,
-    from_samples,
-    upright,
+    DecodedImage,
+    check_pixel_count,
+    decode_bands,
+    decode_samples,
+    rotate_upright,
 )
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import Stack, joined
+from cpm_core.formats.images.stack import Stack, stack_planes
 
-READS = {
+FILE_KINDS = {
     ".png": "PNG picture",
     ".jpg": "JPEG picture",
     ".jpeg": "JPEG picture",
@@ -52,37 +52,37 @@ _METADATA_SEARCH_SIZE = 1 << 18
 """Range at either end of a PNG in which these parts are searched [bytes]."""
 
 
-def reads(_head: bytes, _path: Path) -> bool:
+def can_read(_head: bytes, _path: Path) -> bool:
     """Return True: this reader comes last, and Pillow recognizes the format itself."""
     return True
 
 
-def stack(path: Path, _reading: Reading) -> Stack:
+def open_image_file(path: Path, _reading: Reading) -> Stack:
     """Open a picture; its frames are points in time."""
-    name = printable(path.name)
-    with _opened(path) as picture:
-        check_size(name, picture.height, picture.width)
-        frames, turn = int(getattr(picture, "n_frames", 1)), _orientation(picture, path)
-        spacing, unit = resolution.UNKNOWN
+    name = make_printable(path.name)
+    with _open_picture(path) as picture:
+        check_pixel_count(name, picture.height, picture.width)
+        frames, turn = int(getattr(picture, "n_frames", 1)), _read_orientation(picture, path)
+        spacing, unit = resolution.UNKNOWN_SPACING
         density = picture.info.get("dpi")
         if (
             frames == 1 and picture.format == "PNG" and density is not None
         ):  # among these formats only PNG states the unit
             along = (float(density[1]) * _INCHES_PER_METER, float(density[0]) * _INCHES_PER_METER)
-            spacing, unit = resolution.from_density(*along)
+            spacing, unit = resolution.spacing_from_density(*along)
         order = -1 if turn in range(5, 9) else 1  # rows and columns are swapped
         (rows, columns), (row, col) = picture.size[::-order], spacing[::order]
 
-    def read_planes(time: int, _channel: int, _first: int, _end: int) -> Decoded:
-        with _opened(path) as picture:
+    def read_planes(time: int, _channel: int, _first: int, _end: int) -> DecodedImage:
+        with _open_picture(path) as picture:
             picture.seek(time)
-            return joined([upright(_pixels(picture, path), turn)])
+            return stack_planes([rotate_upright(_decode_picture(picture, path), turn)])
 
-    return Stack(name, (1, rows, columns), read_planes, 4.0, frames, spacing=(row, row, col), unit=unit, word="frame")
+    return Stack(name, (1, rows, columns), read_planes, 4.0, frames, spacing=(row, row, col), unit=unit, plane_word="frame")
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[PIL.Image.Image]:
+def _open_picture(path: Path) -> Iterator[PIL.Image.Image]:
     """Open a picture, reading only its header."""
     try:
         with PIL.Image.open(path, formats=_PILLOW_FORMATS) as picture:
@@ -91,7 +91,7 @@ def _opened(path: Path) -> Iterator[PIL.Image.Image]:
         raise UnreadableError(f"{path.name} has far too many pixels: crop it or make it smaller first.") from None
 
 
-def _orientation(picture: PIL.Image.Image, path: Path) -> int:
+def _read_orientation(picture: PIL.Image.Image, path: Path) -> int:
     """Read the orientation tag of an open picture."""
     if picture.format == "PNG":  # Pillow would unpack it to read what follows the pixels
         with path.open("rb") as file:
@@ -106,7 +106,7 @@ def _orientation(picture: PIL.Image.Image, path: Path) -> int:
         return 1
 
 
-def _pixels(picture: PIL.Image.Image, path: Path) -> Decoded:
+def _decode_picture(picture: PIL.Image.Image, path: Path) -> DecodedImage:
     """Decode the gray levels of an open picture, in full depth even where Pillow would reduce it."""
     tiles: Any = getattr(picture, "tile", None) or [("", None, 0, ("",))]
     arguments = (
@@ -119,35 +119,35 @@ def _pixels(picture: PIL.Image.Image, path: Path) -> Decoded:
     whole = getattr(picture, "n_frames", 1) == 1 and not picture.info.get("interlace")
     deep = whole and kind in ("RGB;16B", "RGBA;16B", "LA;16B")
     if picture.format == "JPEG2000" or deep:
-        return _unpacked(path, "png" if deep else "jpeg2k")
+        return _decode_by_imagecodecs(path, "png" if deep else "jpeg2k")
     # the same pixels, but faster, since Pillow holds the interpreter's lock; a truncated JPEG is left to Pillow, which
     # reports it, unlike other decoders
     if picture.format == "JPEG" and mode in ("L", "RGB") and path.read_bytes().endswith(b"\xff\xd9"):
-        return _unpacked(path, "jpeg8")
+        return _decode_by_imagecodecs(path, "jpeg8")
     if picture.format == "PNG" and whole and kind == mode and mode in ("L", "RGB") and not alpha:
-        return _unpacked(path, "png")
+        return _decode_by_imagecodecs(path, "png")
     if mode == "1":
-        return Decoded(np.array(picture.convert("L")), notes=("Black and white were read as 0 and 255.",))
+        return DecodedImage(np.array(picture.convert("L")), notes=("Black and white were read as 0 and 255.",))
     if (mode == "L" and not alpha) or mode == "F" or mode.startswith("I"):
         values: NDArray[Any] = np.array(picture)
         if declared is not None and mode in ("L", "I"):
             values = np.rint(values * (declared / (255 if mode == "L" else 65535)))
-        return Decoded(values)
+        return DecodedImage(values)
     if alpha:
         samples = np.array(picture.convert("RGBA"))
         gray = mode in ("L", "LA")
-        return from_samples(samples[..., :1], samples[..., 3]) if gray else from_bands(samples)
+        return decode_samples(samples[..., :1], samples[..., 3]) if gray else decode_bands(samples)
     notes = ("Its 16 bits a color were cut down to 8.",) if (declared or 0) > 255 or ";16" in kind else ()
-    return from_samples(np.array(picture.convert("RGB")), notes=notes)
+    return decode_samples(np.array(picture.convert("RGB")), notes=notes)
 
 
-def _unpacked(path: Path, kind: str) -> Decoded:
+def _decode_by_imagecodecs(path: Path, kind: str) -> DecodedImage:
     """Decode a picture by imagecodecs; Pillow takes only the higher bits of deep ones."""
     import imagecodecs  # only here, because it takes long to import
 
     samples = np.asarray(getattr(imagecodecs, f"{kind}_decode")(path.read_bytes()))
     if samples.ndim == 2:
-        return Decoded(samples)
+        return DecodedImage(samples)
     if samples.shape[-1] == 2:
-        return from_samples(samples[..., :1], samples[..., 1])
-    return from_bands(samples)
+        return decode_samples(samples[..., :1], samples[..., 1])
+    return decode_bands(samples)

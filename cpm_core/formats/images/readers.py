@@ -16,12 +16,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.formats.common.content import AnyPath, UnreadableError, content_of, decoding, fingerprint
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.content import AnyPath, UnreadableError, read_content, explain_decoding_errors, compute_fingerprint
+from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, ome_zarr, raster, resolution, tiff
-from cpm_core.formats.images.decoded import Decoded
-from cpm_core.formats.images.reading import Reading, checked_unit
-from cpm_core.formats.images.stack import Axis, Pages, Stack, plane_of, volume_of
+from cpm_core.formats.images.decoded import DecodedImage
+from cpm_core.formats.images.reading import Reading, check_unit
+from cpm_core.formats.images.stack import PageAxis, Pages, Stack, read_plane, read_volume
 from cpm_core.image.colors import LUMINANCE_CHOICE, LUMINANCE_NOTE, gray_from_color
 from cpm_core.image.gray_levels import NO_DATA_VALUE, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
@@ -32,13 +32,13 @@ from cpm_core.numerics.types import Callback, JsonDict
 class ImageReader(Protocol):
     """A module that reads one format of images."""
 
-    READS: dict[str, str]
+    FILE_KINDS: dict[str, str]
     """Suffix -> kind of file."""
 
-    def reads(self, head: bytes, path: Path, /) -> bool:
+    def can_read(self, head: bytes, path: Path, /) -> bool:
         """Return whether a file is of this format, by its first 512 bytes (all of a shorter file) and its path."""
 
-    def stack(self, path: Path, reading: Reading, /) -> Stack:
+    def open_image_file(self, path: Path, reading: Reading, /) -> Stack:
         """Open a file of one or several planes; a damaged one may raise any exception."""
 
 
@@ -66,7 +66,7 @@ _FOREIGN_SIGNATURES: tuple[tuple[int, bytes, str], ...] = (
 )
 """Offset, signature and description of kinds of files that are known but not read."""
 
-READABLE: dict[str, str] = {
+IMAGES_READABLE: dict[str, str] = {
     suffix: text for reader in (*_IMAGE_READERS, ome_zarr) for suffix, text in reader.READS.items()
 }
 """Suffixes of readable images -> what they are; the content of a file decides, not its suffix."""
@@ -74,7 +74,7 @@ READABLE: dict[str, str] = {
 
 def load_image(
     path: AnyPath,
-    go_on: Callback | None = None,
+    check_cancelled: Callback | None = None,
     *,
     page: int | None = None,
     channel: int | None = None,
@@ -124,13 +124,13 @@ def load_image(
     >>> cpm.load_image("disk.npy", spacing=0.5, unit="µm")
     <Image disk.npy, 64 x 64 px, 0.5 µm a pixel>
     """
-    reading = Reading(page, channel, time, series, color, _sides(spacing), unit)
-    return _image(Path(path), reading, plane_of, go_on)
+    reading = Reading(page, channel, time, series, color, _parse_spacing(spacing), unit)
+    return _load_part(Path(path), reading, read_plane, check_cancelled)
 
 
 def load_volume(
     path: AnyPath,
-    go_on: Callback | None = None,
+    check_cancelled: Callback | None = None,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -167,13 +167,13 @@ def load_volume(
     >>> cpm.load_volume("ball.npy", spacing=(2.0, 1.0, 1.0), unit="mm")
     <Image ball.npy, 31 x 31 x 31 voxels, 2 x 1 x 1 mm a voxel>
     """
-    reading = Reading(None, channel, time, series, color, _sides(spacing), unit)
-    return _image(Path(path), reading, volume_of, go_on)
+    reading = Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
+    return _load_part(Path(path), reading, read_volume, check_cancelled)
 
 
 def load_pages(
     path: AnyPath,
-    go_on: Callback | None = None,
+    check_cancelled: Callback | None = None,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -207,11 +207,11 @@ def load_pages(
     >>> len(pages), pages[1].shape
     (2, (64, 64))
     """
-    file, reading = Path(path), Reading(None, channel, time, series, color, _sides(spacing), unit)
-    with _decoding(file):
-        stack = _opened(file, reading)
-    sha256 = _hash(file, go_on)
-    axes: tuple[tuple[str, Axis, int], ...] = (
+    file, reading = Path(path), Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
+    with _explain_errors(file):
+        stack = _open_file(file, reading)
+    sha256 = _hash_file(file, check_cancelled)
+    axes: tuple[tuple[str, PageAxis, int], ...] = (
         ("page", "z", stack.shape[0]),
         ("time", "t", stack.times if time is None else 1),
         ("channel", "c", stack.channels if channel is None else 1),
@@ -221,15 +221,15 @@ def load_pages(
     def read_page(number: int) -> Image:
         chosen: JsonDict = {name: number}
         one = replace(reading, **chosen)
-        with _decoding(file):
-            decoded = plane_of(stack, one)
-        return _finished(decoded, file, one, sha256)
+        with _explain_errors(file):
+            decoded = read_plane(stack, one)
+        return _build_image(decoded, file, one, sha256)
 
     return Pages(
-        printable(file.name),
+        make_printable(file.name),
         count,
         read_page,
-        "frame" if stack.word == "frame" else "page",
+        "frame" if stack.plane_word == "frame" else "page",
         axis,
         sum(length > 1 for length in (stack.shape[0], stack.times, stack.channels)) < 2,
         sha256,
@@ -260,25 +260,25 @@ def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
         As for `load_volume`; `UnreadableError` when an archive holds several images and none is chosen.
     """
     file = Path(path)
-    with _decoding(file):
-        return _opened(file, Reading(series=series))
+    with _explain_errors(file):
+        return _open_file(file, Reading(series=series))
 
 
-def _sides(spacing: ArrayLike | None) -> tuple[float, ...] | None:
+def _parse_spacing(spacing: ArrayLike | None) -> tuple[float, ...] | None:
     """Parse the spacing of an argument."""
     return None if spacing is None else tuple(np.ravel(as_real_array(spacing)).tolist())
 
 
-def _image(file: Path, reading: Reading, part: Callable[[Stack, Reading], Decoded], go_on: Callback | None) -> Image:
+def _load_part(file: Path, reading: Reading, read_part: Callable[[Stack, Reading], DecodedImage], check_cancelled: Callback | None) -> Image:
     """Load a part of a file as an image, hashing the file meanwhile."""
-    with ThreadPoolExecutor(1) as other, _decoding(file):
-        stack = _opened(file, reading)
-        sha256 = other.submit(_hash, file, go_on)
-        decoded = part(stack, reading)
-    return _finished(decoded, file, reading, sha256.result())
+    with ThreadPoolExecutor(1) as other, _explain_errors(file):
+        stack = _open_file(file, reading)
+        sha256 = other.submit(_hash_file, file, check_cancelled)
+        decoded = read_part(stack, reading)
+    return _build_image(decoded, file, reading, sha256.result())
 
 
-def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Image:
+def _build_image(decoded: DecodedImage, file: Path, reading: Reading, sha256: str) -> Image:
     """Build the image, with the gray levels and the pixel size that were requested."""
     values, notes, colors = decoded.values, decoded.notes, decoded.colors
     spacing, unit, geometry = decoded.spacing, decoded.unit, decoded.geometry
@@ -287,43 +287,43 @@ def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Im
         notes, colors = tuple(note if one == LUMINANCE_NOTE else one for one in notes), None
     if reading.spacing is not None:
         given = reading.spacing
-        spacing, unit = given * values.ndim if len(given) == 1 else given, checked_unit(reading.unit)
+        spacing, unit = given * values.ndim if len(given) == 1 else given, check_unit(reading.unit)
         if geometry is not None and unit and decoded.unit:
-            geometry = geometry.scaled(resolution.factor(decoded.unit, unit))
+            geometry = geometry.scaled(resolution.conversion_factor(decoded.unit, unit))
     if values.dtype == np.float64 and np.all(values == NO_DATA_VALUE):  # a plane outside the recorded range
         notes = (*notes, no_data_note(values.size))
         values = np.zeros(values.shape)
-    name, known = printable(file.name), decoded.hounsfield
+    name, known = make_printable(file.name), decoded.hounsfield
     return Image(values, spacing, unit, name, notes, colors, sha256, geometry, hounsfield=known, finer=decoded.finer)
 
 
-def _hash(file: Path, go_on: Callback | None) -> str:
+def _hash_file(file: Path, check_cancelled: Callback | None) -> str:
     """Return the hash of a file; empty for a folder."""
-    return "" if os.path.isdir(file) else fingerprint(file, go_on)  # noqa: PTH112 - raises nothing
+    return "" if os.path.isdir(file) else compute_fingerprint(file, check_cancelled)  # noqa: PTH112 - raises nothing
 
 
-def _decoding(file: Path) -> AbstractContextManager[None]:
+def _explain_errors(file: Path) -> AbstractContextManager[None]:
     """Explain decoding errors of a file in a sentence."""
-    return decoding(
-        printable(file.name),
+    return explain_decoding_errors(
+        make_printable(file.name),
         "is damaged, cut short or of an unknown kind: get a sound copy of it, or save it again as PNG or TIFF.",
     )
 
 
-def _opened(file: Path, reading: Reading) -> Stack:
+def _open_file(file: Path, reading: Reading) -> Stack:
     """Open a file with the reader for its content."""
-    if dicom.is_series(file):
-        return dicom.stack(file, reading)
+    if dicom.holds_dicom_series(file):
+        return dicom.open_image_file(file, reading)
     if ome_zarr.is_zarr(file):
-        return ome_zarr.stack(file, reading)
-    head = content_of(file, part=_SIGNATURE_SIZE)
+        return ome_zarr.open_image_file(file, reading)
+    head = read_content(file, head_size=_SIGNATURE_SIZE)
     if not head:
         raise UnreadableError(f"{file.name} is empty: get a sound copy of it.")
-    reader = next(reader for reader in _IMAGE_READERS if reader.reads(head, file))
+    reader = next(reader for reader in _IMAGE_READERS if reader.can_read(head, file))
     kind = next((kind for place, mark, kind in _FOREIGN_SIGNATURES if head.startswith(mark, place)), None)
     if reader is raster and kind is not None:
         raise UnreadableError(
             f"{file.name} is {kind}, and CPM does not read those: save the image or volume that you want as TIFF, "
             "with the program that made it."
         )
-    return reader.stack(file, reading)
+    return reader.open_image_file(file, reading)

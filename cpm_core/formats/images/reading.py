@@ -12,14 +12,14 @@ from cpm_core.formats.images import resolution
 from cpm_core.image.colors import LUMINANCE_CHOICE, check_color_choice
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import JsonDict, Texts, frozen
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 
-def checked_unit(given: object) -> str | None:
+def check_unit(given: object) -> str | None:
     """Return the unit of length with this name, None for None; ValueError for any other name."""
-    known = None if given is None else resolution.known_unit(str(given))
+    known = None if given is None else resolution.find_unit(str(given))
     if given is not None and known is None:
-        raise ValueError(f"unit is {shown(given)} but must be nm, µm, mm, cm or m.")
+        raise ValueError(f"unit is {quote_value(given)} but must be nm, µm, mm, cm or m.")
     return known
 
 
@@ -62,7 +62,7 @@ class Reading:
             if given is None or (name == "series" and isinstance(given, str)):
                 continue
             if not isinstance(given, int | np.integer) or isinstance(given, bool) or given < 1:
-                raise ValueError(f"{name} is {shown(given)} but must be a whole number from 1 up.")
+                raise ValueError(f"{name} is {quote_value(given)} but must be a whole number from 1 up.")
             object.__setattr__(self, name, int(given))
         check_color_choice(self.color)
         if self.spacing is not None:
@@ -70,8 +70,8 @@ class Reading:
                 check_finite_number("spacing", side, lambda number: number > 0.0, "numbers above 0") for side in self.spacing
             )
             object.__setattr__(self, "spacing", tuple(sides))
-        if checked_unit(self.unit) is not None and self.spacing is None:
-            raise ValueError(f"unit is {shown(self.unit)} but there is no spacing: give the size of a pixel as well.")
+        if check_unit(self.unit) is not None and self.spacing is None:
+            raise ValueError(f"unit is {quote_value(self.unit)} but there is no spacing: give the size of a pixel as well.")
 
     @property
     def arguments(self) -> JsonDict:
@@ -82,28 +82,28 @@ class Reading:
         }
 
 
-DEFAULT = Reading()
+DEFAULT_READING = Reading()
 """Leaves everything to the reader."""
 
 _DEFAULT_ARGUMENTS = {field.name: field.default for field in dataclasses.fields(Reading)}
 """Default of every argument, by name."""
 
 
-def index_of(what: str, wanted: int | None, count: int, otherwise: int, name: str) -> int:
+def select_index(what: str, wanted: int | None, count: int, default: int, name: str) -> int:
     """Return the index, from 0, of part number `wanted`, or `otherwise` for None; UnreadableError beyond `count`."""
     if wanted is None:
-        return otherwise
+        return default
     if wanted > count:
         one = "1" if count == 1 else f"1 to {count}"
         raise UnreadableError(f"{what} is {wanted}, but {name} has {count} of them: choose {one}.")
     return wanted - 1
 
 
-def series_of(wanted: int | str | None, names: Texts, otherwise: int, file: str) -> int:
+def select_series(wanted: int | str | None, names: Texts, default: int, file: str) -> int:
     """Return the index of a series given by number or name; UnreadableError if there is none."""
     if isinstance(wanted, str):
         if wanted in names:
             return names.index(wanted)
-        known = ", ".join(map(shown, names[:9])) + (", …" if len(names) > 9 else "")
-        raise UnreadableError(f"series is {shown(wanted)}, but {file} has {known}: choose one of these.")
-    return index_of("series", wanted, len(names), otherwise, file)
+        known = ", ".join(map(quote_value, names[:9])) + (", …" if len(names) > 9 else "")
+        raise UnreadableError(f"series is {quote_value(wanted)}, but {file} has {known}: choose one of these.")
+    return select_index("series", wanted, len(names), default, file)

@@ -11,14 +11,14 @@ from typing import Literal, overload
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.images.decoded import Decoded, check_size
-from cpm_core.formats.images.reading import Reading, index_of
+from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count
+from cpm_core.formats.images.reading import Reading, select_index
 from cpm_core.image.colors import Colors
 from cpm_core.image.geometry import Convention, Geometry, Triple, geometry_from_affine
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.types import Array, Extent, Texts, record
-from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.parameters.quotation import format_count, format_repr, quote_value
 
 _GRAY_LEVEL_MEMORY = 16
 """Memory for a voxel besides its stored value while it is read: its gray level and a copy of it [bytes]."""
@@ -26,10 +26,10 @@ _GRAY_LEVEL_MEMORY = 16
 _MAX_SILENT_SLANT = 0.5
 """Largest deviation of axes from right angles without a note [degrees]."""
 
-Position = tuple[Triple, str | None, Geometry | None, Texts]
+VolumePosition = tuple[Triple, str | None, Geometry | None, Texts]
 """Voxel size, its unit and the position of the volume, if the file states them, and notes on them."""
 
-ONLY_THESE = "Only these were taken."
+ONLY_THESE_NOTE = "Only these were taken."
 """Note after the one on the longest even part of a file."""
 
 
@@ -76,30 +76,30 @@ class Stack:
 
     name: str
     shape: tuple[int, int, int]
-    take: Callable[[int, int, int, int], Decoded]
-    each: float = 8.0
+    read_planes: Callable[[int, int, int, int], DecodedImage]
+    bytes_per_voxel: float = 8.0
     times: int = 1
     channels: int = 1
     spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
     unit: str | None = None
     geometry: Geometry | None = None
-    places: tuple[Geometry, ...] = ()
-    stretch: tuple[int, int] | None = None
+    plane_geometries: tuple[Geometry, ...] = ()
+    volume_range: tuple[int, int] | None = None
     notes: Texts = ()
-    of_volume: Texts = ()
-    word: str = "plane"
+    volume_notes: Texts = ()
+    plane_word: str = "plane"
     series: Texts = ()
-    number: int = 0
-    deep: bool = False
+    series_number: int = 0
+    has_plane_spacing: bool = False
     hounsfield: bool | None = None
 
     @property
-    def otherwise(self) -> int:
+    def default_plane(self) -> int:
         """Index of the plane that is read by default: the middle one of a volume."""
-        return self.shape[0] // 2 if self.word == "plane" else 0
+        return self.shape[0] // 2 if self.plane_word == "plane" else 0
 
 
-def plane_of(stack: Stack, reading: Reading) -> Decoded:
+def read_plane(stack: Stack, reading: Reading) -> DecodedImage:
     """Read one plane of a stack; for frames, which are points in time, one of these.
 
     Raises
@@ -108,27 +108,27 @@ def plane_of(stack: Stack, reading: Reading) -> Decoded:
         When there is no such plane, or it is too large.
     """
     planes, rows, columns = stack.shape
-    check_size(stack.name, rows, columns)
+    check_pixel_count(stack.name, rows, columns)
     notes = list(stack.notes)
     frames = planes == 1 and stack.times > 1 and reading.time is None
     count = stack.times if frames else planes
-    page = index_of("page", reading.page, count, 0 if frames else stack.otherwise, stack.name)
+    page = select_index("page", reading.page, count, 0 if frames else stack.default_plane, stack.name)
     if count > 1 and reading.page is None:
         notes.append(
-            f"It is a volume, of which {stack.word} {page + 1} of {count} was taken."
-            if stack.otherwise and not frames
-            else f"Only the first of its {count} {stack.word}s was taken."
+            f"It is a volume, of which {stack.plane_word} {page + 1} of {count} was taken."
+            if stack.default_plane and not frames
+            else f"Only the first of its {count} {stack.plane_word}s was taken."
         )
-    time, plane = (page, 0) if frames else (_chosen(stack, "time", reading.time, stack.times, notes), page)
-    channel = _chosen(stack, "channel", reading.channel, stack.channels, notes)
-    found = _first_plane(stack.take(time, channel, plane, plane + 1))
-    place = stack.places[plane] if stack.places else None
+    time, plane = (page, 0) if frames else (_select_part(stack, "time", reading.time, stack.times, notes), page)
+    channel = _select_part(stack, "channel", reading.channel, stack.channels, notes)
+    found = _select_first_plane(stack.read_planes(time, channel, plane, plane + 1))
+    place = stack.plane_geometries[plane] if stack.plane_geometries else None
     if place is None and stack.geometry is not None:
         place = replace(stack.geometry.starting_at((plane, 0, 0), stack.spacing), depth=stack.spacing[0])
-    return _of_stack(found, stack, place, notes)
+    return _add_metadata(found, stack, place, notes)
 
 
-def volume_of(stack: Stack, reading: Reading) -> Decoded:
+def read_volume(stack: Stack, reading: Reading) -> DecodedImage:
     """Read all planes of a stack at one time and in one channel; frames become planes.
 
     Raises
@@ -136,14 +136,14 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
     ValueError
         When they are too few for a volume, or do not fit into memory.
     """
-    notes = [*stack.notes, *stack.of_volume]
-    first, end = stack.stretch or (0, stack.shape[0])
+    notes = [*stack.notes, *stack.volume_notes]
+    first, end = stack.volume_range or (0, stack.shape[0])
     frames = stack.shape[0] == 1 and stack.times > 1
     count = stack.times if frames else end - first
     rows, columns = stack.shape[1:]
-    if count < MINIMUM_SIDE and stack.stretch is not None:
+    if count < MINIMUM_SIDE and stack.volume_range is not None:
         raise UnreadableError(
-            f"{stack.name}: {' '.join(stack.of_volume)} A volume needs at least {MINIMUM_SIDE} planes: resample them "
+            f"{stack.name}: {' '.join(stack.volume_notes)} A volume needs at least {MINIMUM_SIDE} planes: resample them "
             "evenly with the program that made them, or take one as an image."
         )
     if count == 1:
@@ -151,15 +151,15 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
             f"{stack.name} has the shape {(rows, columns)}, but a volume has three, (planes, rows, columns): use an "
             "image with --circle instead, or save one volume of it."
         )
-    if stack.stretch is not None:
-        notes.append(ONLY_THESE)
-    check_memory((count, rows, columns), stack.each + _GRAY_LEVEL_MEMORY, stack.name)
-    channel = _chosen(stack, "channel", reading.channel, stack.channels, notes)
+    if stack.volume_range is not None:
+        notes.append(ONLY_THESE_NOTE)
+    check_memory((count, rows, columns), stack.bytes_per_voxel + _GRAY_LEVEL_MEMORY, stack.name)
+    channel = _select_part(stack, "channel", reading.channel, stack.channels, notes)
     if frames:
-        notes.append(f"Its {count} {stack.word}s, which are points in time, were taken as planes.")
-        found = joined([_first_plane(stack.take(time, channel, 0, 1)) for time in range(count)])
+        notes.append(f"Its {count} {stack.plane_word}s, which are points in time, were taken as planes.")
+        found = stack_planes([_select_first_plane(stack.read_planes(time, channel, 0, 1)) for time in range(count)])
     else:
-        found = stack.take(_chosen(stack, "time", reading.time, stack.times, notes), channel, first, end)
+        found = stack.read_planes(_select_part(stack, "time", reading.time, stack.times, notes), channel, first, end)
     geometry = stack.geometry
     if geometry is not None and first:
         geometry = geometry.starting_at((first, 0, 0), stack.spacing)
@@ -167,10 +167,10 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
         notes.append(
             f"Its axes are {geometry.slant:.1f}° off right angles; lengths were taken as if they were at right angles."
         )
-    return _of_stack(found, stack, geometry, notes)
+    return _add_metadata(found, stack, geometry, notes)
 
 
-def _of_stack(found: Decoded, stack: Stack, place: Geometry | None, notes: list[str]) -> Decoded:
+def _add_metadata(found: DecodedImage, stack: Stack, place: Geometry | None, notes: list[str]) -> DecodedImage:
     """Add what the file states to the pixels that were read; notes on planes are merged."""
     said, spacing = dict.fromkeys(found.notes), stack.spacing[-found.values.ndim :]
     return replace(
@@ -178,13 +178,13 @@ def _of_stack(found: Decoded, stack: Stack, place: Geometry | None, notes: list[
     )
 
 
-def joined(planes: Sequence[Decoded]) -> Decoded:
+def stack_planes(planes: Sequence[DecodedImage]) -> DecodedImage:
     """Stack images of shape (1, H, W) or (H, W) as planes; gray ones among colored ones get gray colors."""
     values = planes[0].values[np.newaxis] if len(planes) == 1 else np.stack([plane.values for plane in planes])
     notes = tuple(dict.fromkeys(note for plane in planes for note in plane.notes))
     white = next((plane.colors.white for plane in planes if plane.colors is not None), None)
     if white is None:
-        return Decoded(values, notes=notes)
+        return DecodedImage(values, notes=notes)
     colors = [
         np.repeat(np.clip(np.rint(255.0 / white * plane.values[..., None]), 0, 255).astype(np.uint8), 3, axis=-1)
         if plane.colors is None
@@ -192,16 +192,16 @@ def joined(planes: Sequence[Decoded]) -> Decoded:
         for plane in planes
     ]
     samples = colors[0][np.newaxis] if len(colors) == 1 else np.stack(colors)
-    return Decoded(values, notes=notes, colors=Colors(samples, white))
+    return DecodedImage(values, notes=notes, colors=Colors(samples, white))
 
 
-def _first_plane(found: Decoded) -> Decoded:
+def _select_first_plane(found: DecodedImage) -> DecodedImage:
     """Select the first plane of a volume."""
     colors = found.colors and replace(found.colors, samples=found.colors.samples[0])
     return replace(found, values=found.values[0], colors=colors)
 
 
-def position_of(affine: Array, convention: Convention, sides: Sequence[float], unit: str) -> Position:
+def position_from_affine(affine: Array, convention: Convention, sides: Sequence[float], unit: str) -> VolumePosition:
     """Return the position of a volume by the affine matrix of a file.
 
     Parameters
@@ -236,27 +236,27 @@ def check_memory(shape: Extent, each: float, name: str) -> None:
         raise UnreadableError(str(error)) from None
 
 
-def file_beside(header: Path, named: str) -> Path:
+def find_data_file(header: Path, named: str) -> Path:
     """Find the data file that a header names; UnreadableError unless it is a single file in the same folder."""
     place = Path(named)
     data = header.parent / place
     if "\0" in named or place.is_absolute() or ".." in place.parts or not data.is_file():
         raise UnreadableError(
-            f"{header.name} keeps its values in {shown(place.name)}, which is not one file beside it: put both in one "
+            f"{header.name} keeps its values in {quote_value(place.name)}, which is not one file beside it: put both in one "
             "folder, or save it as one file."
         )
     return data
 
 
-def _chosen(stack: Stack, what: str, wanted: int | None, count: int, notes: list[str]) -> int:
+def _select_part(stack: Stack, what: str, wanted: int | None, count: int, notes: list[str]) -> int:
     """Return the index of a channel or a point in time, by default the first, which is noted."""
     if wanted is None and count > 1:
         words = "points in time" if what == "time" else "channels"
         notes.append(f"Only the first of its {count} {words} was taken.")
-    return index_of(what, wanted, count, 0, stack.name)
+    return select_index(what, wanted, count, 0, stack.name)
 
 
-Axis = Literal["z", "t", "c"]
+PageAxis = Literal["z", "t", "c"]
 """Planes, points in time, channels."""
 
 
@@ -284,10 +284,10 @@ class Pages(Sequence[Image]):
 
     name: str
     length: int
-    read: Callable[[int], Image]
-    word: str = "page"
-    axis: Axis = "z"
-    alone: bool = True
+    read_page: Callable[[int], Image]
+    page_word: str = "page"
+    axis: PageAxis = "z"
+    has_single_axis: bool = True
     sha256: str = ""
 
     def __len__(self) -> int:
@@ -303,8 +303,8 @@ class Pages(Sequence[Image]):
         """Read a page by its index from 0; the pages of a slice are read on demand."""
         places = range(self.length)[index]
         if isinstance(places, range):
-            return replace(self, length=len(places), read=lambda number: self.read(places[number - 1] + 1))
-        return self.read(places + 1)
+            return replace(self, length=len(places), read_page=lambda number: self.read_page(places[number - 1] + 1))
+        return self.read_page(places + 1)
 
     def __repr__(self) -> str:
-        return described("Pages", self.name, counted(len(self), self.word))
+        return format_repr("Pages", self.name, format_count(len(self), self.page_word))

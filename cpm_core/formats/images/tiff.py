@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import Decoded, check_size, from_samples, upright
-from cpm_core.formats.images.reading import Reading, series_of
-from cpm_core.formats.images.stack import Stack, joined
+from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count, decode_samples, rotate_upright
+from cpm_core.formats.images.reading import Reading, select_series
+from cpm_core.formats.images.stack import Stack, stack_planes
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA_VALUE
 from cpm_core.numerics.types import Index, Numbers
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
-READS = {".tif": "TIFF image or stack", ".tiff": "TIFF image or stack"}
+FILE_KINDS = {".tif": "TIFF image or stack", ".tiff": "TIFF image or stack"}
 
 _TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 """First bytes of TIFF and BigTIFF of either byte order."""
@@ -63,12 +63,12 @@ _PIXEL_AXES = "YXS"
 """Axes within a page: rows, columns, samples."""
 
 
-def reads(head: bytes, _path: Path) -> bool:
+def can_read(head: bytes, _path: Path) -> bool:
     """Return whether a file begins like a TIFF."""
     return head.startswith(_TIFF_MAGIC)
 
 
-def stack(path: Path, reading: Reading) -> Stack:
+def open_image_file(path: Path, reading: Reading) -> Stack:
     """Open a stack: a series of pages of the same size.
 
     Raises
@@ -79,28 +79,28 @@ def stack(path: Path, reading: Reading) -> Stack:
     """
     import tifffile  # only here, because it takes long to import
 
-    name = printable(path.name)
+    name = make_printable(path.name)
     with tifffile.TiffFile(path) as file:
-        all_series = _series(file)
+        all_series = _list_series(file)
         names = tuple(str(one.name) for one in all_series)
-        number = series_of(reading.series, names, 0, name)
+        number = select_series(reading.series, names, 0, name)
         series = all_series[number]
         if series.dtype is None or min(series.shape) < 1:
             raise ValueError("it has no pixels")
-        check_size(name, int(series.keyframe.imagelength), int(series.keyframe.imagewidth))
-        pages = _pages_of(series, name)
+        check_pixel_count(name, int(series.keyframe.imagelength), int(series.keyframe.imagewidth))
+        pages = _index_pages(series, name)
         keyframe = series.keyframe
-        depth, (row, col), unit = _voxel(file, keyframe, number)
+        depth, (row, col), unit = _read_voxel_size(file, keyframe, number)
         size = dict(zip(series.axes, series.shape, strict=True))
         sides = (int(size["Y"]), int(size["X"]))
-        if _orientation(keyframe) in range(5, 9):  # rows become columns
+        if _page_orientation(keyframe) in range(5, 9):  # rows become columns
             sides, (row, col) = sides[::-1], (col, row)
     notes = () if reading.series or len(names) == 1 else (f"Only the first of its {len(names)} series was taken.",)
     untold = ("The distance of its planes is not given; that of its rows was taken.",)
 
-    def read_planes(time: int, channel: int, first: int, end: int) -> Decoded:
+    def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
         with tifffile.TiffFile(path) as file:
-            return _taken(_series(file)[number], pages[time, channel, first:end], name)
+            return _decode_pages(_list_series(file)[number], pages[time, channel, first:end], name)
 
     return Stack(
         name,
@@ -112,22 +112,22 @@ def stack(path: Path, reading: Reading) -> Stack:
         (depth or row, row, col),
         unit,
         notes=notes,
-        of_volume=() if depth or unit is None else untold,
-        word="page",
+        volume_notes=() if depth or unit is None else untold,
+        plane_word="page",
         series=names,
-        number=number,
-        deep=depth is not None,
+        series_number=number,
+        has_plane_spacing=depth is not None,
     )
 
 
-def _series(file: tifffile.TiffFile) -> list[tifffile.TiffPageSeries]:
+def _list_series(file: tifffile.TiffFile) -> list[tifffile.TiffPageSeries]:
     """List the series of a file; its pages are counted first, since those of a damaged file may form a loop."""
     if not len(file.pages):
         raise ValueError("it has no pages")
     return list(file.series)
 
 
-def _pages_of(series: tifffile.TiffPageSeries, name: str) -> Index:
+def _index_pages(series: tifffile.TiffPageSeries, name: str) -> Index:
     """Return the page index by (time, channel, plane), shape (T, C, P); other axes count as planes, or as times."""
     if not {"Y", "X"} <= set(series.axes):
         raise UnreadableError(f"{name} has the axes {series.axes}: save one volume or plane of it.")
@@ -147,7 +147,7 @@ def _pages_of(series: tifffile.TiffPageSeries, name: str) -> Index:
     return numbers.reshape([size.get(axis, 1) for axis in "TCZ"])
 
 
-def _taken(series: tifffile.TiffPageSeries, numbers: Index, name: str) -> Decoded:
+def _decode_pages(series: tifffile.TiffPageSeries, numbers: Index, name: str) -> DecodedImage:
     """Decode pages of a series: one by one, or by their offset if one directory stands for all."""
     import tifffile
 
@@ -157,21 +157,21 @@ def _taken(series: tifffile.TiffPageSeries, numbers: Index, name: str) -> Decode
         raise UnreadableError(f"{name} keeps pages in other files that are missing: put them beside it.")
     complete = [page for page in whole if isinstance(page, tifffile.TiffPage)]
     if whole and keyframe.imagedepth == 1 and len(complete) == len(whole):
-        return joined([_decoded(page, _raw(page, name), name) for page in complete])
+        return stack_planes([_decode_page(page, _read_stored_pixels(page, name), name) for page in complete])
     axes = "".join(axis for axis in series.axes if axis in _PIXEL_AXES)
     every = series.asarray(maxworkers=1).reshape(-1, *(series.shape[series.axes.index(axis)] for axis in axes))
-    return joined([_decoded(keyframe, plane, name) for plane in every[numbers]])
+    return stack_planes([_decode_page(keyframe, plane, name) for plane in every[numbers]])
 
 
-def _raw(page: tifffile.TiffPage, name: str) -> Numbers:
+def _read_stored_pixels(page: tifffile.TiffPage, name: str) -> Numbers:
     """Read pixels as stored, shape (H, W) or (H, W, C), checking their number before memory is allocated."""
-    check_size(name, int(page.imagelength), int(page.imagewidth))
+    check_pixel_count(name, int(page.imagelength), int(page.imagewidth))
     if page.bitspersample == 24:  # tifffile gets their order wrong
-        raise _uncommon(page, name)
+        raise _uncommon_kind_error(page, name)
     return np.asarray(page.asarray(maxworkers=1))
 
 
-def _decoded(page: tifffile.TiffPage, raw: Numbers, name: str) -> Decoded:
+def _decode_page(page: tifffile.TiffPage, raw: Numbers, name: str) -> DecodedImage:
     """Decode the samples of a page to upright gray levels."""
     if page.axes == "SYX":
         raw = np.moveaxis(raw, 0, -1)
@@ -187,33 +187,33 @@ def _decoded(page: tifffile.TiffPage, raw: Numbers, name: str) -> Decoded:
         samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
     elif colors == _PHOTOMETRIC_INKS:
         if page.tags.valueof("InkSet", default=1) != 1 or samples.shape[-1] < 4:
-            raise _uncommon(page, name)
-        white = _white(bits, samples)
+            raise _uncommon_kind_error(page, name)
+        white = _white_level(bits, samples)
         light = (white - samples[..., :3]) * (1.0 - samples[..., 3:4] / white)
         samples = np.concatenate([light.astype(samples.dtype), samples[..., 4:]], axis=-1)
     elif colors not in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO, _PHOTOMETRIC_RGB) and not (
         colors == _PHOTOMETRIC_YCBCR and page.compression == _JPEG_COMPRESSION  # unpacked to red, green and blue
     ):
-        raise _uncommon(page, name)
-    white = _white(bits, samples)
+        raise _uncommon_kind_error(page, name)
+    white = _white_level(bits, samples)
     count = 1 if colors in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO) else 3
     extra = samples[..., count:]
     has_alpha = extra.shape[-1] > 0 and bool(page.extrasamples) and int(page.extrasamples[0]) in (1, 2)
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
-    shown, opacity = samples[..., :count], extra[..., 0] / _white(bits, extra[..., 0]) if has_alpha else None
+    shown, opacity = samples[..., :count], extra[..., 0] / _white_level(bits, extra[..., 0]) if has_alpha else None
     if colors == _PHOTOMETRIC_WHITE_IS_ZERO:
         shown = white - shown
         notes.append("It counts from white to black and was inverted.")
     if opacity is not None and int(page.extrasamples[0]) == _PREMULTIPLIED_ALPHA:
         share = opacity[..., np.newaxis]
         shown = np.divide(shown, share, out=np.zeros(shown.shape), where=share > 0.0)
-    found = from_samples(shown, opacity, tuple(notes), white)
+    found = decode_samples(shown, opacity, tuple(notes), white)
     given = stored[..., : 1 if colors == _PHOTOMETRIC_PALETTE else count]
-    return upright(replace(found, values=_without_no_data(page, found.values, given)), _orientation(page))
+    return rotate_upright(replace(found, values=_mask_no_data(page, found.values, given)), _page_orientation(page))
 
 
-def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
+def _uncommon_kind_error(page: tifffile.TiffPage, name: str) -> UnreadableError:
     """Return the error for a page with an unsupported type of numbers or colors."""
     kind = getattr(page.photometric, "name", page.photometric)
     return UnreadableError(
@@ -222,7 +222,7 @@ def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
     )
 
 
-def _without_no_data(page: tifffile.TiffPage, gray: Numbers, stored: Numbers) -> Numbers:
+def _mask_no_data(page: tifffile.TiffPage, gray: Numbers, stored: Numbers) -> Numbers:
     """Set pixels whose samples all equal the no-data value of geographic programs to `NO_DATA`."""
     try:
         absent_value = float(page.tags.valueof("GDAL_NODATA"))
@@ -232,18 +232,18 @@ def _without_no_data(page: tifffile.TiffPage, gray: Numbers, stored: Numbers) ->
     return np.where(absent, np.float64(NO_DATA_VALUE), gray) if absent.any() else gray
 
 
-def _white(bits: object, samples: Numbers) -> float:
+def _white_level(bits: object, samples: Numbers) -> float:
     """Return the level of white, also for pixels with fewer bits than their type."""
     return 2.0**bits - 1.0 if isinstance(bits, int) and samples.dtype.kind == "u" else full_scale(samples)
 
 
-def _orientation(page: tifffile.TiffPage) -> int:
+def _page_orientation(page: tifffile.TiffPage) -> int:
     """Return the orientation tag of a page."""
     found = page.tags.valueof("Orientation", default=1)
     return found if isinstance(found, int) else 1
 
 
-def _voxel(
+def _read_voxel_size(
     file: tifffile.TiffFile, page: tifffile.TiffPage, series: int
 ) -> tuple[float | None, tuple[float, float], str | None]:
     """Read the distance of planes, if stated, the pixel size on the specimen, and the unit of both.
@@ -262,12 +262,12 @@ def _voxel(
         units = 3 * [str(hyperstack.get("unit"))]
         if "unit" not in hyperstack:
             columns, rows = page.get_resolution(_PER_METER_UNIT)
-            return None, *resolution.from_density(rows, columns)
-    pixel, unit = resolution.from_sizes(float(sizes[1]), float(sizes[2]), units[1] if units[1] == units[2] else "")
+            return None, *resolution.spacing_from_density(rows, columns)
+    pixel, unit = resolution.spacing_from_sizes(float(sizes[1]), float(sizes[2]), units[1] if units[1] == units[2] else "")
     try:
-        (depth, _), named = resolution.from_sizes(abs(float(sizes[0])), 1.0, units[0])
+        (depth, _), named = resolution.spacing_from_sizes(abs(float(sizes[0])), 1.0, units[0])
     except (TypeError, ValueError):
         named = None
     if named is None or unit is None:
         return None, pixel, unit
-    return depth * resolution.factor(named, unit), pixel, unit
+    return depth * resolution.conversion_factor(named, unit), pixel, unit

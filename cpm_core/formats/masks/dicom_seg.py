@@ -12,14 +12,14 @@ import skimage
 
 from cpm_core.contours.contour import Label
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.content import UnreadableError, missing
-from cpm_core.formats.common.printable import label_of
+from cpm_core.formats.common.content import UnreadableError, missing_package_message
+from cpm_core.formats.common.printable import build_label
 from cpm_core.formats.common.provenance import VERSION
-from cpm_core.formats.images.decoded import Decoded
-from cpm_core.formats.images.dicom import decoded, frames_in, is_dicom
-from cpm_core.formats.images.dicom_series import Frame
-from cpm_core.formats.masks.labels import labels_of, named_labels
-from cpm_core.formats.masks.nifti import placed
+from cpm_core.formats.images.decoded import DecodedImage
+from cpm_core.formats.images.dicom import decode_frames, read_frames, is_dicom
+from cpm_core.formats.images.dicom_series import DicomFrame
+from cpm_core.formats.masks.labels import paint_labels, find_named_labels
+from cpm_core.formats.masks.nifti import locate_mask
 from cpm_core.image.geometry import Geometry
 
 _SEGMENTATION_CLASS = "1.2.840.10008.5.1.4.1.1.66.4"
@@ -44,7 +44,7 @@ _LAB_RANGE = np.array([[0.0, -128.0, -128.0], [100.0, 127.0, 127.0]])
 """Colors of 0 and 65535 in the color of a segment: CIELab with white point D65, as DCMTK writes it."""
 
 
-def encode(result: Result, image: Path | None = None) -> bytes:
+def encode_dicom_seg(result: Result, image: Path | None = None) -> bytes:
     """Encode the objects of a result as a segmentation of the series in a file or folder, one named segment each.
 
     Segments are numbered from 1 without gaps, as highdicom requires. ValueError without highdicom, when there is
@@ -53,14 +53,14 @@ def encode(result: Result, image: Path | None = None) -> bytes:
     try:
         import highdicom
     except ImportError as error:
-        raise ValueError(missing("DICOM SEG", "highdicom", "highdicom")) from error
+        raise ValueError(missing_package_message("DICOM SEG", "highdicom", "highdicom")) from error
     import pydicom
     from pydicom.sr.coding import Code
 
-    mask = labels_of(result)
+    mask = paint_labels(result)
     numbers = np.unique(mask)[1:].tolist()
-    names = {label.number: label for label in named_labels(result)}
-    frames = _source(result, image)
+    names = {label.number: label for label in find_named_labels(result)}
+    frames = _find_source_frames(result, image)
     sources = [pydicom.dcmread(path, stop_before_pixels=True) for path in dict.fromkeys(frame.path for frame in frames)]
     order = np.argsort([frame.index for frame in frames], kind="stable")
     algorithm = highdicom.AlgorithmIdentificationSequence("CPM", Code(*_EDGE_DETECTION_CODE), VERSION)
@@ -103,9 +103,9 @@ def encode(result: Result, image: Path | None = None) -> bytes:
     return stream.getvalue()
 
 
-def _source(result: Result, image: Path | None) -> list[Frame]:
+def _find_source_frames(result: Result, image: Path | None) -> list[DicomFrame]:
     """Find the images of the series that a result lies in, one per plane; ValueError if there is none."""
-    affine, unit, _ = placed(result, "LPS")
+    affine, unit, _ = locate_mask(result, "LPS")
     refused = ValueError(
         f"{result.source} is no DICOM series with positions, but a segmentation refers to one: choose .nii.gz or .nrrd."
     )
@@ -114,11 +114,11 @@ def _source(result: Result, image: Path | None) -> list[Frame]:
     planes = np.arange(result.shape[0])
     wanted = affine[:3, 3] + planes[:, None] * affine[:3, 2]
     along = affine[:3, :2] / np.linalg.norm(affine[:3, :2], axis=0)
-    series: dict[str, list[Frame]] = {}
-    for frame in sorted(frames_in(image)[0], key=lambda frame: frame.number):
-        if frame.shape != result.shape[1:] or frame.origin is None or frame.along is None:
+    series: dict[str, list[DicomFrame]] = {}
+    for frame in sorted(read_frames(image)[0], key=lambda frame: frame.sort_key):
+        if frame.shape != result.shape[1:] or frame.origin is None or frame.directions is None:
             continue
-        if np.abs(frame.along.T - along).max() < _MAX_SLICE_OFFSET:
+        if np.abs(frame.directions.T - along).max() < _MAX_SLICE_OFFSET:
             series.setdefault(frame.series, []).append(frame)
     found = []
     for frames in series.values():
@@ -127,12 +127,12 @@ def _source(result: Result, image: Path | None) -> list[Frame]:
             found.append([frames[index] for index in away.argmin(axis=1)])
     middle = len(planes) // 2
     for frames in found:  # several may share a position, such as those before and after a contrast agent
-        if len(found) == 1 or np.array_equal(decoded("", frames[middle:][:1]).values[0], result.image.values[middle]):
+        if len(found) == 1 or np.array_equal(decode_frames("", frames[middle:][:1]).values[0], result.image.values[middle]):
             return frames
     raise refused
 
 
-def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
+def read_dicom_seg(path: Path) -> list[tuple[Label, list[DecodedImage]]]:
     """Read the segments of a file, each with the images in which it has pixels, as masks with their position.
 
     Empty for files of another kind.
@@ -143,30 +143,30 @@ def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
     kind = dataset.get("SOPClassUID")
     if kind not in (_SEGMENTATION_CLASS, _LABELMAP_CLASS):
         return []
-    frames, _ = frames_in(path)
+    frames, _ = read_frames(path)
     pixels = dataset.pixel_array.reshape((-1, *frames[0].shape))
     if dataset.get("SegmentationType") == "FRACTIONAL":
         pixels = 2 * pixels.astype(float) >= float(dataset.MaximumFractionalValue)
-    found: dict[int, tuple[Label, list[Decoded]]] = {}
+    found: dict[int, tuple[Label, list[DecodedImage]]] = {}
     for segment in dataset.SegmentSequence:
-        color = _color(segment.get("RecommendedDisplayCIELabValue"))
-        label = label_of(int(segment.SegmentNumber), str(segment.get("SegmentLabel", "")), color)
+        color = _decode_color(segment.get("RecommendedDisplayCIELabValue"))
+        label = build_label(int(segment.SegmentNumber), str(segment.get("SegmentLabel", "")), color)
         found[label.number] = label, []
     for frame, values, own in zip(frames, pixels, dataset.PerFrameFunctionalGroupsSequence, strict=True):
-        if frame.origin is None or frame.along is None or frame.spacing is None:
+        if frame.origin is None or frame.directions is None or frame.spacing is None:
             raise UnreadableError(f"{path.name} does not state where its segments lie: save it again.")
         masks = {number: values == number for number in np.unique(values[values > 0]).tolist()}
         if kind == _SEGMENTATION_CLASS:
             group = own if "SegmentIdentificationSequence" in own else dataset.SharedFunctionalGroupsSequence[0]
             masks = {int(group.SegmentIdentificationSequence[0].ReferencedSegmentNumber): values > 0}
-        axes = (np.cross(*frame.along), frame.along[1], frame.along[0])
+        axes = (np.cross(*frame.directions), frame.directions[1], frame.directions[0])
         geometry = Geometry(frame.origin, axes, "LPS")  # type: ignore[arg-type]
         for number, mask in masks.items():
-            found[number][1].append(Decoded(mask[np.newaxis], (1.0, *frame.spacing), "mm", geometry=geometry))
+            found[number][1].append(DecodedImage(mask[np.newaxis], (1.0, *frame.spacing), "mm", geometry=geometry))
     return list(found.values())
 
 
-def _color(stored: Any) -> bytes:
+def _decode_color(stored: Any) -> bytes:
     """Decode red, green and blue of a segment; empty without a color."""
     if stored is None or len(stored) != 3:
         return b""

@@ -16,8 +16,8 @@ from cpm_core.contours.contour import Contours, Label, assign_numbers
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import MAX_UINT16_LABELS, label_type
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.printable import printable
-from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
+from cpm_core.formats.common.printable import make_printable
+from cpm_core.formats.common.provenance import PROGRAM_NAME, Outcome, flatten_provenance, describe_provenance, dump_provenance
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, Extent, Pixels
@@ -32,7 +32,7 @@ _BRIGHTNESS_STEP = 0.4142135624
 """Step of brightness from one label to the next: the silver ratio."""
 
 
-def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsignedinteger]:
+def paint_labels(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsignedinteger]:
     """Paint the insides of the closed contours of a result, or the branches of a skeleton.
 
     Parameters
@@ -57,7 +57,7 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
         if not result.surface.closed:
             raise ValueError(f"{result.source} has no closed surface, so nothing is inside: write the surface itself.")
         return result.labels.astype(label_type(int(result.labels.max())))
-    count = _count(result, outlines)
+    count = _largest_label(result, outlines)
     if isinstance(result, Skeleton):
         return paint_lines(result.contours, range(1, count + 1), result.shape)
     if outlines:
@@ -65,7 +65,7 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
     return result.labels.astype(label_type(len(result.contours)))
 
 
-def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...]:
+def find_named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...]:
     """Return the labels that `labels_of` paints, each with a color; empty if none has a name or a color."""
     if isinstance(result, Result) and result.surface is not None:
         labels = result.surface.labels
@@ -75,9 +75,9 @@ def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...
         labels = tuple({number: Label(number, one.name, one.color) for number, one in known if number}.values())
     if not any(label.name or label.color for label in labels):
         return ()
-    colors = palette(max(label.number for label in labels))
+    colors = label_palette(max(label.number for label in labels))
     return tuple(
-        Label(one.number, printable(one.name), one.color or f"#{bytes(colors[one.number]).hex()}") for one in labels
+        Label(one.number, make_printable(one.name), one.color or f"#{bytes(colors[one.number]).hex()}") for one in labels
     )
 
 
@@ -94,67 +94,67 @@ def paint_lines(contours: Contours, labels: Sequence[int], shape: Extent) -> NDA
     return mask
 
 
-def encode_png(result: Outcome, *, outlines: bool = False) -> bytes:
+def encode_label_png(result: Outcome, *, outlines: bool = False) -> bytes:
     """Encode the labels as PNG: 8 bits with a color table up to label 255, else 16 bits in gray.
 
     Each label is the index of its color, so that viewers show labels in different colors, and programs that read the
     indices, such as Pillow, get the labels. Provenance is a text chunk. ValueError when there is nothing to paint, or
     more than 65535 labels.
     """
-    count = _count(result, outlines)
+    count = _largest_label(result, outlines)
     if count > MAX_UINT16_LABELS:
         raise ValueError(
             f"{result.source} has {count} labels, but a PNG mask can hold at most {MAX_UINT16_LABELS}: export to TIFF, or "
             "raise min_length, min_strength or pruning."
         )
     stream = io.BytesIO()
-    pixels = labels_of(result, outlines=outlines).astype(np.uint8 if count <= 255 else np.uint16)
+    pixels = paint_labels(result, outlines=outlines).astype(np.uint8 if count <= 255 else np.uint16)
     picture = PIL.Image.fromarray(pixels)
     if count <= 255:
-        picture.putpalette(palette(count).tobytes())
+        picture.putpalette(label_palette(count).tobytes())
     texts = PIL.PngImagePlugin.PngInfo()
-    texts.add_text("Software", PROGRAM)
-    texts.add_text("Description", text_of(facts_of(result)))
+    texts.add_text("Software", PROGRAM_NAME)
+    texts.add_text("Description", dump_provenance(describe_provenance(result)))
     picture.save(stream, format="PNG", pnginfo=texts)
     return stream.getvalue()
 
 
-def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
+def encode_label_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
     """Encode the labels as uncompressed gray TIFF of 16 bits with the entries of ImageJ, which give it the pixel size.
 
     It has 32 bits for more than 65535 labels; ImageJ would interpret them as real numbers, so its entries are left out.
     Provenance is the info of ImageJ (Image > Show Info), or with 32 bits the description. ValueError when there is
     nothing to paint.
     """
-    facts = facts_of(result)
-    mask = labels_of(result, outlines=outlines)
+    facts = describe_provenance(result)
+    mask = paint_labels(result, outlines=outlines)
     entries: JsonDict = {}
     height, width = result.spacing[-2:]
     if result.unit:
         entries["resolution"] = (1.0 / width, 1.0 / height)
     if mask.dtype == np.uint16:
-        entries |= {"imagej": True, "metadata": entries_for_imagej(result, "ZYX"[-mask.ndim :])}
+        entries |= {"imagej": True, "metadata": build_imagej_metadata(result, "ZYX"[-mask.ndim :])}
         if mask.ndim == 3:
             entries["metadata"]["spacing"] = result.spacing[0]
     else:
-        entries |= {"metadata": None, "description": text_of(facts)}
-        if factor := resolution.factor(result.unit, "cm"):
+        entries |= {"metadata": None, "description": dump_provenance(facts)}
+        if factor := resolution.conversion_factor(result.unit, "cm"):
             entries["resolution"] = (1.0 / (factor * width), 1.0 / (factor * height))
             entries["resolutionunit"] = "CENTIMETER"
     stream = io.BytesIO()
     import tifffile  # only here, because it takes long to import
 
-    tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM, **entries)
+    tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM_NAME, **entries)
     return stream.getvalue()
 
 
-def entries_for_imagej(result: Outcome, axes: str) -> JsonDict:
+def build_imagej_metadata(result: Outcome, axes: str) -> JsonDict:
     """Build the entries that ImageJ reads from a TIFF: axes, unit of the resolution, and provenance."""
-    info = "".join(f"{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
-    return {"axes": axes, "unit": resolution.in_ascii(result.unit, "pixel"), "Info": info}
+    info = "".join(f"{name}: {value}\n" for name, value in flatten_provenance(describe_provenance(result)).items())
+    return {"axes": axes, "unit": resolution.ascii_unit(result.unit, "pixel"), "Info": info}
 
 
-def palette(count: int) -> Pixels:
+def label_palette(count: int) -> Pixels:
     """Return the colors of labels up to `count`, uint8 of shape (count + 1, 3): black for 0, then bright distinct ones.
 
     No two have the same luminance, so that labels differ in programs that turn colors into gray.
@@ -176,7 +176,7 @@ def palette(count: int) -> Pixels:
     return np.array(colors, np.uint8)
 
 
-def _count(result: Outcome, outlines: bool = False) -> int:
+def _largest_label(result: Outcome, outlines: bool = False) -> int:
     """Return the largest label; ValueError without labels."""
     if isinstance(result, Skeleton):
         count = len(result.contours)

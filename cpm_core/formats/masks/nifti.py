@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import gzip
 
-from cpm_core.formats.common.provenance import PROGRAM, Outcome, facts_of, text_of
-from cpm_core.formats.masks.labels import labels_of
+from cpm_core.formats.common.provenance import PROGRAM_NAME, Outcome, describe_provenance, dump_provenance
+from cpm_core.formats.masks.labels import paint_labels
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.numerics.types import Array
 
@@ -25,7 +25,7 @@ _MAX_SLANT = 0.05
 """Largest deviation of axes from right angles that a rotation can represent [degrees]."""
 
 
-def encode(result: Outcome, *, outlines: bool = False) -> bytes:
+def encode_nifti(result: Outcome, *, outlines: bool = False) -> bytes:
     """Encode the label mask of a result or a skeleton as NIfTI-1, columns first: one slice, or a volume.
 
     Its voxels coincide with those of the image. If the position of that is unknown, columns run to the patient's left,
@@ -35,19 +35,19 @@ def encode(result: Outcome, *, outlines: bool = False) -> bytes:
     """
     import nibabel
 
-    mask = labels_of(result, outlines=outlines)
-    affine, unit, slant = placed(result, "RAS")
+    mask = paint_labels(result, outlines=outlines)
+    affine, unit, slant = locate_mask(result, "RAS")
     image = nibabel.Nifti1Image(mask.reshape((1, *mask.shape)[-3:]).transpose(), affine)
     image.set_sform(affine, _SCANNER_CODE)
     image.set_qform(affine, _SCANNER_CODE if slant < _MAX_SLANT else 0)
     image.header.set_xyzt_units(unit)
-    image.header["descrip"] = f"label mask, {PROGRAM}"
-    comment = nibabel.nifti1.Nifti1Extension("comment", text_of(facts_of(result)).encode("ascii"))
+    image.header["descrip"] = f"label mask, {PROGRAM_NAME}"
+    comment = nibabel.nifti1.Nifti1Extension("comment", dump_provenance(describe_provenance(result)).encode("ascii"))
     image.header.extensions.append(comment)
     return bytes(image.to_bytes())
 
 
-def placed(result: Outcome, space: Convention) -> tuple[Array, str, float]:
+def locate_mask(result: Outcome, space: Convention) -> tuple[Array, str, float]:
     """Locate the mask of a result in space, columns first.
 
     Returns
@@ -65,6 +65,6 @@ def placed(result: Outcome, space: Convention) -> tuple[Array, str, float]:
     return affine[:, [2, 1, 0, 3]], unit, geometry.slant
 
 
-def encode_packed(result: Outcome, *, outlines: bool = False) -> bytes:
+def encode_nifti_gz(result: Outcome, *, outlines: bool = False) -> bytes:
     """Encode and compress; the same result always gives the same bytes."""
-    return gzip.compress(encode(result, outlines=outlines), 6, mtime=0)
+    return gzip.compress(encode_nifti(result, outlines=outlines), 6, mtime=0)

@@ -14,27 +14,27 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Label
-from cpm_core.formats.common.content import content_of
-from cpm_core.formats.common.printable import label_of
-from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
-from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.common.content import read_content
+from cpm_core.formats.common.printable import build_label
+from cpm_core.formats.common.provenance import Outcome, describe_provenance, dump_provenance
+from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import volume_of
-from cpm_core.formats.masks.labels import labels_of, named_labels
-from cpm_core.formats.masks.nifti import placed
+from cpm_core.formats.images.stack import read_volume
+from cpm_core.formats.masks.labels import paint_labels, find_named_labels
+from cpm_core.formats.masks.nifti import locate_mask
 from cpm_core.numerics.types import Array
 
 
-def encode(result: Outcome, *, outlines: bool = False) -> bytes:
+def encode_nrrd(result: Outcome, *, outlines: bool = False) -> bytes:
     """Encode the label mask of a result or a skeleton as compressed NRRD, columns first: one slice, or a volume.
 
     Its position is that of the image, as for NIfTI; see `nifti.placed`. Provenance is a key of the header. Labels with
     names or colors are segments of Slicer. The same result always gives the same bytes. ValueError when there is
     nothing to paint.
     """
-    mask = labels_of(result, outlines=outlines)
-    affine, unit, _ = placed(result, "LPS")
+    mask = paint_labels(result, outlines=outlines)
+    affine, unit, _ = locate_mask(result, "LPS")
     head = {
         "type": mask.dtype.name,
         "dimension": "3",
@@ -42,25 +42,25 @@ def encode(result: Outcome, *, outlines: bool = False) -> bytes:
         "encoding": "gzip",
         "endian": "little",
         "space": "left-posterior-superior",
-        "space directions": " ".join(map(_vector, affine[:3, :3].T)),
-        "space origin": _vector(affine[:3, 3]),
+        "space directions": " ".join(map(_format_vector, affine[:3, :3].T)),
+        "space origin": _format_vector(affine[:3, 3]),
         "kinds": "domain domain domain",
     }
     if unit != "unknown":
         head["space units"] = " ".join([f'"{unit}"'] * 3)
-    keys = {**_segments(mask, named_labels(result, outlines=outlines)), "cpm": text_of(facts_of(result))}
+    keys = {**_describe_segments(mask, find_named_labels(result, outlines=outlines)), "cpm": dump_provenance(describe_provenance(result))}
     lines = ["NRRD0004", *(f"{name}: {value}" for name, value in head.items())]
     lines += [*(f"{name}:={value}" for name, value in keys.items()), ""]
     content = gzip.compress(mask.astype(mask.dtype.newbyteorder("<")).tobytes(), 6, mtime=0)
     return "\n".join([*lines, ""]).encode() + content
 
 
-def _vector(values: Array) -> str:
+def _format_vector(values: Array) -> str:
     """Format a vector of shape (3,)."""
     return f"({','.join(map(repr, values.tolist()))})"
 
 
-def _segments(mask: NDArray[np.unsignedinteger], labels: Sequence[Label]) -> dict[str, str]:
+def _describe_segments(mask: NDArray[np.unsignedinteger], labels: Sequence[Label]) -> dict[str, str]:
     """Describe the segments of a mask, shape (H, W) or (P, H, W), in entries of Slicer; extents begin with columns."""
     if not labels:
         return {}
@@ -102,9 +102,9 @@ _SEGMENT_ENTRY = re.compile(r"Segment(\d+)_(\w+):=(.*)")
 """Entry of a segment: its index, key and value."""
 
 
-def segments_of(path: Path) -> tuple[Segment, ...]:
+def read_segments(path: Path) -> tuple[Segment, ...]:
     """Read the segments that the header of a file names; empty for other files."""
-    content = content_of(path, part=_MAX_SEGMENT_HEADER) if path.is_file() else b""
+    content = read_content(path, head_size=_MAX_SEGMENT_HEADER) if path.is_file() else b""
     if not content.startswith(b"NRRD"):
         return ()
     head = content.replace(b"\r\n", b"\n").partition(b"\n\n")[0]
@@ -118,19 +118,19 @@ def segments_of(path: Path) -> tuple[Segment, ...]:
         value, layer = (int(known.get(name, usual)) for name, usual in (("LabelValue", 1), ("Layer", index)))
         parts = [round(255 * min(max(float(part), 0.0), 1.0)) for part in known.get("Color", "").split()]
         name = known.get("Name", "").replace("\\\\", "\\")
-        found.append(Segment(label_of(value, name, bytes(parts if len(parts) == 3 else ())), value, layer))
+        found.append(Segment(build_label(value, name, bytes(parts if len(parts) == 3 else ())), value, layer))
     return tuple(found)
 
 
-def overlapping(path: Path, segments: Sequence[Segment]) -> Iterator[tuple[Label, list[Decoded]]] | None:
+def read_overlapping_segments(path: Path, segments: Sequence[Segment]) -> Iterator[tuple[Label, list[DecodedImage]]] | None:
     """Read segments in several volumes with their masks, numbered in order; None if there is only one volume."""
     if len({one.layer for one in segments}) < 2:
         return None
     stack = open_stack(path)
 
-    def iterate_masks() -> Iterator[tuple[Label, list[Decoded]]]:
+    def iterate_masks() -> Iterator[tuple[Label, list[DecodedImage]]]:
         for number, one in enumerate(segments, start=1):
-            layer = volume_of(stack, Reading(channel=one.layer + 1))
+            layer = read_volume(stack, Reading(channel=one.layer + 1))
             yield replace(one.label, number=number), [replace(layer, values=layer.values == one.value)]
 
     return iterate_masks()

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import PROGRAM, Outcome, facts_of, text_of
-from cpm_core.formats.images.resolution import factor, in_ascii, known_unit
+from cpm_core.formats.common.provenance import PROGRAM_NAME, Outcome, describe_provenance, dump_provenance
+from cpm_core.formats.images.resolution import conversion_factor, ascii_unit, find_unit
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Sides, Single, Texts, frozen
-from cpm_core.parameters import DEFAULTS
+from cpm_core.parameters import DEFAULT_VALUES
 
 _POSITION_TOLERANCE = 1e-3
 """Largest rounding error of a position in a file [smallest side of a voxel]."""
@@ -33,7 +33,7 @@ _UNIT_PATTERN = re.compile(r"\bUNIT\s*[=:]\s*([^\s;]+)")
 """Statement of a file on its unit."""
 
 
-class Mesh(NamedTuple):
+class ExportMesh(NamedTuple):
     """A surface in the coordinates of files.
 
     Attributes
@@ -64,41 +64,41 @@ class Mesh(NamedTuple):
     decimals: int
 
 
-def mesh_of(result: Outcome, space: Convention = "LPS") -> Mesh:
+def build_mesh(result: Outcome, space: Convention = "LPS") -> ExportMesh:
     """Build the mesh of a result in LPS or RAS; ValueError when it has no surface."""
     surface = result.surface if isinstance(result, Result) else None
     if surface is None or not len(surface.faces):
         raise ValueError(f"{result.source} has no surface: only runs on volumes find one.")
-    facts = facts_of(result)
-    notes = PROGRAM, f"SPACE={space}", f"UNIT={in_ascii(surface.unit, 'voxel')}", text_of(facts)
+    facts = describe_provenance(result)
+    notes = PROGRAM_NAME, f"SPACE={space}", f"UNIT={ascii_unit(surface.unit, 'voxel')}", dump_provenance(facts)
     image, parameters = facts["image"], facts.get("parameters", {})
     known = {"IMAGE": image.get("sha256", image.get("array_sha256", "")), "METHOD": facts.get("method", "")}
-    known |= {name: value for name, value in parameters.items() if DEFAULTS.get(name) != value}
+    known |= {name: value for name, value in parameters.items() if DEFAULT_VALUES.get(name) != value}
     title = [*notes[:3], *(f"{name}={value}" for name, value in known.items() if value != "")]
     matrix = (result.geometry or Geometry()).affine(surface.spacing, space)[:3, :3]
     # the inverse transpose keeps normals perpendicular under shear; a mirrored volume reverses the orientation of faces
     turned = (surface.normals * surface.spacing) @ np.linalg.inv(matrix)
     lengths = np.linalg.norm(turned, axis=1, keepdims=True)
     faces = surface.faces if np.linalg.det(matrix) > 0.0 else surface.faces[:, ::-1]
-    points = positions(surface.vertices, surface.spacing, result.geometry, space)
+    points = to_file_coordinates(surface.vertices, surface.spacing, result.geometry, space)
     coarse = np.abs(points).max() * np.finfo(np.float32).eps > _POSITION_TOLERANCE * min(surface.spacing)
-    return Mesh(
+    return ExportMesh(
         points if coarse else points.astype(np.float32),
         (turned / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32),
         faces.astype(np.int32),
         notes,
         " ".join(title),
         None if surface.numbers is None else surface.numbers.astype(np.int32),
-        decimals_for(surface.spacing),
+        count_decimals(surface.spacing),
     )
 
 
-def decimals_for(spacing: Sides) -> int:
+def count_decimals(spacing: Sides) -> int:
     """Return the number of decimals that place a vertex to less than a thousandth of a voxel."""
     return max(0, math.ceil(-math.log10(_POSITION_TOLERANCE * min(spacing))))
 
 
-def positions(places: Array, spacing: Sides, geometry: Geometry | None, space: Convention = "LPS") -> Array:
+def to_file_coordinates(places: Array, spacing: Sides, geometry: Geometry | None, space: Convention = "LPS") -> Array:
     """Convert positions in voxels to the coordinates of files.
 
     Parameters
@@ -122,7 +122,7 @@ def positions(places: Array, spacing: Sides, geometry: Geometry | None, space: C
 
 
 @frozen
-class Place:
+class VoxelTransform:
     """Transformation between positions of a file and voxels.
 
     Attributes
@@ -143,7 +143,7 @@ class Place:
     scale: float
 
     @property
-    def mirrored(self) -> bool:
+    def is_mirrored(self) -> bool:
         """Whether a triangle that is counterclockwise in the file is clockwise in voxels."""
         return bool(np.linalg.det(self.matrix[:3, :3]) < 0.0)
 
@@ -152,7 +152,7 @@ class Place:
         return np.asarray(np.linalg.solve(self.matrix[:3, :3], (positions - self.matrix[:3, 3]).T).T)
 
 
-def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[Place, Texts]:
+def find_voxel_transform(head: str, image: Image | None, space: Convention | None) -> tuple[VoxelTransform, Texts]:
     """Find the transformation from positions of a file to voxels, and list what was assumed.
 
     `head` is the beginning of the file; `space` overrides its statement on LPS and RAS. Without a volume, voxel sides
@@ -165,7 +165,7 @@ def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[
         else:
             notes.append("It does not state where x, y and z point: LPS is taken; the other choice is RAS.")
     named = _UNIT_PATTERN.search(head)
-    unit = known_unit(named[1]) if named else None
+    unit = find_unit(named[1]) if named else None
     spacing: Sides = (1.0, 1.0, 1.0)
     geometry, own = Geometry(), unit
     if image is not None:
@@ -174,11 +174,11 @@ def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[
                 f"{image.source} is no volume, but surfaces and center lines lie in volumes: open a volume."
             )
         spacing, geometry, own = image.spacing, image.geometry or geometry, image.unit
-    length = known_unit(own) if own else None
+    length = find_unit(own) if own else None
     scale = 1.0
     if unit is not None and length is not None:
-        scale = factor(unit, length)
+        scale = conversion_factor(unit, length)
     elif image is not None and length is not None:
         notes.append(f"It does not state its unit of length: {own}, that of the volume, is taken.")
     matrix = geometry.scaled(1.0 / scale).affine(tuple(side / scale for side in spacing), space or "LPS")
-    return Place(spacing, own, matrix, scale), tuple(notes)
+    return VoxelTransform(spacing, own, matrix, scale), tuple(notes)

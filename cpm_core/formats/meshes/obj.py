@@ -6,14 +6,14 @@ import io
 
 import numpy as np
 
-from cpm_core.formats.meshes.coordinates import Mesh
-from cpm_core.formats.meshes.triangles import Triangles, split
+from cpm_core.formats.meshes.coordinates import ExportMesh
+from cpm_core.formats.meshes.triangles import ParsedTriangles, triangulate_polygons
 
 _GROUP_PREFIX = "object_"
 """Prefix of the names of groups that are objects; their number follows."""
 
 
-def encode(mesh: Mesh) -> bytes:
+def encode_obj(mesh: ExportMesh) -> bytes:
     """Encode a surface with its normals as OBJ."""
     stream = io.BytesIO()
     stream.write("".join(f"# {note}\n" for note in mesh.notes).encode())
@@ -28,7 +28,7 @@ def encode(mesh: Mesh) -> bytes:
     return stream.getvalue()
 
 
-def read(content: bytes) -> Triangles:
+def read_obj(content: bytes) -> ParsedTriangles:
     """Read the triangles of a file, skipping lines and points; UnreadableError when it has none."""
     points: list[list[str]] = []
     counts: list[int] = []
@@ -46,6 +46,6 @@ def read(content: bytes) -> Triangles:
             case ["g", *words]:
                 name = " ".join(words)
                 number = int(name[len(_GROUP_PREFIX) :]) if name.startswith(_GROUP_PREFIX) else 0
-    faces, polygon = split(counts, corners)
+    faces, polygon = triangulate_polygons(counts, corners)
     objects = np.array(numbers, np.int64)[polygon] if min(numbers) > 0 else None
-    return Triangles(np.array(points, float).reshape(-1, 3), faces, objects)
+    return ParsedTriangles(np.array(points, float).reshape(-1, 3), faces, objects)

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.formats.meshes.coordinates import Mesh
-from cpm_core.formats.meshes.triangles import KINDS, Triangles, split
+from cpm_core.formats.meshes.coordinates import ExportMesh
+from cpm_core.formats.meshes.triangles import NUMBER_KINDS, ParsedTriangles, triangulate_polygons
 from cpm_core.numerics.types import JsonDict, Texts
 
 _OBJECT_PROPERTY = "object"
@@ -18,16 +18,16 @@ _BYTE_ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": 
 """Format of a file -> byte order of NumPy."""
 
 
-def encode(mesh: Mesh) -> bytes:
+def encode_ply(mesh: ExportMesh) -> bytes:
     """Encode a surface with its normals as binary PLY."""
     precise = mesh.points.dtype == np.float64
-    head = header(mesh.notes, len(mesh.points), len(mesh.faces), "nx ny nz", precise, mesh.numbers is not None)
+    head = format_ply_header(mesh.notes, len(mesh.points), len(mesh.faces), "nx ny nz", precise, mesh.numbers is not None)
     vertices = np.empty(len(mesh.points), [("place", "<f8" if precise else "<f4", 3), ("normal", "<f4", 3)])
     vertices["place"], vertices["normal"] = mesh.points, mesh.normals
-    return head + vertices.tobytes() + triangles(mesh.faces, mesh.numbers)
+    return head + vertices.tobytes() + encode_ply_triangles(mesh.faces, mesh.numbers)
 
 
-def header(
+def format_ply_header(
     notes: Texts, vertices: int, faces: int, normals: str = "", precise: bool = False, numbered: bool = False
 ) -> bytes:
     """Format the header of a file with these numbers of vertices and triangles, and these properties of normals."""
@@ -43,7 +43,7 @@ def header(
     ).encode()
 
 
-def triangles(corners: NDArray[Any], numbers: NDArray[Any] | None) -> bytes:
+def encode_ply_triangles(corners: NDArray[Any], numbers: NDArray[Any] | None) -> bytes:
     """Encode triangles.
 
     Parameters
@@ -74,7 +74,7 @@ class _Property(NamedTuple):
     counts: str = ""
 
 
-def read(content: bytes) -> Triangles:
+def read_ply(content: bytes) -> ParsedTriangles:
     """Read the triangles of a text or binary file; UnreadableError when it has none."""
     head, _, body = content.partition(b"end_header")
     body = body.partition(b"\n")[2]
@@ -88,25 +88,25 @@ def read(content: bytes) -> Triangles:
             case ["element", element, count]:
                 rows[element], properties[element] = int(count), []
             case ["property", "list", counts, kind, name]:
-                properties[element].append(_Property(name, order + KINDS[kind], order + KINDS[counts]))
+                properties[element].append(_Property(name, order + NUMBER_KINDS[kind], order + NUMBER_KINDS[counts]))
             case ["property", kind, name]:
-                properties[element].append(_Property(name, order + KINDS[kind]))
+                properties[element].append(_Property(name, order + NUMBER_KINDS[kind]))
     if form == "ascii":  # converted to a binary file of double precision
         body = np.array(body.split(), float).astype("<f8").tobytes()
         for element, known in properties.items():
             properties[element] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
     columns: dict[str, JsonDict] = {}
     for element, known in properties.items():
-        columns[element], body = _element(body, rows[element], known)
+        columns[element], body = _read_element(body, rows[element], known)
     vertices, polygons = columns["vertex"], columns["face"]
     corners = polygons["vertex_indices"] if "vertex_indices" in polygons else polygons["vertex_index"]
     points = np.stack([vertices[axis] for axis in "xyz"], axis=1).astype(float)
-    faces, polygon = split(*corners)
+    faces, polygon = triangulate_polygons(*corners)
     numbers = np.asarray(polygons[_OBJECT_PROPERTY], np.int64)[polygon] if _OBJECT_PROPERTY in polygons else None
-    return Triangles(points, faces, numbers)
+    return ParsedTriangles(points, faces, numbers)
 
 
-def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[JsonDict, bytes]:
+def _read_element(body: bytes, count: int, properties: list[_Property]) -> tuple[JsonDict, bytes]:
     """Read the columns of an element by property, for a list its lengths and all entries; return the rest as well."""
     fields: list[Any] = []
     for one in properties:

@@ -8,8 +8,8 @@ import struct
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.meshes.coordinates import Mesh
-from cpm_core.formats.meshes.triangles import Triangles
+from cpm_core.formats.meshes.coordinates import ExportMesh
+from cpm_core.formats.meshes.triangles import ParsedTriangles
 
 _HEADER_SIZE = 80
 """Size of the header of a binary file [bytes]."""
@@ -21,7 +21,7 @@ _VERTEX_LINE = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 """Line of a corner in a text file."""
 
 
-def encode(mesh: Mesh) -> bytes:
+def encode_stl(mesh: ExportMesh) -> bytes:
     """Encode a surface as binary STL.
 
     The header holds program, coordinates, unit and the beginning of the hash of the image.
@@ -35,7 +35,7 @@ def encode(mesh: Mesh) -> bytes:
     return header + struct.pack("<I", len(triangles)) + triangles.tobytes()
 
 
-def read(content: bytes) -> Triangles:
+def read_stl(content: bytes) -> ParsedTriangles:
     """Read the triangles of a text or binary file; UnreadableError when it has none."""
     count = int.from_bytes(content[_HEADER_SIZE : _HEADER_SIZE + 4], "little")
     if count and len(content) >= _HEADER_SIZE + 4 + count * _TRIANGLE_TYPE.itemsize:
@@ -53,4 +53,4 @@ def read(content: bytes) -> Triangles:
     number[order] = np.cumsum(first) - 1
     faces = number.reshape(-1, 3)
     flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
-    return Triangles(corners[order[first]], faces[~flat])
+    return ParsedTriangles(corners[order[first]], faces[~flat])

@@ -12,15 +12,15 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from cpm_core.formats.common.content import AnyPath, content_of
-from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
-from cpm_core.formats.images.resolution import in_ascii
-from cpm_core.formats.meshes.coordinates import decimals_for, place_of, positions
+from cpm_core.formats.common.content import AnyPath, read_content
+from cpm_core.formats.common.provenance import PROGRAM_NAME, describe_image_provenance, dump_provenance
+from cpm_core.formats.images.resolution import ascii_unit
+from cpm_core.formats.meshes.coordinates import count_decimals, find_voxel_transform, to_file_coordinates
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import CenterlineBranch, Centerlines, sort_branches_by_length
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 _LOG = logging.getLogger(__name__)
 
@@ -34,7 +34,7 @@ _UNDEFINED_TYPE = 0
 """Type of a point whose structure is unknown."""
 
 
-def encode(lines: Centerlines, space: Convention = "LPS") -> bytes:
+def encode_swc(lines: Centerlines, space: Convention = "LPS") -> bytes:
     """Encode center lines as SWC: a line per point, with x, y, z and radius in the unit of the spacing, and parent.
 
     The coordinates are those of surfaces, in a volume with the geometry of the lines. SWC holds only trees: a loop is
@@ -55,7 +55,7 @@ def encode(lines: Centerlines, space: Convention = "LPS") -> bytes:
                 continue
             done.add(k)
             branch = lines.branches[k]
-            places = positions(branch.points, lines.spacing, lines.geometry, space)
+            places = to_file_coordinates(branch.points, lines.spacing, lines.geometry, space)
             points, (begin, end) = list(zip(places.tolist(), branch.radii.tolist(), strict=True)), branch.nodes
             if begin not in number and end in number:
                 points, begin, end = points[::-1], end, begin
@@ -66,9 +66,9 @@ def encode(lines: Centerlines, space: Convention = "LPS") -> bytes:
                 number.setdefault(begin, parent)
             number.setdefault(end, parent)
             waiting.extend((*at_node[begin], *at_node[end]))
-    facts = text_of(facts_on(lines.source, lines.provenance))
-    head = (PROGRAM, f"SPACE={space}", f"UNIT={in_ascii(lines.unit, 'voxel')}", facts, "id type x y z radius parent")
-    form = f"{{}} {_UNDEFINED_TYPE}" + 4 * f" {{:.{decimals_for(lines.spacing)}f}}" + " {}\n"
+    facts = dump_provenance(describe_image_provenance(lines.source, lines.provenance))
+    head = (PROGRAM_NAME, f"SPACE={space}", f"UNIT={ascii_unit(lines.unit, 'voxel')}", facts, "id type x y z radius parent")
+    form = f"{{}} {_UNDEFINED_TYPE}" + 4 * f" {{:.{count_decimals(lines.spacing)}f}}" + " {}\n"
     text = "".join(form.format(*row) for row in rows)
     return ("".join(f"# {line}\n" for line in head) + text).encode()
 
@@ -115,10 +115,10 @@ def load_centerlines(
     <Centerlines rod.swc, 1 branch, 27.9 voxels>
     """
     file = Path(path)
-    text = content_of(file).decode("utf-8-sig", "replace")
-    rows = _rows(text, file.name)
+    text = read_content(file).decode("utf-8-sig", "replace")
+    rows = _parse_rows(text, file.name)
     remarks = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
-    place, notes = place_of(remarks, image, space)
+    place, notes = find_voxel_transform(remarks, image, space)
     points, radii = place.to_voxels(rows[:, 2:5]), rows[:, 5] * place.scale
     index = {number: k for k, number in enumerate(rows[:, 0].tolist())}
     parents = rows[:, 6].tolist()
@@ -137,7 +137,7 @@ def load_centerlines(
         others = [other for other in near.query_ball_point(physical[k], reach) if other != k and same[other] == other]
         if others:
             same[k] = min(others)
-    branches = _branches(points, radii, [(int(same[a]), int(same[b])) for a, b in links if same[a] != same[b]])
+    branches = _trace_branches(points, radii, [(int(same[a]), int(same[b])) for a, b in links if same[a] != same[b]])
     if not branches:
         raise ValueError(f"{file.name} holds single points and no lines: choose a file with lines.")
     for note in notes:
@@ -146,7 +146,7 @@ def load_centerlines(
     return sort_branches_by_length(Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry))
 
 
-def _rows(text: str, name: str) -> Array:
+def _parse_rows(text: str, name: str) -> Array:
     """Parse the numbers of all points, shape (N, 7); ValueError for a line with fewer."""
     try:
         with warnings.catch_warnings():
@@ -155,14 +155,14 @@ def _rows(text: str, name: str) -> Array:
     except (ValueError, OverflowError) as error:
         raise ValueError(
             f"{name} has a line that is not seven numbers (number, kind, x, y, z, radius, parent), "
-            f"{shown(str(error))}: write it again."
+            f"{quote_value(str(error))}: write it again."
         ) from error
     if not len(rows) or not np.isfinite(rows).all():
         raise ValueError(f"{name} holds no center lines: choose a file of SWC.")
     return np.asarray(rows)
 
 
-def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[CenterlineBranch]:
+def _trace_branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[CenterlineBranch]:
     """Trace the chains of links between points where other than two meet; rings begin at any point."""
     neighbors: dict[int, list[int]] = {}
     for a, b in links:

@@ -11,7 +11,7 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.numerics.polyline import repeat_indices
 from cpm_core.numerics.types import Array, Index
 
-KINDS = {
+NUMBER_KINDS = {
     **{"char": "i1", "short": "i2", "int": "i4", "long": "i8", "vtktypeint64": "i8", "vtkidtype": "i8"},
     **{"uchar": "u1", "ushort": "u2", "uint": "u4", "float": "f4", "double": "f8"},
     **{"unsigned_char": "u1", "unsigned_short": "u2", "unsigned_int": "u4", "unsigned_long": "u8"},
@@ -21,7 +21,7 @@ KINDS = {
 """Names of number types in PLY and VTK -> types of NumPy."""
 
 
-class Triangles(NamedTuple):
+class ParsedTriangles(NamedTuple):
     """Triangles in the coordinates of a file.
 
     Attributes
@@ -39,7 +39,7 @@ class Triangles(NamedTuple):
     numbers: Index | None = None
 
 
-def split(counts: ArrayLike, corners: ArrayLike) -> tuple[Index, Index]:
+def triangulate_polygons(counts: ArrayLike, corners: ArrayLike) -> tuple[Index, Index]:
     """Split polygons into triangles around their first corner.
 
     Parameters

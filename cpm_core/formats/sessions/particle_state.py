@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cpm_core.field.volume_field import pitch_of
-from cpm_core.formats.common.plain import array_from_plain, array_to_plain, mapping, number, text
+from cpm_core.formats.common.plain import array_from_json, array_to_json, expect_mapping, expect_number, expect_text
 from cpm_core.image.pyramid import shape_at_scale
 from cpm_core.model.coverage import COVERAGE_CELL, NEVER_COVERED, Coverage, SurfaceCoverage, no_coverage
 from cpm_core.model.plane.repulsion import NO_MESH, MESH_PITCH, mesh_corner, mesh_shape, softening_coefficients
@@ -28,7 +28,7 @@ _MAX_STATE_NUMBER = 2**40
 """Largest magnitude of such a value."""
 
 
-def state_to_plain(state: State) -> JsonDict:
+def state_to_json(state: State) -> JsonDict:
     """Convert a state to JSON; values that are not finite become null."""
     known = {name: kind(getattr(state, name)) for name, kind in _SCALAR_FIELDS.items()}
     plain = {name: None if isinstance(one, float) and not math.isfinite(one) else one for name, one in known.items()}
@@ -45,23 +45,23 @@ def state_to_plain(state: State) -> JsonDict:
         arrays["window"] = np.array([(side.start, side.stop) for side in state.window])
     if mesh is not None and space is None:
         far = math.isfinite(mesh.reach)
-        plain["mesh"] = {"reach": mesh.reach, "force": array_to_plain(mesh.force)} if far else {}
-    return plain | {name: array_to_plain(array) for name, array in arrays.items()}
+        plain["mesh"] = {"reach": mesh.reach, "force": array_to_json(mesh.force)} if far else {}
+    return plain | {name: array_to_json(array) for name, array in arrays.items()}
 
 
-def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides = ()) -> State:
+def state_from_json(plain: object, shape: Extent, scales: int, spacing: Sides = ()) -> State:
     """Build the state of a run on an image of this shape and number of scales; ValueError when it is invalid.
 
     `spacing` is the voxel size of a volume; without it voxels are cubes.
     """
-    given = mapping(plain, "state")
-    values = {name: _scalar(kind, given.get(name), f"{name} of state") for name, kind in _SCALAR_FIELDS.items()}
+    given = expect_mapping(plain, "state")
+    values = {name: _parse_scalar(kind, given.get(name), f"{name} of state") for name, kind in _SCALAR_FIELDS.items()}
     if not values["scale"] < scales:
         raise ValueError(f"scale of state is {values['scale']} but must be from 0 to {scales - 1}.")
     size, axes = shape_at_scale(shape, values["scale"]), len(shape)
 
     def read_array(name: str, dtype: DTypeLike, *sides: int | None) -> Numbers:
-        found = array_from_plain(given.get(name), dtype, sides, f"{name} of state")
+        found = array_from_json(given.get(name), dtype, sides, f"{name} of state")
         if np.isinf(found).any() or (name != "distance" and np.isnan(found).any()):
             raise ValueError(f"{name} of state holds a value that is not a number.")
         return found
@@ -87,7 +87,7 @@ def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides =
         contact = SurfaceContact(
             normal, seated != 0, read_array("strength", float, count), read_array("woken", np.int64, count)
         )
-        cells, side = read_array("covered", np.int64, None), number(given.get("side"), "side of state")
+        cells, side = read_array("covered", np.int64, None), expect_number(given.get("side"), "side of state")
         if not side > 0.0:
             raise ValueError(f"side of state is {side} but must be above 0.")
         particles = replace(particles, contact=contact)
@@ -95,33 +95,33 @@ def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides =
     else:
         found, latest = (read_array(name, np.int32, *coverage.found.shape) for name in ("found", "latest"))
         coverage = Coverage(found, latest, int(np.count_nonzero(found != NEVER_COVERED)))
-        mesh = _mesh(given["mesh"], size) if "mesh" in given else None
+        mesh = _parse_mesh(given["mesh"], size) if "mesh" in given else None
     return State(particles, start, shape, coverage=coverage, mesh=mesh, space=space, window=window, **values)
 
 
-def _scalar(kind: type, plain: object, where: str) -> Any:
+def _parse_scalar(kind: type, plain: object, where: str) -> Any:
     """Parse a single value of a state."""
     if kind is bool:
         return plain is True
     if kind is str:
-        return text(plain, where)
+        return expect_text(plain, where)
     if kind is float and plain is None:
         return math.nan
-    found = number(plain, where, float(_MAX_STATE_NUMBER))
+    found = expect_number(plain, where, float(_MAX_STATE_NUMBER))
     if kind is int and found < 0.0:
         raise ValueError(f"{where} is {found:g} but cannot be less than nothing.")
     return kind(found)
 
 
-def _mesh(plain: object, size: Extent) -> MeshForce:
+def _parse_mesh(plain: object, size: Extent) -> MeshForce:
     """Parse the force on a mesh, whose nodes follow from image size and reach."""
-    given = mapping(plain, "mesh of state")
+    given = expect_mapping(plain, "mesh of state")
     if not given:
         return NO_MESH
-    reach = number(given.get("reach"), "reach of state")
+    reach = expect_number(given.get("reach"), "reach of state")
     if reach < 1.0:
         raise ValueError(f"reach of state is {reach} but must be one pixel or more.")
-    force = array_from_plain(given.get("force"), np.float32, (*mesh_shape(size, reach), 2), "mesh of state")
+    force = array_from_json(given.get("force"), np.float32, (*mesh_shape(size, reach), 2), "mesh of state")
     if not np.isfinite(force).all():
         raise ValueError("mesh of state holds a value that is not a number.")
     return MeshForce(force, mesh_corner(size, reach), MESH_PITCH * reach, reach, softening_coefficients(reach))

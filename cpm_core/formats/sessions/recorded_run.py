@@ -10,16 +10,16 @@ import numpy as np
 
 from cpm_core.field.placed_charges import PlacedCharge, sort_charges
 from cpm_core.formats.common.plain import (
-    from_plain,
-    mapping,
-    parameters_from_plain,
-    regions_from_plain,
-    regions_to_plain,
-    shape_to_plain,
-    to_plain,
+    from_json,
+    expect_mapping,
+    parameters_from_json,
+    regions_from_json,
+    regions_to_json,
+    shape_to_json,
+    to_json,
 )
-from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
-from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
+from cpm_core.formats.sessions.particle_state import state_from_json, state_to_json
+from cpm_core.formats.sessions.session_file import SessionFile, decode_session, encode_session
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
@@ -31,7 +31,7 @@ _ONLY_BRANCH = 1
 
 
 @dataclass
-class Recorder:
+class RunRecorder:
     """Recorder of the last state of a run and of the steps at which its scales begin; called with each state."""
 
     state: State | None = None
@@ -44,14 +44,14 @@ class Recorder:
         self.state = state
 
 
-def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> SessionFile:
+def add_recorded_run(session: SessionFile, recorder: RunRecorder, name: str = "Run 1") -> SessionFile:
     """Add the run made by the shapes and parameters of a session, at its end."""
     state = recorder.state
     if state is None:
         return session
     regions = collect_regions(session.shapes, session.objects.barriers)
-    action: JsonDict = {"step": {}, "charges": [to_plain(charge) for charge in collect_charges(session.shapes)]}
-    action |= regions_to_plain(regions)
+    action: JsonDict = {"step": {}, "charges": [to_json(charge) for charge in collect_charges(session.shapes)]}
+    action |= regions_to_json(regions)
     bare = replace(session, image=None, marks=(), view={}, extra={}, hand_edits=(), runs={}, truth=None)
     branch = {
         "identity": _ONLY_BRANCH,
@@ -63,31 +63,31 @@ def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> S
         "scales": [list(scale) for scale in recorder.scales],
     }
     run = {
-        "document": json.loads(encode(replace(bare, pages={}), Path())),
-        "drawn": [shape_to_plain(start) for start in select_starts(session.shapes)],
+        "document": json.loads(encode_session(replace(bare, pages={}), Path())),
+        "drawn": [shape_to_json(start) for start in select_starts(session.shapes)],
         "actions": [action],
         "branches": [branch],
     }
-    kept = {"branch": _ONLY_BRANCH, "step": state.step, "state": state_to_plain(state)}
+    kept = {"branch": _ONLY_BRANCH, "step": state.step, "state": state_to_json(state)}
     runs = {"here": [_ONLY_BRANCH, state.step], "runs": [run], "states": [kept], "numbers": []}
     return replace(session, runs=runs)
 
 
-def shown_state(session: SessionFile, image: Image) -> tuple[State, Parameters] | None:
+def restore_shown_state(session: SessionFile, image: Image) -> tuple[State, Parameters] | None:
     """Restore the state of a run that the window shows, with its parameters; None if it was not kept."""
     runs = session.runs
     try:
         number, step = runs["here"]
         run, branch = next((run, one) for run in runs["runs"] for one in run["branches"] if one["identity"] == number)
         plain = next(one["state"] for one in runs["states"] if (one["branch"], one["step"]) == (number, step))
-        first = decode(json.dumps(run["document"]).encode(), "the beginning of a run").parameters
+        first = decode_session(json.dumps(run["document"]).encode(), "the beginning of a run").parameters
         begins = np.cumsum([branch["first"], *(count for _, count in branch["steps"])])
         numbers, _ = branch["steps"][np.searchsorted(begins, step, "right") - 1]
         action = run["actions"][numbers[0]]
-        parameters, _ = parameters_from_plain({**to_plain(first), **mapping(action["step"], "action")})
-        charges = tuple(from_plain(PlacedCharge, one, "charge") for one in action.get("charges", []))
-        regions = regions_from_plain(action, "regions")
-        state = state_from_plain(plain, image.shape, first.scales, image.spacing)
+        parameters, _ = parameters_from_json({**to_json(first), **expect_mapping(action["step"], "action")})
+        charges = tuple(from_json(PlacedCharge, one, "charge") for one in action.get("charges", []))
+        regions = regions_from_json(action, "regions")
+        state = state_from_json(plain, image.shape, first.scales, image.spacing)
     except (KeyError, TypeError, ValueError, IndexError, OverflowError, StopIteration):
         return None
     return replace(state, steering=parameters.steering, regions=regions, charges=sort_charges(charges)), parameters

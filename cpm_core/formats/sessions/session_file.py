@@ -16,40 +16,40 @@ from typing import Annotated, Any, TypeVar
 
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
-from cpm_core.formats.common.atomic import check_place, write_together
-from cpm_core.formats.common.content import content_of, fingerprint_if_read
+from cpm_core.formats.common.atomic import check_writable, write_together
+from cpm_core.formats.common.content import read_content, try_fingerprint
 from cpm_core.formats.common.plain import (
-    encoded_json,
-    from_plain,
-    items,
-    mapping,
-    parameters_from_plain,
-    shape_from_plain,
-    shape_to_plain,
-    text,
-    to_plain,
+    encode_json,
+    from_json,
+    expect_list,
+    expect_mapping,
+    parameters_from_json,
+    shape_from_json,
+    shape_to_json,
+    expect_text,
+    to_json,
 )
-from cpm_core.formats.common.provenance import PROGRAM
+from cpm_core.formats.common.provenance import PROGRAM_NAME
 from cpm_core.formats.images.readers import open_stack
-from cpm_core.formats.images.reading import DEFAULT, Reading
+from cpm_core.formats.images.reading import DEFAULT_READING, Reading
 from cpm_core.medial_axis.outlines import SkeletonTarget
 from cpm_core.numerics.types import Callback, JsonDict, Integers, JsonObject, Texts, frozen
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 from cpm_core.shapes import Shape
 from cpm_core.shapes.document_shapes import check_axes
 
 T = TypeVar("T")
 
-MARK = "cpm-session"
+SESSION_MARK = "cpm-session"
 """Key that distinguishes a session file from other JSON."""
 
-VERSION = 1
+SESSION_VERSION = 1
 """Version of the format: value of this entry."""
 
-SUFFIX = ".cpm"
+SESSION_SUFFIX = ".cpm"
 """Suffix of session files."""
 
 _MAX_SESSION_SIZE = 64 * 2**20
@@ -78,7 +78,7 @@ class ImageFile:
     sha256: str = ""
     shape: Annotated[Integers, 0, 2, 3] = ()
     absolute: str = ""
-    reading: Reading = DEFAULT
+    reading: Reading = DEFAULT_READING
 
 
 @frozen
@@ -158,7 +158,7 @@ class SessionFile:
     comparison: Compared = field(default_factory=Compared)
 
 
-_KNOWN_ENTRIES = {MARK, "program", *(one.name for one in fields(SessionFile))} - {"extra", "notes"}
+_KNOWN_ENTRIES = {SESSION_MARK, "program", *(one.name for one in fields(SessionFile))} - {"extra", "notes"}
 """Keys that this version knows; others are kept in `SessionFile.extra`."""
 
 
@@ -179,8 +179,8 @@ def save_session(session: SessionFile, path: Path) -> None:
         When it cannot be written, or could not be read again.
     """
     path = Path(path)
-    check_place(path)
-    content = encode(session, path.parent)
+    check_writable(path)
+    content = encode_session(session, path.parent)
     if len(content) > _MAX_SESSION_SIZE:
         raise ValueError(
             f"{path.name} would take {len(content) >> 20} MB, but at most {_MAX_SESSION_SIZE >> 20} MB can be read "
@@ -189,33 +189,33 @@ def save_session(session: SessionFile, path: Path) -> None:
     write_together([(path, content)])
 
 
-def encode(session: SessionFile, folder: Path) -> bytes:
+def encode_session(session: SessionFile, folder: Path) -> bytes:
     """Encode a session file in a folder; ValueError for shapes that could not be read again."""
     check_axes(session.shapes, session.image.shape if session.image else ())
-    plain: JsonDict = {MARK: VERSION, "program": PROGRAM}
+    plain: JsonDict = {SESSION_MARK: SESSION_VERSION, "program": PROGRAM_NAME}
     if session.image is not None:
-        read = {name: to_plain(given) for name, given in session.image.reading.arguments.items()}
-        plain["image"] = {**to_plain(session.image), **_place_to_plain(session.image.path, folder), "reading": read}
-    plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]
-    plain |= {"parameters": to_plain(session.parameters), "marks": to_plain(session.marks)}
+        read = {name: to_json(given) for name, given in session.image.reading.arguments.items()}
+        plain["image"] = {**to_json(session.image), **_place_to_json(session.image.path, folder), "reading": read}
+    plain["shapes"] = [shape_to_json(shape) for shape in session.shapes]
+    plain |= {"parameters": to_json(session.parameters), "marks": to_json(session.marks)}
     if session.hand_edits:
-        plain["hand_edits"] = to_plain(session.hand_edits)
+        plain["hand_edits"] = to_json(session.hand_edits)
     if session.comparison != Compared():
         plain["comparison"] = {
             "methods": list(session.comparison.methods),
-            "settings": {name: to_plain(chosen) for name, chosen in session.comparison.settings},
+            "settings": {name: to_json(chosen) for name, chosen in session.comparison.settings},
             "around": session.comparison.around,
         }
     plain["mode"] = session.mode
-    plain |= {"objects": to_plain(session.objects), "outlined": to_plain(session.outlined), "view": dict(session.view)}
+    plain |= {"objects": to_json(session.objects), "outlined": to_json(session.outlined), "view": dict(session.view)}
     if session.truth is not None:
-        plain["truth"] = {**to_plain(session.truth), **_place_to_plain(session.truth.path, folder)}
+        plain["truth"] = {**to_json(session.truth), **_place_to_json(session.truth.path, folder)}
     plain.update(session.extra)
     if session.runs:
         plain["runs"] = dict(session.runs)
     if session.pages:
         plain["pages"] = dict(session.pages)
-    return encoded_json(plain)
+    return encode_json(plain)
 
 
 def load_session(path: Path) -> SessionFile:
@@ -237,12 +237,12 @@ def load_session(path: Path) -> SessionFile:
         When there is no such file, or it is not a valid session file; one sentence that says what is wrong.
     """
     path = Path(path)
-    return decode(content_of(path, _MAX_SESSION_SIZE), path.name)
+    return decode_session(read_content(path, _MAX_SESSION_SIZE), path.name)
 
 
-def decode(content: bytes, name: str) -> SessionFile:
+def decode_session(content: bytes, name: str) -> SessionFile:
     """Decode a session file; `name` is its name in messages."""
-    plain = _parsed(content, name)
+    plain = _parse_session(content, name)
     notes: list[str] = []
 
     def read_optional(key: str, words: str, read: Callable[[Any], T], otherwise: T) -> T:
@@ -254,53 +254,53 @@ def decode(content: bytes, name: str) -> SessionFile:
             return otherwise
 
     def read_list(key: str, what: str, read: Callable[[object, str], T]) -> tuple[T, ...]:
-        return tuple(read(one, f"{what} {at}") for at, one in enumerate(items(plain.get(key, []), key), start=1))
+        return tuple(read(one, f"{what} {at}") for at, one in enumerate(expect_list(plain.get(key, []), key), start=1))
 
     try:
-        parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
+        parameters, unknown = parameters_from_json(plain.get("parameters", {}))
         if unknown:
-            notes.append(f"Parameters that are not known here were left out: {shown(', '.join(unknown))}.")
-        image = None if plain.get("image") is None else from_plain(ImageFile, plain["image"], "image")
-        shapes = read_list("shapes", "shape", shape_from_plain)
+            notes.append(f"Parameters that are not known here were left out: {quote_value(', '.join(unknown))}.")
+        image = None if plain.get("image") is None else from_json(ImageFile, plain["image"], "image")
+        shapes = read_list("shapes", "shape", shape_from_json)
         check_axes(shapes, image.shape if image else ())
         return SessionFile(
             image=image,
             shapes=shapes,
             parameters=parameters,
-            marks=read_list("marks", "mark", partial(from_plain, Mark)),
-            mode=text(plain.get("mode", ""), "mode"),
-            objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
-            outlined=from_plain(SkeletonTarget, plain.get("outlined", {}), "outlined"),
-            view=mapping(plain.get("view", {}), "view"),
+            marks=read_list("marks", "mark", partial(from_json, Mark)),
+            mode=expect_text(plain.get("mode", ""), "mode"),
+            objects=from_json(SegmentedObjects, plain.get("objects", {}), "objects"),
+            outlined=from_json(SkeletonTarget, plain.get("outlined", {}), "outlined"),
+            view=expect_mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN_ENTRIES},
-            runs=read_optional("runs", "recorded runs were", partial(mapping, where="runs"), {}),
-            truth=read_optional("truth", "ground truth was", partial(from_plain, TruthFile, where="truth"), None),
-            pages=read_optional("pages", "other pages of the stack were", partial(mapping, where="pages"), {}),
-            comparison=read_optional("comparison", "comparison of methods was", _compared, Compared()),
-            hand_edits=read_list("hand_edits", "edit by hand", partial(from_plain, HandEdit)),
+            runs=read_optional("runs", "recorded runs were", partial(expect_mapping, where="runs"), {}),
+            truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile, where="truth"), None),
+            pages=read_optional("pages", "other pages of the stack were", partial(expect_mapping, where="pages"), {}),
+            comparison=read_optional("comparison", "comparison of methods was", _parse_comparison, Compared()),
+            hand_edits=read_list("hand_edits", "edit by hand", partial(from_json, HandEdit)),
             notes=tuple(notes),
         )
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
 
 
-def _compared(plain: object) -> Compared:
+def _parse_comparison(plain: object) -> Compared:
     """Parse the comparison of methods; ValueError for unknown methods and settings."""
-    given = mapping(plain, "comparison")
-    methods = [text(name, "methods of comparison") for name in items(given.get("methods", []), "methods")]
+    given = expect_mapping(plain, "comparison")
+    methods = [expect_text(name, "methods of comparison") for name in expect_list(given.get("methods", []), "methods")]
     chosen = {}
-    for name, values in mapping(given.get("settings", {}), "settings of comparison").items():
+    for name, values in expect_mapping(given.get("settings", {}), "settings of comparison").items():
         kind = CONTOUR_METHODS[name].settings if name in CONTOUR_METHODS else None
         if kind is None or not issubclass(kind, Settings):
-            raise ValueError(f"its settings of {shown(name)} are not known here.")
-        chosen[name] = from_plain(kind, values, f"settings of {name}")
+            raise ValueError(f"its settings of {quote_value(name)} are not known here.")
+        chosen[name] = from_json(kind, values, f"settings of {name}")
     if unknown := set(methods) - set(CONTOUR_METHODS) - {""}:
-        raise ValueError(f"its method {shown(min(unknown))} is not known here.")
+        raise ValueError(f"its method {quote_value(min(unknown))} is not known here.")
     settings = tuple((name, one) for name, one in chosen.items() if one != type(one)())
     return Compared(tuple(filter(None, methods)), settings, given.get("around") is True)
 
 
-def find_image(image: ImageFile, folder: Path, go_on: Callback = lambda: None) -> tuple[Path, Texts]:
+def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback = lambda: None) -> tuple[Path, Texts]:
     """Find the image of a session.
 
     Parameters
@@ -330,14 +330,14 @@ def find_image(image: ImageFile, folder: Path, go_on: Callback = lambda: None) -
     for candidate in candidates:
         if os.path.isfile(candidate):  # noqa: PTH113 - raises nothing
             found = candidate.resolve()
-            if image.sha256 not in ("", fingerprint_if_read(found, go_on)):
+            if image.sha256 not in ("", try_fingerprint(found, check_cancelled)):
                 return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
 
 
-def _place_to_plain(place: str, folder: Path) -> JsonDict:
+def _place_to_json(place: str, folder: Path) -> JsonDict:
     """Convert a path to JSON: relative to a folder if it is in or below it, and absolute; else as it is."""
     path, folder = Path(place), folder.resolve()
     if path.is_absolute() and path.is_relative_to(folder):
@@ -345,25 +345,25 @@ def _place_to_plain(place: str, folder: Path) -> JsonDict:
     return {"path": place}
 
 
-def _parsed(content: bytes, name: str) -> JsonObject:
+def _parse_session(content: bytes, name: str) -> JsonObject:
     """Parse the JSON of a session file; ValueError when it is damaged, of another kind, or of an unknown version."""
     try:
         plain = json.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         place = f" (line {error.lineno})" if isinstance(error, json.JSONDecodeError) else ""
         raise ValueError(f"{name} is not a session file, or a damaged one{place}: get a sound copy of it.") from error
-    if not isinstance(plain, dict) or MARK not in plain:
-        raise ValueError(f"{name} is not a session file: it has no entry {MARK}.")
-    version = plain[MARK]
-    if version != VERSION or isinstance(version, bool):
+    if not isinstance(plain, dict) or SESSION_MARK not in plain:
+        raise ValueError(f"{name} is not a session file: it has no entry {SESSION_MARK}.")
+    version = plain[SESSION_MARK]
+    if version != SESSION_VERSION or isinstance(version, bool):
         raise ValueError(
-            f"{name} is a session file of version {shown(version)}, but only version {VERSION} is known here: "
+            f"{name} is a session file of version {quote_value(version)}, but only version {SESSION_VERSION} is known here: "
             "get a newer CPM for it."
         )
     return plain
 
 
-def part_for(path: Path, reading: Reading) -> JsonDict:
+def adapt_reading(path: Path, reading: Reading) -> JsonDict:
     """Return the arguments of `load_image` that read another file as a session reads its own.
 
     Page, channel and point in time are selected in a file that holds several. A pixel size set by hand applies if the
@@ -374,7 +374,7 @@ def part_for(path: Path, reading: Reading) -> JsonDict:
     ValueError
         When the file cannot be used, or has no such series.
     """
-    if reading == DEFAULT:
+    if reading == DEFAULT_READING:
         return {}
     stack = open_stack(path, reading.series)
     pages = stack.shape[0] if stack.shape[0] > 1 else stack.times

@@ -14,7 +14,7 @@ from cpm_core.image.image import Image, as_image
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above, field_divergence_centers, uniform_grid
 from cpm_core.numerics.real_numbers import check_finite_number, as_real_array, check_three_numbers, check_voxel_sides
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 _GOLDEN_TURN = np.pi * (1.0 + 5.0**0.5)
 """Turn from one particle on a sphere to the next: no two of them line up."""
@@ -109,7 +109,7 @@ def seeds_on_box(first: Sequence[float], last: Sequence[float], spacing: float =
     low, high = np.sort([check_three_numbers("first", first), check_three_numbers("last", last)], axis=0)
     if not (high > low).all():
         raise ValueError(
-            f"the corners of the box are {shown(first)} and {shown(last)} but must differ along every axis."
+            f"the corners of the box are {quote_value(first)} and {quote_value(last)} but must differ along every axis."
         )
     check_finite_number("spacing", spacing, lambda side: side > 0.0, "above 0")
     counts = np.maximum(1.0, np.round((high - low) / spacing))

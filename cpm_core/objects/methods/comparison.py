@@ -30,7 +30,7 @@ from cpm_core.objects.methods.regions import (
 )
 from cpm_core.objects.methods.snakes import GVF_SNAKE, SNAKE
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.parameters.quotation import format_count, format_repr, quote_value
 
 _ALL_METHODS = (
     PARTICLES,
@@ -101,7 +101,7 @@ class Moment:
     seconds: float
 
     def __repr__(self) -> str:
-        return described("Moment", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
+        return format_repr("Moment", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
 
 
 def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[Moment]:
@@ -117,13 +117,13 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
     (1, True)
     """
     if not isinstance(method, ContourMethod):
-        raise ValueError(f"the method is {shown(method)} but must be one of CONTOUR_METHODS.")
+        raise ValueError(f"the method is {quote_value(method)} but must be one of CONTOUR_METHODS.")
     if not isinstance(start, Start):
-        raise ValueError(f"the start is {shown(start)} but must be a Start: Start((outline,)).")
+        raise ValueError(f"the start is {quote_value(start)} but must be a Start: Start((outline,)).")
     settings = method.defaults if settings is None else settings
     if not isinstance(settings, method.settings):
         raise ValueError(
-            f"the settings are {shown(settings)} but must be {method.settings.__name__}, those of {method.title}."
+            f"the settings are {quote_value(settings)} but must be {method.settings.__name__}, those of {method.title}."
         )
     image = as_image(image)
     if image.ndim == 3:
@@ -208,8 +208,8 @@ class Facts:
 
     def __repr__(self) -> str:
         agreed = "" if self.f is None else f"F {self.f:.3f}"
-        steps, contours = counted(self.steps, "step"), counted(self.contours, "contour")
-        return described("Facts", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
+        steps, contours = format_count(self.steps, "step"), format_count(self.contours, "contour")
+        return format_repr("Facts", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
 
 
 def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
@@ -223,7 +223,7 @@ def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
     1
     """
     if not isinstance(moment, Moment):
-        raise ValueError(f"the moment is {shown(moment)} but must be one of a run: take those of `moments`.")
+        raise ValueError(f"the moment is {quote_value(moment)} but must be one of a run: take those of `moments`.")
     state = moment.state
     closed = sum(contour.closed for contour in state.contours)
     facts = Facts(

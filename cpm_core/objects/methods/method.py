@@ -24,7 +24,7 @@ from cpm_core.numerics.polyline import resample_path
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Arrays, Extent, Mask, frozen, record
 from cpm_core.parameters import ParameterInfo, Parameters
-from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.parameters.quotation import format_count, format_repr, quote_value
 
 SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""
@@ -66,7 +66,7 @@ class Start:
 
     def __post_init__(self) -> None:
         if not isinstance(self.outlines, Iterable):
-            raise ValueError(f"outlines is {shown(self.outlines)} but must be a sequence of outlines.")
+            raise ValueError(f"outlines is {quote_value(self.outlines)} but must be a sequence of outlines.")
         made = tuple(as_real_array(outline) for outline in self.outlines)
         object.__setattr__(self, "outlines", made)
         if not made:
@@ -78,7 +78,7 @@ class Start:
                 )
             if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < _MIN_CORNERS:
                 raise ValueError(
-                    f"An outline of the start has the shape {shown(outline.shape)} but must have three or more corners "
+                    f"An outline of the start has the shape {quote_value(outline.shape)} but must have three or more corners "
                     "(row, col)."
                 )
 
@@ -109,7 +109,7 @@ class Start:
 
     def __repr__(self) -> str:
         where = "around the objects" if self.around else "inside the objects"
-        return described("Start", counted(len(self.outlines), "outline"), where)
+        return format_repr("Start", format_count(len(self.outlines), "outline"), where)
 
 
 Contours = tuple[Contour, ...]
@@ -152,7 +152,7 @@ class Settings:
             real = isinstance(value, int | float) and not isinstance(value, bool)
             if not (real and info.low <= value <= info.high and (not whole or value == int(value))):
                 kind = "a whole number" if whole else "a number"
-                raise ValueError(f"{name} is {shown(value)} but must be {kind} from {info.low:g} to {info.high:g}.")
+                raise ValueError(f"{name} is {quote_value(value)} but must be {kind} from {info.low:g} to {info.high:g}.")
 
     @classmethod
     def table(cls) -> Mapping[str, ParameterInfo]:
@@ -326,7 +326,7 @@ class ContourMethod(Generic[SettingsT]):
         return issubclass(self.settings, Parameters)
 
     def __repr__(self) -> str:
-        return described("ContourMethod", self.name, self.title)
+        return format_repr("ContourMethod", self.name, self.title)
 
 
 AnyMethod = ContourMethod[Any]

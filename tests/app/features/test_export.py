@@ -22,7 +22,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 import cpm_core
-from cpm_core.formats import WRITABLE
+from cpm_core.formats import CONTOURS_WRITABLE
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
@@ -173,7 +173,7 @@ def test_files_are_replaced_only_where_the_user_agrees(two, hand, monkeypatch) -
 
 
 def test_every_format_is_offered() -> None:
-    assert {*formats("objects"), *formats("contours")} == set(WRITABLE) - {".tiff", ".nii", ".roi"}
+    assert {*formats("objects"), *formats("contours")} == set(CONTOURS_WRITABLE) - {".tiff", ".nii", ".roi"}
     for what in ("objects", "contours"):
         names = [file_name("a", what, suffix, False) for suffix in formats(what)]
         assert len(set(names)) == len(names)

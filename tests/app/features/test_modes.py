@@ -13,7 +13,7 @@ from cpm_app.model.document.saving import restored, to_file
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolButton
 
-from cpm_core.formats import FOR_SKELETONS, encoded
+from cpm_core.formats import SKELETONS_WRITABLE, to_bytes
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle
@@ -67,11 +67,11 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path,
     assert layer.disks.count >= 1
     dialog = asked(hand.qtbot, window)
     kinds = {suffix for what, _, suffix in (key.partition(":") for key in offered(dialog)) if what == "skeleton"}
-    assert kinds == set(FOR_SKELETONS)
+    assert kinds == set(SKELETONS_WRITABLE)
     check(hand.qtbot, dialog, "skeleton:.csv")
     (path,) = order(hand.qtbot, window, dialog, tmp_path)
     assert path.name.endswith("_skeleton.vertices.csv")
-    assert path.read_bytes() == encoded(first, ".csv")
+    assert path.read_bytes() == to_bytes(first, ".csv")
     window.activateWindow()
     hand.wait(window.isActiveWindow)
     hand.canvas.setFocus()

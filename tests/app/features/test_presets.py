@@ -82,7 +82,7 @@ def test_a_preset_is_saved_found_and_deleted_and_damaged_files_are_ignored(store
     assert called(PresetStore(store.folder), OWN.name) == OWN
     assert len(PresetStore(store.folder).presets) == len(PLANE_PRESETS) + 1
     store.delete(OWN.name)
-    assert [preset.own for preset in store.presets] == [False] * len(PLANE_PRESETS)
+    assert [preset.is_own for preset in store.presets] == [False] * len(PLANE_PRESETS)
 
 
 # In the window

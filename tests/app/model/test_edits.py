@@ -85,7 +85,7 @@ def test_the_ratio_sets_w1_and_survives_a_change_of_w2(ratio: float, w2: float) 
 def test_every_control_shows_its_default_and_takes_both_ends_of_its_slider(control) -> None:
     assert value_of(Parameters(), control.name) == pytest.approx(control.default)
     assert control.meaning.endswith(".")
-    assert control.more.endswith(".")
+    assert control.effect_of_larger.endswith(".")
     for value in (control.slider_low, control.slider_high):
         changed = edits.set_parameter(Document(), control.name, value)
         assert value_of(changed.parameters, control.name) == pytest.approx(value)

@@ -9,8 +9,8 @@ from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.saving import changed_parts
 
 from cpm_core.contours.contour import Contour
-from cpm_core.formats import encoded
-from cpm_core.formats.masks.labels import labels_of
+from cpm_core.formats import to_bytes
+from cpm_core.formats.masks.labels import paint_labels
 from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.objects.selection import Selection
 from cpm_core.shapes import Polygon
@@ -110,7 +110,7 @@ def test_the_start_from_an_object_is_its_outer_boundary(document) -> None:
 
 def test_exported_labels_are_the_numbers_of_the_objects_and_holes_have_none(document) -> None:
     rest = objects.delete(accepted(document, selected((30.5, 36.5)), (HERE,)), (2,))
-    labels = labels_of(objects.objects_result(rest))
+    labels = paint_labels(objects.objects_result(rest))
     assert labels[7, 7] > 0
     assert labels[15, 15] == 0
     assert labels[33, 33] not in (0, labels[7, 7])
@@ -121,7 +121,7 @@ def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> Non
     assert {contour.name for contour in result.contours} == {"object 1", "nucleus 2"}
     assert {contour.group for contour in result.contours} == {1, 2}
     assert [bridge.length for bridge in result.bridges] == [21.0, 7.0]
-    text = encoded(result, ".geojson").decode()
+    text = to_bytes(result, ".geojson").decode()
     assert "nucleus 2" in text
     assert "ridged" in text
     assert "Net area mm^2" in text

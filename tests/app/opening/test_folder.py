@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from cpm_core.formats import in_natural_order
+from cpm_core.formats import natural_sort_key
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 
@@ -73,9 +73,9 @@ def test_images_are_in_the_order_in_which_people_count(folder: Path) -> None:
 
 @given(st.lists(st.text()))
 def test_any_names_can_be_put_in_order(names: list[str]) -> None:
-    ordered = sorted(names, key=in_natural_order)
+    ordered = sorted(names, key=natural_sort_key)
     names.reverse()
-    assert sorted(names, key=in_natural_order) == ordered
+    assert sorted(names, key=natural_sort_key) == ordered
 
 
 def test_only_a_session_that_names_the_image_belongs_to_it(folder: Path) -> None:

@@ -14,7 +14,7 @@ from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QApplication
 
 from cpm_core import Contour
-from cpm_core.formats import encoded
+from cpm_core.formats import to_bytes
 from cpm_core.shapes import Points, Polygon, Stroke
 from tests.app.session.test_saving import answering, drop
 from tests.core.formats.drawn import RESULT
@@ -29,7 +29,7 @@ LINE = Contour(np.array([(5.0, 5.0), (10.0, 30.0)]), False)
 
 def file_of(tmp_path: Path, *contours: Contour, suffix: str = ".geojson") -> Path:
     path = tmp_path / f"drawn{suffix}"
-    path.write_bytes(encoded(replace(RESULT, contours=contours, shape=(64, 64), spacing=(1.0, 1.0), unit=None), suffix))
+    path.write_bytes(to_bytes(replace(RESULT, contours=contours, shape=(64, 64), spacing=(1.0, 1.0), unit=None), suffix))
     return path
 
 
@@ -87,7 +87,7 @@ def test_dropped_contours_are_the_truth_that_the_run_is_compared_with(window, ha
 @pytest.mark.parametrize("kind", ["image_svg__xml", "application_geo__json", "text"])
 def test_copied_contours_are_pasted_back(window, hand, kind) -> None:
     suffix = ".geojson" if "geo" in kind else ".svg"
-    content = encoded(replace(RESULT, contours=(RING,), shape=(64, 64)), suffix)
+    content = to_bytes(replace(RESULT, contours=(RING,), shape=(64, 64)), suffix)
     put(**{kind: content.decode() if kind == "text" else content})
     with answering("Start"):
         hand.key(Qt.Key.Key_V, CTRL)

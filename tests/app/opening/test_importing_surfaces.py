@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from cpm_core import Result, centerlines, export
 from cpm_core.contours.surface import voxelize_surface, surface_from_labels
-from cpm_core.formats import suffix_of
+from cpm_core.formats import find_format_suffix
 from cpm_core.shapes import Points, Stroke
 from tests.app.conftest import Hand
 from tests.app.exporting import asked, check, order
@@ -112,7 +112,7 @@ def test_objects_that_are_exported_and_imported_are_the_same(volume, hand, tmp_p
     session.edit("name", lambda document: objects.rename(document, [4], "Niere"))
     session.edit("color", lambda document: objects.amend(document, [9], color="#102030", name="Zyste"))
     before = session.document.objects.items
-    what = ExportFile(tmp_path / name, "objects", suffix_of(name))
+    what = ExportFile(tmp_path / name, "objects", find_format_suffix(name))
     session.export(ExportOrder((what,)))
     hand.wait(lambda: (tmp_path / name).exists() and session.idle)
     session.edit("delete", lambda document: objects.delete(document, [4, 9]))

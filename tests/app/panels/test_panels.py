@@ -11,7 +11,7 @@ from cpm_app.views.panels.run import Chart
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
-from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters.choices import CHOICE_PARAMETERS
 
 pytestmark = pytest.mark.shared_window
 
@@ -27,7 +27,7 @@ def test_every_tooltip_has_symbol_effect_default_and_the_range_of_its_slider(win
         row.slider.setValue(row.slider.minimum())
         assert (min(ends), max(ends)) == pytest.approx((control.slider_low, control.slider_high)), name
         span = f"{control.slider_low:g} to {control.slider_high:.3g}"
-        for part in (control.symbol, control.meaning, control.more, span, "default"):
+        for part in (control.symbol, control.meaning, control.effect_of_larger, span, "default"):
             assert part in row.toolTip(), name
 
 
@@ -66,7 +66,7 @@ def test_a_choice_is_taken_with_the_keys_undone_and_explained(window, hand) -> N
     window.actions_by_name["undo"].trigger()
     assert window.session.document.parameters.edges == "gradient"
     assert row.box.currentText() == "gray levels"
-    assert all(effect in row.toolTip() for effect in CHOICES["edges"].choices.values())
+    assert all(effect in row.toolTip() for effect in CHOICE_PARAMETERS["edges"].choices.values())
 
 
 def test_layers_are_switched_from_panel_menu_and_key_alike(window, hand) -> None:

@@ -12,7 +12,7 @@ from cpm_app.views.features.run import RunControlFeature
 from cpm_app.views.widgets.containers import ElidedLabel
 from PySide6.QtCore import Qt
 
-from cpm_core.formats import FOR_VOLUMES
+from cpm_core.formats import VOLUMES_WRITABLE
 from tests.app.exporting import asked, check, order
 
 pytestmark = pytest.mark.shared_window
@@ -67,7 +67,7 @@ def test_an_image_has_no_figures_of_a_surface(window) -> None:
 
 def test_surface_labels_and_particles_are_exported_at_once(found, hand, tmp_path) -> None:
     dialog = asked(hand.qtbot, found)
-    assert {*formats("surface")} == set(FOR_VOLUMES) - {".tiff", ".nii", ".seg.dcm"}
+    assert {*formats("surface")} == set(VOLUMES_WRITABLE) - {".tiff", ".nii", ".seg.dcm"}
     check(hand.qtbot, dialog, *(f"surface:{suffix}" for suffix in formats("surface")))
     assert "a surface of " in dialog.summary.text()
     assert dialog.windowTitle() == "Export surface"

@@ -40,7 +40,7 @@ def picture():
 @pytest.fixture(autouse=True, scope="module")
 def small():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ome_zarr, "_TILE", 64)
+        patch.setattr(ome_zarr, "_TILE_SIDE", 64)
         patch.setattr(grids, "_OVERLAP", 64)
         yield
 
@@ -48,8 +48,8 @@ def small():
 @pytest.fixture(scope="module")
 def source(tmp_path_factory):
     values, path = picture(), tmp_path_factory.mktemp("image") / "cells.zarr"
-    ome_zarr.create_levels(path, values.shape, values.dtype, SIDE, (0.5, 0.5), "µm")
-    ome_zarr.write_part(path, 0, np.s_[:, :], values)
+    ome_zarr.create_multiscale(path, values.shape, values.dtype, SIDE, (0.5, 0.5), "µm")
+    ome_zarr.write_window(path, 0, np.s_[:, :], values)
     return grids.Source(path, Reading())
 
 
@@ -100,7 +100,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
         assert distances_to_contours(np.concatenate([c.points for c in some]), others).max() < 0.05
     names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv")]
     results.write(found, names, serial, results.WRITERS)
-    labels = np.asarray(ome_zarr.open_levels(tmp_path / "labels.zarr").arrays[0])
+    labels = np.asarray(ome_zarr.open_multiscale(tmp_path / "labels.zarr").arrays[0])
     for each in one:
         number = np.bincount(labels[each.mask]).argmax()
         assert number
@@ -154,7 +154,7 @@ def test_files_hold_what_was_found(found, tmp_path):
     names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv", "cells.parquet")]
     written = results.write(found, names, serial, results.WRITERS)
     contours = contours_of(found)
-    labels = ome_zarr.open_levels(tmp_path / "labels.zarr")
+    labels = ome_zarr.open_multiscale(tmp_path / "labels.zarr")
     finest = np.asarray(labels.arrays[0])
     assert (labels.spacing[1:], labels.unit) == ((0.5, 0.5), "µm")
     assert sorted(np.unique(finest)) == list(range(12))
@@ -206,8 +206,8 @@ def test_a_line_along_a_seam_that_two_chunks_see_a_little_apart_is_there_once():
 
 @pytest.mark.parametrize("unit", ["nm", "µm", "mm", "cm", "m"])
 def test_the_size_of_a_pixel_is_read_back_in_every_unit(tmp_path, unit):
-    ome_zarr.create_levels(tmp_path / "x.zarr", (600, 600), np.uint8, SIDE, (0.5, 0.25), unit)
-    levels = ome_zarr.open_levels(tmp_path / "x.zarr")
+    ome_zarr.create_multiscale(tmp_path / "x.zarr", (600, 600), np.uint8, SIDE, (0.5, 0.25), unit)
+    levels = ome_zarr.open_multiscale(tmp_path / "x.zarr")
     assert (levels.spacing[1:], levels.unit) == ((0.5, 0.25), unit)
 
 
@@ -217,9 +217,9 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
     assert (image.spacing, image.unit, image.notes) == ((0.5, 0.5), "µm", ())
     monkeypatch.setattr(ome_zarr, "MAXIMUM_PIXELS", 2**19)
     values = np.arange(1200 * 800, dtype=np.uint32).reshape(1200, 800)
-    ome_zarr.create_levels(tmp_path / "x.zarr", values.shape, values.dtype, SIDE)
-    ome_zarr.write_part(tmp_path / "x.zarr", 0, np.s_[:, :], values)
-    ome_zarr.halve_part(tmp_path / "x.zarr", 1, np.s_[0:600, 0:400])
+    ome_zarr.create_multiscale(tmp_path / "x.zarr", values.shape, values.dtype, SIDE)
+    ome_zarr.write_window(tmp_path / "x.zarr", 0, np.s_[:, :], values)
+    ome_zarr.halve_window(tmp_path / "x.zarr", 1, np.s_[0:600, 0:400])
     small = cpm.load_image(tmp_path / "x.zarr")
     assert (small.values == values[::2, ::2]).all()
     assert "level 1 was opened" in small.notes[0]
@@ -231,10 +231,10 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
 def test_an_image_of_10_000_000_000_pixels_is_opened_in_little_memory(tmp_path):
     path, side, place = tmp_path / "slide.zarr", 100_000, np.s_[51200:51328, 98304:98432]
     values = np.random.default_rng(2).integers(1, 256, (128, 128), np.uint8)
-    count = ome_zarr.create_levels(path, (side, side), np.uint8, 1024)
-    ome_zarr.write_part(path, 0, place, values)
+    count = ome_zarr.create_multiscale(path, (side, side), np.uint8, 1024)
+    ome_zarr.write_window(path, 0, place, values)
     for level in range(1, count):
-        ome_zarr.halve_part(path, level, tuple(slice(s.start >> level, -(-s.stop >> level)) for s in place))
+        ome_zarr.halve_window(path, level, tuple(slice(s.start >> level, -(-s.stop >> level)) for s in place))
     assert sum(file.stat().st_size for file in path.rglob("*")) < 2**20  # what is missing is black
     image = cpm.load_image(path)
     assert image.shape == (6250, 6250)

@@ -13,7 +13,7 @@ pytest.importorskip("zarr", reason="the extra `scale` is not installed")
 pytest.importorskip("distributed", reason="the extra `scale` is not installed")
 
 from cpm_core.cli.workers import cluster, finished
-from cpm_core.formats.images.ome_zarr import create_levels, open_levels, write_part
+from cpm_core.formats.images.ome_zarr import create_multiscale, open_multiscale, write_window
 
 pytestmark = pytest.mark.long
 
@@ -39,8 +39,8 @@ def test_a_killed_worker_costs_what_it_was_doing_and_no_more(tmp_path):
 def test_a_killed_run_is_continued_by_the_same_command(tmp_path, shape, pitch, count):
     away = np.sqrt(((np.indices(shape) % pitch - pitch // 2) ** 2).sum(axis=0))
     image = (120 * (away < 0.2 * pitch) + 20).astype(np.uint8)
-    create_levels(tmp_path / "cells.zarr", image.shape, image.dtype, 1024 if len(shape) == 2 else 256)
-    write_part(tmp_path / "cells.zarr", 0, tuple(slice(n) for n in shape), image)
+    create_multiscale(tmp_path / "cells.zarr", image.shape, image.dtype, 1024 if len(shape) == 2 else 256)
+    write_window(tmp_path / "cells.zarr", 0, tuple(slice(n) for n in shape), image)
     command = [sys.executable, "-m", "cpm_app", "run", "cells.zarr", "--auto", "gradient", "--workers", "2"]
     command += ["--scales", "1", "--smoothing", "1.5", "--export", "labels.zarr", "cells.csv"]
     chunks, name = tmp_path / "labels.zarr.cpm-chunks", "contours_*" if len(shape) == 2 else "particles_*"
@@ -53,7 +53,7 @@ def test_a_killed_run_is_continued_by_the_same_command(tmp_path, shape, pitch, c
     kept = {path.name for path in chunks.glob(name)}
     subprocess.run(command, cwd=tmp_path, check=True)
     assert 1 <= len(kept) <= 4
-    labels = np.asarray(open_levels(tmp_path / "labels.zarr").arrays[0])
+    labels = np.asarray(open_multiscale(tmp_path / "labels.zarr").arrays[0])
     assert len(np.unique(labels)) == count + 1
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == count + 1
     assert {path.name for path in tmp_path.iterdir()} == {"cells.zarr", "labels.zarr", "cells.csv"}

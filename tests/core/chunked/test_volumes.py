@@ -43,15 +43,15 @@ BODIES = 5
 
 
 def write(path, values):
-    ome_zarr.create_levels(path, values.shape, values.dtype, SIDE, (0.5, 0.5, 0.5), "µm")
-    ome_zarr.write_part(path, 0, np.s_[:, :, :], values)
+    ome_zarr.create_multiscale(path, values.shape, values.dtype, SIDE, (0.5, 0.5, 0.5), "µm")
+    ome_zarr.write_window(path, 0, np.s_[:, :, :], values)
     return grids.Source(path, Reading(), "zyx")
 
 
 @pytest.fixture(autouse=True, scope="module")
 def small():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ome_zarr, "_TILE", 64)
+        patch.setattr(ome_zarr, "_TILE_SIDE", 64)
         yield
 
 
@@ -110,7 +110,7 @@ def test_each_body_is_found_once_in_all_files(found, files):
     assert table["label"].to_pylist() == list(range(1, BODIES + 1))
     volumes = table["volume [um3]"].to_numpy()
     assert (np.diff(volumes) < 0.0).all()
-    levels = ome_zarr.open_levels(files / "labels.zarr")
+    levels = ome_zarr.open_multiscale(files / "labels.zarr")
     labels = np.asarray(levels.arrays[0])
     assert (levels.spacing, levels.unit, levels.axes) == ((0.5, 0.5, 0.5), "µm", "zyx")
     assert np.bincount(labels.ravel())[1:] * 0.125 == pytest.approx(volumes, rel=0.02)
@@ -138,7 +138,7 @@ def test_a_body_larger_than_a_chunk_is_filled_where_no_chunk_sees_its_surface(tm
     found = found_in(write(tmp_path / "large.zarr", values), tmp_path, side=SIDE // 2)
     results.write(found, [str(tmp_path / "labels.zarr")], serial, volume_results.WRITERS)
     assert found.count == 1
-    labels = np.asarray(ome_zarr.open_levels(tmp_path / "labels.zarr").arrays[0])
+    labels = np.asarray(ome_zarr.open_multiscale(tmp_path / "labels.zarr").arrays[0])
     assert (labels != inside).mean() < 2e-3
 
 

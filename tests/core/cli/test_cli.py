@@ -11,7 +11,7 @@ import pytest
 import tifffile
 
 from cpm_core.cli import inputs
-from cpm_core.formats.common.content import fingerprint
+from cpm_core.formats.common.content import compute_fingerprint
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
 ROOT = Path(__file__).parents[3]
@@ -24,7 +24,7 @@ def test_run_finds_the_disk_and_tells_it_as_json(disk, told):
     assert facts["particles"] > 20
     made = facts["provenance"]
     assert made["shapes"] == [{"shape": "circle", "center": [40.0, 50.0], "radius": 12.0}]
-    assert made["image"] == {"name": "disk.png", "sha256": fingerprint(disk)}
+    assert made["image"] == {"name": "disk.png", "sha256": compute_fingerprint(disk)}
     assert (made["method"], made["steps"], made["parameters"]["w1"]) == ("cpm", facts["steps"], 1.6)
 
 

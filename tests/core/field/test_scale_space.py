@@ -12,8 +12,8 @@ from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field import scale_space as scale_space_module
 from cpm_core.image.regions import Regions
 from cpm_core.model.image_fields import ImageFields
-from cpm_core.parameters import OF_STARTS, OF_VOLUMES, PARAMETERS, Parameters, invalidating
-from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters import START_PARAMETERS, VOLUME_PARAMETERS, PARAMETERS, Parameters, find_invalidating
+from cpm_core.parameters.choices import CHOICE_PARAMETERS
 
 from ..scenes import disk
 
@@ -60,8 +60,8 @@ def calls(monkeypatch):
 
 def changed(name):
     """Other parameters than the usual ones, in one of them."""
-    if name in CHOICES:
-        return replace(START, **{name: list(CHOICES[name].choices)[-1]})
+    if name in CHOICE_PARAMETERS:
+        return replace(START, **{name: list(CHOICE_PARAMETERS[name].choices)[-1]})
     info = PARAMETERS[name]
     value = {"w1": 0.5, "w2": 2.5}.get(name, 0.25 * info.slider_low + 0.75 * info.slider_high)
     return replace(START, **{name: value})
@@ -86,7 +86,7 @@ def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
 
 def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
     space = UsedFields(IMAGE, 1)
-    names = [name for name in invalidating("field") if name not in (*OF_STARTS, *OF_VOLUMES)]
+    names = [name for name in find_invalidating("field") if name not in (*START_PARAMETERS, *VOLUME_PARAMETERS)]
     assert len(names) == 7
     built = [space.at(0, START), *(space.at(0, changed(name)) for name in names)]
     assert len({id(scale_field) for scale_field in built}) == 8

@@ -9,7 +9,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from cpm_core.formats.animation import ANIMATED, check_animation, write_animation, write_picture
+from cpm_core.formats.animation import ANIMATIONS_WRITABLE, check_animation, write_animation, write_picture
 
 SUFFIXES = (".gif", ".png")
 
@@ -115,7 +115,7 @@ def test_speeds_that_cannot_be_shown_are_refused(tmp_path):
 def test_places_where_no_animation_can_be_are_told_beforehand(tmp_path, name, sentence):
     with pytest.raises(ValueError, match=sentence) as caught:
         check_animation(tmp_path / name)
-    assert all(suffix in str(caught.value) for suffix in ANIMATED) or "folder" in sentence
+    assert all(suffix in str(caught.value) for suffix in ANIMATIONS_WRITABLE) or "folder" in sentence
 
 
 class Ffmpeg:

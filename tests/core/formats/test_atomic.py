@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cpm_core.formats.common.atomic import check_place, drafts_of, write_together
+from cpm_core.formats.common.atomic import check_writable, draft_files, write_together
 
 posix = pytest.mark.skipif(os.name != "posix", reason="rights and signals are those of POSIX")
 
@@ -18,7 +18,7 @@ def names_in(folder):
 
 
 def write_draft(path, content=b"new"):
-    with drafts_of(path) as (draft,):
+    with draft_files(path) as (draft,):
         draft.write_bytes(content)
 
 
@@ -55,7 +55,7 @@ def test_a_file_that_is_read_only_is_not_replaced(tmp_path, write):
     path = tmp_path / "a.svg"
     path.write_bytes(b"old")
     path.chmod(0o444)
-    for call in (write, check_place):
+    for call in (write, check_writable):
         with pytest.raises(ValueError, match=r"a\.svg in .* is read-only and is not replaced"):
             call(path)
     assert path.read_bytes() == b"old"
@@ -68,7 +68,7 @@ def test_a_device_or_a_pipe_is_not_replaced(tmp_path, write):
     os.mkfifo(tmp_path / "pipe.svg")
     (tmp_path / "link.svg").symlink_to("/dev/null")
     for name in ("pipe.svg", "link.svg"):
-        for call in (write, check_place):
+        for call in (write, check_writable):
             with pytest.raises(ValueError, match="is not an ordinary file and is not replaced"):
                 call(tmp_path / name)
     assert stat.S_ISFIFO((tmp_path / "pipe.svg").stat().st_mode)
@@ -87,7 +87,7 @@ def test_any_name_that_a_file_can_have_can_be_written(tmp_path, write, name):
 
 def left_behind(path):
     """A draft as a writer of `path` leaves it that is killed."""
-    with drafts_of(path) as (draft,):
+    with draft_files(path) as (draft,):
         draft.touch()
     path.unlink()
     draft.touch()

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpm_core.formats import WRITABLE, encoded, load_contours
-from cpm_core.formats.common.printable import cell, printable, text_of_cell
+from cpm_core.formats import CONTOURS_WRITABLE, to_bytes, load_contours
+from cpm_core.formats.common.printable import escape_cell, make_printable, unescape_cell
 
 from .drawn import LINE_AND_SQUARE, RESULT
 
@@ -22,10 +22,10 @@ def named(name, result=RESULT):
     return replace(result, contours=contours, source=f"{name}.png")
 
 
-@pytest.mark.parametrize("suffix", WRITABLE)
+@pytest.mark.parametrize("suffix", CONTOURS_WRITABLE)
 def test_every_format_takes_every_name(suffix):
     result = named(WILD)
-    content = encoded(replace(result, contours=result.contours[:1]), suffix)
+    content = to_bytes(replace(result, contours=result.contours[:1]), suffix)
     if suffix == ".svg":
         assert "\ufffd[31m" in " ".join(ET.fromstring(content).itertext())
     elif suffix.endswith("json"):
@@ -38,16 +38,16 @@ def test_every_format_takes_every_name(suffix):
 
 @given(st.text(st.characters(codec=None)))
 def test_what_is_printed_can_be_encoded_and_has_no_controls(text):
-    shown = printable(text)
+    shown = make_printable(text)
     assert len(shown) == len(text)
     assert shown.encode().decode() == shown
     assert not any(letter < " " or "\x7f" <= letter <= "\x9f" for letter in shown)
-    assert printable(shown) == shown
+    assert make_printable(shown) == shown
 
 
 @pytest.mark.parametrize("name", ["=1+1", "+cmd|' /C calc'!A0", "-2", "@SUM(A1)", "'=x", "''", "plain", "it's"])
 def test_a_name_is_no_formula_in_a_spreadsheet_and_is_read_back(tmp_path, name):
-    content = encoded(named(name, LINE_AND_SQUARE), ".csv")
+    content = to_bytes(named(name, LINE_AND_SQUARE), ".csv")
     cells = {row["name"] for row in csv.DictReader(content.decode().splitlines())}
     assert not any(content.startswith(("=", "+", "-", "@")) for content in cells)
     (tmp_path / "a.csv").write_bytes(content)
@@ -56,4 +56,4 @@ def test_a_name_is_no_formula_in_a_spreadsheet_and_is_read_back(tmp_path, name):
 
 @given(st.text())
 def test_a_cell_gives_back_its_text(text):
-    assert text_of_cell(cell(text)) == printable(text)
+    assert unescape_cell(escape_cell(text)) == make_printable(text)

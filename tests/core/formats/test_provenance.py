@@ -22,10 +22,10 @@ import tifffile
 from pycocotools.coco import COCO
 
 import cpm_core
-from cpm_core import Image, Parameters, PlacedCharge, Regions, circle, encoded, load_image, objects_result, partition
-from cpm_core.formats import WRITABLE
-from cpm_core.formats.common.provenance import VERSION, entries_of, facts_of, with_shapes
-from cpm_core.formats.writers import DRAWN
+from cpm_core import Image, Parameters, PlacedCharge, Regions, circle, to_bytes, load_image, objects_result, partition
+from cpm_core.formats import CONTOURS_WRITABLE
+from cpm_core.formats.common.provenance import VERSION, flatten_provenance, describe_provenance, record_drawn_shapes
+from cpm_core.formats.writers import FIGURE_SUFFIXES
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import Barrier, Circle, Points
 
@@ -43,7 +43,7 @@ MADE = Provenance(
     sha256=hashlib.sha256(b"image").hexdigest(),
 )
 FOUND = replace(RESULT, provenance=MADE, source="cells <&> µ.png")
-FACTS = facts_of(FOUND)
+FACTS = describe_provenance(FOUND)
 DISK = disk((64, 64), (32.0, 32.0), 20.0).values
 
 
@@ -142,48 +142,48 @@ READERS = {
     ".nii.gz": lambda content: in_nifti(gzip.decompress(content)),
     ".nrrd": lambda content: json.loads(nrrd.read_header(io.BytesIO(content))["cpm"]),
     ".dxf": in_dxf,
-    **dict.fromkeys(DRAWN, in_figure),
+    **dict.fromkeys(FIGURE_SUFFIXES, in_figure),
 }
 """What a reader of each format finds: all facts, or their entries as texts."""
 
 
 def told_by(result, suffix):
     only = replace(result, contours=(CELL,)) if suffix == ".roi" else result
-    return READERS[suffix](encoded(only, suffix))
+    return READERS[suffix](to_bytes(only, suffix))
 
 
-@pytest.mark.parametrize("suffix", WRITABLE)
+@pytest.mark.parametrize("suffix", CONTOURS_WRITABLE)
 def test_every_format_tells_how_its_contours_were_found(suffix):
     told = told_by(FOUND, suffix)
     if isinstance(told.get("image"), dict):
         assert told == FACTS
     else:
-        assert told.items() >= entries_of(FACTS).items()
+        assert told.items() >= flatten_provenance(FACTS).items()
 
 
-@pytest.mark.parametrize("suffix", WRITABLE)
+@pytest.mark.parametrize("suffix", CONTOURS_WRITABLE)
 def test_the_same_result_always_gives_the_same_bytes(suffix, monkeypatch):
     only = replace(FOUND, contours=(CELL,))
-    first = encoded(only, suffix)
+    first = to_bytes(only, suffix)
     monkeypatch.setattr("time.time", lambda: 2e9)
-    assert encoded(only, suffix) == first
+    assert to_bytes(only, suffix) == first
 
 
 def test_no_folder_is_told_and_a_skeleton_has_its_own_parameters():
-    assert facts_of(replace(FOUND, source="C:\\Users\\someone\\secret\\a.png"))["image"]["name"] == "a.png"
-    facts = facts_of(cpm_core.skeleton(DISK))
+    assert describe_provenance(replace(FOUND, source="C:\\Users\\someone\\secret\\a.png"))["image"]["name"] == "a.png"
+    facts = describe_provenance(cpm_core.skeleton(DISK))
     assert (facts["method"], facts["parameters"]["pruning"]) == ("skeleton", 1.0)
     assert "w1" not in facts["parameters"], "it has no effect"
 
 
 def test_programs_that_know_no_quoted_cells_read_the_tables():
-    facts = facts_of(with_shapes(FOUND, (Circle((30.0, 35.0), 5.0), Barrier(((1.0, 2.0), (3.0, 4.0))))))
-    texts = entries_of(facts | {"stop_reason": 'stopped, as "asked"'})
+    facts = describe_provenance(record_drawn_shapes(FOUND, (Circle((30.0, 35.0), 5.0), Barrier(((1.0, 2.0), (3.0, 4.0))))))
+    texts = flatten_provenance(facts | {"stop_reason": 'stopped, as "asked"'})
     assert texts["shapes"] == "shape=circle center=30.0 35.0 radius=5.0; shape=barrier points=1.0 2.0 3.0 4.0"
     assert texts["parameters"] == "reach=2.0 smoothing=auto scales=3"
     assert not any("," in text for text in texts.values())
     for suffix in (".csv", ".measures.csv"):
-        lines = encoded(with_shapes(FOUND, (Circle((30.0, 35.0), 5.0),)), suffix).decode().splitlines()
+        lines = to_bytes(record_drawn_shapes(FOUND, (Circle((30.0, 35.0), 5.0),)), suffix).decode().splitlines()
         assert {line.count(",") for line in lines} == {lines[0].count(",")}
 
 
@@ -191,7 +191,7 @@ def test_a_run_on_a_file_has_the_hash_of_its_bytes(tmp_path):
     PIL.Image.fromarray(DISK.astype(np.uint8)).save(tmp_path / "disk.png")
     image = load_image(tmp_path / "disk.png")
     result = cpm_core.segment(image, circle((32, 32), 10), Parameters(scales=1, beta=0.7), max_steps=3)
-    facts = facts_of(result)
+    facts = describe_provenance(result)
     assert facts["image"] == {
         "name": "disk.png",
         "sha256": hashlib.sha256((tmp_path / "disk.png").read_bytes()).hexdigest(),
@@ -213,7 +213,7 @@ def test_a_run_on_an_array_has_the_hash_of_its_gray_levels_and_tells_regions_and
         regions=Regions(barriers=(barrier,)),
         charges=[PlacedCharge((4.0, 4.0), 1.0)],
     )
-    facts = facts_of(result)
+    facts = describe_provenance(result)
     assert facts["image"]["array_sha256"] == hashlib.sha256(values.astype("<f8").tobytes()).hexdigest()
     kinds = {shape["shape"]: shape for shape in facts["shapes"]}
     assert kinds["charge"]["strength"] == 1.0
@@ -222,7 +222,7 @@ def test_a_run_on_an_array_has_the_hash_of_its_gray_levels_and_tells_regions_and
 
 def test_what_was_drawn_is_told_and_many_points_by_their_number():
     shapes = (Circle((30.0, 35.0), 5.0), Barrier(((1.0, 2.0), (3.0, 4.0))), Points(tuple((n, n) for n in range(500))))
-    told = facts_of(with_shapes(FOUND, shapes))["shapes"]
+    told = describe_provenance(record_drawn_shapes(FOUND, shapes))["shapes"]
     assert [shape["shape"] for shape in told] == ["circle", "barrier", "points"]
     assert (told[0]["radius"], told[2]["positions"]) == (5.0, 500)
 
@@ -230,7 +230,7 @@ def test_what_was_drawn_is_told_and_many_points_by_their_number():
 def test_objects_tell_their_clicks_and_their_image():
     image = Image(DISK, source="disk.png")
     chosen = partition(cpm_core.segment(image, circle((32, 32), 10), Parameters(scales=1))).select([(32, 32)])
-    facts = facts_of(objects_result([chosen], image))
+    facts = describe_provenance(objects_result([chosen], image))
     assert facts["method"] == "objects"
     assert facts["shapes"] == [{"shape": "object", "inside": [[32.0, 32.0]], "outside": []}]
     assert facts["image"]["array_sha256"] == image.sha256
@@ -238,13 +238,13 @@ def test_objects_tell_their_clicks_and_their_image():
 
 def test_files_of_surfaces_tell_it_as_far_as_they_have_room():
     result = replace(IN_VOLUME, provenance=MADE, particles=np.arange(9.0).reshape(3, 3))
-    title = encoded(result, ".vtk").split(b"\n")[1].decode()
+    title = to_bytes(result, ".vtk").split(b"\n")[1].decode()
     assert f"IMAGE={MADE.sha256} METHOD=cpm " in title
     assert title.endswith(" reach=2.0 smoothing=auto")  # what is not the default
-    begin = encoded(result, ".stl")[:80].decode().rpartition("IMAGE=")[2]
+    begin = to_bytes(result, ".stl")[:80].decode().rpartition("IMAGE=")[2]
     assert len(begin) >= 40
     assert MADE.sha256.startswith(begin)
-    rows = list(csv.DictReader(io.StringIO(encoded(result, ".points.csv").decode(), newline="")))
-    told = entries_of(facts_of(result))
+    rows = list(csv.DictReader(io.StringIO(to_bytes(result, ".points.csv").decode(), newline="")))
+    told = flatten_provenance(describe_provenance(result))
     assert {name: rows[0][name] for name in told} == told
     assert not any(rows[1][name] for name in told)

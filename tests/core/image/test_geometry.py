@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from cpm_core import Image, Result, Surface
 from cpm_core.contours.contour import Contour
-from cpm_core.formats import encoded
+from cpm_core.formats import to_bytes
 from cpm_core.image.geometry import geometry_from_affine
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.grids import zero_surface
@@ -53,7 +53,7 @@ def test_a_matrix_comes_back_as_it_was(angles, sides, mirrored):
 @pytest.mark.parametrize("unit", ["mm", "µm", "cm", None])
 def test_a_label_volume_has_the_matrix_of_its_input(mirrored, unit):
     matrix = affine_of((20.0, -35.0, 110.0), (0.5, 0.75, 2.0), mirrored).astype(np.float32).astype(float)
-    found = nibabel.Nifti1Image.from_bytes(encoded(result_in(*geometry_from_affine(matrix, "RAS"), unit), ".nii"))
+    found = nibabel.Nifti1Image.from_bytes(to_bytes(result_in(*geometry_from_affine(matrix, "RAS"), unit), ".nii"))
     factor = 10.0 if unit == "cm" else 1.0
     wanted = np.vstack([factor * matrix[:3], matrix[3:]])
     assert np.array_equal(found.affine, wanted.astype(np.float32))
@@ -69,10 +69,10 @@ def test_axes_that_are_not_at_right_angles_have_no_rotation():
     matrix[0, 2] = 0.7
     geometry, spacing = geometry_from_affine(matrix, "RAS")
     assert geometry.slant == pytest.approx(np.degrees(np.arctan(0.35)))
-    found = nibabel.Nifti1Image.from_bytes(encoded(result_in(geometry, spacing), ".nii"))
+    found = nibabel.Nifti1Image.from_bytes(to_bytes(result_in(geometry, spacing), ".nii"))
     np.testing.assert_allclose(found.affine, matrix, atol=1e-6)
     assert found.get_qform(coded=True)[1] == 0
-    header = nibabel.Nifti1Header.from_fileobj(io.BytesIO(encoded(result_in(geometry, spacing), ".nii")), check=False)
+    header = nibabel.Nifti1Header.from_fileobj(io.BytesIO(to_bytes(result_in(geometry, spacing), ".nii")), check=False)
     assert header.diagnose_binaryblock(header.binaryblock) == ""
 
 
@@ -80,7 +80,7 @@ def test_axes_that_are_not_at_right_angles_have_no_rotation():
 def test_a_surface_lies_where_the_label_volume_lies_and_points_outward(mirrored):
     matrix = affine_of((20.0, -35.0, 110.0), (0.5, 0.75, 2.0), mirrored)
     result = result_in(*geometry_from_affine(matrix, "RAS"))
-    rows = [line.split() for line in encoded(result, ".obj").decode().splitlines()]
+    rows = [line.split() for line in to_bytes(result, ".obj").decode().splitlines()]
     points, normals = (np.array([row[1:] for row in rows if row[0] == kind], float) for kind in ("v", "vn"))
     faces = np.array([[part.split("//")[0] for part in row[1:]] for row in rows if row[0] == "f"], int) - 1
     ras = points * (-1, -1, 1)
@@ -100,7 +100,7 @@ def test_a_plane_of_a_volume_lies_where_it_was():
     np.testing.assert_allclose(plane.affine(spacing[1:]) @ np.array([0.0, 3.0, 4.0, 1.0]), whole)
     line = Contour(np.array([[2.0, 2.0], [2.0, 9.0]]), closed=False)
     skeleton = Skeleton((line,), (np.ones(2),), (14, 16), spacing[1:], "mm", "a.nii", geometry=plane)
-    found = nibabel.Nifti1Image.from_bytes(encoded(skeleton, ".nii"))
+    found = nibabel.Nifti1Image.from_bytes(to_bytes(skeleton, ".nii"))
     np.testing.assert_allclose(found.affine, plane.affine(spacing[1:])[:, [2, 1, 0, 3]], atol=1e-5)
 
 

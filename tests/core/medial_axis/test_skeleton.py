@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 
 import cpm_core as cpm
-from cpm_core.formats.masks.labels import labels_of
+from cpm_core.formats.masks.labels import paint_labels
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
 
 from .. import scenes
@@ -187,7 +187,7 @@ def test_more_pruning_only_removes_and_within_its_bound_and_keeps_connections():
         assert farthest(vertices(less), densely(more)) < 1.0
         rebuilt = less.rebuild_shape()
         assert ndimage.distance_transform_edt(~rebuilt)[everything & ~rebuilt].max(initial=0.0) < pruning + 1.5
-        lines = labels_of(less) > 0
+        lines = paint_labels(less) > 0
         assert ndimage.label(lines, TOUCHING)[1] == 1
         assert ndimage.label(~lines)[1] == 2  # a round stays a round
 

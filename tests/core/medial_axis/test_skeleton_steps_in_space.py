@@ -7,7 +7,7 @@ import pytest
 
 from cpm_core import METHODS, PRESETS, Image, VolumeRegions, VolumeTruth, skeleton
 from cpm_core.contours.packed_surface import PackedSurface
-from cpm_core.formats import encoded
+from cpm_core.formats import to_bytes
 
 VOLUME = PRESETS["volume"]
 
@@ -44,7 +44,7 @@ def test_three_steps_find_what_the_function_finds(sides):
     assert found.length * min(sides) == pytest.approx(whole.lengths.sum())
     thick = 2.0 * np.percentile(np.concatenate(whole.radii), 95.0)
     assert found.thickness * min(sides) == pytest.approx(thick)
-    assert encoded(found.lines, ".swc") == encoded(whole, ".swc")
+    assert to_bytes(found.lines, ".swc") == to_bytes(whole, ".swc")
     assert method.step(states[-1], VOLUME) is states[-1]
     assert states[-1].list_arrays()
 

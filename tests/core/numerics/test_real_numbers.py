@@ -15,7 +15,7 @@ from cpm_core import (
     uniform_grid,
 )
 from cpm_core.numerics.real_numbers import check_finite_number
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import quote_value
 
 
 @pytest.mark.parametrize("value", [None, "2", [1.0], np.nan, np.inf, -1, 10**400, 1j, object(), np.float32(-1.0)])
@@ -26,8 +26,8 @@ def test_what_is_no_number_that_fits_is_named(value):
 
 @pytest.mark.parametrize("value", ["x" * 10**6, "\x1b\n\x7f\u2028", list(range(99)), np.zeros((9, 9)), 10**90, 1e-300])
 def test_a_value_is_shown_on_one_printable_line(value):
-    assert shown(value).isprintable()
-    assert len(shown(value)) <= 40
+    assert quote_value(value).isprintable()
+    assert len(quote_value(value)) <= 40
 
 
 @pytest.mark.parametrize(

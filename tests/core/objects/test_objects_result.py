@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from cpm_core import Image, encoded, objects_result
+from cpm_core import Image, to_bytes, objects_result
 from cpm_core.contours.rasterize import rasterize_mask, rasterize_labels
 from cpm_core.objects.boundaries.ground import ground
 from cpm_core.objects.outline import outlines
@@ -44,12 +44,12 @@ def test_a_label_mask_has_one_label_for_each_object_and_none_in_its_holes(result
     expected[ring((20, 20), -1, 3) | ring((20, 27), -1, 2)] = 2
     expected[ring((20, 50), -1, 5)] = 3
     assert np.array_equal(labels, expected)
-    assert np.array_equal(tifffile.imread(io.BytesIO(encoded(result, ".tif"))), expected)
+    assert np.array_equal(tifffile.imread(io.BytesIO(to_bytes(result, ".tif"))), expected)
     assert np.array_equal(rasterize_mask(result.contours, result.shape), expected > 0)
 
 
 def test_the_table_tells_object_hole_net_area_and_what_was_bridged(result):
-    rows = list(csv.DictReader(io.StringIO(encoded(result, ".measures.csv").decode())))
+    rows = list(csv.DictReader(io.StringIO(to_bytes(result, ".measures.csv").decode())))
     assert [row["object"] for row in rows] == [str(contour.group) for contour in result.contours]
     assert sorted(row["hole"] for row in rows) == ["FALSE"] * 4 + ["TRUE"]
     for row, contour in zip(rows, result.contours, strict=True):

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from cpm_core.field.edge_map import automatic_smoothing
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
+from cpm_core.formats.sessions.particle_state import state_from_json, state_to_json
 from cpm_core.image.pyramid import max_scales, shape_at_scale
 from cpm_core.model import interventions
 from cpm_core.model.coverage import NEVER_COVERED, no_coverage
@@ -107,5 +107,5 @@ def test_placed_charges_act_at_their_place_in_the_image(windows):
     toward = (state.position - charge.position) * pushed
     near = np.hypot(*(state.position - charge.position).T) < 40.0
     assert near.any() and (toward.sum(axis=1)[near] > 0.0).all()
-    read = state_from_plain(json.loads(json.dumps(state_to_plain(state))), BLOBS.shape, 3)
+    read = state_from_json(json.loads(json.dumps(state_to_json(state))), BLOBS.shape, 3)
     assert read.window == state.window and read.position.tobytes() == state.position.tobytes()

@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
-from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
-from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters import DEFAULT_VALUES, PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters.choices import CHOICE_PARAMETERS
 
-NAMES = [field.name for field in dataclasses.fields(Parameters) if field.name not in CHOICES]
+NAMES = [field.name for field in dataclasses.fields(Parameters) if field.name not in CHOICE_PARAMETERS]
 
 
 def test_defaults_are_those_of_the_published_experiments():
@@ -22,7 +22,7 @@ def test_defaults_are_those_of_the_published_experiments():
 def test_slider_stays_within_what_is_allowed_and_reaches_the_default(name):
     info = PARAMETERS[name]
     assert info.low <= info.slider_low < info.slider_high <= info.high
-    assert DEFAULTS[name] == "auto" or info.slider_low <= DEFAULTS[name] <= info.slider_high
+    assert DEFAULT_VALUES[name] == "auto" or info.slider_low <= DEFAULT_VALUES[name] <= info.slider_high
     assert 0 < info.step <= info.slider_high - info.slider_low
 
 
@@ -42,9 +42,9 @@ def test_repulsion_must_stay_weaker_than_attraction(w1):
         Parameters(w1=w1, w2=1.75)
 
 
-@pytest.mark.parametrize("name", CHOICES)
+@pytest.mark.parametrize("name", CHOICE_PARAMETERS)
 def test_a_choice_takes_its_names_alone_and_the_first_by_itself(name):
-    info = CHOICES[name]
+    info = CHOICE_PARAMETERS[name]
     assert getattr(Parameters(), name) == next(iter(info.choices))
     assert all(getattr(Parameters(**{name: value}), name) == value for value in info.choices)
     assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in (info.meaning, *info.choices.values()))

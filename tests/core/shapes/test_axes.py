@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from cpm_core import Image
-from cpm_core.formats.common.plain import shape_to_plain
-from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
+from cpm_core.formats.common.plain import shape_to_json
+from cpm_core.formats.sessions.session_file import SessionFile, decode_session, encode_session
 from cpm_core.shapes import Circle, Everywhere, Points, Shape, Sphere
 from cpm_core.shapes.document_shapes import count_axes, check_axes, compute_seeds
 from tests.faults.fuzzing.inputs.session_samples import IMAGE, SAMPLES, VOLUME
@@ -21,7 +21,7 @@ DISK, BALL = Circle((20.0, 20.0), 6.0), Sphere((9.0, 9.0, 9.0), 4.0)
 
 def drawn(name: str, folder: Path) -> tuple[Shape, ...]:
     """The shapes of a session with all kinds."""
-    return decode(json.dumps(SAMPLES[name](folder)).encode(), name).shapes
+    return decode_session(json.dumps(SAMPLES[name](folder)).encode(), name).shapes
 
 
 @pytest.mark.parametrize("size", [(40, 40), (18, 19, 20)])
@@ -46,10 +46,10 @@ def test_particles_in_space_do_not_start_in_a_plane() -> None:
 
 @pytest.mark.parametrize("shapes", [(DISK, BALL), (BALL, Everywhere("grid"), DISK)])
 def test_a_session_that_mixes_images_and_volumes_is_refused(shapes: tuple[Shape, ...]) -> None:
-    plain = json.loads(encode(SessionFile(), Path()))
-    plain["shapes"] = [shape_to_plain(shape) for shape in shapes]
+    plain = json.loads(encode_session(SessionFile(), Path()))
+    plain["shapes"] = [shape_to_json(shape) for shape in shapes]
     with pytest.raises(ValueError, match=r"^a.cpm: shape \d \(\w+\) is for \w+, but shape 1 \(\w+\) is for ") as caught:
-        decode(json.dumps(plain).encode(), "a.cpm")
+        decode_session(json.dumps(plain).encode(), "a.cpm")
     assert str(caught.value).endswith("keep those of one kind.")
     with pytest.raises(ValueError, match=re.escape(str(caught.value).removeprefix("a.cpm: "))):
-        encode(SessionFile(shapes=shapes), Path())
+        encode_session(SessionFile(shapes=shapes), Path())

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core import Image, seeds_at_centers, seeds_everywhere, example, segment
-from cpm_core.formats.common.plain import shape_from_plain, shape_to_plain
+from cpm_core.formats.common.plain import shape_from_json, shape_to_json
 from cpm_core.model.volume.starts import volume_edge_strength
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import BoxGrid, BoxThreshold, Threshold
@@ -27,7 +27,7 @@ def test_a_grid_fills_its_box_evenly(one, size, spacing, sides):
         assert np.allclose(np.diff(along), spacing, atol=1e-4)
         room = (grid.last[axis] - grid.first[axis]) * grid.sides[axis] - np.ptp(along)
         assert room < spacing + 1e-4
-    assert shape_from_plain(shape_to_plain(grid), "shape 1") == grid
+    assert shape_from_json(shape_to_json(grid), "shape 1") == grid
 
 
 @pytest.mark.parametrize("smoothing", [0.0, 1.5])
@@ -41,7 +41,7 @@ def test_a_threshold_takes_the_voxels_above_a_fraction_of_the_strongest_in_its_b
     assert box.resized_by(100).fraction == 0.98
     outside = BoxThreshold((90.0, 90.0, 90.0), (99.0, 99.0, 99.0))
     assert SeedCache(volume).seeds_for([outside], smoothing)[outside].shape == (0, 3)
-    assert shape_from_plain(shape_to_plain(box), "shape 1") == box
+    assert shape_from_json(shape_to_json(box), "shape 1") == box
 
 
 def test_areas_of_images_and_boxes_of_volumes_are_not_taken_for_each_other():

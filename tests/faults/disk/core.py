@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from cpm_core import cli
-from cpm_core.formats.common.atomic import drafts_of
+from cpm_core.formats.common.atomic import draft_files
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 
 from ..kills.command_line import draw_images
@@ -36,7 +36,7 @@ def film(folder: Path) -> str:
     """Write a file that is too large to be made in memory."""
 
     def write() -> None:
-        with drafts_of(folder / "a.mp4") as (draft,), draft.open("wb") as stream:
+        with draft_files(folder / "a.mp4") as (draft,), draft.open("wb") as stream:
             for _ in range(3):
                 stream.write(b"new" * 10_000)
 

@@ -31,7 +31,7 @@ from cpm_core import (
     Truth,
     VolumeTruth,
 )
-from cpm_core.formats.writers import FOR_VOLUMES
+from cpm_core.formats.writers import VOLUMES_WRITABLE
 from cpm_core.image.colors import Colors
 from cpm_core.warm_up import warm_up
 from tests.core.formats.drawn import RESULT
@@ -235,7 +235,7 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
             "x",
             *cpm_core.CONTOUR_METHODS.values(),
         ),
-        "suffix": (*cpm_core.formats.WRITABLE, *FOR_VOLUMES, ".x", "svg"),
+        "suffix": (*cpm_core.formats.CONTOURS_WRITABLE, *VOLUMES_WRITABLE, ".x", "svg"),
         "of": (None, "auto", "dark", "light", "x"),
         "within": (None, DISC > 99, DISC[:3] > 0, found.contours),
         "frames": ([_FRAME], [_FRAME] * 3, [], [_FRAME, _FRAME[:2]]),

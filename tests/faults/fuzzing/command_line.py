@@ -12,10 +12,10 @@ from random import Random
 import numpy as np
 import tifffile
 
-from cpm_core import encoded
+from cpm_core import to_bytes
 from cpm_core.cli import main, parser
-from cpm_core.formats import WRITABLE
-from cpm_core.formats.writers import FOR_VOLUMES
+from cpm_core.formats import CONTOURS_WRITABLE
+from cpm_core.formats.writers import VOLUMES_WRITABLE
 from cpm_core.warm_up import warm_up
 from tests.core.formats.drawn import RESULT
 
@@ -43,7 +43,7 @@ _SPHERES = (
     *("9,9,9,3", "9.5,9.5,9.5,1e9", "0,0,0,2", "9,9,9", "nan,9,9,3", "9,9,9,0", "1e300,9,9,3", "9,9,9,-1", ",,,", ""),
 )
 _TARGETS = (
-    *(f"out{suffix}" for suffix in {**WRITABLE, **FOR_VOLUMES}),
+    *(f"out{suffix}" for suffix in {**CONTOURS_WRITABLE, **VOLUMES_WRITABLE}),
     *("out.x", IMAGE, "no/out.csv", "", "svg", "csv"),
 )
 _VALUES: dict[str, tuple[str, ...]] = {
@@ -160,7 +160,7 @@ def trial(random: Random, folder: Path) -> int:
     write_images(folder)
     for name, made in ((_SESSION, sample), ("space.cpm", sample_in_space), ("pages.cpm", sample_of_pages)):
         (folder / name).write_text(json.dumps(made(folder)))
-    (folder / _CONTOURS).write_bytes(encoded(RESULT, ".geojson"))
+    (folder / _CONTOURS).write_bytes(to_bytes(RESULT, ".geojson"))
     (folder / _POINTS).write_text("row,col\n20,14\n20,26\n")
     (folder / _TEXT).write_text("nothing\n")
     row, col = np.indices((32, 34))

@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import make_printable
 
 LONGEST = 10.0
 """Processor time that one input may take [s]; that of the clock would tell how busy the computer is."""
@@ -50,7 +50,7 @@ def check_sentence(error: Exception) -> None:
     text = str(error)
     assert text, f"{type(error).__name__} without a word"
     assert "\n" not in text, f"more than one line: {text[:200]!r}"
-    assert printable(text) == text, f"not printable: {text[:200]!r}"
+    assert make_printable(text) == text, f"not printable: {text[:200]!r}"
     assert text[-1] in ".?!", f"no sentence: {text[:200]!r}"
     assert len(text) <= LONGEST_SENTENCE, f"{len(text)} characters: {text[:200]!r}"
 

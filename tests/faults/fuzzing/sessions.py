@@ -13,7 +13,7 @@ from cpm_app.session.features.kept_pages import StackSource, StoredPages
 from cpm_app.session.timeline import plain_runs
 
 from cpm_core.cli import main
-from cpm_core.formats.sessions.session_file import SessionFile, decode, encode, load_session
+from cpm_core.formats.sessions.session_file import SessionFile, decode_session, encode_session, load_session
 from cpm_core.shapes.document_shapes import count_axes
 from cpm_core.warm_up import warm_up
 
@@ -51,8 +51,8 @@ def read(path: Path, of: str) -> SessionFile | None:
             return None
         for note in session.notes:
             check_sentence(ValueError(note))
-        again = decode(encode(session, path.parent), path.name)
-        twice = decode(encode(again, path.parent), path.name)
+        again = decode_session(encode_session(session, path.parent), path.name)
+        twice = decode_session(encode_session(again, path.parent), path.name)
         assert again.shapes == session.shapes, "shapes change when the session is written"
         assert again.parameters == session.parameters, "parameters change when the session is written"
         assert again == twice, "a session that is written twice is another one"

@@ -11,8 +11,8 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
-from cpm_core import PARAMETERS, PRESETS, Image, Parameters, Result, seeds_on_box, centerlines, encoded, segment, sphere
-from cpm_core.formats.writers import FOR_VOLUMES
+from cpm_core import PARAMETERS, PRESETS, Image, Parameters, Result, seeds_on_box, centerlines, to_bytes, segment, sphere
+from cpm_core.formats.writers import VOLUMES_WRITABLE
 from cpm_core.numerics.types import Array
 
 from .chunks import chunk
@@ -108,9 +108,9 @@ def check(found: Result) -> None:
         assert np.isfinite([surface.area, surface.volume]).all(), f"area {surface.area}, volume {surface.volume}"
         assert np.isfinite(surface.normals).all(), "normals that are not finite"
         assert not surface.nonmanifold_edges, f"{surface.nonmanifold_edges} edges with more than two triangles"
-    for suffix in FOR_VOLUMES:
+    for suffix in VOLUMES_WRITABLE:
         try:
-            content = encoded(found, suffix)
+            content = to_bytes(found, suffix)
         except ValueError as error:
             check_sentence(error)
         else:

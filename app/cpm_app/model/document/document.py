@@ -13,7 +13,7 @@ from cpm_core import PARAMETERS, PRESETS, Image, Parameters, PlacedCharge
 from cpm_core.contours import HandEdit, Mark, PackedBody
 from cpm_core.formats import Reading
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.types import Array, Extent, Line, Sides, frozen
@@ -65,10 +65,10 @@ class ImageReference:
     sha256: str = ""
     spacing: Sides = (1.0, 1.0)
     unit: str | None = None
-    reading: Reading = DEFAULT
+    reading: Reading = DEFAULT_READING
 
     @classmethod
-    def of(cls, path: Path, image: Image, reading: Reading = DEFAULT) -> ImageReference:
+    def of(cls, path: Path, image: Image, reading: Reading = DEFAULT_READING) -> ImageReference:
         """Refer to an image that has been read from a file."""
         low, high = image.gray_range
         return cls(path.name, str(path), image.shape, high - low, image.file_sha256, image.spacing, image.unit, reading)
@@ -77,7 +77,7 @@ class ImageReference:
         """Return the image with the size of a pixel that is known here."""
         if (image.spacing, image.unit) == (self.spacing, self.unit):
             return image
-        factor = resolution.factor(image.unit, self.unit) if image.unit and self.unit else 1.0
+        factor = resolution.conversion_factor(image.unit, self.unit) if image.unit and self.unit else 1.0
         return image.with_spacing(self.spacing, self.unit, factor)
 
     @property

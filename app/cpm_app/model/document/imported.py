@@ -79,7 +79,7 @@ class Imported:
         count = len(found.contours)
         _check(tr("{name} has {count} contours, but at most {most} can be imported."), name, count)
         closed = [contour for contour in found.contours if contour.closed]
-        starts = starts_from_contours(found.contours, found.places)
+        starts = starts_from_contours(found.contours, found.points)
         classes = tuple(parts[0].category for parts in _grouped(closed))
         return cls(name, count, starts, objects_of(closed), count - len(closed), found.notes, classes=classes)
 

@@ -11,7 +11,7 @@ from cpm_app.model.text.language import tr
 from cpm_core import METHODS, PRESETS, Parameters
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.types import frozen
-from cpm_core.parameters import OF_PLANES, OF_VOLUMES
+from cpm_core.parameters import PLANE_PARAMETERS, VOLUME_PARAMETERS
 from cpm_core.shapes import Everywhere, Limit, Shape
 
 
@@ -85,7 +85,7 @@ def needs_start(mode: Mode) -> bool:
 
 def acting_in(mode: Mode, dimension: int = 2) -> frozenset[str]:
     """Return the names of the controls that have an effect in a mode, on an image with `dimension` axes."""
-    lacking = (*OF_PLANES, _SKELETON_WIDTH) if dimension == 3 else OF_VOLUMES
+    lacking = (*PLANE_PARAMETERS, _SKELETON_WIDTH) if dimension == 3 else VOLUME_PARAMETERS
     acting = (name for name in METHODS[MODES[mode].method].parameters if name not in lacking)
     return frozenset(RATIO if name == "w1" else name for name in acting)
 

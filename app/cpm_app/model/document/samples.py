@@ -12,7 +12,7 @@ from cpm_app.model.document.document import Mode
 from cpm_app.model.text.assets import asset
 from cpm_app.model.text.language import from_core
 from cpm_core import PRESETS, Parameters
-from cpm_core.formats import shape_from_plain
+from cpm_core.formats import shape_from_json
 from cpm_core.numerics.types import frozen
 from cpm_core.shapes import Shape
 
@@ -43,7 +43,7 @@ def samples() -> tuple[Sample, ...]:
             title=from_core(entry["title"]),
             about=from_core(entry["about"]),
             path=asset(f"samples/{entry['file']}"),
-            shapes=tuple(shape_from_plain(drawn, entry["title"]) for drawn in entry["shapes"]),
+            shapes=tuple(shape_from_json(drawn, entry["title"]) for drawn in entry["shapes"]),
             parameters=replace(PRESETS[entry["preset"]], **entry.get("parameters", {})),
             mode=entry.get("mode", "shape"),
         )

@@ -9,7 +9,7 @@ from cpm_app.model.text.language import from_core, tr, written
 from cpm_app.model.text.wording import rich
 from cpm_core import PARAMETERS, Parameters
 from cpm_core.numerics.types import JsonDict, Texts, frozen
-from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, ParameterInfo
+from cpm_core.parameters import AUTOMATIC_PARAMETERS, CHOICE_PARAMETERS, START_PARAMETERS, ParameterInfo
 
 RATIO = "ratio"
 """Name of the control of w₁/w₂."""
@@ -20,7 +20,7 @@ HIGHEST_RATIO = 0.99
 LOWEST_RATIO = 0.05
 """Smallest value of w₁/w₂."""
 
-MAIN = ("beta", RATIO, "annealing", *OF_STARTS, "smoothing", "polarity", "max_width", "pruning")
+MAIN = ("beta", RATIO, "annealing", *START_PARAMETERS, "smoothing", "polarity", "max_width", "pruning")
 """Names of the controls that are not folded away."""
 
 _FULL_CONTRAST = 255.0
@@ -76,7 +76,7 @@ class Control(ParameterInfo):
     @property
     def automatic(self) -> bool:
         """Whether the program can choose it (``"auto"``)."""
-        return self.name in AUTOMATIC
+        return self.name in AUTOMATIC_PARAMETERS
 
     @property
     def whole(self) -> bool:
@@ -252,5 +252,5 @@ def choice_controls() -> tuple[ChoiceControl, ...]:
             tuple((value, _CHOICE_TITLES.get(value, value), from_core(about)) for value, about in info.choices.items()),
             _EFFECT_TEXTS[info.invalidates],
         )
-        for name, info in CHOICES.items()
+        for name, info in CHOICE_PARAMETERS.items()
     )

@@ -8,7 +8,7 @@ from functools import cache
 
 from cpm_app.model.text.language import tr
 from cpm_core import Parameters
-from cpm_core.formats import parameters_from_plain
+from cpm_core.formats import parameters_from_json
 from cpm_core.numerics.types import frozen
 from cpm_core.parameters import PLANE_PRESETS
 
@@ -52,7 +52,7 @@ class Preset:
     key: str = ""
 
     @property
-    def own(self) -> bool:
+    def is_own(self) -> bool:
         """Whether it is a preset of the user."""
         return not self.key
 
@@ -88,7 +88,7 @@ def read(content: bytes) -> Preset:
     """Decode a preset from the content of a file; ValueError if there is none. Missing parameters have defaults."""
     try:
         kept = json.loads(content.decode("utf-8"))
-        parameters, _ = parameters_from_plain(kept["parameters"])
+        parameters, _ = parameters_from_json(kept["parameters"])
         return Preset(checked_name(str(kept["name"])), parameters, str(kept.get("about", ""))[:_MAX_ABOUT_LENGTH])
     except (AttributeError, KeyError, TypeError, RecursionError) as error:
         raise ValueError("not a preset of CPM") from error

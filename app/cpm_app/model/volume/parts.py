@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cpm_app.model.text.language import tr
-from cpm_core.formats import ONLY_THESE, Reading, Stack
+from cpm_core.formats import ONLY_THESE_NOTE, Reading, Stack
 from cpm_core.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Sides, Texts, frozen
 
@@ -51,7 +51,7 @@ class Parts:
     times: int = 1
     channels: int = 1
     series: Texts = ()
-    number: int = 1
+    series_number: int = 1
     word: str = "page"
     usual: int = 1
     deep: bool = False
@@ -69,12 +69,12 @@ class Parts:
         """
         planes, film = stack.shape[0], stack.shape[0] == 1 and stack.times > 1
         pages, times = (stack.times, 1) if film else (planes, stack.times)
-        usual = 1 if film else stack.otherwise + 1
-        deep = not film and (stack.deep or not paged)
-        first, end = stack.stretch or (0, pages)
-        left_out = (ONLY_THESE,) if stack.stretch is not None and end - first >= MINIMUM_SIDE else ()
-        return cls(pages, times, stack.channels, stack.series, stack.number + 1, stack.word, usual, deep,
-                   stack.spacing, stack.unit, end - first, (*stack.of_volume, *left_out),
+        usual = 1 if film else stack.default_plane + 1
+        deep = not film and (stack.has_plane_spacing or not paged)
+        first, end = stack.volume_range or (0, pages)
+        left_out = (ONLY_THESE_NOTE,) if stack.volume_range is not None and end - first >= MINIMUM_SIDE else ()
+        return cls(pages, times, stack.channels, stack.series, stack.series_number + 1, stack.plane_word, usual, deep,
+                   stack.spacing, stack.unit, end - first, (*stack.volume_notes, *left_out),
                    series_around if pages == 1 else None)  # fmt: skip
 
     @property
@@ -112,5 +112,5 @@ class Parts:
         )
         said = [text.format(number=number) for text, count, number in numbers if count > 1 and number is not None]
         if len(self.series) > 1:
-            said.append(tr("series {name}", name=self.series[self.number - 1]))
+            said.append(tr("series {name}", name=self.series[self.series_number - 1]))
         return ", ".join(said)

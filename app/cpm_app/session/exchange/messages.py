@@ -27,12 +27,12 @@ from cpm_core import (
     Parameters,
     Result,
     Skeleton,
-    encoded,
+    to_bytes,
     load_image,
     load_volume,
 )
 from cpm_core.formats import Reading, SessionFile
-from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Callback, Integers, Mask, Texts, frozen, record
@@ -58,7 +58,7 @@ class Core:
     methods: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]] = field(
         default_factory=lambda: METHODS
     )
-    encode: Callable[..., bytes] = encoded
+    encode: Callable[..., bytes] = to_bytes
     warm_up: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_runs
     warm_up_volumes: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_volumes
 
@@ -229,7 +229,7 @@ class Opened(Report):
     folder: tuple[Path, ...] = ()
     beside: Path | None = None
     parts: Parts | None = None
-    reading: Reading = DEFAULT
+    reading: Reading = DEFAULT_READING
 
 
 @record

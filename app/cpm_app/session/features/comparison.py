@@ -511,7 +511,7 @@ def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ..
         made = objects_of(
             [
                 Contour(points, True, group=number, hole=hole)
-                for number, curves in mask.objects(row.truth.objects)
+                for number, curves in mask.find_label_outlines(row.truth.objects)
                 for points, hole in curves
             ]
         )

@@ -21,7 +21,7 @@ from cpm_core.field import ScaleField
 from cpm_core.numerics import Array, PathTree, Position
 from cpm_core.numerics.types import Callback, Integers
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, outlined, redrawn
-from cpm_core.parameters import invalidating
+from cpm_core.parameters import find_invalidating
 from cpm_core.reconstruction import Contact, LiveWire, chain_contours, cut_contour, delete_stretch, snap_place_to_ridge, live_wire_from
 
 Way = Callable[[Position], Array]
@@ -71,7 +71,7 @@ class HandEditing(QObject):
     def prepare(self) -> None:
         """Request the edges of the image, unless they are there or have been requested."""
         document, generation = self._session.document, self._session.image_generation
-        wanted = (generation, document.regions, *(getattr(document.parameters, name) for name in invalidating("field")))
+        wanted = (generation, document.regions, *(getattr(document.parameters, name) for name in find_invalidating("field")))
         if document.image is not None and wanted != self._asked:
             self._asked = wanted
             self._session.attempt(EDGES)

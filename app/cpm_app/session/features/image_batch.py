@@ -12,7 +12,7 @@ from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.opening import images_in
 from cpm_app.session.tasks.tasks import OVER, Task
-from cpm_core.formats import SUFFIX, SessionFile, save_session
+from cpm_core.formats import SESSION_SUFFIX, SessionFile, save_session
 from cpm_core.numerics.types import frozen
 
 TOPIC = "batch"
@@ -21,7 +21,7 @@ TOPIC = "batch"
 _RESULTS_FOLDER = "contours"
 """Name of the folder of results, inside the folder of images."""
 
-_APPLIED_SESSION = f"session{SUFFIX}"
+_APPLIED_SESSION = f"session{SESSION_SUFFIX}"
 """Name of the session that the results were made with, in their folder."""
 
 _SUMMARY_TABLE = "summary.csv"

@@ -16,9 +16,9 @@ from cpm_app.session.tasks.tasks import Task
 from cpm_core import Image, load_centerlines, load_points
 from cpm_core.formats import (
     CONTOURS_READABLE,
-    FOR_CENTERLINES,
+    CENTERLINES_WRITABLE,
     decode_contours,
-    plane_of,
+    describe_plane,
     read_contours,
     read_surface,
     write_together,
@@ -38,7 +38,7 @@ Found = Imported | Points
 
 def read_file(session: Session, path: Path, use: Callable[[Found], object]) -> None:
     """Start to read contours, a surface or points."""
-    image, plane = session.image, plane_of(session.image)
+    image, plane = session.image, describe_plane(session.image)
 
     def read_content(task: Task) -> Found:
         if image is not None and image.ndim == 3:
@@ -58,7 +58,7 @@ def read_file(session: Session, path: Path, use: Callable[[Found], object]) -> N
 
 def read_pasted(session: Session, content: bytes, use: Callable[[Found], object]) -> None:
     """Start to read contours from the clipboard."""
-    plane, name = plane_of(session.image), tr("the clipboard")
+    plane, name = describe_plane(session.image), tr("the clipboard")
 
     def decode_content(task: Task) -> Found:
         return Imported.of(decode_contours(content, name, plane), name)
@@ -103,7 +103,7 @@ def _in_volume(path: Path, volume: Image) -> Imported:
     suffix, notes = path.suffix.lower(), list[str]()
     if suffix in CONTOURS_READABLE:
         raise ValueError(tr("{name} has contours for an image, but a volume is open.", name=path.name))
-    if suffix in FOR_CENTERLINES:
+    if suffix in CENTERLINES_WRITABLE:
         lines = load_centerlines(path, volume, warn=notes.append)
         return Imported.of_lines(lines, tuple(notes))
     surface, assumed = read_surface(path, volume)

@@ -22,8 +22,8 @@ from cpm_app.session.timeline.plain_runs import sound
 from cpm_app.session.undo_history import History
 from cpm_core import Engine, Page, Result, State, load_pages
 from cpm_core.contours import contour_midpoint
-from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
-from cpm_core.formats.sessions.recorded_run import Recorder, with_run
+from cpm_core.formats import Pages, Reading, decode_session, encode_session, page_from_json, page_to_json
+from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
@@ -180,7 +180,7 @@ def linked(
     tables: dict[Listed, Table] = {}
     of_kinds: tuple[tuple[Listed, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
     for kind, made in of_kinds:
-        name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.alone
+        name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.has_single_axis
         if made:
             whole = StackResult(name, source.count, tuple(made), axis, alone, drawn)
             tables[kind] = whole, page_rows(whole)
@@ -206,7 +206,7 @@ def pages_to_plain(
         return {}
     left, sessions = _MAX_PAGE_RUNS_CHARACTERS, []
     for number, page in sorted(others.items()):
-        session = json.loads(encode(replace(to_file(page.document, {}), image=None), Path()))
+        session = json.loads(encode_session(replace(to_file(page.document, {}), image=None), Path()))
         size = len(json.dumps(page.runs))
         if page.runs and size <= left:
             left -= size
@@ -217,7 +217,7 @@ def pages_to_plain(
         "drawn": list(drawn),
         "given": given,
         "sessions": sessions,
-        "found": [] if result is None else [page_to_plain(page) for page in result.pages],
+        "found": [] if result is None else [page_to_json(page) for page in result.pages],
     }
 
 
@@ -254,7 +254,7 @@ class StoredPages:
 
         def read_session(entry: JsonObject) -> tuple[int, KeptPage]:
             number = _checked(entry["page"], source)
-            file = decode(json.dumps(entry["session"]).encode(), tr("page {number}", number=number))
+            file = decode_session(json.dumps(entry["session"]).encode(), tr("page {number}", number=number))
             image = here.image and replace(here.image, reading=source.reading_of(number))
             if image is None:
                 raise ValueError("there is no image")
@@ -264,7 +264,7 @@ class StoredPages:
             return number, KeptPage(document, file.runs, known=document, given=given)
 
         def read_page(entry: JsonObject) -> tuple[int, Page]:
-            page = page_from_plain(entry)
+            page = page_from_json(entry)
             return _checked(page.number, source), page
 
         faults: list[Exception] = []
@@ -314,7 +314,7 @@ class PageDone:
     runs: JsonObject = field(default_factory=dict)
 
 
-def _recorded(recorder: Recorder, task: Task, state: State) -> None:
+def _recorded(recorder: RunRecorder, task: Task, state: State) -> None:
     task.check_cancelled()
     recorder(state)
 
@@ -339,7 +339,7 @@ def run_pages(
             image = source.pages[number - 1]
             reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
             document = replace(document, image=reference, parameters=fitting(document.parameters, image.shape))
-            recorder = Recorder()
+            recorder = RunRecorder()
             engine = Engine(image, document.parameters, document.regions)
             seeds = document.seeds_in(SeedCache(image))
             result = found_by(engine, document, seeds, partial(_recorded, recorder, task))
@@ -352,5 +352,5 @@ def run_pages(
             continue
         page = follower.take(number, result)
         placed = [{"number": contour.number, "place": list(contour_midpoint(contour))} for contour in page.contours]
-        session = with_run(to_file(document, {}), recorder, tr("Run {number}", number=1))
+        session = add_recorded_run(to_file(document, {}), recorder, tr("Run {number}", number=1))
         yield PageDone(page, document, given, {**session.runs, "numbers": placed})

@@ -43,7 +43,7 @@ from cpm_app.session.tasks.tasks import Task
 from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.contours import apply_marks, compute_centroid
-from cpm_core.formats import ImageFile, export_stack, plain_shapes
+from cpm_core.formats import ImageFile, export_stack, describe_shapes
 from cpm_core.numerics.types import JsonObject
 from cpm_core.pages import StackResult
 from cpm_core.shapes import Start, starts_from_contours
@@ -288,7 +288,7 @@ class StackPages(QObject):
             self._session.say(document.nothing_to_start_from, True, RUNNING)
             return
         kept, following = {**self._kept, self.number: self._here()}, self.following
-        self._drawn = plain_shapes(document.shapes)
+        self._drawn = describe_shapes(document.shapes)
         followed, _ = self.tables.get("contours", NOTHING)
         before = () if followed is None else tuple(page for page in followed.pages if page.number < first)
         source, numbers = self.source, range(first, self.count + 1)

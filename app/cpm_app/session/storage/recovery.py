@@ -22,7 +22,7 @@ from cpm_app.session.exchange.messages import sentence as _sentence
 from cpm_app.session.storage.preferences import Preferences, settings
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.session.tasks.opening import Wanted
-from cpm_core.formats import SUFFIX, SessionFile, load_session, remove_abandoned, save_session
+from cpm_core.formats import SESSION_SUFFIX, SessionFile, load_session, remove_abandoned_drafts, save_session
 from cpm_core.numerics.types import record
 
 KEY = "journal"
@@ -58,7 +58,7 @@ class Journal(QObject):
     def __init__(self, document_file: DocumentFile, folder: Path, preferences: Preferences) -> None:
         super().__init__(document_file)
         self._document_file = document_file
-        self.path = folder / f"{uuid.uuid4().hex}{SUFFIX}"
+        self.path = folder / f"{uuid.uuid4().hex}{SESSION_SUFFIX}"
         self._lock = lock_of(self.path)
         self._writer: ThreadPoolExecutor | None = None
         self._last: Future[str] | None = None
@@ -161,9 +161,9 @@ def left_behind(folder: Path) -> tuple[list[Leftover], list[str]]:
 
     A damaged journal is set aside; one that only could not be read is left for the next start.
     """
-    remove_abandoned(folder)
+    remove_abandoned_drafts(folder)
     found, troubles = [], []
-    for journal in sorted(folder.glob(f"*{SUFFIX}")):
+    for journal in sorted(folder.glob(f"*{SESSION_SUFFIX}")):
         lock = lock_of(journal)
         if not lock.tryLock(0):
             continue

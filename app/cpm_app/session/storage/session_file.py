@@ -18,7 +18,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.signals import SAVING
 from cpm_app.session.storage.run_keeping import RunKeeping
 from cpm_app.session.tasks.tasks import OVER, Task
-from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
+from cpm_core.formats import SESSION_SUFFIX, SessionFile, TruthFile, save_session
 from cpm_core.numerics.types import JsonObject, Texts, record
 
 _MAX_RUNS_WAIT = 10.0
@@ -89,7 +89,7 @@ class DocumentFile(QObject):
     def name(self) -> str:
         """Name of the file, or of the one that would be written."""
         image = self._session.document.image
-        return self.path.name if self.path else f"{Path(image.name).stem}{SUFFIX}" if image else ""
+        return self.path.name if self.path else f"{Path(image.name).stem}{SESSION_SUFFIX}" if image else ""
 
     @property
     def file(self) -> SessionFile:

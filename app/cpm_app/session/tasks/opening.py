@@ -15,19 +15,19 @@ from cpm_app.session.exchange.messages import Core, ImageReady, NotOpened, Opene
 from cpm_app.session.tasks.tasks import OVER, Task, Tasks
 from cpm_core import PRESETS, Image, Parameters
 from cpm_core.formats import (
-    READABLE,
-    SUFFIX,
+    IMAGES_READABLE,
+    SESSION_SUFFIX,
     Reading,
     UnreadableError,
-    dicom_files_beside,
-    find_image,
-    in_natural_order,
+    find_sibling_dicom_files,
+    find_session_image,
+    natural_sort_key,
     load_session,
     open_stack,
 )
 from cpm_core.formats.images import raster
 from cpm_core.formats.images.ome_zarr import is_zarr
-from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.pages import fitting
@@ -39,7 +39,7 @@ _EXPORTED_NAME = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
 
 def images_beside(image: Path) -> tuple[Path, ...]:
     """List the images in the folder of an image, including itself, in natural order: 2 comes before 10."""
-    return tuple(sorted({*images_in(image.parent), image}, key=lambda path: in_natural_order(path.name)))
+    return tuple(sorted({*images_in(image.parent), image}, key=lambda path: natural_sort_key(path.name)))
 
 
 def images_in(folder: Path) -> tuple[Path, ...]:
@@ -51,28 +51,28 @@ def images_in(folder: Path) -> tuple[Path, ...]:
         return ()
     stems = {stem for name in names for stem in (Path(name).stem, name.partition(".")[0])}
     exported = {name for name in names if (parts := _EXPORTED_NAME.match(name)) and parts[1] in stems}
-    return tuple(folder / name for name in sorted({*names} - exported, key=in_natural_order))
+    return tuple(folder / name for name in sorted({*names} - exported, key=natural_sort_key))
 
 
 def session_beside(image: Path) -> Path | None:
     """Find the session file next to an image, of the same name; None if there is none that can be used."""
-    path = image.with_suffix(SUFFIX)
+    path = image.with_suffix(SESSION_SUFFIX)
     if path == image or not path.is_file():
         return None
     try:
         file = load_session(path).image
-        found, _ = find_image(file, path.absolute().parent) if file is not None else (None, ())
+        found, _ = find_session_image(file, path.absolute().parent) if file is not None else (None, ())
     except ValueError:
         return None
     return path if found is not None and found == image.resolve() else None
 
 
 def _is_image(entry: os.DirEntry[str]) -> bool:
-    known = Path(entry.name).suffix.lower() in READABLE and not entry.name.startswith(".")
+    known = Path(entry.name).suffix.lower() in IMAGES_READABLE and not entry.name.startswith(".")
     return known and (entry.is_file() or is_zarr(Path(entry)))
 
 
-PAGED = frozenset({".tif", ".tiff", *raster.READS})
+PAGED = frozenset({".tif", ".tiff", *raster.FILE_KINDS})
 """Suffixes of files whose pages are usually separate images."""
 
 
@@ -86,7 +86,7 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
         try:
             stack = open_stack(path, reading.series)
             # the folder, if both the file and enough files next to it are DICOM
-            series = path.parent if len(dicom_files_beside(path, MINIMUM_SIDE)) >= MINIMUM_SIDE else None
+            series = path.parent if len(find_sibling_dicom_files(path, MINIMUM_SIDE)) >= MINIMUM_SIDE else None
             return Parts.of(stack, paged, series), reading
         except UnreadableError as error:
             if not error.images:
@@ -113,7 +113,7 @@ class Wanted:
     notes: Texts = ()
     resumes: bool = False
     as_volume: bool | None = None
-    reading: Reading = DEFAULT
+    reading: Reading = DEFAULT_READING
 
 
 def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
@@ -126,13 +126,13 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
     beside = session_beside(path) if saved is None else None
     if beside is not None and wanted.resumes:
         path, beside = beside, None
-    if saved is None and path.suffix.lower() == SUFFIX:
+    if saved is None and path.suffix.lower() == SESSION_SUFFIX:
         saved = Saved(path, load_session(path))
     if saved is not None:
         parameters, named = saved.file.parameters, saved.file.image
         if named is None:
             raise ValueError(tr("{name} does not name an image.", name=path.name))
-        path, warnings = find_image(named, path.absolute().parent, check_cancelled)
+        path, warnings = find_session_image(named, path.absolute().parent, check_cancelled)
         notes = (*notes, *saved.file.notes, *warnings)
     parts, reading = parts_of(path, wanted.reading if named is None else named.reading)
     check_cancelled()

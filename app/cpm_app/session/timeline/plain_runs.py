@@ -23,28 +23,28 @@ from cpm_core.field import sort_charges
 from cpm_core.formats import (
     Reading,
     SessionFile,
-    array_from_plain,
-    array_to_plain,
-    decode,
-    encode,
-    from_plain,
-    items,
-    mapping,
-    number,
-    parameters_from_plain,
-    regions_from_plain,
-    regions_to_plain,
-    shape_from_plain,
-    shape_to_plain,
-    state_from_plain,
-    state_to_plain,
-    to_plain,
+    array_from_json,
+    array_to_json,
+    decode_session,
+    encode_session,
+    from_json,
+    expect_list,
+    expect_mapping,
+    expect_number,
+    parameters_from_json,
+    regions_from_json,
+    regions_to_json,
+    shape_from_json,
+    shape_to_json,
+    state_from_json,
+    state_to_json,
+    to_json,
 )
 from cpm_core.numerics import Position
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject, frozen
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.parameters import shown
+from cpm_core.parameters import quote_value
 
 MOST = 24 * 2**20
 """Largest size of states and figures in a session file [characters]; actions always fit, as all can be repeated."""
@@ -82,14 +82,14 @@ def runs_to_plain(stored: StoredRuns) -> JsonObject:
         else:
             left -= size
     here = None if stored.here is None else list(stored.here)
-    numbers = [to_plain(_Numbered(number, place)) for number, place in stored.numbers.items()]
+    numbers = [to_json(_Numbered(number, place)) for number, place in stored.numbers.items()]
     return {"here": here, "runs": runs, "states": states, "numbers": numbers}
 
 
 @lru_cache(2 * MOST_RUNS)
 def _packed(state: State) -> tuple[JsonDict, int]:
     """Return a state as plain JSON and its size [characters]; cached, as most states are collected repeatedly."""
-    plain = state_to_plain(state)
+    plain = state_to_json(state)
     return plain, len(json.dumps(plain))
 
 
@@ -110,14 +110,14 @@ def runs_from_plain(plain: JsonObject, image: ImageReference) -> tuple[StoredRun
         return _state(entry, branches, image) if entry.get("branch") in branches else None  # the oldest may be left out
 
     def read_number(entry: JsonObject) -> tuple[int, Position]:
-        contour = from_plain(_Numbered, entry, "number of a contour")
+        contour = from_json(_Numbered, entry, "number of a contour")
         return contour.number, contour.place
 
     states = dict(filter(None, sound(plain, "states", read_state, faults)))
     numbers = dict(sound(plain, "numbers", read_number, faults))
     here = None
     try:
-        branch, step = (int(number(one, "here")) for one in plain.get("here") or (0, 0))
+        branch, step = (int(expect_number(one, "here")) for one in plain.get("here") or (0, 0))
         here = (branch, step) if branch in branches else None
     except (ValueError, TypeError) as error:
         faults.append(error)
@@ -131,7 +131,7 @@ def sound(plain: JsonObject, name: str, read: Callable[[JsonObject], Entry], fau
     found, entries = [], plain.get(name, [])
     for entry in entries if isinstance(entries, list) else [entries]:
         try:
-            found.append(read(mapping(entry, name)))
+            found.append(read(expect_mapping(entry, name)))
         except (ValueError, TypeError, KeyError, OverflowError, IndexError, AttributeError) as error:
             faults.append(error)
     return found
@@ -141,20 +141,20 @@ def _run_to_plain(run: StoredRun) -> JsonDict:
     numbers: dict[RunAction, int] = {}
     branches = []
     for stored in run.branches:
-        plain = to_plain(stored.branch)
+        plain = to_json(stored.branch)
         # run-length encoding: the actions of a step by their numbers, and for how many steps they are the same
         numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in stored.steps)
         plain["steps"] = [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
         if stored.figures is not None:
-            plain["figures"] = array_to_plain(stored.figures)
+            plain["figures"] = array_to_json(stored.figures)
         branches.append(plain)
     document = run.document
     acting = document.objects.barriers or document.outlined.objects  # a run depends on objects only then
     bare = replace(to_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison)
     return {
         "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
-        "document": json.loads(encode(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),
-        "drawn": [shape_to_plain(start) for start in starts_of(run.drawn)],
+        "document": json.loads(encode_session(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),
+        "drawn": [shape_to_json(start) for start in starts_of(run.drawn)],
         "actions": [_action_to_plain(action, document.parameters) for action in numbers],
         "branches": branches,
     }
@@ -164,32 +164,32 @@ def _action_to_plain(action: RunAction, usual: Parameters) -> JsonDict:
     """Encode an action; of its parameters only those that differ from the usual ones."""
     plain: JsonDict = {}
     if isinstance(action, Stepped):
-        known, taken = to_plain(usual), to_plain(action.parameters)
+        known, taken = to_json(usual), to_json(action.parameters)
         plain["step"] = {name: value for name, value in taken.items() if value != known[name]}
-        plain["charges"] = [to_plain(charge) for charge in action.charges]
+        plain["charges"] = [to_json(charge) for charge in action.charges]
     elif isinstance(action, Joined):
-        plain["join"] = array_to_plain(np.array(action.seeds))
+        plain["join"] = array_to_json(np.array(action.seeds))
     elif isinstance(action, Erased):
-        plain |= {"erase": to_plain(action.path), "radius": action.radius}
-    return plain | regions_to_plain(action.regions)
+        plain |= {"erase": to_json(action.path), "radius": action.radius}
+    return plain | regions_to_json(action.regions)
 
 
 def _run(plain: JsonObject, image: ImageReference) -> StoredRun:
     if plain.get("size") is not None:  # the pixel size may have been changed since
-        size = from_plain(Reading, plain["size"], "size")
+        size = from_json(Reading, plain["size"], "size")
         if size.spacing is None or len(size.spacing) != len(image.shape):
             raise ValueError(
-                f"the size of a pixel is {shown(plain['size'])} but the image has {len(image.shape)} axes."
+                f"the size of a pixel is {quote_value(plain['size'])} but the image has {len(image.shape)} axes."
             )
         image = replace(image, spacing=size.spacing, unit=size.unit)
-    file = decode(json.dumps(plain.get("document")).encode(), "its beginning")
+    file = decode_session(json.dumps(plain.get("document")).encode(), "its beginning")
     document = restored(file, image, file.parameters)
-    drawn = tuple(shape_from_plain(one, "a start of a run") for one in items(plain.get("drawn", [])))
-    listed = items(plain.get("actions"), "actions")
-    actions = [_action(mapping(one, "action"), document.parameters) for one in listed]
+    drawn = tuple(shape_from_json(one, "a start of a run") for one in expect_list(plain.get("drawn", [])))
+    listed = expect_list(plain.get("actions"), "actions")
+    actions = [_action(expect_mapping(one, "action"), document.parameters) for one in listed]
     branches: dict[int, StoredBranch] = {}
-    for entry in items(plain.get("branches")):
-        stored = _branch(mapping(entry, "branch"), actions)
+    for entry in expect_list(plain.get("branches")):
+        stored = _branch(expect_mapping(entry, "branch"), actions)
         branch, left = stored.branch, branches.get(stored.branch.parent or 0)
         begins = not (branches or branch.parent or branch.first) and branch.scales and branch.scales[0][0] == 0
         if not (begins if left is None else branch.first <= left.branch.last):
@@ -202,17 +202,17 @@ def _run(plain: JsonObject, image: ImageReference) -> StoredRun:
 
 def _branch(plain: JsonObject, actions: Sequence[RunAction]) -> StoredBranch:
     given = {name: value for name, value in plain.items() if name not in ("steps", "figures")}
-    branch = from_plain(Branch, given, "branch")
+    branch = from_json(Branch, given, "branch")
     figures = None
     if "figures" in plain:
-        figures = array_from_plain(plain["figures"], float, (len(FIGURES), None), "figures of a branch")
+        figures = array_from_json(plain["figures"], float, (len(FIGURES), None), "figures of a branch")
     steps: list[tuple[RunAction, ...]] = []
-    for entry in items(plain.get("steps"), "steps"):
-        numbers, count = items(entry, "steps")
+    for entry in expect_list(plain.get("steps"), "steps"):
+        numbers, count = expect_list(entry, "steps")
         if type(count) is not int or not 0 < count <= MOST_STEPS - len(steps):
-            raise ValueError(f"steps repeat {shown(count)} times but must be {MOST_STEPS} at most.")
-        if any(type(one) is not int or not 0 <= one < len(actions) for one in items(numbers, "steps")):
-            raise ValueError(f"steps name the action {shown(numbers)}, which does not exist.")
+            raise ValueError(f"steps repeat {quote_value(count)} times but must be {MOST_STEPS} at most.")
+        if any(type(one) is not int or not 0 <= one < len(actions) for one in expect_list(numbers, "steps")):
+            raise ValueError(f"steps name the action {quote_value(numbers)}, which does not exist.")
         steps += [tuple(actions[one] for one in numbers)] * count
     # every entry but the first is a step, followed by the changes of its state
     stepped = [[index for index, action in enumerate(step) if isinstance(action, Stepped)] for step in steps]
@@ -224,18 +224,18 @@ def _branch(plain: JsonObject, actions: Sequence[RunAction]) -> StoredBranch:
 
 
 def _action(plain: JsonObject, usual: Parameters) -> RunAction:
-    regions = regions_from_plain(plain, "regions of a run")
+    regions = regions_from_json(plain, "regions of a run")
     if "step" in plain:
-        parameters, _ = parameters_from_plain({**to_plain(usual), **mapping(plain["step"], "step")})
-        charges = tuple(from_plain(PlacedCharge, one, "charge") for one in items(plain.get("charges", []), "charges"))
+        parameters, _ = parameters_from_json({**to_json(usual), **expect_mapping(plain["step"], "step")})
+        charges = tuple(from_json(PlacedCharge, one, "charge") for one in expect_list(plain.get("charges", []), "charges"))
         return Stepped(parameters, charges, regions)
     if "join" in plain:
-        axes = 3 if mapping(plain["join"], "join").get("shape", [])[-1:] == [3] else 2
-        seeds = array_from_plain(plain["join"], float, (None, axes), "particles that were added")
+        axes = 3 if expect_mapping(plain["join"], "join").get("shape", [])[-1:] == [3] else 2
+        seeds = array_from_json(plain["join"], float, (None, axes), "particles that were added")
         if not np.isfinite(seeds).all():
             raise ValueError("particles that were added hold a value that is not a number.")
         return Joined(as_line(seeds), regions)
-    erased = from_plain(Erased, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
+    erased = from_json(Erased, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
     return replace(erased, regions=regions)
 
 
@@ -243,11 +243,11 @@ def _state(
     plain: JsonObject, branches: Mapping[int, tuple[StoredRun, StoredBranch]], image: ImageReference
 ) -> tuple[BranchStep, State]:
     """Read a state and its place; steering, regions and charges are those of the action of its step."""
-    number_of, step = (int(number(plain.get(name), f"{name} of a state")) for name in ("branch", "step"))
+    number_of, step = (int(expect_number(plain.get(name), f"{name} of a state")) for name in ("branch", "step"))
     run, stored = branches[number_of]
     if not stored.branch.first < step <= stored.branch.last:
         raise ValueError(f"there is no step {step} of branch {number_of}.")
-    state = state_from_plain(plain.get("state"), image.shape, run.document.parameters.scales)
+    state = state_from_json(plain.get("state"), image.shape, run.document.parameters.scales)
     taken = stored.steps[step - stored.branch.first][0]
     if state.step != step or not isinstance(taken, Stepped):
         raise ValueError(f"the state of step {step} is that of step {state.step}.")

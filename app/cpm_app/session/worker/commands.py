@@ -37,7 +37,7 @@ from cpm_app.session.tasks.tasks import Task
 from cpm_app.session.timeline.plain_runs import runs_from_plain, runs_to_plain
 from cpm_app.session.worker.run import Run
 from cpm_core import Result, Skeleton
-from cpm_core.formats import DRAWN, descriptions, located, write_together
+from cpm_core.formats import FIGURE_SUFFIXES, encode_descriptions, set_relative_source, write_together
 from cpm_core.numerics.types import JsonObject, record
 from cpm_core.shapes import NO_SEEDS
 
@@ -176,12 +176,12 @@ def write_files(
                     result = chosen(whole, document, order, file.what, image)
                     made[key] = thinned(result, order.tolerance) if key[1] else result
                 shaped = made[key]
-                if file.suffix in DRAWN and shaped.image is None:
+                if file.suffix in FIGURE_SUFFIXES and shaped.image is None:
                     shaped = replace(shaped, image=image)
                 elif file.suffix == ".labelme.json" and source is not None:
-                    shaped = located(shaped, file.path, Path(source))
+                    shaped = set_relative_source(shaped, file.path, Path(source))
                 contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space, image=source)))
-                contents += [] if then else descriptions(made[key], file.path)
+                contents += [] if then else encode_descriptions(made[key], file.path)
                 counts.setdefault(file.what, summary_text(made[key], file.what, file.suffix))
             if then is not None:
                 context.report(Finished(partial(then, tuple(content for _, content in contents))))

@@ -21,11 +21,11 @@ from cpm_app.session.worker.prepared_methods import PreparedMethods, overlay
 from cpm_app.session.worker.reconstruction import Reconstructor, Request, edited
 from cpm_core import Image, Method, Parameters, PlacedCharge, Result, Skeleton
 from cpm_core.contours import HandEdit
-from cpm_core.formats import plain_shapes
+from cpm_core.formats import describe_shapes
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Place
 from cpm_core.numerics.polyline import as_line
-from cpm_core.parameters import invalidating
+from cpm_core.parameters import find_invalidating
 from cpm_core.segmentation import MethodState, Steerable
 from cpm_core.shapes import ImageSeeds
 
@@ -179,7 +179,7 @@ class Run:
 
     def _refresh_overlays(self) -> None:
         """Compute the requested overlays if they would differ from the last ones; without a method there are none."""
-        made_of = [getattr(self.parameters, name) for name in invalidating("field")]
+        made_of = [getattr(self.parameters, name) for name in find_invalidating("field")]
         key = (self.method, self._overlaid, self.charges, *made_of)
         if self.method is None or not self._overlaid or key == self._overlays_of:
             return
@@ -306,7 +306,7 @@ class Run:
         if image is not None and not made.sha256:  # contours drawn by hand
             made = replace(made, sha256=image.sha256, of_file=bool(image.file_sha256))
         if self.state is not None:
-            made = replace(made, shapes=plain_shapes(self.timeline.drawn), steered=self.timeline.steered)
+            made = replace(made, shapes=describe_shapes(self.timeline.drawn), steered=self.timeline.steered)
         return replace(result, provenance=made)
 
     def result_of(self, branch: int, state: MethodState) -> Result | Skeleton:

@@ -180,7 +180,7 @@ class MethodChoice(QWidget):
                 unit = f" {info.unit}" if info.unit else ""
                 field = self.fields[field_name] = DecimalField(info.low, info.high, info.step, decimals, unit)
                 field.setValue(getattr(settings, field_name))
-                field.setToolTip(f"{from_core(info.meaning)} {from_core(info.more)}")
+                field.setToolTip(f"{from_core(info.meaning)} {from_core(info.effect_of_larger)}")
                 field.setAccessibleName(from_core(info.title))
                 field.valueChanged.connect(partial(self._set, field_name))
                 form.addRow(f"{from_core(info.title)}  {info.symbol}", field)

@@ -44,7 +44,7 @@ from cpm_app.views.widgets.containers import AcceptButtons, arrange, wrapped
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Skeleton
-from cpm_core.formats import IN_SPACE, left_out
+from cpm_core.formats import SURFACE_SUFFIXES, count_left_out
 from cpm_core.image import CONVENTIONS
 from cpm_core.numerics.types import JsonDict, frozen
 
@@ -305,7 +305,7 @@ class ExportDialog(QDialog):
         show(self.only, bool(self._there.objects or self._there.contours))
         show(self._thin, drawn)
         show(self.units, bool(self._image.unit))
-        show(self.space, self._image.geometry is not None and bool(suffixes & IN_SPACE) and self._volume)
+        show(self.space, self._image.geometry is not None and bool(suffixes & SURFACE_SUFFIXES) and self._volume)
         for part in (self._steps, self._frames, self._size):
             show(part, "run" in whats)
         self.setWindowTitle(KINDS[next(iter(whats))][1] if len(whats) == 1 else tr("Export"))
@@ -322,7 +322,7 @@ class ExportDialog(QDialog):
                 continue
             result = chosen(self._found, document, order, what, self._image)
             parts.append(summary_text(result, what, suffixes[0]))
-            if not self._volume and all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
+            if not self._volume and all(count_left_out(result, suffix) == len(result.contours) for suffix in suffixes):
                 problem = tr("Nothing can be exported: {what}.").format(what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
             if any(map(order.thins, suffixes)):

@@ -18,9 +18,9 @@ from cpm_app.views.export.frames import AnimationPlan, FrameRenderer, recorded
 from cpm_app.views.items.item import image_rectangle
 from cpm_app.views.window.window import Feature
 from cpm_core import METHODS, write_animation
-from cpm_core.formats import check_animation, facts_on, plain_shapes, text_of
+from cpm_core.formats import check_animation, describe_image_provenance, describe_shapes, dump_provenance
 from cpm_core.numerics import Pixels
-from cpm_core.parameters import Provenance, taken
+from cpm_core.parameters import Provenance, select_parameters
 
 
 def comment_on(session: Session) -> str:
@@ -28,11 +28,11 @@ def comment_on(session: Session) -> str:
     document, image = session.document, session.document.image
     if image is None:
         return ""
-    method, shapes = METHODS[MODES[document.mode].method], plain_shapes(document.shapes)
-    parameters = taken(document.parameters, method.parameters)
+    method, shapes = METHODS[MODES[document.mode].method], describe_shapes(document.shapes)
+    parameters = select_parameters(document.parameters, method.parameters)
     steered = session.status.steered
     made = Provenance(method.name, parameters, shapes=shapes, steered=steered, sha256=image.sha256)
-    return text_of(facts_on(image.name, made))
+    return dump_provenance(describe_image_provenance(image.name, made))
 
 
 def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) -> Task:

@@ -15,9 +15,9 @@ from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.dialogs import ALL_FILES, Files
 from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.window import Feature
-from cpm_core.formats import CONTOURS_READABLE, READABLE, SURFACES_READABLE, TABLE, write_together
-from cpm_core.formats.common.printable import cell
-from cpm_core.formats.contours.contour_csv import table
+from cpm_core.formats import CONTOURS_READABLE, IMAGES_READABLE, SURFACES_READABLE, TABLE_SUFFIX, write_together
+from cpm_core.formats.common.printable import escape_cell
+from cpm_core.formats.contours.contour_csv import encode_csv_rows
 
 _MIN_DIFFERENCE_SPAN = 48.0
 """Smallest side of the region shown around a difference [px]."""
@@ -32,13 +32,13 @@ class CompareFeature(Feature):
         self._compared = compared = window.workspace.comparison
 
         def export_table() -> None:
-            kinds = {TABLE: tr("Table of all results")}
+            kinds = {TABLE_SUFFIX: tr("Table of all results")}
             path = window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
             if path is not None:
-                rows: list[dict[str, object]] = [{**row, "name": cell(str(row["name"]))} for row in self.panel.figures]
+                rows: list[dict[str, object]] = [{**row, "name": escape_cell(str(row["name"]))} for row in self.panel.figures]
 
                 def write_table(_: Task) -> Report:
-                    write_together([(path, table(rows))])
+                    write_together([(path, encode_csv_rows(rows))])
                     return Exported(path)
 
                 begin_writing(self.session, path, write_table)
@@ -76,11 +76,11 @@ class CompareFeature(Feature):
 
     def _load(self) -> None:
         kinds = (
-            (Files(tr("Label volumes and surfaces"), (*READABLE, *SURFACES_READABLE)), ALL_FILES)
+            (Files(tr("Label volumes and surfaces"), (*IMAGES_READABLE, *SURFACES_READABLE)), ALL_FILES)
             if self._compared.in_volume
             else (
-                Files(tr("Masks and contours"), tuple(dict.fromkeys((*READABLE, *CONTOURS_READABLE)))),
-                Files(tr("Masks"), tuple(READABLE)),
+                Files(tr("Masks and contours"), tuple(dict.fromkeys((*IMAGES_READABLE, *CONTOURS_READABLE)))),
+                Files(tr("Masks"), tuple(IMAGES_READABLE)),
                 Files(tr("Contours"), tuple(CONTOURS_READABLE)),
                 ALL_FILES,
             )

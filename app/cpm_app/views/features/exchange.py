@@ -33,7 +33,7 @@ from cpm_app.views.features.volumes import SpaceFeature
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.dialogs import ALL_FILES, Button, Files, Question
 from cpm_app.views.window.window import Feature
-from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE
+from cpm_core.formats import CONTOURS_READABLE, CENTERLINES_WRITABLE, IMAGES_READABLE, SURFACES_READABLE
 from cpm_core.shapes import Points
 
 
@@ -167,11 +167,11 @@ class ClipboardFeature(Feature):
         self.session.say(tr("Copied as a drawing and a table."), topic=EXPORTING)
 
 
-IN_VOLUMES = frozenset((*SURFACES_READABLE, *FOR_CENTERLINES))
+IN_VOLUMES = frozenset((*SURFACES_READABLE, *CENTERLINES_WRITABLE))
 """Suffixes of files that can be imported only into a volume."""
 
 _VOLUME_IMPORT_FILES = Files(
-    tr("Surfaces, labels and center lines"), (*SURFACES_READABLE, *FOR_CENTERLINES, *READABLE, ".points.csv")
+    tr("Surfaces, labels and center lines"), (*SURFACES_READABLE, *CENTERLINES_WRITABLE, *IMAGES_READABLE, ".points.csv")
 )
 """Kinds of files that can be imported into a volume."""
 

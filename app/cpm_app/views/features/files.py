@@ -28,9 +28,9 @@ from cpm_app.views.widgets.containers import arrange, dim_label
 from cpm_app.views.window import dialogs
 from cpm_app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
 from cpm_app.views.window.window import Feature
-from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SUFFIX, SURFACES_READABLE, Reading
+from cpm_core.formats import CONTOURS_READABLE, CENTERLINES_WRITABLE, IMAGES_READABLE, SESSION_SUFFIX, SURFACES_READABLE, Reading
 
-CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES)) - frozenset(READABLE)
+CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *CENTERLINES_WRITABLE)) - frozenset(IMAGES_READABLE)
 """Suffixes of files that hold contours or points for the open document rather than a document."""
 
 _SEGMENTATION_ENDINGS = (".seg.nrrd", ".seg.dcm")
@@ -110,7 +110,7 @@ class OpenSaveFeature(Feature):
 
     def ask_for_file(self) -> None:
         """Ask for an image or a session and open it."""
-        both, images = Files(tr("Images and sessions"), (*READABLE, SUFFIX)), Files(tr("Images"), tuple(READABLE))
+        both, images = Files(tr("Images and sessions"), (*IMAGES_READABLE, SESSION_SUFFIX)), Files(tr("Images"), tuple(IMAGES_READABLE))
         chosen = self.window.files.ask_for_file("open", tr("Open"), (both, images, SESSIONS, ALL_FILES))
         if chosen is not None:
             self.take([chosen])
@@ -355,7 +355,7 @@ class FolderFeature(Feature):
         file, image = self.window.document_file, self.session.document.image
         if image is None or not file.unsaved or not self.window.preferences.value(SAVE_IN_FOLDER):
             return True
-        default_path = Path(image.path).with_suffix(SUFFIX)
+        default_path = Path(image.path).with_suffix(SESSION_SUFFIX)
         if file.path is None and default_path.exists():
             return True  # the usual question follows
         return file.save_at_once(file.path or default_path)

@@ -62,7 +62,7 @@ class PartDialog(QDialog):
         self._page_label = QLabel()
         self._form = QFormLayout()
         self.series.addItems([f"{number}: {title}" for number, title in enumerate(parts.series, start=1)])
-        self.series.setCurrentIndex(parts.number - 1)
+        self.series.setCurrentIndex(parts.series_number - 1)
         self._as_volume = as_volume
         for color in COLOR_CHOICES:
             self.color.addItem(_COLOR_READING_TITLES[color], color)

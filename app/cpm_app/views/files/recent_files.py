@@ -13,8 +13,8 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import Opened
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.widgets.actions import add_choice
-from cpm_core.formats import Reading, from_plain
-from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.formats import Reading, from_json
+from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.numerics.types import Callback
 
 MOST = 12
@@ -66,9 +66,9 @@ class RecentFiles:
         """Return whether a file was last opened as a volume, or None if unknown, and its reading."""
         try:
             as_volume, reading = self._preferences.mapping(_FILE_PARTS_KEY)[str(path.absolute())]
-            return bool(as_volume), from_plain(Reading, reading, "reading")
+            return bool(as_volume), from_json(Reading, reading, "reading")
         except (KeyError, TypeError, ValueError):
-            return None, DEFAULT
+            return None, DEFAULT_READING
 
     def fill(self, menu: QMenu) -> None:
         """Fill a menu with the files; missing ones are disabled."""

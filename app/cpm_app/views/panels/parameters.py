@@ -58,7 +58,7 @@ def tip(control: Control) -> str:
         f"<b>{control.title}</b> {control.facts}",
         control.meaning,
         f"{FORMULAS[control.name]}{place}",
-        f"{control.more} {control.acts}",
+        f"{control.effect_of_larger} {control.acts}",
     )
     return "".join(f"<p style='margin: 3px 0'>{line}</p>" for line in lines)
 
@@ -157,7 +157,7 @@ class ParameterRow(QWidget):
         numeric = None if isinstance(default, str) else default
         self.slider.set_range(control.slider_low, control.slider_high, control.step, numeric)
         for field in (self.number, self.slider):
-            field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.more}")
+            field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.effect_of_larger}")
         self.setToolTip(tip(control))
         restore = tr("Restore the default, {default} (or double-click the slider or its name).")
         self._restore.setToolTip(restore.format(default=default if numeric is None else written(f"{numeric:.4g}")))

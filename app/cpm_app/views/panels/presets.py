@@ -96,14 +96,14 @@ class Presets(QToolButton):
         self._compared = document.parameters, document.image
         same = (one for one in self.store.presets if edits.use_preset(document, one.parameters) == document)
         self.current = next(same, None)
-        self.delete.setEnabled(self.current is not None and self.current.own)
+        self.delete.setEnabled(self.current is not None and self.current.is_own)
         whole = document.parameters == PRESETS["volume"]  # it suits no image, and is in no menu
         otherwise = tr("Volume") if whole else tr("Custom parameters")
         name = otherwise if self.current is None else self.current.name.replace("&", "&&")
         self.setText(f"{name}  ▾")
 
     def _save(self) -> None:
-        session, suggested = self._session, self.current.name if self.current is not None and self.current.own else ""
+        session, suggested = self._session, self.current.name if self.current is not None and self.current.is_own else ""
         name = ask_for_text(self._window, tr("Name of the preset"), tr("Name:"), tr("Use this name"), suggested)
         if name:
             about = tr("Created for {image}.", image=session.document.image.name) if session.document.image else ""

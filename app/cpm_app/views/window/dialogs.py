@@ -12,7 +12,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
 from cpm_app.session.storage.folders import Purpose, first_folder, remember_folder
 from cpm_app.session.storage.preferences import Preferences
-from cpm_core.formats import SUFFIX
+from cpm_core.formats import SESSION_SUFFIX
 from cpm_core.numerics.types import Texts, frozen
 
 Answer = Literal["save", "discard", "cancel"]
@@ -128,7 +128,7 @@ class Files:
         return f"{self.name} ({' '.join(f'*{suffix}' for suffix in self.suffixes) or '*'})"
 
 
-SESSIONS = Files(tr("Sessions"), (SUFFIX,))
+SESSIONS = Files(tr("Sessions"), (SESSION_SUFFIX,))
 """Session files."""
 
 ALL_FILES = Files(tr("All files"), ())

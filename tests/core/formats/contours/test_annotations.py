@@ -13,7 +13,7 @@ import shapely
 from pycocotools.coco import COCO
 
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats import encoded, export
+from cpm_core.formats import to_bytes, export
 
 from ..drawn import CELL, CORE, FIBRE, HOLE, RESULT
 
@@ -22,7 +22,7 @@ ROUNDING = 0.2
 
 
 def test_labelme_has_a_polygon_or_a_line_of_each_contour():
-    content = json.loads(encoded(RESULT, ".labelme.json"))
+    content = json.loads(to_bytes(RESULT, ".labelme.json"))
     assert (content["imagePath"], content["imageHeight"], content["imageWidth"]) == ("cells & more.png", 60, 90)
     assert content["imageData"] is None
     shapes = content["shapes"]
@@ -41,7 +41,7 @@ def test_labelme_has_the_class_as_label_and_one_polygon_that_goes_around_the_hol
     other = replace(HOLE, points=HOLE.points * 0.2 + [22.0, 60.0], hole=True, group=5)
     holes = [replace(HOLE, hole=True, group=5), other]
     outer = replace(cell, points=np.array([(0.0, 0.0), (0.0, 88.0), (58.0, 88.0), (58.0, 0.0)]))
-    (shape,) = json.loads(encoded(replace(RESULT, contours=(outer, *holes)), ".labelme.json"))["shapes"]
+    (shape,) = json.loads(to_bytes(replace(RESULT, contours=(outer, *holes)), ".labelme.json"))["shapes"]
     assert (shape["label"], shape["description"], shape["group_id"]) == ("cell", "cell 5", 5)
     # as labelme paints a polygon (`labelme.utils.shape_to_mask`)
     picture = PIL.Image.new("L", (90, 60))
@@ -123,7 +123,7 @@ def test_coco_of_open_contours_alone_is_refused(tmp_path):
 
 
 def test_the_json_of_everything_tells_the_run_the_contours_and_the_bridges():
-    content = json.loads(encoded(RESULT, ".json"))
+    content = json.loads(to_bytes(RESULT, ".json"))
     assert content["image"] == {"name": "cells & more.png", "shape": [60, 90], "spacing": [0.5, 0.25], "unit": "µm"}
     assert content["run"] == {"steps": 123, "converged": True, "stop_reason": "at rest", "particles": 7}
     assert content["bridges"] == [{"length": 15.0, "strength": 0.5, "points": FIBRE.points[:2].tolist()}]
@@ -147,7 +147,7 @@ def test_a_number_that_json_cannot_say_is_not_written(tmp_path):
 
 
 def test_the_table_of_measures_has_a_row_for_each_contour():
-    rows = list(csv.DictReader(encoded(RESULT, ".measures.csv").decode().splitlines()))
+    rows = list(csv.DictReader(to_bytes(RESULT, ".measures.csv").decode().splitlines()))
     assert [row["name"] for row in rows] == ["cell", "fibre", "", "Kern β", ""]
     assert [row["inside"] for row in rows] == ["0", "0", "1", "3", "0"]
     assert [row["closed"] for row in rows] == ["TRUE", "FALSE", "TRUE", "TRUE", "FALSE"]
@@ -163,13 +163,13 @@ def test_the_table_of_measures_has_a_row_for_each_contour():
         assert gross == pytest.approx(contour.area, abs=1e-4)
         assert gross_um2 == pytest.approx(contour.area * 0.125, rel=1e-6)
         assert net_um2 == pytest.approx(net * 0.125, rel=1e-5)
-    plain = encoded(replace(RESULT, unit=None, spacing=(1.0, 1.0)), ".measures.csv").decode()
+    plain = to_bytes(replace(RESULT, unit=None, spacing=(1.0, 1.0)), ".measures.csv").decode()
     assert "length_px,gross_area_px2,net_area_px2,program" in plain.splitlines()[0]
 
 
 def test_the_table_of_objects_has_a_row_for_each_object_with_its_class():
     contours = [replace(one, category="nucleus") if one.group else one for one in object_in_two_parts()]
-    rows = list(csv.DictReader(encoded(replace(RESULT, contours=tuple(contours)), ".table.csv").decode().splitlines()))
+    rows = list(csv.DictReader(to_bytes(replace(RESULT, contours=tuple(contours)), ".table.csv").decode().splitlines()))
     assert [(row["label"], row["object"], row["class"]) for row in rows] == [
         ("1", "1", "nucleus"),
         ("2", "2", "nucleus"),
@@ -178,4 +178,4 @@ def test_the_table_of_objects_has_a_row_for_each_object_with_its_class():
     parts = sum(contour.area for contour in contours[:2]) - contours[2].area
     assert float(rows[0]["area_um2"]) == pytest.approx(0.125 * parts, rel=1e-6)
     with pytest.raises(ValueError, match="no closed contour"):
-        encoded(replace(RESULT, contours=(FIBRE,)), ".table.csv")
+        to_bytes(replace(RESULT, contours=(FIBRE,)), ".table.csv")

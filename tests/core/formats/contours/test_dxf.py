@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from cpm_core import Contour
-from cpm_core.formats import encoded, export
+from cpm_core.formats import to_bytes, export
 
 from ..drawn import FIBRE, RESULT
 
 
 def opened(result=RESULT):
-    return ezdxf.read(io.StringIO(encoded(result, ".dxf").decode()))
+    return ezdxf.read(io.StringIO(to_bytes(result, ".dxf").decode()))
 
 
 def polylines(result=RESULT):

@@ -9,7 +9,7 @@ import pytest
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
-from cpm_core.formats import WRITABLE, check_export, encoded, export, suffix_of
+from cpm_core.formats import CONTOURS_WRITABLE, check_export, to_bytes, export, find_format_suffix
 
 TRIANGLE = np.array([[5.0, 5.0], [5.0, 20.0], [20.0, 5.0]])
 
@@ -34,10 +34,10 @@ CLOSED = result_of(True)
 )
 def test_the_length_drawn_by_hand_is_told(suffix, written):
     by_hand = replace(CLOSED, contours=(replace(CLOSED.contours[0], by_hand=(TRIANGLE[:2],)),))
-    assert written in encoded(by_hand, suffix) and written not in encoded(CLOSED, suffix)
+    assert written in to_bytes(by_hand, suffix) and written not in to_bytes(CLOSED, suffix)
 
 
-@pytest.mark.parametrize("suffix", WRITABLE)
+@pytest.mark.parametrize("suffix", CONTOURS_WRITABLE)
 def test_the_suffix_chooses_the_format_in_small_and_capital_letters(tmp_path, suffix):
     path = tmp_path / f"out{suffix.upper()}"
     export(CLOSED, path)
@@ -70,7 +70,7 @@ def test_the_suffix_chooses_the_format_in_small_and_capital_letters(tmp_path, su
 def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, name):
     with pytest.raises(ValueError, match=re.escape(name)) as caught:
         export(CLOSED, tmp_path / name)
-    assert all(suffix in str(caught.value) for suffix in WRITABLE)
+    assert all(suffix in str(caught.value) for suffix in CONTOURS_WRITABLE)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -105,7 +105,7 @@ def test_a_place_where_no_file_can_be_is_told_beforehand(tmp_path, path):
     ],
 )
 def test_of_several_suffixes_the_longest_counts(name, suffix):
-    assert suffix_of(name) == suffix
+    assert find_format_suffix(name) == suffix
 
 
 def test_what_a_file_leaves_out_is_told_before_it_is_written(tmp_path, caplog):

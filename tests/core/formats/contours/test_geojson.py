@@ -8,13 +8,13 @@ import pytest
 import shapely
 
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats import encoded
+from cpm_core.formats import to_bytes
 
 from ..drawn import CELL, CORE, FIBRE, HOLE, RESULT
 
 
 def features(result=RESULT):
-    content = json.loads(encoded(result, ".geojson"))
+    content = json.loads(to_bytes(result, ".geojson"))
     assert content["type"] == "FeatureCollection"
     return content["features"]
 

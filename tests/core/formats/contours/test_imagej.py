@@ -10,13 +10,13 @@ import roifile
 from roifile import ROI_OPTIONS, ROI_TYPE
 
 from cpm_core import Contour
-from cpm_core.formats import encoded, export
+from cpm_core.formats import to_bytes, export
 
 from ..drawn import CELL, FIBRE, RESULT
 
 
 def roi_of(contour):
-    return roifile.ImagejRoi.frombytes(encoded(replace(RESULT, contours=(contour,)), ".roi"))
+    return roifile.ImagejRoi.frombytes(to_bytes(replace(RESULT, contours=(contour,)), ".roi"))
 
 
 def test_a_closed_contour_is_a_polygon_that_counts_from_the_corners_of_pixels():
@@ -51,7 +51,7 @@ def test_the_set_holds_all_contours_in_their_order_under_their_names(tmp_path):
     twice = (*RESULT.contours, replace(CELL, color=""), replace(FIBRE, name="a/b: c"))
     result = replace(RESULT, contours=twice)
     export(result, tmp_path / "a.zip")
-    with zipfile.ZipFile(io.BytesIO(encoded(result, ".zip"))) as archive:
+    with zipfile.ZipFile(io.BytesIO(to_bytes(result, ".zip"))) as archive:
         assert archive.testzip() is None
         assert archive.namelist() == [
             *("cell.roi", "fibre.roi", "contour 3.roi", "Kern β.roi", "contour 5.roi", "cell-6.roi", "a_b_ c.roi"),

@@ -10,7 +10,7 @@ import pytest
 from scipy import ndimage
 
 from cpm_core import Contour, Skeleton
-from cpm_core.formats import WRITABLE, export, load_image, suffix_of
+from cpm_core.formats import CONTOURS_WRITABLE, export, load_image, find_format_suffix
 from tests.core.formats.masks.test_label_mask import indices
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -89,14 +89,14 @@ def test_a_picture_without_a_skeleton_is_refused_and_the_others_are_empty(tmp_pa
         export(NOTHING, tmp_path / "a.zip")
     with pytest.raises(ValueError, match=r"No contour of a\.png is closed"):
         export(NOTHING, tmp_path / "a.coco.json")
-    empty = set(WRITABLE) - pictures - {".roi", ".zip", ".coco.json"}
+    empty = set(CONTOURS_WRITABLE) - pictures - {".roi", ".zip", ".coco.json"}
     export(NOTHING, *(tmp_path / f"a{suffix}" for suffix in empty))
     assert (tmp_path / "a.csv").read_text(encoding="utf-8").count("\n") == 1
-    assert {suffix_of(path) for path in tmp_path.iterdir()} == empty
+    assert {find_format_suffix(path) for path in tmp_path.iterdir()} == empty
 
 
 def test_every_format_of_contours_takes_branches_as_well(tmp_path):
-    export(SKELETON, *(tmp_path / f"a{suffix}" for suffix in WRITABLE if suffix != ".roi"))
+    export(SKELETON, *(tmp_path / f"a{suffix}" for suffix in CONTOURS_WRITABLE if suffix != ".roi"))
     masks = [indices(tmp_path / "a.png"), load_image(tmp_path / "a.tif").values]
     assert np.array_equal(masks[0], masks[1])
     content = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from cpm_core.formats import load_image
 from cpm_core.formats.images import readers
-from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.stack import Stack
 from cpm_core.image.image import Image
 
@@ -229,7 +229,7 @@ def test_an_image_that_cannot_be_read_again_for_its_hash_is_refused(tmp_path, mo
     def stack(path, reading):
         values = np.load(path)[None]
         path.unlink()
-        return Stack("a", values.shape, lambda *_: Decoded(values))
+        return Stack("a", values.shape, lambda *_: DecodedImage(values))
 
-    monkeypatch.setattr(readers.numpy_array, "stack", stack)
+    monkeypatch.setattr(readers.numpy_array, "open_image_file", stack)
     assert f"/ cannot be read: {os.strerror(errno.ENOENT)}" in failure_report(tmp_path / "a.npy")

@@ -7,7 +7,7 @@ from pydicom.uid import JPEG2000Lossless, RLELossless
 
 from cpm_core import load_image, load_volume
 from cpm_core.formats import open_stack
-from cpm_core.formats.images.dicom import reads
+from cpm_core.formats.images.dicom import can_read
 
 from .made import ACROSS, OBLIQUE, SHAPE, VALUES, dataset, write_series, write_slice
 
@@ -289,7 +289,7 @@ def test_old_files_without_a_mark_are_known_by_their_first_entry(tmp_path, impli
     found.file_meta, found.preamble = pydicom.dataset.FileMetaDataset(), None
     pydicom.dcmwrite(tmp_path / "a.dcm", found, implicit_vr=implicit, little_endian=True, enforce_file_format=False)
     content = (tmp_path / "a.dcm").read_bytes()
-    assert content[128:132] != b"DICM" and reads(content[:512], tmp_path / "a.dcm")
+    assert content[128:132] != b"DICM" and can_read(content[:512], tmp_path / "a.dcm")
     assert np.array_equal(load_image(tmp_path / "a.dcm").values, VALUES[0])
 
 

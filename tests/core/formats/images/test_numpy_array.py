@@ -67,6 +67,6 @@ def test_whether_a_file_is_a_folder_is_asked_without_an_error_that_nobody_expect
     def closed(*_, **__):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(readers, "fingerprint", lambda *_: "0" * 64)
+    monkeypatch.setattr(readers, "compute_fingerprint", lambda *_: "0" * 64)
     monkeypatch.setattr(Path, "is_dir", closed)
     assert load_image(tmp_path / "a.npy").file_sha256 == "0" * 64

@@ -6,9 +6,9 @@ import pytest
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
-from cpm_core.formats import OUTLINABLE, encoded, export, left_out
+from cpm_core.formats import MASK_SUFFIXES, to_bytes, export, count_left_out
 from cpm_core.formats.ground_truth_file import load_truth
-from cpm_core.formats.masks.labels import labels_of, palette
+from cpm_core.formats.masks.labels import paint_labels, label_palette
 
 
 def polygon_of(row, col, radius, count=40, rough=0.0, seed=0):
@@ -87,7 +87,7 @@ def test_without_a_closed_contour_nothing_is_written(tmp_path, points):
 
 
 def test_labels_are_shown_in_bright_colors_far_apart_and_no_two_with_the_same_luminance():
-    colors = palette(255).astype(float)
+    colors = label_palette(255).astype(float)
     assert colors[0].tolist() == [0, 0, 0]
     luminance = colors @ (0.299, 0.587, 0.114)
     assert luminance[1:].min() > 40.0
@@ -107,14 +107,14 @@ def test_a_mask_in_colors_is_read_as_truth_with_all_its_objects(tmp_path):
     assert len(np.unique(truth.labels * 100 + mask)) == 73
 
 
-@pytest.mark.parametrize("suffix", sorted(OUTLINABLE))
+@pytest.mark.parametrize("suffix", sorted(MASK_SUFFIXES))
 def test_outlines_hold_open_contours_too_as_lines_with_their_numbers(tmp_path, suffix):
     ring, arc = polygon_of(30, 30, 14.0), polygon_of(30, 62, 14.0)[:20]
     contours = (Contour(ring, True, number=4), Contour(arc, False, number=9))
     result = Result(np.zeros((0, 2)), contours, None, 1, True, "", (60, 90), (1.0, 1.0), None, "a.png")
-    assert left_out(result, suffix) == 1
-    assert left_out(result, suffix, outlines=True) == 0
-    mask = labels_of(result, outlines=True)
+    assert count_left_out(result, suffix) == 1
+    assert count_left_out(result, suffix, outlines=True) == 0
+    mask = paint_labels(result, outlines=True)
     assert np.unique(mask).tolist() == [0, 4, 9]
     assert mask[30, 30] == 0
     rows, cols = np.nonzero(mask == 4)
@@ -122,4 +122,4 @@ def test_outlines_hold_open_contours_too_as_lines_with_their_numbers(tmp_path, s
     for points, number in ((ring, 4), (arc, 9)):
         near = np.floor(points + 0.5).astype(int)
         assert (mask[near[:, 0], near[:, 1]] == number).all()
-    assert encoded(result, suffix, outlines=True) != encoded(result, suffix)
+    assert to_bytes(result, suffix, outlines=True) != to_bytes(result, suffix)

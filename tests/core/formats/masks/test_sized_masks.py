@@ -11,7 +11,7 @@ import pytest
 import tifffile
 
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats import encoded, export, load_image
+from cpm_core.formats import to_bytes, export, load_image
 
 from ..drawn import FIBRE, RESULT
 
@@ -20,7 +20,7 @@ MASK = rasterize_labels(RESULT.contours, RESULT.shape)
 
 @pytest.mark.parametrize("suffix", [".tif", ".tiff"])
 def test_the_tiff_holds_the_label_mask_in_sixteen_bits(suffix):
-    with PIL.Image.open(io.BytesIO(encoded(RESULT, suffix))) as image:
+    with PIL.Image.open(io.BytesIO(to_bytes(RESULT, suffix))) as image:
         assert image.mode == "I;16"
         assert np.array_equal(np.asarray(image), MASK)
     assert MASK.max() == 3
@@ -52,7 +52,7 @@ def test_more_labels_than_sixteen_bits_hold_make_thirty_two(tmp_path):
 
 
 def volume_of(result):
-    return nibabel.Nifti1Image.from_bytes(encoded(result, ".nii"))
+    return nibabel.Nifti1Image.from_bytes(to_bytes(result, ".nii"))
 
 
 def test_the_nifti_is_the_label_mask_with_columns_first():

@@ -11,7 +11,7 @@ import tifffile
 
 from cpm_core import Geometry, Image, Result, Surface
 from cpm_core.contours.surface import label_voxels
-from cpm_core.formats import FOR_VOLUMES, encoded, export
+from cpm_core.formats import VOLUMES_WRITABLE, to_bytes, export
 from cpm_core.numerics.grids import zero_surface
 
 SHAPE, SPACING = (16, 20, 24), (2.0, 0.5, 1.0)
@@ -52,7 +52,7 @@ def volume_of(points, faces):
 
 
 def test_surfaces_are_read_back_as_they_were():
-    points, faces, normals, notes = read_ply(encoded(RESULT, ".ply"))
+    points, faces, normals, notes = read_ply(to_bytes(RESULT, ".ply"))
     assert points == pytest.approx(POINTS, abs=1e-4)
     assert np.sort(faces, axis=1).tolist() == np.sort(SURFACE.faces, axis=1).tolist()
     assert normals == pytest.approx(SURFACE.normals[:, ::-1], abs=1e-4)
@@ -63,12 +63,12 @@ def test_surfaces_are_read_back_as_they_were():
 def test_normals_have_the_length_of_one_in_a_sheared_volume_too():
     place = Geometry(directions=((0.0, 0.6, 0.8), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)))
     sheared = replace(RESULT, image=Image(VALUES, spacing=SPACING, unit="mm", geometry=place))
-    normals = read_ply(encoded(sheared, ".ply"))[2]
+    normals = read_ply(to_bytes(sheared, ".ply"))[2]
     assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-4)
 
 
 def test_triangles_for_printing_are_read_back():
-    content = encoded(RESULT, ".stl")
+    content = to_bytes(RESULT, ".stl")
     assert not content.startswith(b"solid") and b"SPACE=LPS UNIT=mm" in content[:80]
     assert struct.unpack("<I", content[80:84]) == (len(SURFACE.faces),)
     found = np.frombuffer(content[84:], np.dtype([("normal", "<f4", 3), ("at", "<f4", (3, 3)), ("more", "<u2")]))
@@ -96,7 +96,7 @@ def test_label_volumes_are_aligned_with_the_input(tmp_path):
 def test_surfaces_are_written_in_either_convention_which_the_file_tells(suffix, tmp_path):
     place = Geometry((3.0, -7.0, 11.0), ((1.0, 0.0, 0.0), (0.0, 0.6, 0.8), (0.0, -0.8, 0.6)))
     placed = replace(RESULT, image=Image(VALUES, spacing=SPACING, unit="mm", geometry=place))
-    lps, ras = (encoded(placed, suffix, space=space) for space in ("LPS", "RAS"))
+    lps, ras = (to_bytes(placed, suffix, space=space) for space in ("LPS", "RAS"))
     assert b"SPACE=LPS" in lps and b"SPACE=RAS" in ras
     if suffix == ".ply":
         (one, faces, normals, _), (other, turned, facing, _) = read_ply(lps), read_ply(ras)
@@ -106,17 +106,17 @@ def test_surfaces_are_written_in_either_convention_which_the_file_tells(suffix, 
     export(placed, tmp_path / f"a{suffix}", space="RAS")
     assert (tmp_path / f"a{suffix}").read_bytes() == ras
     with pytest.raises(ValueError, match=r"XYZ"):
-        encoded(placed, suffix, space="XYZ")
+        to_bytes(placed, suffix, space="XYZ")
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".json", ".roi"])
 def test_what_lies_in_a_plane_is_refused_for_volumes(suffix):
-    assert suffix not in FOR_VOLUMES
+    assert suffix not in VOLUMES_WRITABLE
     with pytest.raises(ValueError, match="is a volume"):
-        encoded(RESULT, suffix)
+        to_bytes(RESULT, suffix)
 
 
 def test_an_open_surface_has_no_inside():
     opened = Surface(SURFACE.vertices, SURFACE.faces[1:], SPACING, "mm")
     with pytest.raises(ValueError, match="no closed surface"):
-        encoded(result_with(opened), ".nii")
+        to_bytes(result_with(opened), ".nii")

@@ -13,7 +13,7 @@ from cpm_core import (
     Image,
     Surface,
     centerlines,
-    encoded,
+    to_bytes,
     export,
     load_centerlines,
     load_points,
@@ -69,7 +69,7 @@ geometries = st.builds(
 @pytest.mark.parametrize("suffix", PRECISE)
 def test_a_surface_comes_back_wherever_the_volume_lies(suffix, geometry, space):
     result = placed(geometry)
-    found, notes = decode_surface(encoded(result, suffix, space=space), f"a{suffix}", result.image)
+    found, notes = decode_surface(to_bytes(result, suffix, space=space), f"a{suffix}", result.image)
     assert not notes
     assert np.abs(found.vertices - SURFACE.vertices).max() < NEAR
     np.testing.assert_array_equal(found.faces, SURFACE.faces)
@@ -78,7 +78,7 @@ def test_a_surface_comes_back_wherever_the_volume_lies(suffix, geometry, space):
 
 def test_triangles_for_printing_come_back_in_single_precision():
     result = placed(Geometry((-110.0, 35.0, 840.0), turned(0.7, 1)))
-    found, _ = decode_surface(encoded(result, ".stl"), "a.stl", result.image)
+    found, _ = decode_surface(to_bytes(result, ".stl"), "a.stl", result.image)
     assert len(found.vertices) == len(SURFACE.vertices)
     distances = np.linalg.norm(found.vertices[:, None] - SURFACE.vertices, axis=2)
     assert distances.min(axis=1).max() < NEAR
@@ -91,7 +91,7 @@ def test_triangles_for_printing_come_back_in_single_precision():
 def test_a_file_in_another_unit_is_converted(suffix):
     result = placed(None, (4e-3, 2e-3, 2e-3))
     micrometers = Image(VALUES, (4.0, 2.0, 2.0), "µm")
-    found, _ = decode_surface(encoded(result, suffix), f"a{suffix}", micrometers)
+    found, _ = decode_surface(to_bytes(result, suffix), f"a{suffix}", micrometers)
     assert np.abs(np.sort(found.vertices, axis=0) - np.sort(SURFACE.vertices, axis=0)).max() < NEAR
     assert found.unit == "µm"
 
@@ -100,14 +100,14 @@ def test_a_file_in_another_unit_is_converted(suffix):
 def test_the_numbers_of_objects_come_back(suffix):
     numbers = np.where(SURFACE.component_of_vertex[SURFACE.faces[:, 0]] == 0, 7, 3)
     result = placed(None, surface=replace(SURFACE, numbers=numbers))
-    found, _ = decode_surface(encoded(result, suffix), f"a{suffix}", result.image)
+    found, _ = decode_surface(to_bytes(result, suffix), f"a{suffix}", result.image)
     order = np.argsort(numbers, kind="stable") if suffix == ".obj" else slice(None)
     np.testing.assert_array_equal(found.numbers, numbers[order])
     np.testing.assert_array_equal(found.faces, SURFACE.faces[order])
 
 
 def test_without_a_volume_a_voxel_is_a_unit_of_the_file():
-    found, _ = decode_surface(encoded(RESULT, ".ply"), "a.ply")
+    found, _ = decode_surface(to_bytes(RESULT, ".ply"), "a.ply")
     assert np.abs(found.vertices - SURFACE.vertices * SPACING).max() < NEAR
     assert (found.spacing, found.unit) == ((1.0, 1.0, 1.0), "mm")
     assert found.volume == pytest.approx(SURFACE.volume, rel=1e-3)
@@ -115,7 +115,7 @@ def test_without_a_volume_a_voxel_is_a_unit_of_the_file():
 
 def test_a_file_that_tells_no_coordinates_is_taken_as_lps_and_says_so():
     result = placed(Geometry((5.0, 6.0, 7.0)))
-    content = encoded(result, ".obj", space="RAS").replace(b"SPACE=RAS", b"").replace(b"UNIT=mm", b"")
+    content = to_bytes(result, ".obj", space="RAS").replace(b"SPACE=RAS", b"").replace(b"UNIT=mm", b"")
     with pytest.raises(ValueError, match=r"a\.obj lies outside the volume .* LPS or RAS"):
         decode_surface(content, "a.obj", result.image)
     found, notes = decode_surface(content, "a.obj", result.image, "RAS")
@@ -210,13 +210,13 @@ def test_a_damaged_tree_is_refused_in_a_sentence(text, sentence, tmp_path):
 
 def test_an_image_has_no_surface():
     with pytest.raises(ValueError, match=r"is no volume, but surfaces and center lines lie in volumes"):
-        decode_surface(encoded(RESULT, ".ply"), "a.ply", Image(np.zeros((8, 8))))
+        decode_surface(to_bytes(RESULT, ".ply"), "a.ply", Image(np.zeros((8, 8))))
 
 
 @pytest.mark.parametrize("suffix", SURFACES_READABLE)
 @pytest.mark.parametrize("cut", [0.02, 0.97])
 def test_a_file_that_is_cut_off_is_refused_in_a_sentence_or_read_in_part(suffix, cut, tmp_path):
-    content = encoded(RESULT, suffix)
+    content = to_bytes(RESULT, suffix)
     content = content[: int(cut * len(content))]
     if suffix in (".obj", ".vtk") and cut > 0.5:  # without its last triangles, or its normals alone
         assert isinstance(decode_surface(content, f"a{suffix}")[0], Surface)

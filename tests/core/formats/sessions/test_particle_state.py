@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from cpm_core import PRESETS, Engine, Image, Parameters, PlacedCharge, sphere
-from cpm_core.formats.common.plain import array_from_plain, array_to_plain
-from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
+from cpm_core.formats.common.plain import array_from_json, array_to_json
+from cpm_core.formats.sessions.particle_state import state_from_json, state_to_json
 from cpm_core.model.starts import circle
 from cpm_core.model.state import State
 
@@ -39,8 +39,8 @@ def states(compiled_loops: None) -> list[State]:
     )
 )
 def test_arrays_are_read_back_bit_for_bit(array: np.ndarray) -> None:
-    plain = json.loads(json.dumps(array_to_plain(array)))
-    read = array_from_plain(plain, array.dtype, (None,) * array.ndim, "array")
+    plain = json.loads(json.dumps(array_to_json(array)))
+    read = array_from_json(plain, array.dtype, (None,) * array.ndim, "array")
     assert read.dtype == array.dtype
     assert read.shape == array.shape
     assert read.tobytes() == array.tobytes()
@@ -60,14 +60,14 @@ def test_arrays_are_read_back_bit_for_bit(array: np.ndarray) -> None:
 )
 def test_a_damaged_array_is_refused_in_one_sentence(change: dict, says: str) -> None:
     with pytest.raises(ValueError, match=says):
-        array_from_plain({**array_to_plain(np.zeros((2, 2))), **change}, float, (None, 2), "array")
+        array_from_json({**array_to_json(np.zeros((2, 2))), **change}, float, (None, 2), "array")
 
 
 @settings(max_examples=8, deadline=None)
 @given(data=st.data())
 def test_a_run_goes_on_from_a_state_that_was_read_as_from_the_state_itself(data: st.DataObject, states) -> None:
     state = states[data.draw(st.integers(1, len(states) - 1))]
-    read = state_from_plain(json.loads(json.dumps(state_to_plain(state))), SHAPE, 2)
+    read = state_from_json(json.loads(json.dumps(state_to_json(state))), SHAPE, 2)
     assert read.particles.distance.tobytes() == state.particles.distance.tobytes()
     assert (read.step, read.stop_reason, read.converged) == (state.step, state.stop_reason, state.converged)
     same = [state.resume(), state.resume()]
@@ -78,7 +78,7 @@ def test_a_run_goes_on_from_a_state_that_was_read_as_from_the_state_itself(data:
 
 
 def broken(states, **changes: object) -> dict:
-    return {**state_to_plain(states[20]), **changes}
+    return {**state_to_json(states[20]), **changes}
 
 
 def test_no_state_is_read_that_compiled_loops_cannot_bear(states) -> None:
@@ -86,18 +86,18 @@ def test_no_state_is_read_that_compiled_loops_cannot_bear(states) -> None:
     outside = state.particles.position.copy()
     outside[0] = (1e6, 0.0)
     bad = {
-        "outside the image": {"position": array_to_plain(outside)},
-        "found": {"found": array_to_plain(np.zeros((1, 1), np.int32))},
+        "outside the image": {"position": array_to_json(outside)},
+        "found": {"found": array_to_json(np.zeros((1, 1), np.int32))},
         "scale of state": {"scale": 9},
         "reach of state": {"mesh": {"reach": 0.0}},
-        "mesh of state": {"mesh": {"reach": 30.0, "force": array_to_plain(np.zeros((2, 2, 2), np.float32))}},
-        "velocity": {"velocity": array_to_plain(np.full_like(outside, np.nan))},
+        "mesh of state": {"mesh": {"reach": 30.0, "force": array_to_json(np.zeros((2, 2, 2), np.float32))}},
+        "velocity": {"velocity": array_to_json(np.full_like(outside, np.nan))},
         "less than nothing": {"idle": -4},
         "stop_reason": {"stop_reason": 3},
     }
     for says, changes in bad.items():
         with pytest.raises(ValueError, match=says):
-            state_from_plain(broken(states, **changes), SHAPE, 2)
+            state_from_json(broken(states, **changes), SHAPE, 2)
 
 
 SPACING = (1.5, 1.0, 1.0)
@@ -120,7 +120,7 @@ def test_a_run_in_a_volume_goes_on_from_a_state_that_was_read_to_the_same_end(so
     """Parameters, regions and charges are told by the actions of the run."""
     for number in (1, 2 * len(solid_states) // 3):
         state = solid_states[number]
-        read = state_from_plain(json.loads(json.dumps(state_to_plain(state))), SOLID.image.shape, 2, SPACING)
+        read = state_from_json(json.loads(json.dumps(state_to_json(state))), SOLID.image.shape, 2, SPACING)
         read = replace(read, steering=state.steering, regions=state.regions, charges=state.charges)
         for later in solid_states[number + 1 :]:
             read = SOLID.step(read, VOLUME, CHARGES)
@@ -138,14 +138,14 @@ def test_no_state_of_a_volume_is_read_that_compiled_loops_cannot_bear(solid_stat
     outside = state.particles.position.copy()
     outside[0] = (19.7 * 1.5, 3.0, 3.0)
     bad = {
-        "outside the image": {"position": array_to_plain(outside)},
-        "position of state has the shape": {"position": array_to_plain(outside[:, :2])},
-        "normal of state": {"normal": array_to_plain(np.full_like(outside, np.nan))},
-        "seated of state": {"seated": array_to_plain(np.zeros(3, np.int32))},
-        "strength of state": {"strength": array_to_plain(np.full(state.count, np.inf))},
+        "outside the image": {"position": array_to_json(outside)},
+        "position of state has the shape": {"position": array_to_json(outside[:, :2])},
+        "normal of state": {"normal": array_to_json(np.full_like(outside, np.nan))},
+        "seated of state": {"seated": array_to_json(np.zeros(3, np.int32))},
+        "strength of state": {"strength": array_to_json(np.full(state.count, np.inf))},
         "woken of state": {"woken": 3},
         "side of state": {"side": 0.0},
     }
     for says, changes in bad.items():
         with pytest.raises(ValueError, match=says):
-            state_from_plain({**state_to_plain(state), **changes}, SOLID.image.shape, 2, SPACING)
+            state_from_json({**state_to_json(state), **changes}, SOLID.image.shape, 2, SPACING)

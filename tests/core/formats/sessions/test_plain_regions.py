@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from cpm_core import VolumeRegions
-from cpm_core.formats.common.plain import regions_from_plain, regions_to_plain
-from cpm_core.formats.sessions.session_file import decode
+from cpm_core.formats.common.plain import regions_from_json, regions_to_json
+from cpm_core.formats.sessions.session_file import decode_session
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, Voxels
 from cpm_core.shapes.document_shapes import collect_regions
@@ -23,7 +23,7 @@ BOX = ((1.0, 1.0, 1.0), (4.0, 5.0, 6.0))
 
 def kept(regions: AnyRegions) -> AnyRegions | None:
     """The limits after they have been written and read."""
-    return regions_from_plain(json.loads(json.dumps(regions_to_plain(regions))), "regions")
+    return regions_from_json(json.loads(json.dumps(regions_to_json(regions))), "regions")
 
 
 @pytest.mark.parametrize("first", [None, (0, 0, 0), (-2, 3, 400)])
@@ -36,7 +36,7 @@ def test_voxels_are_kept_wherever_they_begin(first: tuple[int, ...] | None) -> N
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
 def test_the_limits_of_every_shape_are_kept(name: str, tmp_path: Path) -> None:
-    regions = collect_regions(decode(json.dumps(SAMPLES[name](tmp_path)).encode(), name).shapes)
+    regions = collect_regions(decode_session(json.dumps(SAMPLES[name](tmp_path)).encode(), name).shapes)
     assert regions is None or kept(regions) == regions
     assert regions is None or isinstance(regions, Regions | VolumeRegions)
 
@@ -49,7 +49,7 @@ def test_the_limits_of_every_shape_are_kept(name: str, tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_damaged_voxels_are_refused_before_they_take_memory(change: dict[str, Any]) -> None:
-    plain = regions_to_plain(VolumeRegions(interest=(Voxels(MASK, (0, 0, 0)),)))
+    plain = regions_to_json(VolumeRegions(interest=(Voxels(MASK, (0, 0, 0)),)))
     plain["volume_regions"]["interest"][0] |= change
     with pytest.raises(ValueError, match=r"regions .*\.$"):
-        regions_from_plain(plain, "regions")
+        regions_from_json(plain, "regions")

@@ -19,23 +19,23 @@ import cpm_core
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface
 from cpm_core.contours.review import Mark, Verdict
-from cpm_core.formats.common.content import fingerprint
-from cpm_core.formats.common.plain import LARGEST
+from cpm_core.formats.common.content import compute_fingerprint
+from cpm_core.formats.common.plain import LARGEST_NUMBER
 from cpm_core.formats.sessions.session_file import (
     ImageFile,
     SessionFile,
-    decode,
-    encode,
-    find_image,
+    decode_session,
+    encode_session,
+    find_session_image,
     load_session,
     save_session,
 )
-from cpm_core.parameters import AUTOMATIC, PARAMETERS, PRESETS, Parameters
-from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters import AUTOMATIC_PARAMETERS, PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.shapes import SHAPES_BY_NAME, Circle, Region
 from cpm_core.shapes.document_shapes import count_axes
 
-numbers = st.floats(-LARGEST, LARGEST, allow_nan=False)
+numbers = st.floats(-LARGEST_NUMBER, LARGEST_NUMBER, allow_nan=False)
 ranges = {"radius": st.floats(0.5, 1e5), "spacing": st.floats(0.5, 1e5), "fraction": st.floats(0.0, 1.0)}
 ranges["axis"] = st.integers(0, 2)
 ranges["strength"] = st.floats(-10.0, 10.0)
@@ -94,12 +94,12 @@ drawings = st.sampled_from((2, 3)).flatmap(
 @st.composite
 def parameters(draw: st.DrawFn) -> Parameters:
     """Any that are allowed."""
-    free = [info for info in PARAMETERS.values() if info.name not in ("w1", "w2", "scales", *AUTOMATIC)]
+    free = [info for info in PARAMETERS.values() if info.name not in ("w1", "w2", "scales", *AUTOMATIC_PARAMETERS)]
     drawn: dict[str, Any] = {info.name: draw(st.floats(info.low, info.high)) for info in free}
     w2 = draw(st.floats(0.01, 100.0))
-    for name in AUTOMATIC:
+    for name in AUTOMATIC_PARAMETERS:
         drawn[name] = draw(st.just("auto") | st.floats(PARAMETERS[name].low, PARAMETERS[name].high))
-    drawn |= {name: draw(st.sampled_from(list(info.choices))) for name, info in CHOICES.items()}
+    drawn |= {name: draw(st.sampled_from(list(info.choices))) for name, info in CHOICE_PARAMETERS.items()}
     w1 = w2 * draw(st.floats(0.0, 0.99))
     return Parameters(**drawn, w1=w1, w2=w2, scales=draw(st.integers(1, 8)))
 
@@ -149,19 +149,19 @@ sessions = st.builds(
 @given(sessions)
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_what_is_written_is_read_again_exactly(session: SessionFile) -> None:
-    assert decode(encode(session, Path("/folder")), "a.cpm") == session
+    assert decode_session(encode_session(session, Path("/folder")), "a.cpm") == session
 
 
 def test_every_shape_and_every_parameter_is_kept() -> None:
-    assert {field.name for field in fields(Parameters)} == {*PARAMETERS, *CHOICES}
-    text = encode(SessionFile(), Path("/folder")).decode()
-    assert all(f'"{name}"' in text for name in (*PARAMETERS, *CHOICES))
+    assert {field.name for field in fields(Parameters)} == {*PARAMETERS, *CHOICE_PARAMETERS}
+    text = encode_session(SessionFile(), Path("/folder")).decode()
+    assert all(f'"{name}"' in text for name in (*PARAMETERS, *CHOICE_PARAMETERS))
     assert all(dataclasses.is_dataclass(kind) for kind in SHAPES_BY_NAME.values())
 
 
 def test_it_is_read_by_people_one_line_for_each_shape() -> None:
     drawn = (Circle((1.0, 2.0), 3.0), Region(((0.0, 0.0), (0.0, 9.0), (9.0, 0.0))))
-    lines = encode(SessionFile(shapes=drawn), Path("/folder")).decode().splitlines()
+    lines = encode_session(SessionFile(shapes=drawn), Path("/folder")).decode().splitlines()
     assert lines[1:3] == ['  "cpm-session": 1,', f'  "program": "CPM {cpm_core.__version__}",']
     assert '    {"shape": "circle", "center": [1.0, 2.0], "radius": 3.0},' in lines
     assert sum('"shape"' in line for line in lines) == 2
@@ -176,7 +176,7 @@ def image_file(tmp_path: Path) -> Path:
 
 
 def reference(path: Path) -> ImageFile:
-    return ImageFile(str(path), fingerprint(path), (10, 20))
+    return ImageFile(str(path), compute_fingerprint(path), (10, 20))
 
 
 def test_the_image_is_found_when_folder_and_session_have_moved_together(image_file: Path, tmp_path: Path) -> None:
@@ -187,7 +187,7 @@ def test_the_image_is_found_when_folder_and_session_have_moved_together(image_fi
     (tmp_path / "a.cpm").rename(elsewhere / "a.cpm")
     session = load_session(elsewhere / "a.cpm")
     assert session.image is not None
-    assert find_image(session.image, elsewhere) == (elsewhere / "images" / "ü hand.png", ())
+    assert find_session_image(session.image, elsewhere) == (elsewhere / "images" / "ü hand.png", ())
 
 
 def test_the_image_is_found_when_only_the_session_has_moved_and_when_it_was_put_beside(
@@ -199,9 +199,9 @@ def test_the_image_is_found_when_only_the_session_has_moved_and_when_it_was_put_
     (tmp_path / "a.cpm").rename(elsewhere / "a.cpm")
     session = load_session(elsewhere / "a.cpm")
     assert session.image is not None
-    assert find_image(session.image, elsewhere)[0] == image_file
+    assert find_session_image(session.image, elsewhere)[0] == image_file
     image_file.rename(elsewhere / image_file.name)
-    assert find_image(session.image, elsewhere)[0] == elsewhere / image_file.name
+    assert find_session_image(session.image, elsewhere)[0] == elsewhere / image_file.name
 
 
 def test_a_missing_image_is_told_with_every_place_that_was_looked_at(image_file: Path, tmp_path: Path) -> None:
@@ -210,7 +210,7 @@ def test_a_missing_image_is_told_with_every_place_that_was_looked_at(image_file:
     session = load_session(tmp_path / "a.cpm")
     assert session.image is not None
     with pytest.raises(ValueError, match="was not found at") as caught:
-        find_image(session.image, tmp_path)
+        find_session_image(session.image, tmp_path)
     assert str(image_file) in str(caught.value)
     assert str(tmp_path / image_file.name) in str(caught.value)
 
@@ -220,19 +220,19 @@ def test_a_changed_image_is_used_with_a_warning(image_file: Path, tmp_path: Path
     image_file.write_bytes(b"another picture")
     session = load_session(tmp_path / "a.cpm")
     assert session.image is not None
-    path, (note,) = find_image(session.image, tmp_path)
+    path, (note,) = find_session_image(session.image, tmp_path)
     assert path == image_file
     assert "has changed since" in note
 
 
 def test_unknown_parameters_are_told_and_missing_ones_have_their_defaults() -> None:
-    session = decode(b'{"cpm-session": 1, "parameters": {"beta": 0.5, "viscosity": 3}}', "a.cpm")
+    session = decode_session(b'{"cpm-session": 1, "parameters": {"beta": 0.5, "viscosity": 3}}', "a.cpm")
     assert session.parameters == Parameters(beta=0.5)
     assert "viscosity" in session.notes[0]
 
 
 def test_what_a_later_version_adds_is_kept_when_the_file_is_written_again(tmp_path: Path) -> None:
-    session = decode(b'{"cpm-session": 1, "weather": {"sun": true}}', "a.cpm")
+    session = decode_session(b'{"cpm-session": 1, "weather": {"sun": true}}', "a.cpm")
     save_session(replace(session, mode="shape"), tmp_path / "a.cpm")
     assert json.loads((tmp_path / "a.cpm").read_text())["weather"] == {"sun": True}
 
@@ -269,7 +269,7 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
 )
 def test_an_error_is_reported_in_one_sentence(content: bytes, words: str) -> None:
     with pytest.raises(ValueError, match=r"^a\.cpm") as caught:
-        decode(content, "a.cpm")
+        decode_session(content, "a.cpm")
     sentence = str(caught.value)
     assert words in sentence
     assert sentence.endswith(".")
@@ -285,7 +285,7 @@ def test_files_that_are_none_are_told(tmp_path: Path) -> None:
 
 CORNERS = ((1.0, 2.0), (3.0, 4.0), (5.0, 1.0))
 
-sound = encode(
+sound = encode_session(
     SessionFile(
         ImageFile("a.png", 64 * "0", (4, 4)),
         (
@@ -339,16 +339,16 @@ _values = re.compile(r'(?<=[:\[,] )(-?[\d.]+|"[^"]*"|true)')
 
 def _is_sound_or_told(content: bytes) -> None:
     try:
-        session = decode(content, "a.cpm")
+        session = decode_session(content, "a.cpm")
     except ValueError as error:
         assert str(error).startswith("a.cpm")
         assert str(error).endswith(".")
         assert "\n" not in str(error)
         return
-    again = decode(encode(session, Path("/folder")), "a.cpm")
+    again = decode_session(encode_session(session, Path("/folder")), "a.cpm")
     assert replace(again, notes=()) == replace(session, notes=())
     for shape in session.shapes:
         assert all(math.isfinite(number) for row in shape.outline for number in row)
     if session.image is not None:
         with pytest.raises(ValueError, match="was not found"):
-            find_image(session.image, Path("/nowhere"))
+            find_session_image(session.image, Path("/nowhere"))

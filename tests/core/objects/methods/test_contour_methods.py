@@ -59,7 +59,7 @@ def test_each_setting_has_words_and_a_range_that_holds_its_default(name):
     table = method.settings.table()
     assert list(table) == [field.name for field in dataclasses.fields(method.settings)]
     for key, info in table.items():
-        assert info.title and info.meaning.endswith(".") and info.more.endswith(".")
+        assert info.title and info.meaning.endswith(".") and info.effect_of_larger.endswith(".")
         assert info.low <= info.slider_low <= getattr(method.settings(), key) <= info.slider_high <= info.high
 
 

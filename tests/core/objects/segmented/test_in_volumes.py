@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cpm_core.contours.packed_surface import PackedSurface, PackedVoxels
-from cpm_core.formats.common.plain import from_plain, to_plain
+from cpm_core.formats.common.plain import from_json, to_json
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.objects.segmented import (
     SegmentedObject,
@@ -60,8 +60,8 @@ def test_voxels_in_bytes_are_what_was_put_into_them_box_by_box(seed):
         assert found.volume == expected.sum()
         inside = np.argwhere(expected)
         assert np.array_equal(found.box, [inside.min(axis=0), inside.max(axis=0)])
-    kept = json.loads(json.dumps(to_plain(SegmentedObject(1, (), surface=(found,)))))
-    assert from_plain(SegmentedObject, kept, "it").surface[0] == found
+    kept = json.loads(json.dumps(to_json(SegmentedObject(1, (), surface=(found,)))))
+    assert from_json(SegmentedObject, kept, "it").surface[0] == found
 
 
 def test_the_smooth_surface_around_voxels_encloses_the_very_same_ones():

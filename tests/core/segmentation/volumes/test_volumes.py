@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import cpm_core as cpm
 from cpm_core.field.volume_field import build_volume_field
-from cpm_core.parameters import OF_PLANES
+from cpm_core.parameters import PLANE_PARAMETERS
 
 VOLUME = cpm.PRESETS["volume"]
 CENTER = (15.2, 16.1, 14.7)
@@ -91,7 +91,7 @@ def test_voxels_of_unequal_sides_show_the_same_object_as_cubes(spacing):
     assert 0.8 < len(result.particles) / len(cubes.particles) < 1.25
 
 
-@pytest.mark.parametrize("name", OF_PLANES)
+@pytest.mark.parametrize("name", PLANE_PARAMETERS)
 def test_parameters_for_images_only_are_refused_in_a_volume(name):
     value = "vessels" if name == "edges" else 0.1
     with pytest.raises(ValueError, match=f"^{name} is .* but has no meaning in a volume: leave it at .*\\.$"):

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import PIL.Image
 
-from cpm_core import encoded
+from cpm_core import to_bytes
 from tests.core.formats.drawn import RESULT
 
 from .contour_samples import contours_of_others
@@ -89,7 +89,7 @@ def _arrays() -> list[Sample]:
 
 def _contours() -> list[Sample]:
     suffixes = (".csv", ".json", ".geojson", ".labelme.json", ".coco.json", ".zip", ".svg", ".dxf")
-    own = [Sample(f".{suffix.rsplit('.', 1)[1]}", encoded(RESULT, suffix)) for suffix in suffixes]
+    own = [Sample(f".{suffix.rsplit('.', 1)[1]}", to_bytes(RESULT, suffix)) for suffix in suffixes]
     tables = (b"col,row\n3.5,4\n5,6.25\n", b"1,2\n3,4\n")
     return [*own, *(Sample(".csv", table) for table in tables), *contours_of_others()]
 

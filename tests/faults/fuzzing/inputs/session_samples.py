@@ -16,10 +16,10 @@ from cpm_core import Parameters, Surface
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.review import Mark, KeptOutline
-from cpm_core.formats.common.plain import shape_to_plain
-from cpm_core.formats.contours.contour_json import page_to_plain
+from cpm_core.formats.common.plain import shape_to_json
+from cpm_core.formats.contours.contour_json import page_to_json
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, TruthFile, encode
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, TruthFile, encode_session
 from cpm_core.medial_axis.outlines import SkeletonTarget
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.pages.page import Page
@@ -150,10 +150,10 @@ def sample_of_pages(folder: Path) -> dict[str, Any]:
     """A session of a stack: what is drawn on each of its pages, and what was found on one."""
     drawn = (Circle((20.0, 20.0), 6.0), Charge((12.0, 12.0), 1.0))
     page = SessionFile(shapes=drawn, parameters=Parameters(scales=2))
-    found = page_to_plain(Page(2, RESULT))
+    found = page_to_json(Page(2, RESULT))
     pages = {
         "following": True,
-        "drawn": [shape_to_plain(shape) for shape in drawn],
+        "drawn": [shape_to_json(shape) for shape in drawn],
         "given": True,
         "sessions": [{"page": 2, "given": True, "session": _plain(page, folder)}],
         "found": [found, {**found, "page": 3}],
@@ -163,7 +163,7 @@ def sample_of_pages(folder: Path) -> dict[str, Any]:
 
 
 def _plain(session: SessionFile, folder: Path) -> dict[str, Any]:
-    plain: dict[str, Any] = json.loads(encode(session, folder))
+    plain: dict[str, Any] = json.loads(encode_session(session, folder))
     return plain
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core import centerlines, export
-from cpm_core.formats import FOR_CENTERLINES, FOR_VOLUMES
+from cpm_core.formats import CENTERLINES_WRITABLE, VOLUMES_WRITABLE
 from tests.core.formats.meshes.test_meshes import RESULT
 
 from .encoders import Sample
@@ -28,9 +28,9 @@ def _own() -> list[Sample]:
     inside[4:9, 4:9, 4:36] = True
     found = replace(RESULT, particles=np.array([(1.0, 2.0, 3.25), (4.0, 5.0, 6.0)]))
     with tempfile.TemporaryDirectory() as folder:
-        files = [Path(folder, f"a{suffix}") for suffix in (*FOR_VOLUMES, *FOR_CENTERLINES) if suffix != ".seg.dcm"]
+        files = [Path(folder, f"a{suffix}") for suffix in (*VOLUMES_WRITABLE, *CENTERLINES_WRITABLE) if suffix != ".seg.dcm"]
         for file in files:
-            export(centerlines(inside) if file.suffix in FOR_CENTERLINES else found, file)
+            export(centerlines(inside) if file.suffix in CENTERLINES_WRITABLE else found, file)
         return [Sample(file.suffix, file.read_bytes()) for file in files]
 
 

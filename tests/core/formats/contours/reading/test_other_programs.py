@@ -17,7 +17,7 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core import Image
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats.contour_file import decode_contours, load_contours, plane_of
+from cpm_core.formats.contour_file import decode_contours, load_contours, describe_plane
 
 NEAR = 0.02
 """Distance up to which lines stand for curves [px]."""
@@ -72,7 +72,7 @@ def test_polygons_freehand_lines_and_points_of_imagej_are_told_apart():
     closed.roitype = ROI_TYPE.FREELINE
     assert not only(closed.tobytes(), "a.roi").closed
     closed.roitype = ROI_TYPE.POINT
-    assert len(read(closed.tobytes(), "a.roi").places) == 3
+    assert len(read(closed.tobytes(), "a.roi").points) == 3
 
 
 def test_composite_selections_of_imagej_are_objects_with_holes():
@@ -207,7 +207,7 @@ def test_all_shapes_of_labelme_are_read():
     assert by_name["oriented_rectangle"].area == pytest.approx(200.0)
     assert by_name["circle"].area == pytest.approx(np.pi * 100, rel=0.002)
     assert not by_name["linestrip"].closed
-    assert len(found.places) == 3
+    assert len(found.points) == 3
     assert (found.shape, found.notes) == ((90, 80), ())
     masked = [one for one in found.contours if one.group]
     painted = np.zeros((90, 80), bool)
@@ -266,7 +266,7 @@ def test_shapes_groups_and_transformations_are_read_with_their_names_and_colors(
 def test_a_drawing_of_another_size_is_scaled_to_the_image_of_the_same_shape():
     image = Image(np.zeros((160, 200)))
     body = '<rect x="0" y="0" width="50" height="80"/>'
-    contour = decode_contours(drawing(body).encode(), "a.svg", plane_of(image)).contours[0]
+    contour = decode_contours(drawing(body).encode(), "a.svg", describe_plane(image)).contours[0]
     assert contour.points.max(axis=0).tolist() == [159.5, 99.5]
 
 
@@ -282,7 +282,7 @@ def cad(draw, version="R2010", units=0):
     return stream.getvalue().encode(document.output_encoding)
 
 
-HUNDRED = plane_of(Image(np.zeros((100, 100))))
+HUNDRED = describe_plane(Image(np.zeros((100, 100))))
 
 
 @pytest.mark.parametrize(("add", "closed"), [
@@ -309,7 +309,7 @@ def test_units_layers_and_colors_of_cad_are_read():
         space.add_point((1.0, 1.0))
 
     image = Image(np.zeros((40, 50)), (100.0, 100.0), "µm")
-    found = decode_contours(cad(draw, units=ezdxf.units.MM), "a.dxf", plane_of(image))
+    found = decode_contours(cad(draw, units=ezdxf.units.MM), "a.dxf", describe_plane(image))
     first, second, third = found.contours
     assert [one.color for one in found.contours] == ["#ff0000", "#0000ff", "#010203"]
     assert [one.name for one in found.contours] == ["nuclei", "", ""]
@@ -320,7 +320,7 @@ def test_units_layers_and_colors_of_cad_are_read():
     )
     assert np.ptp(first.points[:, 1]) == pytest.approx(10.0, abs=NEAR)
     assert found.notes == ("Left out: entity TEXT (1).",)
-    np.testing.assert_allclose(found.places, [(29.5, 9.5)])
+    np.testing.assert_allclose(found.points, [(29.5, 9.5)])
 
 
 def test_a_drawing_without_an_image_tells_that_its_own_height_is_taken():

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from cpm_core import Contour, Image
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats import WRITABLE, encoded, export
-from cpm_core.formats.contour_file import decode_contours, load_contours, plane_of, read_contours
-from cpm_core.formats.writers import DRAWN
+from cpm_core.formats import CONTOURS_WRITABLE, to_bytes, export
+from cpm_core.formats.contour_file import decode_contours, load_contours, describe_plane, read_contours
+from cpm_core.formats.writers import FIGURE_SUFFIXES
 
 from ...drawn import RESULT
 
@@ -44,7 +44,7 @@ def off(found, original):
 @pytest.mark.parametrize("suffix", WHOLE)
 def test_any_contours_come_back(suffix, drawn, spacing):
     result = result_of(*drawn, unit="mm", spacing=(spacing, 0.5 * spacing))
-    found = decode_contours(encoded(result, suffix), f"a{suffix}").contours
+    found = decode_contours(to_bytes(result, suffix), f"a{suffix}").contours
     assert [one.closed for one in found] == [one.closed for one in drawn]
     assert max(off(one, original) for one, original in zip(found, drawn, strict=True)) < NEAR
     assert [one.name for one in found] == [one.name for one in drawn]
@@ -64,7 +64,7 @@ OBJECT = (
 @pytest.mark.parametrize("suffix", [".json", ".geojson", ".labelme.json", ".coco.json"])
 def test_holes_stay_holes_of_their_object(suffix):
     result = result_of(*OBJECT)
-    found = decode_contours(encoded(result, suffix), f"a{suffix}").contours
+    found = decode_contours(to_bytes(result, suffix), f"a{suffix}").contours
     outer, hole = found[:2]
     assert [one.hole for one in found] == [False, True, False]
     assert outer.group == hole.group != 0
@@ -75,7 +75,7 @@ def test_holes_stay_holes_of_their_object(suffix):
 @pytest.mark.parametrize("suffix", [".json", ".geojson", ".labelme.json", ".coco.json"])
 def test_classes_come_back_next_to_the_names(suffix):
     classed = [replace(one, category="nucleus", name="" if one.hole else f"nucleus {one.group}") for one in OBJECT]
-    found = decode_contours(encoded(result_of(*classed), suffix), f"a{suffix}").contours
+    found = decode_contours(to_bytes(result_of(*classed), suffix), f"a{suffix}").contours
     assert [(one.category, one.name) for one in found if not one.hole] == [
         ("nucleus", "nucleus 3"),
         ("nucleus", "nucleus 4"),
@@ -84,13 +84,13 @@ def test_classes_come_back_next_to_the_names(suffix):
 
 @pytest.mark.parametrize("suffix", [".json", ".geojson"])
 def test_strengths_and_junctions_come_back(suffix):
-    found = decode_contours(encoded(RESULT, suffix), f"a{suffix}").contours
+    found = decode_contours(to_bytes(RESULT, suffix), f"a{suffix}").contours
     assert (found[0].strength, found[1].junctions) == (12.5, (True, False))
 
 
 def test_instances_with_something_in_them_come_back_to_a_fraction_of_a_pixel():
     closed = [contour for contour in RESULT.contours if contour.closed]
-    found = decode_contours(encoded(RESULT, ".coco.json"), "a.coco.json")
+    found = decode_contours(to_bytes(RESULT, ".coco.json"), "a.coco.json")
     assert found.shape == RESULT.shape
     assert max(off(one, original) for one, original in zip(found.contours, closed, strict=True)) < NEAR
     assert [(one.name, one.color.lower()) for one in found.contours] == [
@@ -112,12 +112,12 @@ def test_outlines_of_a_label_mask_paint_the_same_mask(tmp_path, suffix):
 def test_single_points_are_kept_beside_the_contours(tmp_path):
     for suffix in WHOLE:
         export(RESULT, tmp_path / f"a{suffix}")
-        np.testing.assert_allclose(read_contours(tmp_path / f"a{suffix}").places, [(55.0, 80.5)], atol=NEAR)
+        np.testing.assert_allclose(read_contours(tmp_path / f"a{suffix}").points, [(55.0, 80.5)], atol=NEAR)
 
 
 def test_every_format_of_contours_in_a_plane_is_read_back():
     others = {".png", ".tif", ".tiff", ".nii", ".nii.gz", ".nrrd", ".roi", ".coco.json", ".measures.csv", ".table.csv"}
-    assert set(WRITABLE) - DRAWN == {*WHOLE, *others}
+    assert set(CONTOURS_WRITABLE) - FIGURE_SUFFIXES == {*WHOLE, *others}
 
 
 def test_drawings_for_cad_are_placed_by_the_image_they_belong_to(tmp_path):
@@ -128,11 +128,11 @@ def test_drawings_for_cad_are_placed_by_the_image_they_belong_to(tmp_path):
     millimeters = Image(np.zeros((60, 90)), (0.5e-3, 0.25e-3), "mm")
     found = load_contours(tmp_path / "b.dxf", millimeters)
     assert max(off(one, original) for one, original in zip(found, RESULT.contours[:4], strict=True)) < NEAR
-    assert read_contours(tmp_path / "b.dxf", plane_of(millimeters)).notes == ()
+    assert read_contours(tmp_path / "b.dxf", describe_plane(millimeters)).notes == ()
 
 
 def test_vertices_of_three_numbers_are_not_read_as_pairs():
-    content = json.loads(encoded(result_of(Contour(np.array([(1.0, 2.0), (3.0, 4.0), (5.0, 2.0)]), True)), ".json"))
+    content = json.loads(to_bytes(result_of(Contour(np.array([(1.0, 2.0), (3.0, 4.0), (5.0, 2.0)]), True)), ".json"))
     content["contours"][0]["points"] = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
     with pytest.raises(ValueError, match=r"a\.json is damaged"):
         decode_contours(json.dumps(content).encode(), "a.json")
