@@ -117,26 +117,26 @@ from cpm_core.model.volume.starts import seeds_at_centers, seeds_on_box, seeds_e
 from cpm_core.objects import (
     Partition,
     Selection,
-    View,
+    NotebookView,
     VolumePartition,
     VolumeSelection,
     objects_result,
     partition,
     select,
     select_all,
-    view,
+    notebook_view,
 )
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     ContourMethod,
     ContourState,
-    Facts,
+    RunReport,
     Start,
-    facts_of,
-    moments,
+    report_run,
+    iterate_method,
     run_method,
 )
-from cpm_core.pages.follow import follow
+from cpm_core.pages.follow import follow_pages
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters

@@ -23,8 +23,8 @@ from cpm_core.model.plane.repulsion import mesh_force
 from cpm_core.model.starts import circle
 from cpm_core.model.volume.starts import sphere
 from cpm_core.numerics.types import Callback
-from cpm_core.objects.boundaries.crossings import crossings
-from cpm_core.objects.boundaries.snapping import snapped
+from cpm_core.objects.boundaries.crossings import find_crossings
+from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
@@ -73,7 +73,7 @@ def objects_once() -> None:
     missing, wrong = np.argwhere(~mask)[0], np.argwhere(mask)[-1]
     cut.select([(15.0, 15.0), missing], [wrong, (15.0, 19.0)])
     cut.select(circle((15.5, 15.5), 5.0))
-    snapped(mask, crossings([], mask.shape), 1.0)
+    snap_to_contours(mask, find_crossings([], mask.shape), 1.0)
 
 
 def extras_once() -> None:

@@ -67,7 +67,7 @@ def test_the_volumes_are_what_the_script_draws_and_contain_the_size_of_their_vox
 
 def test_a_click_in_the_head_has_the_lesion_among_its_candidates():
     volume = cpm.load_volume(SAMPLES / "head.tif")
-    lesion = cpm.partition(volume).candidates([(29, 45, 31)])[0]
+    lesion = cpm.partition(volume).find_candidates([(29, 45, 31)])[0]
     low, high = lesion.surface.vertices.min(axis=0), lesion.surface.vertices.max(axis=0)
     assert (low + high) / 2 == pytest.approx((28.8, 45.0, 31.5), abs=1.5)
     assert lesion.volume == pytest.approx(4 / 3 * np.pi * 15 * 16 * 10, rel=0.15)

@@ -60,7 +60,7 @@ def in_tables() -> Iterator[tuple[str, str]]:
     for name, method in CONTOUR_METHODS.items():
         yield method.title, f"method {name}"
         yield method.about, f"method {name}"
-        own = method.settings.table() if issubclass(method.settings, Settings) else {}
+        own = method.settings.describe_parameters() if issubclass(method.settings, Settings) else {}
         for field, info in own.items():
             for said in (info.title, info.meaning, info.effect_of_larger, info.equation, info.unit):
                 yield said, f"method {name}, {field}"

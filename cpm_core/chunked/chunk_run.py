@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.chunked.grid import Chunk, Source
-from cpm_core.chunked.survey import Whole
+from cpm_core.chunked.grid import Chunk, ChunkedSource
+from cpm_core.chunked.survey import ImageStatistics
 from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
@@ -15,7 +15,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution
 
-KINDS = ("grid", "gradient")
+CHUNKED_START_KINDS = ("grid", "gradient")
 """Kinds of automatic seeding that depend only on the surroundings of a point and on the strongest edge."""
 
 
@@ -26,20 +26,20 @@ Nearer ones would be deleted in the first steps, and take three times the memory
 """
 
 
-def contours_in(
-    source: Source, chunk: Chunk, whole: Whole, parameters: Parameters, kind: str, max_steps: int | None
+def find_chunk_contours(
+    source: ChunkedSource, chunk: Chunk, statistics: ImageStatistics, parameters: Parameters, kind: str, max_steps: int | None
 ) -> tuple[Contour, ...]:
     """Find the contours of a run from everywhere in what a chunk sees, in px of the image."""
-    values = whole.tone.apply(source.gray(chunk.padded))
-    own = whole.tone.parameters(parameters)
+    values = statistics.scaling.scale_grays(source.read_grays(chunk.padded))
+    own = statistics.scaling.adjust_parameters(parameters)
     if values.min() == values.max():
         return ()
     corner = (chunk.padded[0].start, chunk.padded[1].start)
     image = Image(values, source=source.path.name)
     engine = Engine(
-        image, own, measured=lambda field, scale, given: whole.imposed(field, scale, corner, given.edge_floor)
+        image, own, measured=lambda field, scale, given: statistics.impose_on_field(field, scale, corner, given.edge_floor)
     )
-    seeds = _seeds(engine.scale_field(own), kind)
+    seeds = _place_chunk_seeds(engine.scale_field(own), kind)
     if not len(seeds):
         return ()
     run = Evolution(engine, engine.start(seeds), own, max_steps)
@@ -51,7 +51,7 @@ def contours_in(
     )
 
 
-def _seeds(field: ScaleField, kind: str) -> Array:
+def _place_chunk_seeds(field: ScaleField, kind: str) -> Array:
     """Place the seeds of a chunk, shape (N, 2) [px of the chunk]; none where no edge is strong enough."""
     strength = field.edge_map
     if strength.max() < field.floor:

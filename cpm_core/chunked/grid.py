@@ -19,10 +19,10 @@ from cpm_core.numerics.grids import Window, expand_window, split_into_tiles
 from cpm_core.numerics.types import Array, Extent, frozen
 from cpm_core.parameters import Parameters
 
-SIDE = 1024
+CHUNK_SIDE = 1024
 """Side of a core [px]: a run on it with its margin takes less than 1.5 GB."""
 
-_OVERLAP = 128
+_MIN_OVERLAP = 128
 """Least number of pixels that a chunk sees around its core: objects of up to about 100 px are seen as a whole."""
 
 _DISTURBED_PIXELS = 16
@@ -31,7 +31,7 @@ _DISTURBED_PIXELS = 16
 _DISTURBED_SIGMAS = 8.0
 """Addition to that distance, in sigmas of the smoothing."""
 
-UNSURE = 1.0
+OWNERSHIP_TOLERANCE = 1.0
 """Distance from the border of a core within which a neighbor may place the middle of a box in its own core [px]."""
 
 _OVERLAP_MULTIPLE = 32
@@ -39,7 +39,7 @@ _OVERLAP_MULTIPLE = 32
 
 
 @frozen
-class Source:
+class ChunkedSource:
     """A plane of an image, or a volume, in a Zarr folder; each process opens it by itself."""
 
     path: Path
@@ -49,14 +49,14 @@ class Source:
     @property
     def levels(self) -> MultiscaleImage:
         """Levels of the image, opened but not read."""
-        return _opened(self.path, self.reading)
+        return _open_levels(self.path, self.reading)
 
     @property
     def shape(self) -> Extent:
         """Shape of the image."""
         return tuple(self.levels.axis_length(axis) for axis in self.axes)
 
-    def gray(self, window: Window) -> Array:
+    def read_grays(self, window: Window) -> Array:
         """Read gray levels in a window, shape (H, W) or (P, H, W), as float64."""
         return self.read_values(window).astype(float)
 
@@ -66,7 +66,7 @@ class Source:
 
 
 @lru_cache(2)
-def _opened(path: Path, reading: Reading) -> MultiscaleImage:
+def _open_levels(path: Path, reading: Reading) -> MultiscaleImage:
     """Open the levels of an image once in each process."""
     return open_multiscale(path, reading)
 
@@ -89,23 +89,23 @@ class Chunk:
 
     def may_own(self, middle: Array) -> bool:
         """Return whether the chunk, or its neighbor, owns a contour whose box has this middle, shape (D,) [px]."""
-        low, high = limits(self.core)
-        return bool(((middle >= low - UNSURE) & (middle < high + UNSURE)).all())
+        low, high = window_limits(self.core)
+        return bool(((middle >= low - OWNERSHIP_TOLERANCE) & (middle < high + OWNERSHIP_TOLERANCE)).all())
 
 
-def limits(window: Window) -> Array:
+def window_limits(window: Window) -> Array:
     """Return where a window begins and ends, shape (2, D) [px]; centers of pixels are whole numbers."""
     return np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
 
 
-def touches(contour: Contour, window: Window) -> bool:
+def box_touches(contour: Contour, window: Window) -> bool:
     """Return whether the box of a contour has pixels in a window."""
-    low, high = limits(window)
+    low, high = window_limits(window)
     return bool((contour.box[1] >= low).all() and (contour.box[0] <= high).all())
 
 
 @frozen
-class Grid:
+class ChunkGrid:
     """The chunks of an image.
 
     Attributes
@@ -121,7 +121,7 @@ class Grid:
     shape: Extent
     side: int
     overlap: int
-    whole: float
+    max_whole_side: float
 
     @property
     def chunks(self) -> tuple[Chunk, ...]:
@@ -134,12 +134,12 @@ class Grid:
         """Number of chunks along each axis."""
         return tuple(-(-n // self.side) for n in self.shape)
 
-    def chunk_at(self, places: Array) -> Array:
+    def find_chunk_numbers(self, places: Array) -> Array:
         """Find the chunks, shape (N,), whose cores hold points, shape (N, D) [px], or are nearest to them."""
         at = np.clip(np.floor((places + 0.5) / self.side).astype(int), 0, np.array(self.counts) - 1)
         return np.ravel_multi_index(tuple(at.T), self.counts)
 
-    def within(self, window: Window) -> Iterator[tuple[int, Window]]:
+    def split_window(self, window: Window) -> Iterator[tuple[int, Window]]:
         """Split a window into its parts in the cores of chunks, each with the number of the chunk."""
         for at in product(*(range(part.start // self.side, -(-part.stop // self.side)) for part in window)):
             core = tuple(
@@ -148,30 +148,30 @@ class Grid:
             )
             yield int(np.ravel_multi_index(at, self.counts)), core
 
-    def sees(self, contour: Contour) -> bool:
+    def sees_whole(self, contour: Contour) -> bool:
         """Return whether each chunk whose core a contour touches sees all of it, undisturbed."""
-        return bool((contour.box[1] - contour.box[0]).max() <= self.whole)
+        return bool((contour.box[1] - contour.box[0]).max() <= self.max_whole_side)
 
-    def around(self, number: int) -> list[int]:
+    def find_neighbors(self, number: int) -> list[int]:
         """Find the numbers of a chunk and of its neighbors."""
         at = np.array(np.unravel_index(number, self.counts)).tolist()
         near = np.ix_(*(range(max(k - 1, 0), min(k + 2, n)) for k, n in zip(at, self.counts, strict=True)))
         found: list[int] = np.ravel_multi_index(near, self.counts).ravel().tolist()
         return found
 
-    def near(self, window: Window) -> list[int]:
+    def find_owners_near(self, window: Window) -> list[int]:
         """Find the chunks that may own a contour with pixels in a window, if they see all of it."""
-        wide = expand_window(window, math.ceil(0.5 * self.whole + UNSURE) + 1, self.shape)
-        return [number for number, _ in self.within(wide)]
+        wide = expand_window(window, math.ceil(0.5 * self.max_whole_side + OWNERSHIP_TOLERANCE) + 1, self.shape)
+        return [number for number, _ in self.split_window(wide)]
 
 
-def disturbed(smoothing: float) -> int:
+def disturbed_margin(smoothing: float) -> int:
     """Compute how far from the border of a padded chunk results may differ, after a Gaussian of this sigma [px]."""
     return _DISTURBED_PIXELS + math.ceil(_DISTURBED_SIGMAS * smoothing)
 
 
-def grid_for(shape: Extent, parameters: Parameters, smoothing: float, side: int = SIDE) -> Grid:
+def build_grid(shape: Extent, parameters: Parameters, smoothing: float, side: int = CHUNK_SIDE) -> ChunkGrid:
     """Build the grid for a run with these parameters and a Gaussian of `smoothing` px."""
-    needed = disturbed(smoothing) + max(parameters.min_length, parameters.max_gap)
-    overlap = -(-max(_OVERLAP, math.ceil(needed)) // _OVERLAP_MULTIPLE) * _OVERLAP_MULTIPLE
-    return Grid(shape, side, overlap, float(overlap - disturbed(smoothing)))
+    needed = disturbed_margin(smoothing) + max(parameters.min_length, parameters.max_gap)
+    overlap = -(-max(_MIN_OVERLAP, math.ceil(needed)) // _OVERLAP_MULTIPLE) * _OVERLAP_MULTIPLE
+    return ChunkGrid(shape, side, overlap, float(overlap - disturbed_margin(smoothing)))

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.chunked.grid import Chunk, Grid, Source
-from cpm_core.chunked.run import Compute, Found, Task
+from cpm_core.chunked.grid import Chunk, ChunkGrid, ChunkedSource
+from cpm_core.chunked.run import Compute, ChunkedContours, ChunkedTask
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
@@ -41,20 +41,20 @@ WRITABLE = {
 """Descriptions of the files by suffix."""
 
 
-def write(found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]) -> list[str]:
+def write_results(found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]) -> list[str]:
     """Write files by their suffixes, and return the name of each file, or of all its tiles.
 
     Writers take what was found, a path, a draft to write to until all is written, and how jobs are computed.
     """
     written = []
     for path in map(Path, paths):
-        with _draft(path) as draft:
+        with _open_draft(path) as draft:
             written.append(writers[path.suffix.lower()](found, path, draft, compute))
     return written
 
 
 @contextmanager
-def _draft(path: Path) -> Iterator[Path]:
+def _open_draft(path: Path) -> Iterator[Path]:
     """Open a place next to a file or a folder, which it replaces at the end."""
     draft = path.with_name(f".cpm-{path.name}.part")
     shutil.rmtree(draft, ignore_errors=True)
@@ -65,67 +65,67 @@ def _draft(path: Path) -> Iterator[Path]:
         draft.replace(path)
 
 
-def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> str:
+def write_label_image(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> str:
     """Write a label image in levels of resolution."""
-    label_image(found.task.source, found.grid, draft, partial(_paint, found, draft), compute)
+    build_label_image(found.task.source, found.grid, draft, partial(_paint_chunk_labels, found, draft), compute)
     return str(path)
 
 
-def label_image(source: Source, grid: Grid, path: Path, paint: Callable[[Chunk], None], compute: Compute) -> None:
+def build_label_image(source: ChunkedSource, grid: ChunkGrid, path: Path, paint: Callable[[Chunk], None], compute: Compute) -> None:
     """Write a label image in levels of resolution, the finest of which `paint` writes in the core of each chunk."""
     more = {"image-label": {"version": "0.5"}}
     count = create_multiscale(path, grid.shape, np.uint32, grid.side, source.levels.spacing, source.levels.unit, more)
-    _done(compute(paint, grid.chunks, "labels"))
+    _wait_for_jobs(compute(paint, grid.chunks, "labels"))
     for level in range(1, count):
         shape = tuple(-(-n // 2**level) for n in grid.shape)
-        _done(compute(partial(halve_window, path, level), split_into_tiles(shape, grid.side), "levels of labels"))
+        _wait_for_jobs(compute(partial(halve_window, path, level), split_into_tiles(shape, grid.side), "levels of labels"))
 
 
-def _paint(found: Found, path: Path, chunk: Chunk) -> None:
+def _paint_chunk_labels(found: ChunkedContours, path: Path, chunk: Chunk) -> None:
     """Write the labels in the core of a chunk, which are the numbers of the contours, or of objects."""
-    contours = [one for one in found.near(chunk.core) if one.closed]
+    contours = [one for one in found.find_contours_near(chunk.core) if one.closed]
     if contours:
-        labels = rasterize_labels(_moved(contours, chunk.core), window_shape(chunk.core))
-        write_window(path, 0, chunk.core, np.array([0, *_numbers(contours)], np.uint32)[labels])
+        labels = rasterize_labels(_shift_contours(contours, chunk.core), window_shape(chunk.core))
+        write_window(path, 0, chunk.core, np.array([0, *_number_labels(contours)], np.uint32)[labels])
 
 
-def _numbers(contours: Sequence[Contour]) -> list[int]:
+def _number_labels(contours: Sequence[Contour]) -> list[int]:
     """Return the number of each label that `paint` gives to contours."""
     known = {label: one.group or one.number for one, label in zip(contours, assign_labels(contours), strict=True)}
     return [known[label] for label in sorted(known) if label]
 
 
-def _moved(contours: Sequence[Contour], window: Window) -> list[Contour]:
+def _shift_contours(contours: Sequence[Contour], window: Window) -> list[Contour]:
     """Shift contours to px of a window."""
     corner = np.array([side.start for side in window])
     return [Contour(one.points - corner, one.closed, group=one.group, hole=one.hole) for one in contours]
 
 
-def write_tiles(found: Found, path: Path, _: Path, compute: Compute) -> str:
+def write_geojson_tiles(found: ChunkedContours, path: Path, _: Path, compute: Compute) -> str:
     """Write a file of GeoJSON for each chunk with contours."""
-    count = sum(some for _, some in compute(partial(_tile, found, path), found.grid.chunks, "GeoJSON"))
+    count = sum(some for _, some in compute(partial(_write_tile, found, path), found.grid.chunks, "GeoJSON"))
     return f"{path.with_stem(f'{path.stem}_*')} ({format_count(count, 'file')})"
 
 
-def _tile(found: Found, path: Path, chunk: Chunk) -> bool:
+def _write_tile(found: ChunkedContours, path: Path, chunk: Chunk) -> bool:
     """Write the contours of a chunk, and return whether there are any."""
-    own = found.contours(chunk.number)
+    own = found.read_chunk_contours(chunk.number)
     if not own:
         return False
-    result = _result(found, _with_inner(found, chunk, own))
+    result = _build_result(found, _add_inner_contours(found, chunk, own))
     features = build_features(result)[: sum(not one.hole for one in own)]
     name = path.with_stem(f"{path.stem}_{chunk.core[0].start}_{chunk.core[1].start}")
     write_together([(name, encode_json({"type": "FeatureCollection", PROVENANCE_KEY: describe_provenance(result), "features": features}))])
     return True
 
 
-def _with_inner(found: Found, chunk: Chunk, own: Sequence[Contour]) -> list[Contour]:
+def _add_inner_contours(found: ChunkedContours, chunk: Chunk, own: Sequence[Contour]) -> list[Contour]:
     """Add the contours of other chunks that may lie in one of a chunk."""
     mine = {one.group or one.number for one in own}
-    return [*own, *(one for one in found.near(_window(found, chunk, own)) if (one.group or one.number) not in mine)]
+    return [*own, *(one for one in found.find_contours_near(_find_window_around(found, chunk, own)) if (one.group or one.number) not in mine)]
 
 
-def _window(found: Found, chunk: Chunk, contours: Sequence[Contour]) -> Window:
+def _find_window_around(found: ChunkedContours, chunk: Chunk, contours: Sequence[Contour]) -> Window:
     """Find the pixels around contours of a chunk, as far as it has neighbors."""
     boxes, limits = np.array([one.box for one in contours]), expand_window(chunk.core, found.grid.side, found.grid.shape)
     low, high = np.floor(boxes[:, 0].min(axis=0)).astype(int), np.ceil(boxes[:, 1].max(axis=0)).astype(int) + 1
@@ -133,22 +133,22 @@ def _window(found: Found, chunk: Chunk, contours: Sequence[Contour]) -> Window:
     return tuple(slice(max(first, side.start), min(last, side.stop)) for first, last, side in ends)
 
 
-def _result(found: Found, contours: Sequence[Contour]) -> Result:
+def _build_result(found: ChunkedContours, contours: Sequence[Contour]) -> Result:
     """Build a result of some contours, for writers."""
     task, levels = found.task, found.task.source.levels
-    made = provenance_of(task)
+    made = build_provenance(task)
     return Result(
         np.empty((0, 2)), tuple(contours), None, 0, True, "run chunk by chunk", found.grid.shape, levels.spacing[1:],
         levels.unit, levels.name, provenance=made,
     )  # fmt: skip
 
 
-def provenance_of(task: Task) -> Provenance:
+def build_provenance(task: ChunkedTask) -> Provenance:
     """Build the provenance of what a task finds."""
     return Provenance("cpm", select_parameters(task.parameters, Engine.parameters), None, describe_shapes([Everywhere(task.kind)]), 0)
 
 
-def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> str:
+def write_contour_table(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> str:
     """Write a table, with a row for each closed contour."""
     import pyarrow
     from pyarrow import csv, parquet
@@ -156,7 +156,7 @@ def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> str:
     tables: dict[int, Any] = {}
     writer, following = None, 0
     make = parquet.ParquetWriter if path.suffix.lower() == ".parquet" else csv.CSVWriter
-    for at, columns in compute(partial(_rows, found), found.grid.chunks, "table"):
+    for at, columns in compute(partial(_build_table_columns, found), found.grid.chunks, "table"):
         tables[at] = columns
         while following in tables:  # in the order of the chunks
             table = pyarrow.table(tables.pop(following))
@@ -168,23 +168,23 @@ def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> str:
     return str(path)
 
 
-def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
+def _build_table_columns(found: ChunkedContours, chunk: Chunk) -> dict[str, Array]:
     """Build columns on what the closed contours of a chunk enclose, lengths in the unit of the image if it has one.
 
     Of contours that no single chunk sees, the area includes what lies inside, and gray levels are not measured.
     """
-    source, own = found.task.source, [one for one in found.contours(chunk.number) if one.closed]
+    source, own = found.task.source, [one for one in found.read_chunk_contours(chunk.number) if one.closed]
     levels = source.levels
-    short = [one for one in own if one.group or found.grid.sees(one)]
-    long = [one for one in own if not (one.group or found.grid.sees(one))]
-    columns: dict[str, list[Array]] = {"label": [np.array(_numbers([*short, *long]), np.int64)]}
+    short = [one for one in own if one.group or found.grid.sees_whole(one)]
+    long = [one for one in own if not (one.group or found.grid.sees_whole(one))]
+    columns: dict[str, list[Array]] = {"label": [np.array(_number_labels([*short, *long]), np.int64)]}
     for some in (short, long):
         labels: NDArray[Any] = np.zeros((1, 1), np.int64)
-        contours, gray, count = some, None, len(_numbers(some))
+        contours, gray, count = some, None, len(_number_labels(some))
         if some and some is short:
-            window = _window(found, chunk, some)
-            contours = [one for one in _with_inner(found, chunk, some) if one.closed]
-            labels, gray = rasterize_labels(_moved(contours, window), window_shape(window)), source.gray(window)
+            window = _find_window_around(found, chunk, some)
+            contours = [one for one in _add_inner_contours(found, chunk, some) if one.closed]
+            labels, gray = rasterize_labels(_shift_contours(contours, window), window_shape(window)), source.read_grays(window)
         table = measure_regions(contours, labels, gray, levels.spacing[1:], levels.unit)
         for name in dict.fromkeys((*table, *_GRAY_COLUMNS)):
             if name not in ("label", "name"):
@@ -197,15 +197,15 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
 _GRAY_COLUMNS = ("intensity_mean", "intensity_std", "intensity_min", "intensity_max")
 
 
-def _done(results: Iterable[object]) -> None:
+def _wait_for_jobs(results: Iterable[object]) -> None:
     """Wait until all jobs are done."""
     for _ in results:
         pass
 
 
 WRITERS: Mapping[str, Callable[..., str]] = {
-    ".zarr": write_labels,
-    ".geojson": write_tiles,
-    **dict.fromkeys((".csv", ".parquet"), write_table),
+    ".zarr": write_label_image,
+    ".geojson": write_geojson_tiles,
+    **dict.fromkeys((".csv", ".parquet"), write_contour_table),
 }
 """Suffixes -> writers."""

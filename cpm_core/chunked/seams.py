@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from cpm_core.chunked.grid import UNSURE, Chunk, Grid, limits
-from cpm_core.chunked.store import Piece
+from cpm_core.chunked.grid import OWNERSHIP_TOLERANCE, Chunk, ChunkGrid, window_limits
+from cpm_core.chunked.store import ContourPiece
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array, Index, Mask
 
@@ -27,26 +27,26 @@ _SAME_BOUNDARY_DISTANCE = 0.5
 """Distance up to which two chunks see the same boundary [px]; in fact they differ by some thousandths."""
 
 
-def owned(contours: Sequence[Contour], chunk: Chunk, grid: Grid) -> tuple[list[Piece], list[Piece]]:
+def select_owned_contours(contours: Sequence[Contour], chunk: Chunk, grid: ChunkGrid) -> tuple[list[ContourPiece], list[ContourPiece]]:
     """Select the contours that a chunk owns, and cut pieces of long ones."""
-    low, high = limits(chunk.core)
+    low, high = window_limits(chunk.core)
     low, high = np.where(low < 0.0, -np.inf, low), np.where(high > np.array(grid.shape) - 1.0, np.inf, high)
-    whole: list[Piece] = []
-    pieces: list[Piece] = []
+    whole: list[ContourPiece] = []
+    pieces: list[ContourPiece] = []
     for one in contours:
-        if not one.closed or not grid.sees(one):
-            pieces += _clipped(one, low - _PIECE_MARGIN, high + _PIECE_MARGIN)
+        if not one.closed or not grid.sees_whole(one):
+            pieces += _clip_contour(one, low - _PIECE_MARGIN, high + _PIECE_MARGIN)
         elif chunk.may_own(one.box.mean(axis=0)):
-            whole.append(Piece(one))
+            whole.append(ContourPiece(one))
     return whole, pieces
 
 
-def _clipped(contour: Contour, low: Array, high: Array) -> Iterator[Piece]:
+def _clip_contour(contour: Contour, low: Array, high: Array) -> Iterator[ContourPiece]:
     """Cut the stretches of a contour within limits, each with one vertex beyond."""
     points = contour.points
     inside = ((points >= low) & (points <= high)).all(axis=1)
     if inside.all():
-        yield Piece(contour)
+        yield ContourPiece(contour)
         return
     if contour.closed:  # from a vertex outside on, and back to it
         first = int(np.argmin(inside))
@@ -57,17 +57,17 @@ def _clipped(contour: Contour, low: Array, high: Array) -> Iterator[Piece]:
         cut = (first > 0, end < len(points))
         stretch = points[max(first - 1, 0) : end + 1]
         ends = (contour.junctions[0] and not cut[0], contour.junctions[1] and not cut[1])
-        yield Piece(replace(contour, points=stretch, closed=False, junctions=ends), cut)
+        yield ContourPiece(replace(contour, points=stretch, closed=False, junctions=ends), cut)
 
 
-def twice(boxes: Array, chunks: Index, grid: Grid) -> Mask:
+def find_duplicates(boxes: Array, chunks: Index, grid: ChunkGrid) -> Mask:
     """Find the contours that two chunks own, of which all but one are duplicates; shape (N,).
 
     `boxes`, shape (N, 2, 2) [px], and `chunks`, shape (N,), are those of all contours.
     """
     middle = boxes.mean(axis=1)
     edge = (middle + 0.5) % grid.side
-    near = np.flatnonzero((np.minimum(edge, grid.side - edge) <= UNSURE + _SAME_BOUNDARY_DISTANCE).any(axis=1))
+    near = np.flatnonzero((np.minimum(edge, grid.side - edge) <= OWNERSHIP_TOLERANCE + _SAME_BOUNDARY_DISTANCE).has_object(axis=1))
     found = np.zeros(len(boxes), bool)
     if len(near):
         pairs = scipy.spatial.KDTree(boxes[near].reshape(-1, 4)).query_pairs(
@@ -87,7 +87,7 @@ class _End(NamedTuple):
     vertex: int
 
 
-def joined(pieces: list[Piece], chunks: Sequence[int], least: float) -> list[Contour]:
+def join_pieces(pieces: list[ContourPiece], chunks: Sequence[int], least: float) -> list[Contour]:
     """Join the pieces of all chunks to contours of at least this length; `chunks` holds the chunk of each piece."""
     import shapely
 
@@ -108,17 +108,17 @@ def joined(pieces: list[Piece], chunks: Sequence[int], least: float) -> list[Con
                 near = tree.query(shapely.Point(points[-1]), "dwithin", _SAME_BOUNDARY_DISTANCE).tolist()
                 others = [m for m in near if m != n and m not in gone and chunks[m] != chunks[n]]
                 for m in sorted(others, key=lambda m: lines[m].distance(shapely.Point(points[-1]))):
-                    known = _continued(points, pieces[m].contour.points)
+                    known = _find_continuation(points, pieces[m].contour.points)
                     if pieces[m].cut[known[0]] and (m, known[0]) not in ends:
                         ends[n, end] = _End(m, *known)
                         back = pieces[m].contour.points[:: -1 if known[0] == 0 else 1]
-                        ends[m, known[0]] = _End(n, end, _continued(back, pieces[n].contour.points)[1])
+                        ends[m, known[0]] = _End(n, end, _find_continuation(back, pieces[n].contour.points)[1])
                         break
     left = [n for n in range(len(pieces)) if n not in gone]
-    return [one for one in _once(_chains(pieces, left, ends)) if one.length >= least]
+    return [one for one in _trim_shared_ends(_chain_pieces(pieces, left, ends)) if one.length >= least]
 
 
-def _once(contours: list[Contour]) -> Iterator[Contour]:
+def _trim_shared_ends(contours: list[Contour]) -> Iterator[Contour]:
     """Cut off the stretches at the ends of contours that lie on others, the shortest contour first."""
     import shapely
 
@@ -137,13 +137,13 @@ def _once(contours: list[Contour]) -> Iterator[Contour]:
             else np.ones(1, bool)
         )
         first, end = (max(int(way.argmax()) - 1, 0) for way in (own, own[::-1]))  # with a vertex where they meet
-        kept = one.points[first : len(one.points) - end] if own.any() else one.points[:0]
+        kept = one.points[first : len(one.points) - end] if own.has_object() else one.points[:0]
         lines[n] = shapely.LineString(kept) if len(kept) < len(one.points) else lines[n]
         if len(kept) > 1:
             yield replace(one, points=kept)
 
 
-def _continued(points: Array, other: Array) -> tuple[int, int]:
+def _find_continuation(points: Array, other: Array) -> tuple[int, int]:
     """Find the end of another line that a line runs over before its last point, and the vertex after that point."""
     back = points[max(len(points) - 3, 0)]
     here, before = (int(np.argmin(((other - at) ** 2).sum(axis=1))) for at in (points[-1], back))
@@ -153,7 +153,7 @@ def _continued(points: Array, other: Array) -> tuple[int, int]:
     return (0, min(here + 1, len(other) - 1)) if here > before else (1, max(here - 1, 0))
 
 
-def _chains(pieces: Sequence[Piece], left: Sequence[int], ends: dict[tuple[int, int], _End]) -> list[Contour]:
+def _chain_pieces(pieces: Sequence[ContourPiece], left: Sequence[int], ends: dict[tuple[int, int], _End]) -> list[Contour]:
     """Chain pieces that are connected at their ends, from loose ends on, then those that run around."""
     found, used = [], set[int]()
     loose = [(n, end) for n in left for end in (0, 1) if (n, end) not in ends]

@@ -19,7 +19,7 @@ _SETTINGS_FILE = "settings.json"
 
 
 @record
-class Piece:
+class ContourPiece:
     """A contour that a chunk sees as a whole, or the piece of a longer one in a chunk.
 
     Attributes
@@ -35,12 +35,12 @@ class Piece:
 
 
 @frozen
-class Store:
+class RunStore:
     """Files of a run, each written atomically: a file is complete or absent."""
 
     folder: Path
 
-    def begin(self, settings: JsonDict) -> bool:
+    def open_run(self, settings: JsonDict) -> bool:
         """Prepare the folder for a run, and return whether it holds files of a run with the same settings."""
         known = self.folder / _SETTINGS_FILE
         text = json.dumps(settings, sort_keys=True).encode()
@@ -52,7 +52,7 @@ class Store:
         write_together([(known, text)])
         return False
 
-    def has(self, name: str) -> bool:
+    def has_file(self, name: str) -> bool:
         """Return whether a file exists."""
         return (self.folder / name).is_file()
 
@@ -72,7 +72,7 @@ class Store:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def packed(pieces: Sequence[Piece]) -> JsonDict:
+def pack_pieces(pieces: Sequence[ContourPiece]) -> JsonDict:
     """Pack pieces into arrays."""
     contours = [piece.contour for piece in pieces]
     return {
@@ -86,7 +86,7 @@ def packed(pieces: Sequence[Piece]) -> JsonDict:
     }
 
 
-def unpacked(arrays: JsonDict, prefix: str = "") -> list[Piece]:
+def unpack_pieces(arrays: JsonDict, prefix: str = "") -> list[ContourPiece]:
     """Unpack the pieces of arrays whose names have a prefix."""
     known = {key.removeprefix(prefix): values for key, values in arrays.items() if key.startswith(prefix)}
     points = np.split(known["points"], np.cumsum(known["counts"])[:-1]) if len(known["counts"]) else []
@@ -96,6 +96,6 @@ def unpacked(arrays: JsonDict, prefix: str = "") -> list[Piece]:
         strict=True,
     )
     return [
-        Piece(Contour(path, closed, strength, tuple(junctions), hole=hole), tuple(cut))
+        ContourPiece(Contour(path, closed, strength, tuple(junctions), hole=hole), tuple(cut))
         for path, closed, strength, junctions, hole, cut in rows
     ]

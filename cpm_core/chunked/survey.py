@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.chunked.grid import Chunk, Grid, Source
+from cpm_core.chunked.grid import Chunk, ChunkGrid, ChunkedSource
 from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, pack_force, weakest_edge
 from cpm_core.image.border import find_pixels_inside_border, dilate_by_distance
@@ -18,8 +18,8 @@ from cpm_core.image.gray_levels import automatic_gamma, apply_power
 from cpm_core.image.pyramid import build_pyramid
 from cpm_core.numerics.grids import relative_window, whole_window
 from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
-from cpm_core.objects.partition import Frame
-from cpm_core.objects.prior.windows import gray_range, sample_step
+from cpm_core.objects.partition import ParentImage
+from cpm_core.objects.prior.windows import measure_gray_range, find_sample_step
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_edge_window
 
@@ -33,17 +33,17 @@ _MAX_COARSE_SIDE = 2048
 """Longest side of the coarse image in which the border and the strongest edge are looked for [px]."""
 
 
-class GrayLevels(NamedTuple):
+class ChunkGrayLevels(NamedTuple):
     """Gray levels of the core of a chunk: their range, a dense and a sparse sample, and means of blocks."""
 
     low: float
     high: float
     sample: Array
-    few: Array
+    sparse_sample: Array
     blocks: Array
 
 
-class Edges(NamedTuple):
+class ChunkEdges(NamedTuple):
     """Edges in the core of a chunk: the largest strength at each scale, and some strengths at each."""
 
     strongest: tuple[float, ...]
@@ -51,7 +51,7 @@ class Edges(NamedTuple):
 
 
 @frozen
-class Tone:
+class GrayScaling:
     """The scaling and smoothing of the gray levels of an image.
 
     Attributes
@@ -70,19 +70,19 @@ class Tone:
     smoothing: float
     inside: Integers
 
-    def apply(self, values: Array) -> Array:
+    def scale_grays(self, values: Array) -> Array:
         """Scale gray levels, of any shape, as `gray_levels.toned` scales those of the whole image."""
         if self.exponent == 1.0 or self.high <= self.low:
             return values
         return apply_power(values, self.low, self.high, self.exponent)
 
-    def parameters(self, parameters: Parameters) -> Parameters:
+    def adjust_parameters(self, parameters: Parameters) -> Parameters:
         """Adjust the parameters of a run to gray levels that have been scaled."""
         return replace(parameters, gamma=1.0, smoothing=self.smoothing, max_border=0.0)
 
 
 @frozen
-class Whole:
+class ImageStatistics:
     """What the fields of a chunk depend on in the whole image.
 
     Attributes
@@ -95,33 +95,33 @@ class Whole:
         The whole image, for the evaluation of objects; None where no objects are sought.
     """
 
-    tone: Tone
+    scaling: GrayScaling
     strongest: tuple[float, ...]
     floor: tuple[float, ...]
-    frame: Frame | None = None
+    parent: ParentImage | None = None
 
     @property
-    def numbers(self) -> dict[str, tuple[float, ...]]:
+    def arrays(self) -> dict[str, tuple[float, ...]]:
         """The statistics as arrays to be stored."""
-        tone = self.tone
+        tone = self.scaling
         range_ = (tone.low, tone.high, tone.exponent, tone.smoothing)
-        judged = () if self.frame is None else (*self.frame.grays, self.frame.smoothing)
+        judged = () if self.parent is None else (*self.parent.gray_range, self.parent.smoothing)
         found = {"strongest": self.strongest, "floor": self.floor, "judged": judged}
         return {"tone": range_, "inside": tone.inside, **found}
 
     @classmethod
-    def of(cls, numbers: Mapping[str, Array], shape: Extent) -> Whole:
+    def from_arrays(cls, numbers: Mapping[str, Array], shape: Extent) -> ImageStatistics:
         """Build from stored arrays and the shape of the image."""
         low, high, exponent, smoothing = numbers["tone"].tolist()
         inside, strongest, floor = (tuple(numbers[name].tolist()) for name in ("inside", "strongest", "floor"))
         judged = numbers["judged"].tolist()
-        frame = Frame(shape, (0, 0), tuple(judged[:2]), judged[2]) if judged else None
-        return cls(Tone(low, high, exponent, smoothing, inside), strongest, floor, frame)
+        frame = ParentImage(shape, (0, 0), tuple(judged[:2]), judged[2]) if judged else None
+        return cls(GrayScaling(low, high, exponent, smoothing, inside), strongest, floor, frame)
 
-    def imposed(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
+    def impose_on_field(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
         """Impose what depends on the whole image on the field of a chunk whose first pixel is `corner` of the image."""
         strongest, strength = self.strongest[scale], field.edge_map
-        top, left, bottom, right = self.tone.inside
+        top, left, bottom, right = self.scaling.inside
         rows, cols = (
             (start <= at) & (at < end)
             for n, first, start, end in zip(strength.shape, corner, (top, left), (bottom, right), strict=True)
@@ -143,47 +143,47 @@ class Whole:
         )
 
 
-def block_of(shape: Extent) -> int:
+def find_block_side(shape: Extent) -> int:
     """Find the side of the blocks whose means make the coarse image: a power of two [px]."""
     return 2 ** max(math.ceil(math.log2(max(shape) / _MAX_COARSE_SIDE)), 0)
 
 
-def step_of(shape: Extent) -> int:
+def find_sample_spacing(shape: Extent) -> int:
     """Find the distance of the pixels whose gray levels and edge strengths are sampled [px]."""
     return max(math.ceil((math.prod(shape) / _STATISTICS_SAMPLES) ** (1.0 / len(shape))), 1)
 
 
-def gray_levels(source: Source, chunk: Chunk) -> GrayLevels:
+def measure_gray_levels(source: ChunkedSource, chunk: Chunk) -> ChunkGrayLevels:
     """Measure the gray levels of a chunk."""
     shape = source.shape
-    values, step, few, side = source.gray(chunk.core), step_of(shape), sample_step(shape), block_of(shape)
+    values, step, few, side = source.read_grays(chunk.core), find_sample_spacing(shape), find_sample_step(shape), find_block_side(shape)
     first, left = (-side.start % few for side in chunk.core)
     rows, cols = (-(-n // side) for n in values.shape)
     even = np.pad(values, ((0, rows * side - values.shape[0]), (0, cols * side - values.shape[1])), mode="edge")
     blocks = even.reshape(rows, side, cols, side).mean(axis=(1, 3))
-    return GrayLevels(
+    return ChunkGrayLevels(
         float(values.min()), float(values.max()), values[::step, ::step].ravel(), values[first::few, left::few].ravel(),
         blocks,
     )  # fmt: skip
 
 
-def plain_tone(shape: Extent, parameters: Parameters) -> Tone | None:
+def fixed_scaling(shape: Extent, parameters: Parameters) -> GrayScaling | None:
     """Return the scaling of gray levels where it depends on parameters alone; else None."""
     if parameters.gamma != 1.0 or parameters.smoothing == "auto" or parameters.max_border > 0.0:
         return None
-    return Tone(0.0, 0.0, 1.0, float(parameters.smoothing), (0, 0, shape[0], shape[1]))
+    return GrayScaling(0.0, 0.0, 1.0, float(parameters.smoothing), (0, 0, shape[0], shape[1]))
 
 
-def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: Parameters) -> Tone:
+def find_scaling(source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGrayLevels], parameters: Parameters) -> GrayScaling:
     """Find the scaling of the gray levels of the whole image, from those of the chunks in the order of the grid."""
     low, high = min(one.low for one in seen), max(one.high for one in seen)
     sample = np.concatenate([one.sample for one in seen])
     exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
-    side, coarse, smoothing = block_of(grid.shape), _coarse(grid, seen), parameters.smoothing
+    side, coarse, smoothing = find_block_side(grid.shape), _assemble_coarse_image(grid, seen), parameters.smoothing
     if smoothing == "auto":
-        smoothing = _automatic(source, coarse, Tone(low, high, exponent, 0.0, (0, 0, 0, 0)))
+        smoothing = _find_smoothing(source, coarse, GrayScaling(low, high, exponent, 0.0, (0, 0, 0, 0)))
     sigma = max(float(smoothing) / side, 1.0 if side > 1 else 0.0)
-    slopes = smoothed_gradient(Tone(low, high, exponent, sigma, (0, 0, 0, 0)).apply(coarse), sigma)
+    slopes = smoothed_gradient(GrayScaling(low, high, exponent, sigma, (0, 0, 0, 0)).scale_grays(coarse), sigma)
     inside = find_pixels_inside_border(lambda part: slopes[(slice(None), *part)], vector_magnitudes(slopes), sigma, parameters.max_border)
     ends = []
     for axis, n in enumerate(grid.shape):
@@ -191,53 +191,53 @@ def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: 
         first, end = (int(free[0]), int(free[-1]) + 1) if len(free) else (0, 0)
         ends.append((first * side, n if end == inside.shape[axis] else end * side))
     (top, bottom), (left, right) = ends
-    return Tone(low, high, exponent, float(smoothing), (top, left, bottom, right))
+    return GrayScaling(low, high, exponent, float(smoothing), (top, left, bottom, right))
 
 
-def frame_of(source: Source, grid: Grid, seen: Sequence[GrayLevels]) -> Frame:
+def build_parent_image(source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGrayLevels]) -> ParentImage:
     """Describe the image that objects are judged in, from the gray levels of the chunks in the order of the grid."""
-    grays = gray_range(np.concatenate([one.few for one in seen]))
-    plain = Tone(0.0, 0.0, 1.0, 0.0, (0, 0, 0, 0))
-    return Frame(grid.shape, (0, 0), grays, _automatic(source, _coarse(grid, seen), plain))
+    grays = measure_gray_range(np.concatenate([one.sparse_sample for one in seen]))
+    plain = GrayScaling(0.0, 0.0, 1.0, 0.0, (0, 0, 0, 0))
+    return ParentImage(grid.shape, (0, 0), grays, _find_smoothing(source, _assemble_coarse_image(grid, seen), plain))
 
 
-def _coarse(grid: Grid, seen: Sequence[GrayLevels]) -> Array:
+def _assemble_coarse_image(grid: ChunkGrid, seen: Sequence[ChunkGrayLevels]) -> Array:
     """Assemble the means of the blocks of the whole image, shape (rows, columns of blocks)."""
     columns = grid.counts[1]
     return np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
 
 
-def _automatic(source: Source, coarse: Array, tone: Tone) -> float:
+def _find_smoothing(source: ChunkedSource, coarse: Array, tone: GrayScaling) -> float:
     """Find the smoothing that suits an image; a large one is measured around its strongest edge only."""
     shape = source.shape
     large = math.prod(shape) > LARGE_IMAGE_PIXELS
-    part = strongest_edge_window(coarse, block_of(shape), shape) if large else whole_window(shape)
-    return automatic_smoothing(tone.apply(source.gray(part)))
+    part = strongest_edge_window(coarse, find_block_side(shape), shape) if large else whole_window(shape)
+    return automatic_smoothing(tone.scale_grays(source.read_grays(part)))
 
 
-def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> Edges:
+def measure_edges(source: ChunkedSource, chunk: Chunk, tone: GrayScaling, parameters: Parameters) -> ChunkEdges:
     """Measure the edges of a chunk at each scale."""
-    step = step_of(source.shape)
+    step = find_sample_spacing(source.shape)
     top, left, bottom, right = tone.inside
     core = tuple(
         slice(min(max(side.start, low), high), max(min(side.stop, high), low))
         for side, low, high in zip(chunk.core, (top, left), (bottom, right), strict=True)
     )
     strongest, samples = [], []
-    for scale, values in enumerate(build_pyramid(tone.apply(source.gray(chunk.padded)), parameters.scales)):
+    for scale, values in enumerate(build_pyramid(tone.scale_grays(source.read_grays(chunk.padded)), parameters.scales)):
         strength = vector_magnitudes(smoothed_gradient(values, tone.smoothing))
         size = 2**scale
         part = strength[tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative_window(core, chunk.padded))]
         strongest.append(float(part.max(initial=0.0)))
         samples.append(part[:: max(step // size, 1), :: max(step // size, 1)].ravel())
-    return Edges(tuple(strongest), tuple(samples))
+    return ChunkEdges(tuple(strongest), tuple(samples))
 
 
-def whole_of(tone: Tone, seen: Sequence[Edges], parameters: Parameters, frame: Frame | None = None) -> Whole:
+def combine_statistics(tone: GrayScaling, seen: Sequence[ChunkEdges], parameters: Parameters, frame: ParentImage | None = None) -> ImageStatistics:
     """Combine the edges of the chunks to the statistics of the whole image."""
     strongest = tuple(max(scale) for scale in zip(*(one.strongest for one in seen), strict=True))
     if not strongest[0]:
         raise ValueError("The image is the same everywhere and has no edges: open an image with objects.")
     samples = (np.concatenate(scale) for scale in zip(*(one.samples for one in seen), strict=True))
     floor = (weakest_edge(sample, most, parameters.edge_floor) for sample, most in zip(samples, strongest, strict=True))
-    return Whole(tone, strongest, tuple(floor), frame)
+    return ImageStatistics(tone, strongest, tuple(floor), frame)

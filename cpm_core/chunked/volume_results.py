@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.chunked.grid import Chunk
-from cpm_core.chunked.results import label_image, provenance_of
+from cpm_core.chunked.results import build_label_image, build_provenance
 from cpm_core.chunked.run import Compute
-from cpm_core.chunked.volume_surface import Bodies
+from cpm_core.chunked.volume_surface import ChunkedBodies
 from cpm_core.formats.common.provenance import PROGRAM_NAME, describe_image_provenance, dump_provenance
 from cpm_core.formats.images.ome_zarr import write_window
 from cpm_core.formats.images.resolution import ascii_unit
@@ -26,29 +26,29 @@ WRITABLE = {
 """Descriptions of the files by suffix."""
 
 
-def write_labels(bodies: Bodies, path: Path, draft: Path, compute: Compute) -> str:
+def write_label_volume(bodies: ChunkedBodies, path: Path, draft: Path, compute: Compute) -> str:
     """Write a label volume in levels of resolution."""
-    label_image(bodies.volume.task.source, bodies.grid, draft, partial(_paint, bodies, draft), compute)
+    build_label_image(bodies.volume.task.source, bodies.grid, draft, partial(_paint_body_labels, bodies, draft), compute)
     return str(path)
 
 
-def _paint(bodies: Bodies, path: Path, chunk: Chunk) -> None:
+def _paint_body_labels(bodies: ChunkedBodies, path: Path, chunk: Chunk) -> None:
     """Write the numbers of the bodies in the core of a chunk."""
-    of_part = bodies.of_part[bodies.first[chunk.number] : bodies.first[chunk.number + 1]].astype(np.uint32)
+    of_part = bodies.body_of_part[bodies.first_part[chunk.number] : bodies.first_part[chunk.number + 1]].astype(np.uint32)
     if of_part.any():
-        write_window(path, 0, chunk.core, of_part[bodies.regions.read(chunk.core)])
+        write_window(path, 0, chunk.core, of_part[bodies.regions.read_window(chunk.core)])
 
 
-def write_surface(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
+def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> str:
     """Write the surfaces of all bodies, chunk by chunk; triangles of neighboring chunks have the same corners."""
     task, grid = bodies.volume.task, bodies.grid
     levels = task.source.levels
-    facts = describe_image_provenance(levels.name, provenance_of(task))
+    facts = describe_image_provenance(levels.name, build_provenance(task))
     notes = (PROGRAM_NAME, "SPACE=LPS", f"UNIT={ascii_unit(levels.unit, 'voxel')}", dump_provenance(facts))
     names, faces = [], 0
     with draft.with_suffix(".vertices").open("w+b") as vertices, draft.open("wb") as file:
         for chunk in grid.chunks:
-            own, places, corners, _bodies = bodies.triangles(chunk.number)
+            own, places, corners, _bodies = bodies.load_triangles(chunk.number)
             vertices.write(to_file_coordinates(places.astype(float), levels.spacing, None).astype("<f4").tobytes())
             names.append(own)
             faces += len(corners)
@@ -58,18 +58,18 @@ def write_surface(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
         while some := vertices.read(2**24):
             file.write(some)
         for chunk in grid.chunks:
-            near = [at for at in grid.around(chunk.number) if at >= chunk.number]
+            near = [at for at in grid.find_neighbors(chunk.number) if at >= chunk.number]
             known = np.concatenate([names[at] for at in near])
             index = np.concatenate([firsts[at] + np.arange(len(names[at])) for at in near])
             order = np.argsort(known)
-            _own, _places, corners, numbers = bodies.triangles(chunk.number)
+            _own, _places, corners, numbers = bodies.load_triangles(chunk.number)
             found = index[order][np.searchsorted(known, corners, sorter=order)]
             file.write(ply.encode_ply_triangles(found[:, ::-1], numbers))  # reversing the axes mirrors them
     draft.with_suffix(".vertices").unlink()
     return str(path)
 
 
-def write_table(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
+def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> str:
     """Write a table, with a row for each body, lengths in the unit of the volume where it has one."""
     import pyarrow
     from pyarrow import csv, parquet
@@ -88,5 +88,5 @@ def write_table(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
     return str(path)
 
 
-WRITERS = {".zarr": write_labels, ".ply": write_surface, **dict.fromkeys((".csv", ".parquet"), write_table)}
+WRITERS = {".zarr": write_label_volume, ".ply": write_body_surfaces, **dict.fromkeys((".csv", ".parquet"), write_body_table)}
 """Writers by suffix, with the interface of the writers of images."""

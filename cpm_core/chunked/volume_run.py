@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.chunked.grid import Chunk, Grid, disturbed
-from cpm_core.chunked.run import WHOLE, Compute, Task, in_each, in_order, of_chunk
-from cpm_core.chunked.survey import Edges, Tone, Whole, step_of
+from cpm_core.chunked.grid import Chunk, ChunkGrid, disturbed_margin
+from cpm_core.chunked.run import STATISTICS_FILE, Compute, ChunkedTask, map_chunks, sort_results, chunk_file_name
+from cpm_core.chunked.survey import ChunkEdges, GrayScaling, ImageStatistics, find_sample_spacing
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import (
@@ -35,7 +35,7 @@ from cpm_core.reconstruction.surface.pipeline import find_local_thresholds
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution
 
-SIDE = 256
+VOLUME_CHUNK_SIDE = 256
 """Side of a core [voxels]: a run on it with its margin takes about 1 GB."""
 
 _VOLUME_OVERLAP_MULTIPLE = 8
@@ -44,12 +44,12 @@ _VOLUME_OVERLAP_MULTIPLE = 8
 _DISTANCE_SAMPLING = 8
 """One of this many particles contributes to the typical distance."""
 
-PARTICLES = "particles"
+PARTICLES_KIND = "particles"
 """Kind of the files that hold the particles of chunks."""
 
 
 @frozen
-class Volume:
+class ChunkedVolume:
     """A volume in chunks, with its statistics.
 
     Attributes
@@ -62,27 +62,27 @@ class Volume:
         Statistics of the whole volume.
     """
 
-    task: Task
-    grid: Grid
-    whole: Whole
+    task: ChunkedTask
+    grid: ChunkGrid
+    statistics: ImageStatistics
 
     @property
-    def size(self) -> Array:
+    def voxel_sides(self) -> Array:
         """Sides of a voxel, shape (3,), the smallest being 1."""
         return np.array(pitch_of(self.task.source.levels.spacing))
 
-    def smoothed(self, chunk: Chunk) -> Single:
+    def smooth_chunk(self, chunk: Chunk) -> Single:
         """Smooth what a chunk sees of the volume, shape (P, R, C)."""
-        return smooth_volume(self.task.source.read_values(chunk.padded), (self.whole.tone.smoothing / self.size).tolist())
+        return smooth_volume(self.task.source.read_values(chunk.padded), (self.statistics.scaling.smoothing / self.voxel_sides).tolist())
 
-    def particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[LocalThresholds, Array]:
+    def load_particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[LocalThresholds, Array]:
         """Load the particles of a chunk and its neighbors within limits, each of shape (3,) [voxels].
 
         Returns the levels of N particles and unit normals, shape (N, 3), that point away from bright.
         """
         store, names = self.task.store, ("points", "thresholds", "slopes", "normals")
-        files = (of_chunk(PARTICLES, at) for at in self.grid.around(chunk.number))
-        found = [store.load(file, *names) for file in files if store.has(file)]
+        files = (chunk_file_name(PARTICLES_KIND, at) for at in self.grid.find_neighbors(chunk.number))
+        found = [store.load(file, *names) for file in files if store.has_file(file)]
         inside = [((one["points"] >= low) & (one["points"] <= high)).all(axis=1) for one in found]
         points, thresholds, slopes, normals = (
             np.concatenate([like, *(one[name][here] for one, here in zip(found, inside, strict=True))])
@@ -91,31 +91,31 @@ class Volume:
         return LocalThresholds(points, thresholds, slopes), normals
 
 
-def run_particles(task: Task, compute: Compute, side: int) -> tuple[Volume, float]:
+def run_particles(task: ChunkedTask, compute: Compute, side: int) -> tuple[ChunkedVolume, float]:
     """Run in all chunks; return the volume and the typical distance between particles [smallest sides of a voxel]."""
-    volume, strongest = _surveyed(task, compute, side)
-    some = [chunk for chunk in volume.grid.chunks if strongest[chunk.number] >= volume.whole.floor[0]]
-    in_each(compute, partial(_find, volume), task.store, some, PARTICLES)
-    distances = [task.store.load(of_chunk(PARTICLES, chunk.number), "distances")["distances"] for chunk in some]
+    volume, strongest = _survey_volume(task, compute, side)
+    some = [chunk for chunk in volume.grid.chunks if strongest[chunk.number] >= volume.statistics.floor[0]]
+    map_chunks(compute, partial(_find_chunk_particles, volume), task.store, some, PARTICLES_KIND)
+    distances = [task.store.load(chunk_file_name(PARTICLES_KIND, chunk.number), "distances")["distances"] for chunk in some]
     apart = np.concatenate([np.empty(0), *distances])
     if not len(apart):
         raise ValueError("No particle has found an edge in this volume: lower --edge-floor or --smoothing.")
     return volume, float(np.median(apart))
 
 
-def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
+def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[ChunkedVolume, Array]:
     """Measure the whole volume, and return it in chunks with the largest edge strength in the core of each."""
     source, parameters = task.source, task.parameters
-    if task.store.has(WHOLE):
-        known = task.store.load(WHOLE)
-        whole = Whole.of(known, source.shape)
-        return Volume(task, _grid_for(task, whole.tone.smoothing, side), whole), known["in_core"]
-    looked: dict[float, list[Edges]] = {}
+    if task.store.has_file(STATISTICS_FILE):
+        known = task.store.load(STATISTICS_FILE)
+        whole = ImageStatistics.from_arrays(known, source.shape)
+        return ChunkedVolume(task, _build_volume_grid(task, whole.scaling.smoothing, side), whole), known["in_core"]
+    looked: dict[float, list[ChunkEdges]] = {}
 
     def measure_edges(sigma: float, scale: int = 0) -> SmoothedVolume:
         if sigma not in looked:
-            work = partial(_edges, task, sigma)
-            looked[sigma] = in_order(compute(work, _grid_for(task, sigma, side).chunks, "edges"))
+            work = partial(_measure_chunk_edges, task, sigma)
+            looked[sigma] = sort_results(compute(work, _build_volume_grid(task, sigma, side).chunks, "edges"))
         background = noise_strength(np.concatenate([one.samples[scale] for one in looked[sigma]]))
         strongest = max(one.strongest[scale] for one in looked[sigma])
         return SmoothedVolume(sigma, np.empty((0, 0, 0), np.float32), strongest, background)
@@ -126,22 +126,22 @@ def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
     if not scales[0].strongest:
         raise ValueError("The volume is the same everywhere and has no edges: open a volume with objects.")
     floors = [weakest_volume_edge(one.strongest, one.background, parameters.edge_floor)[0] for one in scales]
-    whole = Whole(Tone(0.0, 0.0, 1.0, sigma, ()), tuple(one.strongest for one in scales), tuple(floors))
+    whole = ImageStatistics(GrayScaling(0.0, 0.0, 1.0, sigma, ()), tuple(one.strongest for one in scales), tuple(floors))
     in_core = np.array([one.strongest[0] for one in looked[sigma]])
-    task.store.save(WHOLE, in_core=in_core, **whole.numbers)
-    return Volume(task, _grid_for(task, sigma, side), whole), in_core
+    task.store.save(STATISTICS_FILE, in_core=in_core, **whole.arrays)
+    return ChunkedVolume(task, _build_volume_grid(task, sigma, side), whole), in_core
 
 
-def _grid_for(task: Task, smoothing: float, side: int) -> Grid:
+def _build_volume_grid(task: ChunkedTask, smoothing: float, side: int) -> ChunkGrid:
     """Build the grid of a volume for a Gaussian of `smoothing` smallest sides of a voxel."""
-    overlap = -(-disturbed(smoothing) // _VOLUME_OVERLAP_MULTIPLE) * _VOLUME_OVERLAP_MULTIPLE
-    return Grid(task.source.shape, side, overlap, 0.0)
+    overlap = -(-disturbed_margin(smoothing) // _VOLUME_OVERLAP_MULTIPLE) * _VOLUME_OVERLAP_MULTIPLE
+    return ChunkGrid(task.source.shape, side, overlap, 0.0)
 
 
-def _edges(task: Task, sigma: float, chunk: Chunk) -> Edges:
+def _measure_chunk_edges(task: ChunkedTask, sigma: float, chunk: Chunk) -> ChunkEdges:
     """Measure the edges in the core of a chunk at each scale, after a Gaussian."""
     pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
-    step = BACKGROUND_STRIDE * -(-step_of(shape) // BACKGROUND_STRIDE)
+    step = BACKGROUND_STRIDE * -(-find_sample_spacing(shape) // BACKGROUND_STRIDE)
     for scale, values in enumerate(build_pyramid(task.source.read_values(chunk.padded), task.parameters.scales)):
         strength = VolumeSlopes.from_volume(smooth_volume(values, [sigma / side for side in pitch]), pitch).edge_strengths()
         size = 2**scale
@@ -150,19 +150,19 @@ def _edges(task: Task, sigma: float, chunk: Chunk) -> Edges:
         strongest.append(float(core.max(initial=0.0)))
         some = core[tuple(slice(-(at.start // size) % step, None, step) for at in chunk.core)]
         samples.append(some.ravel().astype(float))
-    return Edges(tuple(strongest), tuple(samples))
+    return ChunkEdges(tuple(strongest), tuple(samples))
 
 
-def _find(volume: Volume, chunk: Chunk) -> None:
+def _find_chunk_particles(volume: ChunkedVolume, chunk: Chunk) -> None:
     """Run in a chunk, and store the particles that it owns."""
     task, corner = volume.task, np.array([side.start for side in chunk.padded])
-    if task.store.has(of_chunk(PARTICLES, chunk.number)):
+    if task.store.has_file(chunk_file_name(PARTICLES_KIND, chunk.number)):
         return
-    levels, normals, distances = _particles_in(volume, chunk)
+    levels, normals, distances = _run_in_chunk(volume, chunk)
     points = levels.points + corner
-    own = np.flatnonzero(volume.grid.chunk_at(points) == chunk.number) if len(points) else np.empty(0, int)
+    own = np.flatnonzero(volume.grid.find_chunk_numbers(points) == chunk.number) if len(points) else np.empty(0, int)
     task.store.save(
-        of_chunk(PARTICLES, chunk.number),
+        chunk_file_name(PARTICLES_KIND, chunk.number),
         points=points[own],
         thresholds=levels.thresholds[own],
         slopes=levels.slopes[own],
@@ -171,10 +171,10 @@ def _find(volume: Volume, chunk: Chunk) -> None:
     )
 
 
-def _particles_in(volume: Volume, chunk: Chunk) -> tuple[LocalThresholds, Array, Array]:
+def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[LocalThresholds, Array, Array]:
     """Run in what a chunk sees; return particles at rest on edges, normals away from bright, and their distances."""
-    task, whole = volume.task, volume.whole
-    source, own = task.source, whole.tone.parameters(task.parameters)
+    task, whole = volume.task, volume.statistics
+    source, own = task.source, whole.scaling.adjust_parameters(task.parameters)
     values = source.read_values(chunk.padded)
     nothing = LocalThresholds(np.empty((0, 3)), np.empty(0), np.empty(0)), np.empty((0, 3)), np.empty(0)
     if values.min() == values.max():
@@ -198,5 +198,5 @@ def _particles_in(volume: Volume, chunk: Chunk) -> tuple[LocalThresholds, Array,
     points = state.position[state.particles.surface_contact.on_surface]
     if not len(points):
         return nothing
-    levels, normals = find_local_thresholds(field.smoothed, field.edges, points, volume.size, field.smoothing)
-    return levels, normals, neighbor_distances(levels.points * volume.size)
+    levels, normals = find_local_thresholds(field.smoothed, field.edges, points, volume.voxel_sides, field.smoothing)
+    return levels, normals, neighbor_distances(levels.points * volume.voxel_sides)

@@ -17,10 +17,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.chunked.grid import Chunk, Grid, Source
-from cpm_core.chunked.run import Compute, Task, in_each, of_chunk
-from cpm_core.chunked.survey import Whole
-from cpm_core.chunked.volume_run import SIDE, Volume, run_particles
+from cpm_core.chunked.grid import Chunk, ChunkGrid, ChunkedSource
+from cpm_core.chunked.run import Compute, ChunkedTask, map_chunks, chunk_file_name
+from cpm_core.chunked.survey import ImageStatistics
+from cpm_core.chunked.volume_run import VOLUME_CHUNK_SIDE, ChunkedVolume, run_particles
 from cpm_core.formats.images.ome_zarr import create_multiscale, write_window
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, bridge_corner_contacts, label_joined_pairs, find_connected_parts, relative_window, window_shape, zero_surface
@@ -51,10 +51,10 @@ _PARTICLE_MARGIN = 4
 
 
 @frozen
-class _Regions:
+class _NumberedRegions:
     """Files of regions that are numbered within each chunk."""
 
-    volume: Volume
+    volume: ChunkedVolume
     name: str
 
     @property
@@ -62,62 +62,62 @@ class _Regions:
         """Path of the array of all numbers."""
         return self.volume.task.store.folder / f"{self.name}.zarr"
 
-    def read(self, window: Window) -> NDArray[Any]:
+    def read_window(self, window: Window) -> NDArray[Any]:
         """Read what has been written in a window."""
-        return Source(self.path, Reading(), "zyx").read_values(window)
+        return ChunkedSource(self.path, Reading(), "zyx").read_values(window)
 
-    def load(self, number: int, *names: str) -> JsonDict:
+    def load_chunk(self, number: int, *names: str) -> JsonDict:
         """Load what has been stored of a chunk, all arrays or some."""
-        return self.volume.task.store.load(of_chunk(self.name, number), *names)
+        return self.volume.task.store.load(chunk_file_name(self.name, number), *names)
 
-    def save(self, chunk: Chunk, values: NDArray[Any], **arrays: Any) -> None:
+    def save_chunk(self, chunk: Chunk, values: NDArray[Any], **arrays: Any) -> None:
         """Write values in the core of a chunk, and store those one voxel beyond with other arrays."""
         write_window(self.path, 0, chunk.core, values[tuple(slice(n) for n in window_shape(chunk.core))])
-        layers = {f"layer_{axis}": values.take(-1, axis) for axis, _ in _layers(self.volume, chunk)}
-        self.volume.task.store.save(of_chunk(self.name, chunk.number), **layers, **arrays)
+        layers = {f"layer_{axis}": values.take(-1, axis) for axis, _ in _find_layers_beyond(self.volume, chunk)}
+        self.volume.task.store.save(chunk_file_name(self.name, chunk.number), **layers, **arrays)
 
-    def run(self, dtype: Any, work: Callable[[Chunk], None], compute: Compute, title: str) -> None:
+    def compute_chunks(self, dtype: Any, work: Callable[[Chunk], None], compute: Compute, title: str) -> None:
         """Process each chunk that has no file yet."""
         grid = self.volume.grid
         if not self.path.exists():
             create_multiscale(self.path, grid.shape, dtype, grid.side)
-        in_each(compute, work, self.volume.task.store, grid.chunks, self.name, title)
+        map_chunks(compute, work, self.volume.task.store, grid.chunks, self.name, title)
 
-    def joined(self, counts: Index, number_of: Callable[[NDArray[Any]], Index]) -> Index:
+    def join_regions(self, counts: Index, number_of: Callable[[NDArray[Any]], Index]) -> Index:
         """Join the regions of all chunks where they meet; return the group of each, from 0, shape (sum of counts,).
 
         `number_of` gives the numbers of regions in stored values, -1 for no region.
         """
         first, pairs = np.cumsum([0, *counts]), [np.empty(0, np.int64)]
         for chunk in self.volume.grid.chunks:
-            for axis, window in _layers(self.volume, chunk):
-                mine = number_of(self.load(chunk.number, f"layer_{axis}")[f"layer_{axis}"])
-                theirs = number_of(self.read(window)).reshape(mine.shape)
+            for axis, window in _find_layers_beyond(self.volume, chunk):
+                mine = number_of(self.load_chunk(chunk.number, f"layer_{axis}")[f"layer_{axis}"])
+                theirs = number_of(self.read_window(window)).reshape(mine.shape)
                 both = (mine >= 0) & (theirs >= 0)
-                for number, part in self.volume.grid.within(window):
+                for number, part in self.volume.grid.split_window(window):
                     inner = tuple(side for k, side in enumerate(relative_window(part, window)) if k != axis)
                     theirs[inner] += first[number]
                 pairs.append(np.unique((mine[both] + first[chunk.number]) * first[-1] + theirs[both]))
         return label_joined_pairs(np.stack(np.divmod(np.concatenate(pairs), first[-1])), int(first[-1]))
 
 
-def _beyond(volume: Volume, chunk: Chunk) -> Window:
+def _extended_core(volume: ChunkedVolume, chunk: Chunk) -> Window:
     """Extend the core of a chunk by one voxel at the end of each axis, within the volume."""
     return tuple(
         slice(side.start, min(side.stop + 1, n)) for side, n in zip(chunk.core, volume.grid.shape, strict=True)
     )
 
 
-def _layers(volume: Volume, chunk: Chunk) -> Iterator[tuple[int, Window]]:
+def _find_layers_beyond(volume: ChunkedVolume, chunk: Chunk) -> Iterator[tuple[int, Window]]:
     """Find the layers of voxels of neighbors that continue a core, each with the axis across it."""
-    beyond = _beyond(volume, chunk)
+    beyond = _extended_core(volume, chunk)
     for axis, (core, side) in enumerate(zip(chunk.core, beyond, strict=True)):
         if side.stop > core.stop:
             yield axis, (*beyond[:axis], slice(core.stop, side.stop), *beyond[axis + 1 :])
 
 
 @record
-class Heights:
+class EdgeHeights:
     """The height over the edges of a volume.
 
     Attributes
@@ -134,74 +134,74 @@ class Heights:
         1, or -1 where the inside is darker.
     """
 
-    volume: Volume
-    apart: float
+    volume: ChunkedVolume
+    particle_distance: float
     first: Index
-    of_region: Single
+    region_heights: Single
     sign: float
 
-    def read(self, window: Window) -> Single:
+    def read_window(self, window: Window) -> Single:
         """Read the height in a window, positive inside; outside the volume it is -1."""
         grid = self.volume.grid
         inner = tuple(slice(max(side.start, 0), min(side.stop, n)) for side, n in zip(window, grid.shape, strict=True))
-        found: Single = self.regions.read(inner)
-        for number, part in grid.within(inner):
+        found: Single = self.regions.read_window(inner)
+        for number, part in grid.split_window(inner):
             values = found[relative_window(part, inner)]
-            region = _region_of(values)
+            region = _decode_regions(values)
             unknown = region >= 0
-            values[unknown] = self.of_region[self.first[number] + region[unknown]]
+            values[unknown] = self.region_heights[self.first[number] + region[unknown]]
         found *= np.float32(self.sign)
         outer = [(a.start - b.start, b.stop - a.stop) for a, b in zip(inner, window, strict=True)]
         return np.pad(found, outer, constant_values=-1.0)
 
     @property
-    def regions(self) -> _Regions:
+    def regions(self) -> _NumberedRegions:
         """Files of the heights."""
-        return _Regions(self.volume, "height")
+        return _NumberedRegions(self.volume, "height")
 
 
-def _region_of(values: NDArray[Any]) -> Index:
+def _decode_regions(values: NDArray[Any]) -> Index:
     """Decode the numbers of the regions in stored heights; -1 for heights."""
     return np.where(values == 0.0, 0, np.where(values >= _REGION_OFFSET, values - _REGION_OFFSET, -1.0)).astype(
         np.int64
     )
 
 
-def find_heights(volume: Volume, apart: float, compute: Compute) -> Heights:
+def compute_heights(volume: ChunkedVolume, apart: float, compute: Compute) -> EdgeHeights:
     """Compute the height over the edges of a volume with this typical distance between its particles."""
-    regions = _Regions(volume, "height")
-    regions.run(np.float32, partial(_height_in, regions, apart), compute, "surface near particles")
+    regions = _NumberedRegions(volume, "height")
+    regions.compute_chunks(np.float32, partial(_compute_chunk_height, regions, apart), compute, "surface near particles")
     names = ("votes", "at_border", "bright", "known")
-    known = [regions.load(chunk.number, *names) for chunk in volume.grid.chunks]
+    known = [regions.load_chunk(chunk.number, *names) for chunk in volume.grid.chunks]
     counts = np.array([len(one["votes"]) for one in known])
-    group = regions.joined(counts, _region_of)
+    group = regions.join_regions(counts, _decode_regions)
     votes = np.bincount(group, np.concatenate([one["votes"] for one in known]))
     heights = np.where(votes > 0, np.float32(HEIGHT_AWAY_FROM_PARTICLES), np.float32(-HEIGHT_AWAY_FROM_PARTICLES))[group]
     # an object may be darker than its surroundings: the side with most of the border of the volume is the outside
     at_border = np.concatenate([one["at_border"] for one in known])
     bright = at_border[heights > 0.0].sum() + sum(int(one["bright"]) for one in known)
     total = at_border.sum() + sum(int(one["known"]) for one in known)
-    return Heights(volume, apart, np.cumsum([0, *counts]), heights, -1.0 if 2 * bright > total else 1.0)
+    return EdgeHeights(volume, apart, np.cumsum([0, *counts]), heights, -1.0 if 2 * bright > total else 1.0)
 
 
-def _particles_near(volume: Volume, chunk: Chunk, window: Window, margin: float) -> tuple[LocalThresholds, Array]:
+def _load_particles_near(volume: ChunkedVolume, chunk: Chunk, window: Window, margin: float) -> tuple[LocalThresholds, Array]:
     """Load the particles around a window, in voxels of what a chunk sees."""
     low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T
-    levels, normals = volume.particles(chunk, low, high)
+    levels, normals = volume.load_particles(chunk, low, high)
     corner = [side.start for side in chunk.padded]
     return LocalThresholds(levels.points - corner, levels.thresholds, levels.slopes), normals
 
 
-def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
+def _compute_chunk_height(regions: _NumberedRegions, apart: float, chunk: Chunk) -> None:
     """Compute the height in a chunk and a voxel beyond, and store it with what is known of the regions."""
     volume = regions.volume
-    beyond = _beyond(volume, chunk)
+    beyond = _extended_core(volume, chunk)
     width, band = width_and_band(apart)
-    levels, _ = _particles_near(volume, chunk, beyond, max(_GAUSSIAN_REACH * width, band) + _PARTICLE_MARGIN)
+    levels, _ = _load_particles_near(volume, chunk, beyond, max(_GAUSSIAN_REACH * width, band) + _PARTICLE_MARGIN)
     if len(levels.points):
         begin = np.array([side.start - 1 for side in relative_window(beyond, chunk.padded)])
         box = VoxelBox(begin, tuple(n + 2 for n in window_shape(beyond)))  # type: ignore[arg-type]
-        found = height_over_threshold(volume.smoothed(chunk), box, levels, volume.size, width, band)
+        found = height_over_threshold(volume.smooth_chunk(chunk), box, levels, volume.voxel_sides, width, band)
         np.clip(found, -_MAX_HEIGHT, _MAX_HEIGHT, out=found)
         found[found == 0.0] = -np.finfo(np.float32).tiny
         parts, votes = vote_on_unknown_regions(found)
@@ -209,14 +209,14 @@ def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
         inner, votes = found[1:-1, 1:-1, 1:-1], np.append(0, votes)
     else:
         inner, votes = np.zeros(window_shape(beyond), np.float32), np.zeros(1, np.int64)
-    border = _at_border(volume, chunk, inner[tuple(slice(n) for n in window_shape(chunk.core))])
-    region = _region_of(border)
+    border = _collect_border_values(volume, chunk, inner[tuple(slice(n) for n in window_shape(chunk.core))])
+    region = _decode_regions(border)
     at_border = np.bincount(region[region >= 0], minlength=len(votes))
     bright = np.count_nonzero(border[region < 0] > 0.0)
-    regions.save(chunk, inner, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0))
+    regions.save_chunk(chunk, inner, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0))
 
 
-def _at_border(volume: Volume, chunk: Chunk, values: NDArray[Any]) -> NDArray[Any]:
+def _collect_border_values(volume: ChunkedVolume, chunk: Chunk, values: NDArray[Any]) -> NDArray[Any]:
     """Collect the values of the outermost voxels of a chunk along the border of the volume."""
     found = [values[:0].ravel()]
     for axis, (side, n) in enumerate(zip(chunk.core, volume.grid.shape, strict=True)):
@@ -225,27 +225,27 @@ def _at_border(volume: Volume, chunk: Chunk, values: NDArray[Any]) -> NDArray[An
     return np.concatenate(found)
 
 
-def find_necks(heights: Heights, compute: Compute) -> None:
+def find_necks(heights: EdgeHeights, compute: Compute) -> None:
     """Find the necks and threads of each chunk, and store the voxels that they raise."""
-    in_each(compute, partial(_necks_in, heights), heights.volume.task.store, heights.volume.grid.chunks, _NECKS_KIND)
+    map_chunks(compute, partial(_find_chunk_necks, heights), heights.volume.task.store, heights.volume.grid.chunks, _NECKS_KIND)
 
 
-def _necks_in(heights: Heights, chunk: Chunk) -> None:
+def _find_chunk_necks(heights: EdgeHeights, chunk: Chunk) -> None:
     volume, raised = heights.volume, [np.empty((0, 3), np.int64)]
-    levels, normals = _particles_near(volume, chunk, chunk.padded, 0.0)
+    levels, normals = _load_particles_near(volume, chunk, chunk.padded, 0.0)
     if len(levels.points):
-        found = heights.read(tuple(slice(side.start - 1, side.stop + 1) for side in chunk.padded))
-        smoothed, begin = volume.smoothed(chunk), np.array([-1, -1, -1])
-        around = SaddleSurroundings(smoothed, heights.sign, levels.points, heights.sign * normals, levels.slopes, volume.size)
+        found = heights.read_window(tuple(slice(side.start - 1, side.stop + 1) for side in chunk.padded))
+        smoothed, begin = volume.smooth_chunk(chunk), np.array([-1, -1, -1])
+        around = SaddleSurroundings(smoothed, heights.sign, levels.points, heights.sign * normals, levels.slopes, volume.voxel_sides)
         ways = bridge_necks(found, begin, around)
-        ways += bridge_thin_vessels(found, begin, around, blurred_edge_width(volume.whole.tone.smoothing))
+        ways += bridge_thin_vessels(found, begin, around, blurred_edge_width(volume.statistics.scaling.smoothing))
         ways = [way + [side.start for side in chunk.padded] for way in ways]
-        raised += [way for way in ways if volume.grid.chunk_at(way[len(way) // 2][None]) == chunk.number]
-    volume.task.store.save(of_chunk(_NECKS_KIND, chunk.number), raised=np.concatenate(raised))
+        raised += [way for way in ways if volume.grid.find_chunk_numbers(way[len(way) // 2][None]) == chunk.number]
+    volume.task.store.save(chunk_file_name(_NECKS_KIND, chunk.number), raised=np.concatenate(raised))
 
 
 @record
-class Bodies:
+class ChunkedBodies:
     """The bodies of a volume, the largest first, with their measures and stored surfaces.
 
     Attributes
@@ -260,10 +260,10 @@ class Bodies:
         Number of the body of each part; 0 outside.
     """
 
-    volume: Volume
+    volume: ChunkedVolume
     table: JsonDict
-    first: Index
-    of_part: Index
+    first_part: Index
+    body_of_part: Index
     kind = "bodies"
 
     @property
@@ -272,58 +272,58 @@ class Bodies:
         return len(self.table["label"])
 
     @property
-    def grid(self) -> Grid:
+    def grid(self) -> ChunkGrid:
         """The chunks."""
         return self.volume.grid
 
     @property
-    def whole(self) -> Whole:
+    def statistics(self) -> ImageStatistics:
         """What the fields depend on in the whole volume."""
-        return self.volume.whole
+        return self.volume.statistics
 
     @property
-    def regions(self) -> _Regions:
+    def regions(self) -> _NumberedRegions:
         """Files of the parts."""
-        return _Regions(self.volume, "parts")
+        return _NumberedRegions(self.volume, "parts")
 
-    def triangles(self, number: int) -> tuple[Index, Array, Index, Index]:
+    def load_triangles(self, number: int) -> tuple[Index, Array, Index, Index]:
         """Load the triangles of a chunk that bound bodies.
 
         Returns the names of the vertices that the chunk owns, shape (N,), and their positions, shape (N, 3) [voxels];
         the names of the corners of each triangle, shape (F, 3), and its body, shape (F,).
         """
-        known = self.regions.load(number)
-        body = self._bodies(number, known["pairs"])
+        known = self.regions.load_chunk(number)
+        body = self._find_bounded_bodies(number, known["pairs"])
         on, faces = body[known["pair_of_vertex"]] > 0, body[known["pair_of_face"]]
         return known["names"][on], known["vertices"][on], known["faces"][faces > 0], faces[faces > 0]
 
-    def _bodies(self, number: int, pairs: Index) -> Index:
+    def _find_bounded_bodies(self, number: int, pairs: Index) -> Index:
         """Find the body that each pair of parts of a chunk bounds; 0 where the surface between them is left out."""
-        inside, outside = self.of_part[self.first[number] + pairs].T
+        inside, outside = self.body_of_part[self.first_part[number] + pairs].T
         return np.where(inside != outside, inside, 0)
 
 
-def run_volume(task: Task, compute: Compute, side: int = SIDE) -> Bodies:
+def run_volume(task: ChunkedTask, compute: Compute, side: int = VOLUME_CHUNK_SIDE) -> ChunkedBodies:
     """Find all bodies; what the store holds of a run with the same settings is not found again."""
-    task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
-    heights = find_heights(*run_particles(task, compute, side), compute)
+    task.store.open_run({**task.settings, "side": side, "shape": task.source.shape})
+    heights = compute_heights(*run_particles(task, compute, side), compute)
     find_necks(heights, compute)
-    return find_bodies(heights, compute)
+    return assemble_bodies(heights, compute)
 
 
 _PAIR_SUMS = ("area", "volume", "moments", "corners", "supported", "particles")
 """Names of what is added up for each pair of parts."""
 
 
-def find_bodies(heights: Heights, compute: Compute) -> Bodies:
+def assemble_bodies(heights: EdgeHeights, compute: Compute) -> ChunkedBodies:
     """Assemble the bodies of a volume from the height over its edges."""
     volume = heights.volume
-    parts = _Regions(volume, "parts")
-    parts.run(np.uint32, partial(_parts_in, parts, heights), compute, "bodies")
-    known = [parts.load(chunk.number, "inside", "rim", "pairs", *_PAIR_SUMS) for chunk in volume.grid.chunks]
+    parts = _NumberedRegions(volume, "parts")
+    parts.compute_chunks(np.uint32, partial(_number_chunk_parts, parts, heights), compute, "bodies")
+    known = [parts.load_chunk(chunk.number, "inside", "rim", "pairs", *_PAIR_SUMS) for chunk in volume.grid.chunks]
     counts = np.array([len(one["inside"]) for one in known])
     first = np.cumsum([0, *counts])
-    group = parts.joined(counts, lambda values: values.astype(np.int64))
+    group = parts.join_regions(counts, lambda values: values.astype(np.int64))
     rim = np.concatenate([one["rim"] + start for one, start in zip(known, first, strict=False)])
     outer, group = group.max(initial=-1) + 1, group.copy()
     group[np.isin(group, group[rim])] = outer  # beyond the border of the volume all outside parts are connected
@@ -336,7 +336,7 @@ def find_bodies(heights: Heights, compute: Compute) -> Bodies:
     for name, total in sums.items():
         np.add.at(total, pair, np.concatenate([one[name] for one in known]))
     kept = has_enough_support(sums["particles"], sums["supported"] / np.maximum(sums["corners"], 1))
-    body = _bodies_of(pairs, kept, inside, outer)
+    body = _assign_bodies(pairs, kept, inside, outer)
     bounds = kept & (body[pairs[:, 0]] > 0)
     of = body[pairs[bounds, 0]]
     total = np.bincount(of, sums["volume"][bounds], outer + 1)
@@ -350,10 +350,10 @@ def find_bodies(heights: Heights, compute: Compute) -> Bodies:
         "area": np.bincount(of, sums["area"][bounds], outer + 1)[order],
         "center": np.stack(center, axis=1),
     }
-    return Bodies(volume, table, first, number[body[group]])
+    return ChunkedBodies(volume, table, first, number[body[group]])
 
 
-def _bodies_of(pairs: Index, kept: Mask, inside: Mask, outer: int) -> Index:
+def _assign_bodies(pairs: Index, kept: Mask, inside: Mask, outer: int) -> Index:
     """Assign each part to a body, named by one of its parts, 0 outside, where some surfaces are left out.
 
     From the outside on, each part is entered through one surface; where that is left out, the part belongs to the body
@@ -370,16 +370,16 @@ def _bodies_of(pairs: Index, kept: Mask, inside: Mask, outer: int) -> Index:
     return body
 
 
-def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
+def _number_chunk_parts(files: _NumberedRegions, heights: EdgeHeights, chunk: Chunk) -> None:
     """Label the parts of a chunk, trace the surface between them, and store both."""
     volume, grid, store = heights.volume, heights.volume.grid, heights.volume.task.store
     # from the first voxel, or from the one before it at the border of the volume, to the one after the last
     window = tuple(slice(side.start - (side.start == 0), side.stop + 1) for side in chunk.core)
     outer = tuple(slice(side.start - 1, side.stop + 1) for side in window)
-    found = heights.read(outer)
+    found = heights.read_window(outer)
     corner = np.array([side.start for side in outer])
-    for at in grid.around(chunk.number):
-        voxels = store.load(of_chunk(_NECKS_KIND, at))["raised"] - corner
+    for at in grid.find_neighbors(chunk.number):
+        voxels = store.load(chunk_file_name(_NECKS_KIND, at))["raised"] - corner
         raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
         found[raised] = np.maximum(found[raised], RAISED_HEIGHT)
     bridge_corner_contacts(found, RAISED_HEIGHT)
@@ -387,18 +387,18 @@ def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
     inner, outside = find_connected_parts(found > 0.0, corners=True), find_connected_parts(found <= 0.0, corners=False)
     labels = inner.labels - 1
     outside.fill_voxels(np.arange(inner.count, inner.count + outside.count, dtype=np.int32), labels)
-    beyond = relative_window(_beyond(volume, chunk), window)
-    surface = _surface_in(heights, chunk, found, labels, window)
-    files.save(
+    beyond = relative_window(_extended_core(volume, chunk), window)
+    surface = _triangulate_chunk(heights, chunk, found, labels, window)
+    files.save_chunk(
         chunk,
         labels[beyond].astype(np.uint32),
         inside=np.arange(inner.count + outside.count) < inner.count,
-        rim=np.unique(_at_border(volume, chunk, labels)),
+        rim=np.unique(_collect_border_values(volume, chunk, labels)),
         **surface,
     )
 
 
-def _surface_in(heights: Heights, chunk: Chunk, found: Single, labels: NDArray[np.int32], window: Window) -> JsonDict:
+def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels: NDArray[np.int32], window: Window) -> JsonDict:
     """Triangulate the surface in a chunk: triangles, the vertices that it owns, and sums for each pair of parts."""
     volume = heights.volume
     corner, sides = np.array([side.start for side in window]), np.array(volume.task.source.levels.spacing)
@@ -415,13 +415,13 @@ def _surface_in(heights: Heights, chunk: Chunk, found: Single, labels: NDArray[n
     stops = [side.stop for side in chunk.core]
     own = np.flatnonzero((low + corner < stops).all(axis=1))
     own = own[np.argsort(names[own])]
-    levels, _ = _particles_near(volume, chunk, _beyond(volume, chunk), heights.apart / volume.size.min())
-    points = (levels.points + [side.start for side in chunk.padded]) * volume.size
-    mine = points[volume.grid.chunk_at(points / volume.size) == chunk.number]
+    levels, _ = _load_particles_near(volume, chunk, _extended_core(volume, chunk), heights.particle_distance / volume.voxel_sides.min())
+    points = (levels.points + [side.start for side in chunk.padded]) * volume.voxel_sides
+    mine = points[volume.grid.find_chunk_numbers(points / volume.voxel_sides) == chunk.number]
     particles, supported = np.empty(0, np.int64), np.zeros(len(vertices), bool)
     if len(vertices) and len(points):
-        particles = pair[scipy.spatial.KDTree(vertices * volume.size).query(mine)[1]]
-        supported = has_point_within(vertices * volume.size, points, heights.apart)
+        particles = pair[scipy.spatial.KDTree(vertices * volume.voxel_sides).query(mine)[1]]
+        supported = has_point_within(vertices * volume.voxel_sides, points, heights.particle_distance)
     of_face, (a, b, c) = pair[faces[:, 0]], (vertices * sides)[faces.T]
     cross, enclosed = np.cross(b - a, c - a), np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
     moments = enclosed[:, None] * (a + b + c) / 4.0 / sides

@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
         announce_compilation()
         results = elsewhere(jobs, arguments.scheduler) if arguments.scheduler else here(jobs, arguments.workers)
         with StatusLine() as line:
-            for done, row in enumerate(batch.write(results), start=1):
+            for done, row in enumerate(batch.write_results(results), start=1):
                 for sentence in filter(None, (row.trouble, *row.notes)):
                     line.say(f"{row.image}: {sentence}")
                 line.count(done, len(jobs))
@@ -221,7 +221,7 @@ class Batch:
             taken |= names
         return stems
 
-    def write(self, results: Generator[tuple[Job, Row]]) -> Iterator[Row]:
+    def write_results(self, results: Generator[tuple[Job, Row]]) -> Iterator[Row]:
         """Write the files and the row of each image as it is done, and yield the row; finally sort the table."""
         self._write_table()
         try:

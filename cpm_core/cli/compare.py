@@ -32,12 +32,12 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
-    Compared,
-    Facts,
+    MethodComparison,
+    RunReport,
     Settings,
     Start,
-    facts_of,
-    result_of,
+    report_run,
+    build_method_result,
     run_method,
 )
 from cpm_core.parameters import PRESETS, Parameters
@@ -106,7 +106,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the methods; every check that needs no image comes first."""
     session = session_of(arguments)
-    compared = Compared(()) if session.comparison == Compared() else session.comparison
+    compared = MethodComparison(()) if session.comparison == MethodComparison() else session.comparison
     named = arguments.methods or [name for name in compared.methods if name]
     for name in named:
         if name not in CONTOUR_METHODS:
@@ -125,11 +125,11 @@ def run(arguments: argparse.Namespace) -> int:
     scores = ("Dice", "F", "Hausd. [px]", "mean [px]") if truth else ()
     if not arguments.json:
         print(_cells("", "steps", "time", *scores, "contours", "closed"), " end")
-    found: list[Facts] = []
+    found: list[RunReport] = []
     results: list[Result] = []
     for name in names:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], arguments.max_steps)
-        facts = facts_of(moment, truth)
+        facts = report_run(moment, truth)
         if not facts.stop_reason:
             facts = replace(facts, stop_reason=f"stopped after {format_count(facts.steps, 'step')}, as asked")
         if not arguments.json:
@@ -139,7 +139,7 @@ def run(arguments: argparse.Namespace) -> int:
             line = _cells(title, facts.steps, seconds, *measures, facts.contours, facts.closed)
             print(line, "", facts.stop_reason, flush=True)
         found.append(facts)
-        results.append(result_of(facts, moment.state.contours, image, start, settings[name]))
+        results.append(build_method_result(facts, moment.state.contours, image, start, settings[name]))
     files = Files()
     files.written += map(str, write_comparison(found, results, arguments.export, say, files.refuse))
     given = {"image": image.source, "around": start.around, "truth": truth and truth.source, "unit": "px"}
@@ -174,7 +174,7 @@ def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequenc
 
 
 def _settings(
-    arguments: argparse.Namespace, methods: Sequence[str], session: SessionFile, compared: Compared
+    arguments: argparse.Namespace, methods: Sequence[str], session: SessionFile, compared: MethodComparison
 ) -> JsonDict:
     """Return the settings of each method: those of the comparison of a session, changed as the arguments ask.
 
@@ -204,7 +204,7 @@ def _settings(
 def _names(method: str) -> Texts:
     """Return the names of the settings of a method."""
     kind = CONTOUR_METHODS[method].settings
-    return tuple(kind.table()) if issubclass(kind, Settings) else tuple(Parameters.__dataclass_fields__)
+    return tuple(kind.describe_parameters()) if issubclass(kind, Settings) else tuple(Parameters.__dataclass_fields__)
 
 
 def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:

@@ -30,7 +30,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict, Texts
-from cpm_core.pages.follow import fitting
+from cpm_core.pages.follow import limit_scales
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import quote_value
 from cpm_core.segmentation.evolve import segment, with_hand_edits
@@ -119,7 +119,7 @@ def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Para
 
 def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, Texts]:
     """Return parameters with as many scales as an image has room for, and a note where that changes them."""
-    fit = fitting(parameters, image.shape)
+    fit = limit_scales(parameters, image.shape)
     return fit, () if fit == parameters else (f"The image is small: scales is set to {fit.scales}.",)
 
 

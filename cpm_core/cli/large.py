@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.chunked import grid, results, volume_results
-from cpm_core.chunked.chunk_run import KINDS
-from cpm_core.chunked.run import Task, run
-from cpm_core.chunked.store import Store
+from cpm_core.chunked.chunk_run import CHUNKED_START_KINDS
+from cpm_core.chunked.run import ChunkedTask, run_chunks
+from cpm_core.chunked.store import RunStore
 from cpm_core.chunked.volume_surface import run_volume
 from cpm_core.cli.arguments import as_number, check_targets, refuse
 from cpm_core.cli.output import Files, StatusLine, announce_compilation, report, say_notes
@@ -60,10 +60,10 @@ def run_large(
         check_volume_parameters(parameters)
         if parameters.gamma != 1.0:
             raise ValueError("--gamma looks at the whole volume at once: leave it at 1, or run a smaller volume.")
-    source = grid.Source(path, Reading(**part), "zyx" if volume else "yx")
+    source = grid.ChunkedSource(path, Reading(**part), "zyx" if volume else "yx")
     first = Path(arguments.export[0])
-    store = Store(first.with_name(f"{first.name}{_CHUNK_FOLDER_SUFFIX}"))
-    task = Task(source, parameters, arguments.auto, store, arguments.max_steps, arguments.objects)
+    store = RunStore(first.with_name(f"{first.name}{_CHUNK_FOLDER_SUFFIX}"))
+    task = ChunkedTask(source, parameters, arguments.auto, store, arguments.max_steps, arguments.objects)
     began, channels = time.perf_counter(), source.levels.axis_length("c")
     if channels > 1 and source.reading.channel is None:
         say_notes(source.levels.name, [f"Only the first of its {channels} channels was taken."])
@@ -79,12 +79,12 @@ def run_large(
                 line.count(done, len(jobs))
                 yield at, result
 
-        found: Any = run_volume(task, compute_chunks) if volume else run(task, compute_chunks, grid.SIDE)
+        found: Any = run_volume(task, compute_chunks) if volume else run_chunks(task, compute_chunks, grid.CHUNK_SIDE)
         files = Files()
-        files.written += results.write(found, arguments.export, compute_chunks, files_of.WRITERS)
+        files.written += results.write_results(found, arguments.export, compute_chunks, files_of.WRITERS)
     store.remove()
     seconds, chunks = time.perf_counter() - began, len(found.grid.chunks)
-    smoothing, unit = found.whole.tone.smoothing, "voxels" if volume else "px"
+    smoothing, unit = found.statistics.scaling.smoothing, "voxels" if volume else "px"
     facts = {found.kind: found.count, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
     noun = {"bodies": "body"}.get(found.kind, found.kind[:-1])
     lines = [
@@ -96,8 +96,8 @@ def run_large(
 
 def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters, writable: Mapping[str, str]) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
-    if arguments.auto not in KINDS:
-        raise ValueError(f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(KINDS)}.")
+    if arguments.auto not in CHUNKED_START_KINDS:
+        raise ValueError(f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(CHUNKED_START_KINDS)}.")
     if parameters.channel != LUMINANCE_CHOICE:
         raise ValueError(f"--channel is {parameters.channel}, but its channels have numbers: give one from 1.")
     if parameters.edges == "vessels":

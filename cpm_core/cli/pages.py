@@ -29,7 +29,7 @@ from cpm_core.formats.stack_files import export_stack
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array, JsonDict, JsonObject
-from cpm_core.pages.follow import fitting, follow
+from cpm_core.pages.follow import limit_scales, follow_pages
 from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.parameters import Parameters
@@ -77,27 +77,27 @@ def run_pages(
     limits: JsonDict = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
 
     def segment_page(image: Image) -> Result:
-        return segment(image, seeds(image), fitting(parameters, image.shape), **limits)
+        return segment(image, seeds(image), limit_scales(parameters, image.shape), **limits)
 
     if places[0]:
         runs = follow_objects(pages, segment_page, np.array(places[0]), np.array(places[1]), numbers)
     else:
-        runs = follow(pages, seeds, parameters, numbers=numbers, fresh=not arguments.follow, **limits)
+        runs = follow_pages(pages, seeds, parameters, numbers=numbers, fresh=not arguments.follow, **limits)
     interrupted, files = False, Files()
     try:
         with StatusLine() as line:
             for page in runs:
                 found.append(page)
                 line.count(len(found), len(numbers))
-                if page.trouble:
-                    line.say(f"page {page.number}: {page.trouble}")
+                if page.error:
+                    line.say(f"page {page.number}: {page.error}")
     except KeyboardInterrupt:
         interrupted = True
     whole = StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.has_single_axis, drawn)
     if interrupted and not (whole.results and arguments.export):
         raise KeyboardInterrupt
     if not whole.results:
-        raise ValueError(f"No page of {pages.name} could be used. Page {found[0].number}: {found[0].trouble}")
+        raise ValueError(f"No page of {pages.name} could be used. Page {found[0].number}: {found[0].error}")
     with files.writing(*arguments.export):
         export_stack(whole, *arguments.export, refused=files.refuse)
     if interrupted:
@@ -138,7 +138,7 @@ def _report(arguments: argparse.Namespace, found: StackResult, files: Files, sec
             lines.append(f"page {page.number}: {contours_of(page.result)}")
         events = [event.sentence for event in page.events]
         said += events
-        plain.append({"page": page.number, **facts, "events": events, "trouble": page.trouble})
+        plain.append({"page": page.number, **facts, "events": events, "trouble": page.error})
     tracks, failed = len(found.tracks), len(found.pages) - len(found.results)
     counts = f"{format_count(len(found.pages), 'page')}, {format_count(tracks, 'track')} in {seconds:.2f} s"
     last = f"{found.source}: {counts}" + (f", {failed} failed" if failed else "")

@@ -359,7 +359,7 @@ def _surface(found: Result, drawn: Drawn) -> Result:
     if not drawn["object"]:
         return found
     chosen = partition(found).select(drawn["object"], drawn["not"])
-    if chosen.body is not None or not chosen.found:
+    if chosen.body is not None or not chosen.has_boundary:
         raise ValueError("There is no object at this position: name one that the surface encloses.")
     return replace(found, surface=chosen.surface)
 

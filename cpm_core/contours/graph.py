@@ -68,7 +68,7 @@ class Graph:
     def remove_edges(self, edges: ArrayLike) -> None:
         """Remove the existing ones of distinct edges, shape (E, 2)."""
         pairs = np.asarray(edges, np.int64).reshape(-1, 2)
-        pairs = pairs[(self._near[pairs[:, 0]] == pairs[:, 1:]).any(axis=1)]
+        pairs = pairs[(self._near[pairs[:, 0]] == pairs[:, 1:]).has_object(axis=1)]
         for one, other in (pairs.T, pairs.T[::-1]):
             self._near[one, np.argmax(self._near[one] == other[:, None], axis=1)] = -1
         np.subtract.at(self.degrees, pairs.ravel(), 1)
@@ -188,7 +188,7 @@ class Graph:
             kept, gone = int(path[0]), int(path[-1])
             if ways.lengths[way] > max_length and not moved & {kept, gone}:
                 continue
-            intact = (self._near[path[:-1]] == path[1:, None]).any(axis=1).all()
+            intact = (self._near[path[:-1]] == path[1:, None]).has_object(axis=1).all()
             if not intact or min(map(self.degree, (kept, gone))) < 3 or self.path_length(path) > max_length:
                 continue
             self.remove_path(path)

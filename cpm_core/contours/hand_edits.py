@@ -191,9 +191,9 @@ def _add_piece(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[Polygon
 
 def _remove_covered_stretches(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
     """Return the pieces of a line that remain where an outline takes its place: of an open one, those off it."""
-    apart = (line.box[1] < outline.box[0] - _OUTLINE_COVER_DISTANCE).any() or (
+    apart = (line.box[1] < outline.box[0] - _OUTLINE_COVER_DISTANCE).has_object() or (
         line.box[0] > outline.box[1] + _OUTLINE_COVER_DISTANCE
-    ).any()
+    ).has_object()
     if line.closed or apart or line.length < _SHORTEST_REMAINDER:
         return [line]
     count = max(1, int(np.ceil(line.length / _OUTLINE_SAMPLING)))

@@ -267,7 +267,7 @@ def containment(contours: Contours) -> tuple[int | None, ...]:
             np.abs(high - high[index]) <= _SAME_OUTLINE_DISTANCE
         ).all(axis=1)
         filled &= np.abs(area - area[index]) <= 0.5 * _SAME_OUTLINE_DISTANCE * contour.length
-        if filled.any():
+        if filled.has_object():
             found.append(int(np.argmax(filled)))
             continue
         probes = path_midpoints(contour.path, _CONTAINMENT_SAMPLES)

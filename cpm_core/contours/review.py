@@ -242,7 +242,7 @@ def capture_outline(contour: Contour) -> KeptOutline:
 def _runs_along(contour: Contour, other: Contour) -> bool:
     """Return whether a contour runs along another one for most of its length."""
     low, high = other.box
-    if (contour.box[0] > high + _SAME_EDGE_DISTANCE).any() or (contour.box[1] < low - _SAME_EDGE_DISTANCE).any():
+    if (contour.box[0] > high + _SAME_EDGE_DISTANCE).has_object() or (contour.box[1] < low - _SAME_EDGE_DISTANCE).has_object():
         return False
     away = polyline.distances_to_path(other.path, polyline.path_midpoints(contour.path, _OVERLAP_SAMPLES))
     return bool((away <= _SAME_EDGE_DISTANCE).mean() >= _SAME_CONTOUR_SHARE)

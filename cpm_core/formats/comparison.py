@@ -12,14 +12,14 @@ from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import escape_cell
 from cpm_core.formats.contours import contour_csv
 from cpm_core.formats.writers import CONTOURS_WRITABLE, check_export, to_bytes, describe_omissions, find_format_suffix
-from cpm_core.objects.methods import Facts
+from cpm_core.objects.methods import RunReport
 
 TABLE_SUFFIX = ".csv"
 """Suffix of the table of all methods; other suffixes give one file of contours per method."""
 
 
 def write_comparison(
-    rows: Sequence[Facts],
+    rows: Sequence[RunReport],
     results: Sequence[Result],
     paths: Sequence[AnyPath],
     warn: Callable[[str], object],
@@ -53,7 +53,7 @@ def write_comparison(
         suffix = find_format_suffix(path)
         if suffix == TABLE_SUFFIX:
             known = [{k: escape_cell(one) if isinstance(one, str) else one for k, one in asdict(row).items()} for row in rows]
-            contents.append((path, contour_csv.encode_csv_rows(known, [field.name for field in fields(Facts)])))
+            contents.append((path, contour_csv.encode_csv_rows(known, [field.name for field in fields(RunReport)])))
             continue
         for file, result in zip(list_comparison_files(path, [row.method for row in rows]), results, strict=True):
             if missing := describe_omissions(result, suffix):

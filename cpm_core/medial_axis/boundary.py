@@ -87,7 +87,7 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
             if loose
             else []
         )
-        if not loose or (owner[near] != number).any():
+        if not loose or (owner[near] != number).has_object():
             contours.append(contour)
     return _boundary_along_paths(contours, [_extend_beyond_border(_sample_evenly(contour), shape) for contour in contours], scale_field)
 

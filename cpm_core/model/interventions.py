@@ -184,7 +184,7 @@ def widen_window(state: State) -> State:
     shape, position = shape_at_scale(state.shape, state.scale), state.particles.position + state.corner
     first, last = np.transpose([(side.start, side.stop - 1) for side in state.window])
     near = (first > 0) & (position.min(axis=0) - first < _WINDOW_END_DISTANCE)
-    if not (near | ((last + 1 < shape) & (last - position.max(axis=0) < _WINDOW_END_DISTANCE))).any():
+    if not (near | ((last + 1 < shape) & (last - position.max(axis=0) < _WINDOW_END_DISTANCE))).has_object():
         return state
     window = window_around(np.concatenate([position, [first, last]]), shape)
     moved, former = replace(state, window=window, mesh=None), state.coverage.found.shape

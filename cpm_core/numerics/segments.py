@@ -23,7 +23,7 @@ def path_segments(path: Array) -> Array:
     A row holds row and column of one end, then of the other [px].
     """
     segments = np.concatenate([path[:-1], path[1:]], axis=1)
-    return segments[(segments[:, :2] != segments[:, 2:]).any(axis=1)]
+    return segments[(segments[:, :2] != segments[:, 2:]).has_object(axis=1)]
 
 
 def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
@@ -88,7 +88,7 @@ class PathTree:
         # GEOS knows no distance from a line without length
         counts = np.array([len(path) for path in paths], int)
         corners, first = np.concatenate([np.empty((0, 2)), *paths]), np.cumsum(counts) - counts
-        long = np.logical_or.reduceat((corners != np.repeat(corners[first], counts, axis=0)).any(axis=1), first)
+        long = np.logical_or.reduceat((corners != np.repeat(corners[first], counts, axis=0)).has_object(axis=1), first)
         self._lines = shapely.points(corners[first])
         of = np.repeat(np.arange(long.sum()), counts[long])
         self._lines[long] = shapely.linestrings(corners[np.repeat(long, counts)], indices=of)

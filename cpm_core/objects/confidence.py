@@ -16,14 +16,14 @@ import scipy
 
 from cpm_core.numerics.types import Array
 
-RIGHT = 0.8
+CORRECT_IOU = 0.8
 """Overlap (intersection over union) with the intended object from which an object counts as correct."""
 
 _MAX_CONFIDENCE = 0.98
 """Largest probability, and largest overlap that a feature counts."""
 
 
-class Signs(NamedTuple):
+class ConfidenceFeatures(NamedTuple):
     """Features of an object that its confidence is estimated from.
 
     Attributes
@@ -36,28 +36,28 @@ class Signs(NamedTuple):
         Whether an unambiguous contour encloses it.
     """
 
-    overlap: float = 0.5
-    clarity: float = 0.5
-    steadiness: float = 0.5
-    agreement: float = 0.5
-    places: int = 1
-    certain: bool = False
+    predicted_iou: float = 0.5
+    mean_certainty: float = 0.5
+    iou_to_previous: float = 0.5
+    iou_to_other_crop: float = 0.5
+    point_count: int = 1
+    unambiguous: bool = False
 
 
-def features(signs: Signs) -> Array:
+def encode_features(signs: ConfidenceFeatures) -> Array:
     """Encode the features as inputs of the logistic regression, shape (7,)."""
     shares = scipy.special.logit(np.clip(signs[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
-    return np.array([*shares, np.log(max(signs.places, 1)), signs.places == 0, signs.certain])
+    return np.array([*shares, np.log(max(signs.point_count, 1)), signs.point_count == 0, signs.unambiguous])
 
 
-def probability(signs: Signs) -> float:
+def estimate_confidence(signs: ConfidenceFeatures) -> float:
     """Estimate the probability that an object is correct, by the logistic rule of this module."""
-    *weights, offset = _numbers()
-    return min(float(scipy.special.expit(np.array(weights) @ features(signs) + offset)), _MAX_CONFIDENCE)
+    *weights, offset = _load_weights()
+    return min(float(scipy.special.expit(np.array(weights) @ encode_features(signs) + offset)), _MAX_CONFIDENCE)
 
 
 @cache
-def _numbers() -> tuple[float, ...]:
+def _load_weights() -> tuple[float, ...]:
     """Load the weights of the rule, and last its offset."""
     stored = json.loads(files("cpm_core.objects").joinpath("confidence.json").read_text("utf-8"))
     return tuple(stored["numbers"])

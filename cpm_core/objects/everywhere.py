@@ -12,12 +12,12 @@ import skimage
 
 from cpm_core.numerics.grids import Window, bounding_window, running_maximum
 from cpm_core.numerics.types import Array, Callback, Extent, Index, Mask, record
-from cpm_core.objects.boundaries.alike import alike
-from cpm_core.objects.boundaries.crossings import crossings
-from cpm_core.objects.boundaries.necks import bodies
-from cpm_core.objects.confidence import Signs, probability
-from cpm_core.objects.partition import Found, Partition
-from cpm_core.objects.prior.prior import Likely
+from cpm_core.objects.boundaries.alike import find_similar_pixels
+from cpm_core.objects.boundaries.crossings import find_crossings
+from cpm_core.objects.boundaries.necks import split_at_necks
+from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
+from cpm_core.objects.partition import Candidate, Partition
+from cpm_core.objects.prior.prior import Prediction
 from cpm_core.objects.selection import Selection
 
 _SIZE_RANGE = (0.2, 4.0)
@@ -75,7 +75,7 @@ _MAX_SHARED_RIM = 0.3
 """Largest share of the boundary of a nested object that runs along the boundary of the larger one."""
 
 
-def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
+def find_similar_objects(partition: Partition, chosen: Selection) -> Iterator[Selection]:
     """Find the objects similar to a selected one, from the top left to the bottom right.
 
     Their gray level differs from the surroundings of the selected object in the same direction, and their size and the
@@ -85,34 +85,34 @@ def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
     area = float(np.count_nonzero(chosen.mask))
     if not area:
         return
-    parts = bodies(alike(partition.values, chosen.mask, partition.interest), float(np.sqrt(area / np.pi)))
+    parts = split_at_necks(find_similar_pixels(partition.values, chosen.mask, partition.interest), float(np.sqrt(area / np.pi)))
     parts[chosen.mask] = 0
-    limit, strength = np.array(partition.shape) - 1, _boundary_strength(chosen)
+    limit, strength = np.array(partition.shape) - 1, _measure_boundary_strength(chosen)
     boxes = enumerate(scipy.ndimage.find_objects(parts), start=1)
     for number, box in ((number, box) for number, box in boxes if box):
         body = parts[box] == number
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
         if (_MIN_TRUNCATED_SIZE if cut else _SIZE_RANGE[0]) * area <= np.count_nonzero(body) <= _SIZE_RANGE[1] * area:
             mask = np.zeros(partition.shape, bool)
-            mask[box] = _largest(body)
-            other = _proposed(partition, mask)
-            if _boundary_strength(other) >= _MIN_RELATIVE_STRENGTH * strength:
+            mask[box] = _find_largest_component(body)
+            other = _build_proposal(partition, mask)
+            if _measure_boundary_strength(other) >= _MIN_RELATIVE_STRENGTH * strength:
                 yield other
 
 
-def everywhere(partition: Partition, check: Callback = lambda: None) -> Iterator[Selection]:
+def find_objects_everywhere(partition: Partition, check: Callback = lambda: None) -> Iterator[Selection]:
     """Find all objects of an image: unambiguous ones, and parts between contours that are likely objects.
 
     Parts meet where the gaps between contours are narrowest. Of two parts with a common stretch of boundary, the one
     that is more likely an object owns it; a part that owns little of its boundary is background of the others. `check`
     is called between the parts, and may raise to end the search.
     """
-    for mask, signs, certain in found_among(Parts.of(partition), check):
-        yield _proposed(partition, mask, signs, certain=certain)
+    for mask, signs, certain in find_object_candidates(ImageParts.from_partition(partition), check):
+        yield _build_proposal(partition, mask, signs, certain=certain)
 
 
 @record
-class Parts:
+class ImageParts:
     """Parts of an image between contours.
 
     Attributes
@@ -133,20 +133,20 @@ class Parts:
 
     partition: Partition
     labels: Index
-    pixels: Index
-    bounded: Array
-    one: Index
-    other: Index
-    cut: Mask
+    areas: Index
+    contour_fraction: Array
+    link_part: Index
+    link_neighbor: Index
+    may_change: Mask
 
     @classmethod
-    def of(cls, partition: Partition) -> Parts:
+    def from_partition(cls, partition: Partition) -> ImageParts:
         """Divide an image into the parts between its contours."""
         shape, none = partition.shape, np.zeros(0, np.int64)
-        if not partition.prior or not partition.contours:
+        if not partition.uses_network or not partition.contours:
             labels, count = np.ones(shape, np.int64), np.array([0, math.prod(shape)])
             return cls(partition, labels, count, np.zeros(2), none, none, np.zeros(2, bool))
-        lines = crossings([contour.path for contour in partition.contours], shape).pixels
+        lines = find_crossings([contour.path for contour in partition.contours], shape).pixels
         depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(~lines), 1.0)
         tops = skimage.morphology.h_maxima(depth, _MIN_GAP_DEPTH)  # type: ignore[no-untyped-call]
         markers, _ = scipy.ndimage.label((tops > 0) & (depth > _MIN_PART_DEPTH), np.ones((3, 3)))
@@ -159,22 +159,22 @@ class Parts:
         one, other = np.concatenate(sides, axis=1)
         one, other, on = np.concatenate([one, other]), np.concatenate([other, one]), np.tile(np.concatenate(along), 2)
         pixels = np.bincount(labels.ravel())
-        ends = np.array(_ends_within(partition))
+        ends = np.array(_find_inner_borders(partition))
         rim = [np.moveaxis(labels, axis, 0)[end] for axis, end in ((0, 0), (0, -1), (1, 0), (1, -1))]
         borders = [line for line, inner in zip(rim, ends.T.ravel(), strict=True) if not inner]
         around = np.bincount(np.concatenate([one, *borders]), minlength=len(pixels))
         bounded = np.bincount(one[on], minlength=len(pixels)) / np.maximum(around, 1)
         cut = np.zeros(len(pixels), bool)
-        cut[labels[depth + _DEPTH_BLUR_REACH > _to_ends(shape, ends)]] = True
+        cut[labels[depth + _DEPTH_BLUR_REACH > _measure_border_distance(shape, ends)]] = True
         return cls(partition, labels, pixels, bounded, one, other, cut)
 
     @cached_property
-    def _wanted(self) -> Mask:
+    def _may_be_object(self) -> Mask:
         """Which parts may be objects, shape (N + 1,)."""
-        frame = self.partition.frame
+        frame = self.partition.parent
         most = _MAX_PART_SHARE * math.prod(self.partition.shape if frame is None else frame.shape)
-        bounded = self.bounded >= np.where(self.cut, _MIN_VISIBLE_CONTOUR_SHARE, _MIN_CONTOUR_SHARE)
-        wanted = (self.pixels >= _MIN_PROPOSAL_AREA) & (self.pixels <= most) & bounded
+        bounded = self.contour_fraction >= np.where(self.may_change, _MIN_VISIBLE_CONTOUR_SHARE, _MIN_CONTOUR_SHARE)
+        wanted = (self.areas >= _MIN_PROPOSAL_AREA) & (self.areas <= most) & bounded
         wanted[0] = False
         return np.asarray(wanted)
 
@@ -182,61 +182,61 @@ class Parts:
     def _boxes(self) -> list[Window]:
         return scipy.ndimage.find_objects(self.labels)
 
-    def settled(self, core: Window) -> bool:
+    def is_settled(self, core: Window) -> bool:
         """Return whether the objects that touch the pixels of a window would be the same in a larger image."""
         touching = np.unique(self.labels[core])
-        near = np.union1d(touching, self.other[np.isin(self.one, touching)])
-        near = near[self._wanted[near]]
-        inner, shape = np.array(_ends_within(self.partition)), np.array(self.partition.shape)
+        near = np.union1d(touching, self.link_neighbor[np.isin(self.link_part, touching)])
+        near = near[self._may_be_object[near]]
+        inner, shape = np.array(_find_inner_borders(self.partition)), np.array(self.partition.shape)
         for box in (self._boxes[number - 1] for number in near.tolist()):
             low, high = np.array([[side.start, side.stop] for side in box]).T
             reach = _CONTEXT_LENGTHS * (high - low).max() + _CONTEXT_MARGIN
             seen = 0.5 * (low + high) + np.array([[-reach], [reach]])
-            if (inner & [seen[0] < 0, seen[1] > shape]).any():
+            if (inner & [seen[0] < 0, seen[1] > shape]).has_object():
                 return False
-        return not self.cut[near].any()
+        return not self.may_change[near].any()
 
-    def judged(self, taken: Mask, check: Callback) -> dict[int, Likely]:
+    def evaluate_parts(self, taken: Mask, check: Callback) -> dict[int, Prediction]:
         """Evaluate the parts that may be objects by the network: number -> prediction.
 
         `taken`, shape (H, W), are pixels of objects already found; parts that mostly lie in them are left out.
         """
 
-        def evaluate_part(number: int) -> Likely | None:
+        def evaluate_part(number: int) -> Prediction | None:
             check()
             box = self._boxes[number - 1]
             within = self.labels[box] == number
-            if np.count_nonzero(within & taken[box]) > _MAX_OVERLAP * self.pixels[number]:
+            if np.count_nonzero(within & taken[box]) > _MAX_OVERLAP * self.areas[number]:
                 return None
             mask = np.zeros(self.labels.shape, bool)
             mask[box] = within
-            return self.partition.judged(mask)
+            return self.partition.evaluate_mask(mask)
 
-        answers = ((number, evaluate_part(number)) for number in np.flatnonzero(self._wanted & ~self.cut).tolist())
+        answers = ((number, evaluate_part(number)) for number in np.flatnonzero(self._may_be_object & ~self.may_change).tolist())
         return {number: one for number, one in answers if one is not None}
 
-    def owned(self, judged: Mapping[int, Likely]) -> Array:
+    def measure_boundary_ownership(self, judged: Mapping[int, Prediction]) -> Array:
         """Measure the share of its boundary that each part owns, shape (N + 1,), the image border left out.
 
         `judged` holds the predictions by number; the part of higher predicted overlap owns the boundary between two.
         """
-        worth = np.zeros(len(self.pixels))
-        worth[list(judged)] = [one.overlap for one in judged.values()]
-        around = np.bincount(self.one, minlength=len(worth))
-        won = np.bincount(self.one[worth[self.one] > worth[self.other]], minlength=len(worth))
+        worth = np.zeros(len(self.areas))
+        worth[list(judged)] = [one.predicted_iou for one in judged.values()]
+        around = np.bincount(self.link_part, minlength=len(worth))
+        won = np.bincount(self.link_part[worth[self.link_part] > worth[self.link_neighbor]], minlength=len(worth))
         return won / np.maximum(around, 1)
 
 
-def _ends_within(partition: Partition) -> list[tuple[bool, ...]]:
+def _find_inner_borders(partition: Partition) -> list[tuple[bool, ...]]:
     """Return whether the first rows and columns of an image, and the last, lie inside a larger one, shape (2, 2)."""
-    frame = partition.frame
+    frame = partition.parent
     if frame is None:
         return [(False, False), (False, False)]
     sides = list(zip(frame.corner, partition.shape, frame.shape, strict=True))
     return [tuple(first > 0 for first, _, _ in sides), tuple(first + n < whole for first, n, whole in sides)]
 
 
-def _to_ends(shape: Extent, inner: Mask) -> Array:
+def _measure_border_distance(shape: Extent, inner: Mask) -> Array:
     """Measure the distance of each pixel from the ends that lie within a larger image, shape (H, W) [px]."""
     lines = []
     for axis, n in enumerate(shape):
@@ -247,36 +247,36 @@ def _to_ends(shape: Extent, inner: Mask) -> Array:
     return np.minimum.outer(*lines)
 
 
-def found_among(parts: Parts, check: Callback = lambda: None) -> Iterator[Found]:
+def find_object_candidates(parts: ImageParts, check: Callback = lambda: None) -> Iterator[Candidate]:
     """Find the pixels of the objects of `everywhere`, without their outlines."""
     partition = parts.partition
     known: list[tuple[Window, Mask]] = []
     taken = np.zeros(partition.shape, bool)
-    for mask in partition.certain():
+    for mask in partition.find_unambiguous_objects():
         box = bounding_window(mask)
         known.append((box, mask[box]))
         taken[box] |= scipy.ndimage.binary_fill_holes(mask[box])
-        yield Found(mask, certain=True)
-    judged = parts.judged(taken, check)
-    owned = parts.owned(judged)
-    for number, likely in sorted(judged.items(), key=lambda item: -item[1].overlap):
+        yield Candidate(mask, unambiguous=True)
+    judged = parts.evaluate_parts(taken, check)
+    owned = parts.measure_boundary_ownership(judged)
+    for number, likely in sorted(judged.items(), key=lambda item: -item[1].predicted_iou):
         mask = likely.mask & partition.interest
         pixels = np.count_nonzero(mask)
-        signs = Signs(*likely[2:], places=0)
-        if probability(signs) < _MIN_CONFIDENCE or owned[number] < _MIN_OWNED_SHARE or pixels < _MIN_PROPOSAL_AREA:
+        signs = ConfidenceFeatures(*likely[2:], point_count=0)
+        if estimate_confidence(signs) < _MIN_CONFIDENCE or owned[number] < _MIN_OWNED_SHARE or pixels < _MIN_PROPOSAL_AREA:
             continue
         over = np.count_nonzero(mask & taken) / pixels
         if over <= _MAX_OVERLAP:
-            mask = _largest(mask & ~taken)
-        elif not all(_apart(mask, *other) for other in known):
+            mask = _find_largest_component(mask & ~taken)
+        elif not all(_is_disjoint_or_nested(mask, *other) for other in known):
             continue
         box = bounding_window(mask)
         known.append((box, mask[box]))
         taken |= mask
-        yield Found(mask, signs)
+        yield Candidate(mask, signs)
 
 
-def _apart(mask: Mask, box: Window, there: Mask) -> bool:
+def _is_disjoint_or_nested(mask: Mask, box: Window, there: Mask) -> bool:
     """Return whether an object, shape (H, W), and another in a box are disjoint, or one lies deep in the other."""
     both = np.count_nonzero(mask[box] & there)
     if not both:
@@ -290,17 +290,17 @@ def _apart(mask: Mask, box: Window, there: Mask) -> bool:
     return bool((~scipy.ndimage.binary_erosion(large, iterations=3))[rim].mean() <= _MAX_SHARED_RIM)
 
 
-def _proposed(partition: Partition, mask: Mask, signs: Signs | None = None, *, certain: bool = False) -> Selection:
+def _build_proposal(partition: Partition, mask: Mask, signs: ConfidenceFeatures | None = None, *, certain: bool = False) -> Selection:
     """Build the selection of some pixels, shape (H, W), with the deepest of them as its positive point."""
     box = bounding_window(mask)
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
     if signs is None:
-        signs = Signs(*partition.judged(mask, place)[2:], places=0) if partition.prior else Signs(places=0)
-    return partition.selection_of(mask, place, signs=signs, certain=certain)
+        signs = ConfidenceFeatures(*partition.evaluate_mask(mask, place)[2:], point_count=0) if partition.uses_network else ConfidenceFeatures(point_count=0)
+    return partition.build_selection(mask, place, features=signs, unambiguous=certain)
 
 
-def _largest(mask: Mask) -> Mask:
+def _find_largest_component(mask: Mask) -> Mask:
     """Find the largest connected part of a mask."""
     parts, _ = scipy.ndimage.label(mask)
     sizes = np.bincount(parts.ravel())
@@ -308,7 +308,7 @@ def _largest(mask: Mask) -> Mask:
     return parts == sizes.argmax()
 
 
-def _boundary_strength(selection: Selection) -> float:
+def _measure_boundary_strength(selection: Selection) -> float:
     """Measure the mean edge strength along the boundary [gray levels / px]."""
     lengths = np.array([contour.length for contour in selection.contours])
     strengths = np.array([contour.strength for contour in selection.contours])

@@ -14,7 +14,7 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Extent, Sides
-from cpm_core.objects.outline import SMOOTHING
+from cpm_core.objects.outline import OBJECT_SMOOTHING
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import quote_value
@@ -64,7 +64,7 @@ def objects_result(
         for number, (selection, title) in enumerate(zip(selections, titles, strict=True), start=1)
         for contour in selection.contours
     ]
-    strength = edge_map(image.gray_levels(channel), SMOOTHING)
+    strength = edge_map(image.gray_levels(channel), OBJECT_SMOOTHING)
     bridges = []
     for gap in (gap for selection in selections for gap in selection.gaps):
         mean = float(interpolate_field(strength[None], polyline.sample_path(gap, 1.0)).mean())

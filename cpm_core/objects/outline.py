@@ -16,7 +16,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Arrays, Index, Mask, Single, record
 from cpm_core.objects.boundaries.crossings import Crossings
-from cpm_core.objects.boundaries.ground import Ground
+from cpm_core.objects.boundaries.ground import BoundaryGuides
 
 _ROW_STEPS = np.array([0, 1, 0, -1])
 """Rows of the steps to the right, down, left and up."""
@@ -24,13 +24,13 @@ _ROW_STEPS = np.array([0, 1, 0, -1])
 _COL_STEPS = np.array([1, 0, -1, 0])
 """Columns of these steps."""
 
-FREE = 0
+VERTEX_FREE = 0
 """Kind of a vertex placed by the edge map alone."""
 
-ON_LINE = 1
+VERTEX_ON_LINE = 1
 """Kind of a vertex on a line that crosses its link."""
 
-ON_BORDER = 2
+VERTEX_ON_BORDER = 2
 """Kind of a vertex on the image border."""
 
 _MIN_LINK_POSITION = 0.02
@@ -49,7 +49,7 @@ _MIDDLE_WEIGHT = 0.3
 """Weight of the middle of the link, against 1 for the smoothness of the line."""
 
 
-class Steps(NamedTuple):
+class BoundaryLinks(NamedTuple):
     """Links between a mask and the outside, in the order of its outlines.
 
     Attributes
@@ -64,18 +64,18 @@ class Steps(NamedTuple):
 
     row: Index
     col: Index
-    way: Index
-    begin: Index
+    direction: Index
+    first_link: Index
 
 
-def trace(mask: Mask) -> Steps:
+def trace_outlines(mask: Mask) -> BoundaryLinks:
     """Trace the outlines of a mask, shape (H, W), clockwise; pixels that share only a corner are apart."""
     wide = np.pad(mask, 1)
-    return Steps(*_traced(wide, sum(int(np.count_nonzero(np.diff(wide, axis=axis))) for axis in range(2))))
+    return BoundaryLinks(*_trace_links(wide, sum(int(np.count_nonzero(np.diff(wide, axis=axis))) for axis in range(2))))
 
 
 @compiled
-def _traced(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
+def _trace_links(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
     """Trace the fields of `Steps` around a mask with a margin of one pixel; positions are those without the margin.
 
     `total` is the number of links.
@@ -109,7 +109,7 @@ def _traced(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
     return row, col, way, begin[: lines + 1]
 
 
-def placed(steps: Steps, lines: Crossings, strength: Array, strong: float) -> tuple[Array, NDArray[np.int8]]:
+def place_vertices(steps: BoundaryLinks, lines: Crossings, strength: Array, strong: float) -> tuple[Array, NDArray[np.int8]]:
     """Place the vertices of outlines, shape (N, 2) [px], and tell what each lies on, shape (N,).
 
     Where a line crosses a link the vertex is there; at the border of the image half a pixel beyond the pixel; elsewhere
@@ -118,16 +118,16 @@ def placed(steps: Steps, lines: Crossings, strength: Array, strong: float) -> tu
     """
     place, target, hold = (np.empty(len(steps.row)) for _ in range(3))
     kind = np.empty(len(steps.row), np.int8)
-    _aim(steps, lines.right, lines.down, strength, strong, target, hold, kind)
+    _find_targets(steps, lines.right, lines.down, strength, strong, target, hold, kind)
     place[:] = target
-    _smooth(steps, place, target, hold, kind)
-    out = np.stack([steps.row + place * _ROW_STEPS[steps.way], steps.col + place * _COL_STEPS[steps.way]], axis=1)
+    _smooth_vertices(steps, place, target, hold, kind)
+    out = np.stack([steps.row + place * _ROW_STEPS[steps.direction], steps.col + place * _COL_STEPS[steps.direction]], axis=1)
     return out, kind
 
 
 @compiled
-def _aim(
-    steps: Steps,
+def _find_targets(
+    steps: BoundaryLinks,
     right: Single,
     down: Single,
     strength: Array,
@@ -139,27 +139,27 @@ def _aim(
     """Find the target of each vertex on its link, from the true pixel, its weight, and what the vertex lies on."""
     rows, cols = strength.shape
     for n in range(len(steps.row)):
-        r, c, d = steps.row[n], steps.col[n], steps.way[n]
+        r, c, d = steps.row[n], steps.col[n], steps.direction[n]
         y, x = r + _ROW_STEPS[d], c + _COL_STEPS[d]
-        kind[n], hold[n] = ON_BORDER, 0.0
+        kind[n], hold[n] = VERTEX_ON_BORDER, 0.0
         if not (0 <= y < rows and 0 <= x < cols):
             target[n] = 0.5
             continue
         links = right if d % 2 == 0 else down
         crossing = links[min(r, y), min(c, x)]
         if crossing >= 0.0:
-            kind[n] = ON_LINE
+            kind[n] = VERTEX_ON_LINE
             target[n] = min(max(crossing if d < 2 else 1.0 - crossing, _MIN_LINK_POSITION), _MAX_LINK_POSITION)
             continue
-        kind[n] = FREE
-        target[n], top = _summit(strength, r, c, _ROW_STEPS[d], _COL_STEPS[d])
+        kind[n] = VERTEX_FREE
+        target[n], top = _find_edge_peak(strength, r, c, _ROW_STEPS[d], _COL_STEPS[d])
         edge = _EDGE_WEIGHT * min(top / strong, 1.0) ** 2
         hold[n] = edge + _MIDDLE_WEIGHT
         target[n] = (edge * target[n] + _MIDDLE_WEIGHT * 0.5) / hold[n]
 
 
 @compiled
-def _summit(strength: Array, r: int, c: int, down: int, right: int) -> tuple[float, float]:
+def _find_edge_peak(strength: Array, r: int, c: int, down: int, right: int) -> tuple[float, float]:
     """Find the place and size of the largest edge strength between a pixel and its neighbor.
 
     The edge strength across a blurred edge is a Gaussian, whose logarithm is a parabola through three samples.
@@ -177,29 +177,29 @@ def _summit(strength: Array, r: int, c: int, down: int, right: int) -> tuple[flo
 
 
 @compiled
-def _smooth(steps: Steps, place: Array, target: Array, hold: Array, kind: NDArray[np.int8]) -> None:
+def _smooth_vertices(steps: BoundaryLinks, place: Array, target: Array, hold: Array, kind: NDArray[np.int8]) -> None:
     """Move free vertices on their links, so that the line bends little and stays near strong edges."""
-    for line in range(len(steps.begin) - 1):
-        first, count = steps.begin[line], steps.begin[line + 1] - steps.begin[line]
+    for line in range(len(steps.first_link) - 1):
+        first, count = steps.first_link[line], steps.first_link[line + 1] - steps.first_link[line]
         if count < 8:
             continue
         for _ in range(_SMOOTHING_SWEEPS):
             for k in range(count):
                 n = first + k
-                if kind[n] != FREE:
+                if kind[n] != VERTEX_FREE:
                     continue
                 wanted = 0.0
                 for shift, weight in ((-2, -1.0), (-1, 4.0), (1, 4.0), (2, -1.0)):
                     m = first + (k + shift) % count
-                    d = steps.way[m]
+                    d = steps.direction[m]
                     y = steps.row[m] + place[m] * _ROW_STEPS[d] - steps.row[n]
                     x = steps.col[m] + place[m] * _COL_STEPS[d] - steps.col[n]
-                    wanted += weight / 6.0 * (y * _ROW_STEPS[steps.way[n]] + x * _COL_STEPS[steps.way[n]])
+                    wanted += weight / 6.0 * (y * _ROW_STEPS[steps.direction[n]] + x * _COL_STEPS[steps.direction[n]])
                 mixed = (hold[n] * target[n] + wanted) / (hold[n] + 1.0)
                 place[n] = min(max(mixed, _MIN_LINK_POSITION), _MAX_LINK_POSITION)
 
 
-SMOOTHING = 1.0
+OBJECT_SMOOTHING = 1.0
 """Sigma of the edge map of objects [px]."""
 
 _MAX_IGNORED_GAP = 2.0
@@ -207,7 +207,7 @@ _MAX_IGNORED_GAP = 2.0
 
 
 @record
-class Outline:
+class ObjectOutline:
     """A closed boundary.
 
     Attributes
@@ -234,41 +234,41 @@ class Outline:
         return tuple(stretch for stretch in stretches if polyline.path_length(stretch) > _MAX_IGNORED_GAP)
 
 
-def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
+def compute_outlines(mask: Mask, ground: BoundaryGuides) -> tuple[ObjectOutline, ...]:
     """Compute the closed boundaries of the true pixels of a mask, shape (H, W), the longest first."""
-    steps = trace(mask)
-    points, kind = placed(steps, ground.lines, ground.strength, ground.strong)
+    steps = trace_outlines(mask)
+    points, kind = place_vertices(steps, ground.lines, ground.strength, ground.strong_edge_level)
     limit = np.array(mask.shape)[:, None] - 1
     found = []
-    for begin, end in zip(steps.begin[:-1].tolist(), steps.begin[1:].tolist(), strict=True):
+    for begin, end in zip(steps.first_link[:-1].tolist(), steps.first_link[1:].tolist(), strict=True):
         part = slice(begin, end)
-        row, col, way = steps.row[part], steps.col[part], steps.way[part]
+        row, col, way = steps.row[part], steps.col[part], steps.direction[part]
         beyond = np.clip(np.stack([row + _ROW_STEPS[way], col + _COL_STEPS[way]]), 0, limit)
-        free = (kind[part] == FREE) & ~ground.near[row, col] & ground.interest[beyond[0], beyond[1]]
+        free = (kind[part] == VERTEX_FREE) & ~ground.near_lines[row, col] & ground.interest[beyond[0], beyond[1]]
         vertices = points[part]
-        edge = kind[part] == ON_BORDER
+        edge = kind[part] == VERTEX_ON_BORDER
         corner = edge & np.roll(edge, -1) & (way != np.roll(way, -1))
-        if corner.any():  # an object in the corner of the image has a corner
+        if corner.has_object():  # an object in the corner of the image has a corner
             pixel = np.stack([row, col], axis=1)
             places = vertices + np.roll(vertices, -1, axis=0) - pixel
             after = np.flatnonzero(corner) + 1
             vertices = np.insert(vertices, after, places[corner], axis=0)
             free = np.insert(free, after, False)
-        found.append(_outline(vertices, free, ground))
+        found.append(_build_outline(vertices, free, ground))
     return tuple(sorted(found, key=lambda outline: -outline.contour.length))
 
 
-def _outline(points: Array, free: Mask, ground: Ground) -> Outline:
+def _build_outline(points: Array, free: Mask, ground: BoundaryGuides) -> ObjectOutline:
     """Build the outline through vertices, with its strength, contrast and gaps."""
     path = np.concatenate([points, points[:1]])
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
     middle = 0.5 * (path[1:] + path[:-1])
     strength = float(interpolate_field(ground.strength[None], middle)[:, 0] @ lengths / lengths.sum())
     along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    sides = partial(mean_contrast, ground.values, points, along[:, ::-1] * (-1.0, 1.0), SMOOTHING)
+    sides = partial(mean_contrast, ground.values, points, along[:, ::-1] * (-1.0, 1.0), OBJECT_SMOOTHING)
     bridged = free & np.roll(free, -1)
     row, col = points.T
     hole = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row) < 0.0  # the pixels are on the right hand
     contour = Contour(points, True, strength, measure_contrast=sides, hole=hole)
-    found = Outline(contour, bridged)
+    found = ObjectOutline(contour, bridged)
     return replace(found, contour=replace(contour, bridged=sum(map(polyline.path_length, found.gaps))))

@@ -29,28 +29,28 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Extent, Index, Mask, frozen, record
-from cpm_core.objects.boundaries.alike import alike
+from cpm_core.objects.boundaries.alike import find_similar_pixels
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
-from cpm_core.objects.boundaries.crossings import crossings
-from cpm_core.objects.boundaries.ground import Ground, ground
-from cpm_core.objects.boundaries.necks import bodies
-from cpm_core.objects.boundaries.snapping import snapped
-from cpm_core.objects.confidence import Signs, probability
-from cpm_core.objects.outline import SMOOTHING, Outline, outlines
-from cpm_core.objects.prior.prior import Likely, Prior, Prompt
-from cpm_core.objects.selection import Selection, overlap
-from cpm_core.objects.vessels import vessel_tree
-from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
+from cpm_core.objects.boundaries.crossings import find_crossings
+from cpm_core.objects.boundaries.ground import BoundaryGuides, build_boundary_guides
+from cpm_core.objects.boundaries.necks import split_at_necks
+from cpm_core.objects.boundaries.snapping import snap_to_contours
+from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
+from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
+from cpm_core.objects.prior.prior import Prediction, ObjectPredictor, Prompt
+from cpm_core.objects.selection import Selection, compute_iou
+from cpm_core.objects.vessels import find_vessel_tree
+from cpm_core.objects.volume_partition import EMPTY_SURFACE, VolumePartition
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import format_count, format_repr, format_size
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.bounding import object_enclosed_by
 from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
 
-NOWHERE = np.empty((0, 2))
+NO_POINTS = np.empty((0, 2))
 """An empty array of points."""
 
-EVERYWHERE = Parameters(smoothing=1.5)
+EVERYWHERE_PARAMETERS = Parameters(smoothing=1.5)
 """Parameters of the run from everywhere that finds the contours of an image."""
 
 
@@ -81,16 +81,16 @@ _MIN_DRAWN_SHARE = 0.1
 _NO_OBJECT_REMARK = "No object was found around these places: only their own pixels are chosen."
 
 
-class Found(NamedTuple):
+class Candidate(NamedTuple):
     """A candidate for an object: pixels, shape (H, W), confidence features if known, and whether it is unambiguous."""
 
     mask: Mask
-    signs: Signs | None = None
-    certain: bool = False
+    features: ConfidenceFeatures | None = None
+    unambiguous: bool = False
 
 
 @frozen
-class Frame:
+class ParentImage:
     """An image too large for a partition of its own, in which the image of a partition is a part.
 
     Attributes
@@ -107,7 +107,7 @@ class Frame:
 
     shape: Extent
     corner: Extent
-    grays: tuple[float, ...]
+    gray_range: tuple[float, ...]
     smoothing: float
 
 
@@ -142,16 +142,16 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
         image = as_image(values)
         if image.ndim == 3:
             return VolumePartition(image)
-        return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE))
+        return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE_PARAMETERS))
     if values.image is None:
         raise ValueError("the result has no image: make a partition of the image itself.")
     if values.surface is not None:
-        surface = values.surface if values.surface.closed else NO_SURFACE
+        surface = values.surface if values.surface.closed else EMPTY_SURFACE
         return VolumePartition(values.image, surface, values.regions)
     return Partition(as_plane(values.image), tuple(values.contours), plane_regions(values.regions), values.channel)
 
 
-def without_run(image: Image) -> Partition | VolumePartition:
+def partition_without_run(image: Image) -> Partition | VolumePartition:
     """Prepare an image or a volume without a run, so that the network answers all prompts."""
     return Partition(image, ()) if image.ndim == 2 else VolumePartition(image)
 
@@ -199,8 +199,8 @@ class Partition(drawing.Pictured):
     contours: tuple[Contour, ...]
     regions: Regions | None = None
     channel: str = "luminance"
-    prior: bool = True
-    frame: Frame | None = None
+    uses_network: bool = True
+    parent: ParentImage | None = None
 
     @property
     def shape(self) -> Extent:
@@ -245,9 +245,9 @@ class Partition(drawing.Pictured):
         ValueError
             When points are not rows and columns, or the box does not have two corners.
         """
-        return next(self._plausible(inside, outside, stroke, box, previous, areas))
+        return next(self._rank_candidates(inside, outside, stroke, box, previous, areas))
 
-    def candidates(
+    def find_candidates(
         self,
         inside: ArrayLike = (),
         outside: ArrayLike = (),
@@ -263,11 +263,11 @@ class Partition(drawing.Pictured):
         other sizes, the insides of contours closed around the points, shape (M, 2) [px], bodies alone where
         necks join them to others, and together with them.
         """
-        first, *others = self._plausible(inside, outside, stroke, box, previous, areas)
+        first, *others = self._rank_candidates(inside, outside, stroke, box, previous, areas)
         others = sorted(others, key=lambda one: -one.confidence)[: _MAX_CANDIDATES - 1]
         return tuple(sorted([first, *others], key=lambda one: np.count_nonzero(one.mask)))
 
-    def _plausible(
+    def _rank_candidates(
         self,
         inside: ArrayLike,
         outside: ArrayLike,
@@ -285,49 +285,49 @@ class Partition(drawing.Pictured):
         former, certain = previous.mask if previous is not None and previous.mask.any() else None, False
         at_once = former is None and not len(line) and not len(corners)
         if at_once:
-            former = self._closed.around(within)
+            former = self._closed_regions.find_object_around(within)
             certain = former is not None
             if former is None and not len(beyond):
                 former = object_enclosed_by(self.values, within, ~self.interest)
-        meant = within if previous is None else _not_around(within, previous)
-        newer = None if previous is None else ~_among(meant, previous.inside)
-        places, remark = self._pixels(meant, beyond, newer)
-        afresh = self._with_drawn(places, meant if len(meant) >= MIN_DRAWN_PLACES else NOWHERE, line, corners)
-        prompt = afresh if former is None else replace(self._with_drawn(places, NOWHERE, line, corners), former=former)
-        answers = self._answers(afresh, areas)
+        meant = within if previous is None else _replace_surrounding_points(within, previous)
+        newer = None if previous is None else ~_is_among(meant, previous.inside)
+        places, remark = self._resolve_points(meant, beyond, newer)
+        afresh = self._add_drawn_prompts(places, meant if len(meant) >= MIN_DRAWN_PLACES else NO_POINTS, line, corners)
+        prompt = afresh if former is None else replace(self._add_drawn_prompts(places, NO_POINTS, line, corners), previous_mask=former)
+        answers = self._predict_candidates(afresh, areas)
         if at_once and former is not None and former.any() and not len(beyond):
-            first = self.selection_of(former, within, certain=certain)
-        elif len(prompt.inside) or prompt.drawn is not None or prompt.box is not None:
-            found = self._object(prompt, answers, areas)
-            first = self.selection_of(found.mask, within, beyond, remark, found.signs, found.certain)
+            first = self.build_selection(former, within, unambiguous=certain)
+        elif len(prompt.positive) or prompt.drawn_area is not None or prompt.box is not None:
+            found = self._find_best_candidate(prompt, answers, areas)
+            first = self.build_selection(found.mask, within, beyond, remark, found.features, found.unambiguous)
         else:
             remark = remark or "No place has been said to be inside."
-            yield self.selection_of(np.zeros(self.shape, bool), within, beyond, remark)
+            yield self.build_selection(np.zeros(self.shape, bool), within, beyond, remark)
             return
-        yield replace(first, remark=_NO_OBJECT_REMARK) if first.only_places and not first.remark else first
+        yield replace(first, remark=_NO_OBJECT_REMARK) if first.has_only_points and not first.remark else first
         known = [first.mask]
-        for found in itertools.chain(answers, self._otherwise(first.mask, afresh)):
-            tied = self._tied(found.mask, afresh)
-            if tied.any() and all(overlap(tied, other) < _DUPLICATE_IOU for other in known):
+        for found in itertools.chain(answers, self._find_alternatives(first.mask, afresh)):
+            tied = self._keep_connected(found.mask, afresh)
+            if tied.any() and all(compute_iou(tied, other) < _DUPLICATE_IOU for other in known):
                 known.append(tied)
-                yield self.selection_of(tied, within, beyond, remark, found.signs)
+                yield self.build_selection(tied, within, beyond, remark, found.features)
 
-    def _with_drawn(self, places: Prompt, start: Array, line: Array, corners: Array) -> Prompt:
+    def _add_drawn_prompts(self, places: Prompt, start: Array, line: Array, corners: Array) -> Prompt:
         """Add to a prompt a start, which replaces its positive points, a scribble and the corners of a box."""
         prompt = places
         if len(start):
             area = drawn_area(start, self.shape)
             if np.count_nonzero(area) > 2 * len(start):  # a closed line; an open one counts as points
-                prompt = replace(prompt, drawn=area, inside=prompt.inside[:0])
+                prompt = replace(prompt, drawn_area=area, positive=prompt.positive[:0])
         if len(line):
-            along, _ = self._pixels(polyline.sample_path(line, 1.0) if len(line) > 1 else line)
-            prompt = replace(prompt, inside=np.concatenate([prompt.inside, along.inside]))
+            along, _ = self._resolve_points(polyline.sample_path(line, 1.0) if len(line) > 1 else line)
+            prompt = replace(prompt, positive=np.concatenate([prompt.positive, along.positive]))
         if len(corners):
             (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
             prompt = replace(prompt, box=(top, bottom, left, right))
         return prompt
 
-    def _pixels(self, inside: Array, outside: Array = NOWHERE, newer: Mask | None = None) -> tuple[Prompt, str]:
+    def _resolve_points(self, inside: Array, outside: Array = NO_POINTS, newer: Mask | None = None) -> tuple[Prompt, str]:
         """Resolve points to pixels, with one sentence on what is unusual about them.
 
         Where the same pixel is positive and negative, the positive points count that are `newer`, shape (M,).
@@ -342,58 +342,58 @@ class Partition(drawing.Pictured):
         elif not interest[tuple(np.concatenate([within, beyond]).T)].all():
             remark = "A place outside the regions of interest counts for nothing."
         same = (within[:, None] == beyond[None]).all(axis=2)
-        if same.any():
+        if same.has_object():
             remark = "The same place has been said to be inside and outside; what was said last counts."
             newer = np.zeros(len(within), bool) if newer is None else newer
-            within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
+            within, beyond = within[newer | ~same.has_object(axis=1)], beyond[~(same & newer[:, None]).has_object(axis=0)]
         return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
-    def _object(self, prompt: Prompt, answers: Iterator[Found], areas: Sequence[float]) -> Found:
+    def _find_best_candidate(self, prompt: Prompt, answers: Iterator[Candidate], areas: Sequence[float]) -> Candidate:
         """Find the best candidate for a prompt; `answers` are those of the network without a previous mask."""
-        mask, certain = prompt.former, False
+        mask, certain = prompt.previous_mask, False
         while mask is not None:  # first, unambiguous corrections by points that contradict the object so far
-            wrong = [(place, True) for place in prompt.inside if not mask[tuple(place)]]
-            wrong += [(place, False) for place in prompt.outside if mask[tuple(place)]]
+            wrong = [(place, True) for place in prompt.positive if not mask[tuple(place)]]
+            wrong += [(place, False) for place in prompt.negative if mask[tuple(place)]]
             if not wrong:
-                return Found(self._tied(mask, prompt), certain=certain)
-            kept = prompt.outside, prompt.inside
-            changed = (self._closed.changed(mask, place, adds, kept[not adds]) for place, adds in wrong)
+                return Candidate(self._keep_connected(mask, prompt), unambiguous=certain)
+            kept = prompt.negative, prompt.positive
+            changed = (self._closed_regions.correct_mask(mask, place, adds, kept[not adds]) for place, adds in wrong)
             better = next((found for found in changed if found is not None), None)
             if better is None:
-                answers = self._answers(replace(prompt, former=mask), areas)
+                answers = self._predict_candidates(replace(prompt, previous_mask=mask), areas)
                 break
             mask, certain = better, True
-        found = next(answers, None) or Found(np.zeros(self.shape, bool) if mask is None else mask.copy())
+        found = next(answers, None) or Candidate(np.zeros(self.shape, bool) if mask is None else mask.copy())
         if mask is not None:  # positive points only add, and negative ones only remove
-            adds, takes = not mask[tuple(prompt.inside.T)].all(), mask[tuple(prompt.outside.T)].any()
+            adds, takes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].has_object()
             if adds != takes:
                 found = found._replace(mask=found.mask | mask if adds else found.mask & mask)
-        return found._replace(mask=self._tied(found.mask, prompt))
+        return found._replace(mask=self._keep_connected(found.mask, prompt))
 
-    def _answers(self, prompt: Prompt, areas: Sequence[float]) -> Iterator[Found]:
+    def _predict_candidates(self, prompt: Prompt, areas: Sequence[float]) -> Iterator[Candidate]:
         """Predict the candidates for a prompt, the most likely one first; a tree of vessels precedes all others."""
-        if not self.prior:
+        if not self.uses_network:
             return
-        tree = vessel_tree(self.values, prompt.inside) if prompt.places_alone else None
+        tree = find_vessel_tree(self.values, prompt.positive) if prompt.has_only_positive else None
         if tree is not None:
-            yield Found(tree)
-        for likely in self._prior.objects_of(prompt, np.asarray(areas, float)):
+            yield Candidate(tree)
+        for likely in self._predictor.predict_objects(prompt, np.asarray(areas, float)):
             mask = likely.mask
-            if likely.coarseness > 1.0 and self.contours:  # contours are more exact than a coarse prediction
-                box, corner = _box_of(mask)
-                paths = self._paths(box, corner)
+            if likely.downsampling > 1.0 and self.contours:  # contours are more exact than a coarse prediction
+                box, corner = _padded_box(mask)
+                paths = self._find_contour_paths(box, corner)
                 if paths:
-                    mask[box] = snapped(mask[box], crossings(paths, mask[box].shape), likely.coarseness)
-            yield Found(mask, Signs(*likely[2:], places=len(prompt.inside) + len(prompt.outside)))
+                    mask[box] = snap_to_contours(mask[box], find_crossings(paths, mask[box].shape), likely.downsampling)
+            yield Candidate(mask, ConfidenceFeatures(*likely[2:], point_count=len(prompt.positive) + len(prompt.negative)))
 
-    def _otherwise(self, mask: Mask, prompt: Prompt) -> Iterator[Found]:
+    def _find_alternatives(self, mask: Mask, prompt: Prompt) -> Iterator[Candidate]:
         """Find alternatives to an object: closed contours around it, a body of it alone, or more than it."""
-        pixels = prompt.inside if prompt.drawn is None else np.argwhere(prompt.drawn)
-        for other in itertools.islice(self._closed.nested(pixels), _MAX_CLOSED_CANDIDATES) if len(pixels) else ():
-            yield Found(other)
-        box, corner = _box_of(mask)
+        pixels = prompt.positive if prompt.drawn_area is None else np.argwhere(prompt.drawn_area)
+        for other in itertools.islice(self._closed_regions.find_enclosing_masks(pixels), _MAX_CLOSED_CANDIDATES) if len(pixels) else ():
+            yield Candidate(other)
+        box, corner = _padded_box(mask)
         if len(pixels):
-            parts = bodies(mask[box])
+            parts = split_at_necks(mask[box])
             there = np.clip(pixels - corner, 0, np.array(parts.shape) - 1)
             held = np.bincount(parts[tuple(there.T)], minlength=int(parts.max()) + 1) >= max(
                 _MIN_DRAWN_SHARE * len(pixels), 1.0
@@ -401,49 +401,49 @@ class Partition(drawing.Pictured):
             held[0] = False
             body = np.zeros_like(mask)
             body[box] = held[parts]
-            yield Found(body)
+            yield Candidate(body)
         wide = tuple(
             slice(max(side.start - length, 0), side.stop + length)
             for side in box
             for length in [int(_NEIGHBOR_REACH * (side.stop - side.start))]
         )
         more = np.zeros_like(mask)
-        more[wide] = _linked(alike(self.values[wide], mask[wide], self.interest[wide]), np.argwhere(mask[wide]))
+        more[wide] = _select_connected(find_similar_pixels(self.values[wide], mask[wide], self.interest[wide]), np.argwhere(mask[wide]))
         if _MIN_GROWTH < np.count_nonzero(more) / np.count_nonzero(mask) < _MAX_GROWTH:
-            yield Found(more)
+            yield Candidate(more)
 
-    def _tied(self, mask: Mask, prompt: Prompt) -> Mask:
+    def _keep_connected(self, mask: Mask, prompt: Prompt) -> Mask:
         """Keep the parts of a mask that are connected to the prompt, with all positive points and no negative one."""
         mask = mask & self.interest
-        mask[tuple(prompt.inside.T)] = True
-        mask[tuple(prompt.outside.T)] = False
-        box, corner = _box_of(mask)
+        mask[tuple(prompt.positive.T)] = True
+        mask[tuple(prompt.negative.T)] = False
+        box, corner = _padded_box(mask)
         part = mask[box]
-        held = [prompt.inside - corner]
-        if prompt.drawn is not None:
-            held.append(np.argwhere(prompt.drawn[box] & part))
+        held = [prompt.positive - corner]
+        if prompt.drawn_area is not None:
+            held.append(np.argwhere(prompt.drawn_area[box] & part))
         if prompt.box is not None:
             held.append(np.argwhere(part))
-        mask[box] = _linked(part, np.concatenate(held), crossings(self._barriers(corner), part.shape).pixels)
+        mask[box] = _select_connected(part, np.concatenate(held), find_crossings(self._find_barrier_paths(corner), part.shape).pixels)
         return mask
 
-    def around(self, drawn: Mask, area: float) -> Mask:
+    def complete_object(self, drawn: Mask, area: float) -> Mask:
         """Complete drawn pixels to an object of about this area [px²]; masks of shape (H, W)."""
-        prompt = Prompt(np.empty((0, 2), np.int64), drawn=drawn)
-        return self._object(prompt, self._answers(prompt, [area]), ()).mask
+        prompt = Prompt(np.empty((0, 2), np.int64), drawn_area=drawn)
+        return self._find_best_candidate(prompt, self._predict_candidates(prompt, [area]), ()).mask
 
-    def certain(self) -> Iterator[Mask]:
+    def find_unambiguous_objects(self) -> Iterator[Mask]:
         """Find the objects that closed contours enclose unambiguously, each of shape (H, W), the largest first."""
-        return self._closed.objects()
+        return self._closed_regions.find_objects()
 
-    def selection_of(
+    def build_selection(
         self,
         mask: Mask,
-        inside: Array = NOWHERE,
-        outside: Array = NOWHERE,
+        inside: Array = NO_POINTS,
+        outside: Array = NO_POINTS,
         remark: str = "",
-        signs: Signs | None = None,
-        certain: bool = False,
+        features: ConfidenceFeatures | None = None,
+        unambiguous: bool = False,
     ) -> Selection:
         """Build the selection of a set of pixels, shape (H, W), whose boundary follows contours next to it.
 
@@ -452,30 +452,30 @@ class Partition(drawing.Pictured):
         """
         if not mask.any():
             return Selection(mask, (), (), 0.0, inside, outside, remark)
-        found = self.outlines(mask)
-        if signs is None:
+        found = self.outline_mask(mask)
+        if features is None:
             places = len(inside) + len(outside)
-            signs = Signs(*self.judged(mask, inside)[2:], places=places) if self.prior else Signs(places=places)
-        signs = signs._replace(certain=certain)
+            features = ConfidenceFeatures(*self.evaluate_mask(mask, inside)[2:], point_count=places) if self.uses_network else ConfidenceFeatures(point_count=places)
+        features = features._replace(certain=unambiguous)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
-        return Selection(mask, contours, gaps, probability(signs), inside, outside, remark, signs)
+        return Selection(mask, contours, gaps, estimate_confidence(features), inside, outside, remark, features)
 
-    def outlines(self, mask: Mask) -> tuple[Outline, ...]:
+    def outline_mask(self, mask: Mask) -> tuple[ObjectOutline, ...]:
         """Outline a set of pixels, shape (H, W), along the contours next to it."""
-        box, corner = _box_of(mask)
-        found = outlines(mask[box], self._ground(box, corner))
+        box, corner = _padded_box(mask)
+        found = compute_outlines(mask[box], self._build_guides(box, corner))
         return tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
 
-    def judged(self, mask: Mask, inside: Array = NOWHERE) -> Likely:
+    def evaluate_mask(self, mask: Mask, inside: Array = NO_POINTS) -> Prediction:
         """Evaluate an object, shape (H, W), found otherwise, by the network, with points in it, shape (M, 2)."""
         pixels = np.rint(np.clip(inside, 0, np.array(mask.shape) - 1)).astype(np.int64)
         pixels = pixels[mask[tuple(pixels.T)]]
         if not len(pixels) or len(pixels) >= MIN_DRAWN_PLACES:
-            box, corner = _box_of(mask)
+            box, corner = _padded_box(mask)
             depth = scipy.ndimage.distance_transform_edt(mask[box])
             pixels = np.argwhere(depth == depth.max())[:1] + corner
-        return self._prior.judged(mask, pixels)
+        return self._predictor.evaluate_mask(mask, pixels)
 
     @cached_property
     def values(self) -> Array:
@@ -487,39 +487,39 @@ class Partition(drawing.Pictured):
         """Pixels in the regions of interest, shape (H, W)."""
         return (self.regions or Regions()).pixel_mask(self.shape)
 
-    def _ground(self, box: tuple[slice, slice], corner: Index) -> Ground:
+    def _build_guides(self, box: tuple[slice, slice], corner: Index) -> BoundaryGuides:
         """Build what outlines follow in a part of the image."""
         values, regions = self.values[box], self.regions or Regions()
-        return ground(
+        return build_boundary_guides(
             values,
-            edge_map(values, SMOOTHING),
-            self._paths(box, corner),
-            self._barriers(corner),
+            edge_map(values, OBJECT_SMOOTHING),
+            self._find_contour_paths(box, corner),
+            self._find_barrier_paths(corner),
             list(regions.rim_segments().reshape(-1, 2, 2) - corner),
             self.interest[box],
         )
 
-    def _paths(self, box: tuple[slice, slice], corner: Index) -> list[Array]:
+    def _find_contour_paths(self, box: tuple[slice, slice], corner: Index) -> list[Array]:
         """Find the paths of contours in a part of the image, relative to its first pixel."""
         last = [part.stop for part in box]
         near = (one for one in self.contours if (one.box[1] >= corner).all() and (one.box[0] <= last).all())
         return [contour.path - corner for contour in near]
 
-    def _barriers(self, corner: Index) -> list[Array]:
+    def _find_barrier_paths(self, corner: Index) -> list[Array]:
         """Find the paths of barriers, relative to a pixel."""
         return [np.array(line) - corner for line in self.regions.barriers] if self.regions is not None else []
 
     @cached_property
-    def _closed(self) -> ClosedRegions:
+    def _closed_regions(self) -> ClosedRegions:
         free = self.regions is None or not (self.regions.interest or self.regions.barriers)
         contours = self.contours if free else ()
-        return ClosedRegions(contours, self.values, "auto" if self.frame is None else self.frame.smoothing)
+        return ClosedRegions(contours, self.values, "auto" if self.parent is None else self.parent.smoothing)
 
     @cached_property
-    def _prior(self) -> Prior:
+    def _predictor(self) -> ObjectPredictor:
         colors = self.image.colors if self.channel == "luminance" else None
-        grays = () if self.frame is None else self.frame.grays
-        return Prior(self.values if colors is None else colors.samples, grays=grays)
+        grays = () if self.parent is None else self.parent.gray_range
+        return ObjectPredictor(self.values if colors is None else colors.samples, gray_range=grays)
 
     def __repr__(self) -> str:
         return format_repr("Partition", self.image.source, format_size(self.shape), format_count(len(self.contours), "contour"))
@@ -532,7 +532,7 @@ class Partition(drawing.Pictured):
         return ax
 
 
-def _box_of(mask: Mask) -> tuple[tuple[slice, slice], Index]:
+def _padded_box(mask: Mask) -> tuple[tuple[slice, slice], Index]:
     """Return the rows and columns of the true pixels of a mask with a margin, and the first of them."""
     low, high = true_bounds(mask) if mask.any() else np.zeros((2, 2), np.int64)
     corner = np.maximum(low - _OUTLINE_MARGIN, 0)
@@ -540,7 +540,7 @@ def _box_of(mask: Mask) -> tuple[tuple[slice, slice], Index]:
     return (rows, cols), corner
 
 
-def _linked(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:
+def _select_connected(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:
     """Select the parts of a mask, shape (H, W), that hold pixels, shape (N, 2), up to barriers."""
     parts, _ = scipy.ndimage.label(mask if barred is None else mask & ~barred, np.ones((3, 3), bool))
     if barred is not None and barred.any():
@@ -551,19 +551,19 @@ def _linked(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:
     return held[parts]
 
 
-def _among(places: Array, others: Array) -> Mask:
+def _is_among(places: Array, others: Array) -> Mask:
     """Return which points, shape (N, 2), are among others, shape (N,)."""
-    return (places[:, None] == others[None]).all(axis=2).any(axis=1)
+    return (places[:, None] == others[None]).all(axis=2).has_object(axis=1)
 
 
-def _not_around(inside: Array, before: Selection) -> Array:
+def _replace_surrounding_points(inside: Array, before: Selection) -> Array:
     """Drop points around the object selected before; add the middle of each of its parts without a point."""
-    around = before.inside[~before.holds(before.inside)]
+    around = before.inside[~before.contains(before.inside)]
     if not len(around) or not before.mask.any():
         return inside
-    rest = inside[~_among(inside, around)]
+    rest = inside[~_is_among(inside, around)]
     parts, count = scipy.ndimage.label(np.pad(before.mask, 1), np.ones((3, 3), bool))
-    place = np.clip(np.rint(rest[before.holds(rest)]), 0, np.array(before.mask.shape) - 1).astype(int) + 1
+    place = np.clip(np.rint(rest[before.contains(rest)]), 0, np.array(before.mask.shape) - 1).astype(int) + 1
     empty = np.setdiff1d(np.arange(1, count + 1), parts[tuple(place.T)])
     depth = scipy.ndimage.distance_transform_edt(parts > 0)
     middles = np.array(scipy.ndimage.maximum_position(depth, parts, empty), float).reshape(-1, 2) - 1.0

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.image.image import Image, as_plane
 from cpm_core.numerics.real_numbers import as_positions
-from cpm_core.objects.everywhere import everywhere, similar
+from cpm_core.objects.everywhere import find_objects_everywhere, find_similar_objects
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.selection import Selection
 
@@ -49,7 +49,7 @@ def select(
     [True, False]
     """
     image = as_plane(values)
-    cut = Partition(image, ()) if prior else Partition(image, partition(image).contours, prior=False)
+    cut = Partition(image, ()) if prior else Partition(image, partition(image).contours, uses_network=False)
     places = np.concatenate([as_positions(given, "rows and columns") for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
@@ -77,13 +77,13 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
     (2, 2)
     """
     if not like:
-        return tuple(everywhere(values if isinstance(values, Partition) else partition(as_plane(values))))
+        return tuple(find_objects_everywhere(values if isinstance(values, Partition) else partition(as_plane(values))))
     cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
     found = list(like)
     taken = np.any([one.mask for one in like], axis=0)
     for one in like:
-        for other in similar(cut, one):
-            if not (other.mask & taken).any():
+        for other in find_similar_objects(cut, one):
+            if not (other.mask & taken).has_object():
                 found.append(other)
                 taken |= other.mask
     return tuple(found)

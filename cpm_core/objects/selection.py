@@ -7,7 +7,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
 from cpm_core.numerics.types import Array, Arrays, Mask, record
-from cpm_core.objects.confidence import Signs
+from cpm_core.objects.confidence import ConfidenceFeatures
 from cpm_core.parameters.quotation import format_count, format_repr
 
 
@@ -51,23 +51,23 @@ class Selection(drawing.Pictured):
     inside: Array
     outside: Array
     remark: str = ""
-    signs: Signs | None = None
+    features: ConfidenceFeatures | None = None
 
     @property
-    def found(self) -> bool:
+    def has_boundary(self) -> bool:
         """Whether it has a boundary."""
         return bool(self.contours)
 
-    def same(self, other: Selection) -> bool:
+    def has_same_region(self, other: Selection) -> bool:
         """Return whether another selection has the same pixels."""
         return np.array_equal(self.mask, other.mask)
 
     @property
-    def only_places(self) -> bool:
+    def has_only_points(self) -> bool:
         """Whether it holds only the pixels of the positive points: no object was found around them."""
         return bool(0 < np.count_nonzero(self.mask) <= len(self.inside))
 
-    def holds(self, places: Array) -> Mask:
+    def contains(self, places: Array) -> Mask:
         """Return which points, shape (N, 2) [px], lie in it, shape (N,); one outside is moved to the nearest pixel."""
         pixel = np.rint(np.clip(places, 0, np.array(self.mask.shape) - 1)).astype(int)
         return self.mask[tuple(pixel.T)]
@@ -86,7 +86,7 @@ class Selection(drawing.Pictured):
         return ax
 
 
-def overlap(one: Mask, other: Mask) -> float:
+def compute_iou(one: Mask, other: Mask) -> float:
     """Compute the intersection over union of two masks of one shape; 0 when both are empty."""
     whole = np.count_nonzero(one | other)
     return np.count_nonzero(one & other) / whole if whole else 0.0

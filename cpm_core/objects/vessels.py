@@ -29,7 +29,7 @@ _MIN_POINT_SHARE = 0.7
 """Least share of the points that lie in the tree."""
 
 
-def vessel_tree(values: Array, pixels: Index) -> Mask | None:
+def find_vessel_tree(values: Array, pixels: Index) -> Mask | None:
     """Find the tree of vessels of an image, shape (H, W), that pixels, shape (N, 2), lie in; None without one."""
     if not len(pixels):
         return None
@@ -40,7 +40,7 @@ def vessel_tree(values: Array, pixels: Index) -> Mask | None:
         low = np.maximum(pixels.min(axis=0) - reach, 0)
         high = pixels.max(axis=0) + reach + 1
         box = slice(low[0], high[0]), slice(low[1], high[1])
-        tree = _line_around(values[box], pixels - low, slender, thin)
+        tree = _find_line_around(values[box], pixels - low, slender, thin)
         if tree is None:
             return None
     whole = np.zeros(values.shape, bool)
@@ -48,7 +48,7 @@ def vessel_tree(values: Array, pixels: Index) -> Mask | None:
     return whole
 
 
-def _line_around(values: Array, pixels: Index, slender: float, thin: float) -> Mask | None:
+def _find_line_around(values: Array, pixels: Index, slender: float, thin: float) -> Mask | None:
     """Find the connected lines that hold pixels, if long in mean widths and filling little of their box."""
     dark, bright = filter_lines(values)
     for kind, other in ((dark, bright), (bright, dark)):

@@ -20,11 +20,11 @@ from cpm_core.contours.surface import slice_surface
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.types import JsonDict
-from cpm_core.objects.partition import Partition, partition, without_run
-from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
+from cpm_core.objects.partition import Partition, partition, partition_without_run
+from cpm_core.objects.volume_partition import EMPTY_SURFACE, VolumePartition
 from cpm_core.parameters.quotation import format_count, format_repr
 
-_WIDEST = 2048
+_MAX_PICTURE_SIDE = 2048
 """Longer side of the picture that is sent to a notebook [px]."""
 
 _SELECTED_OBJECT_COLOR = "#f5793a"
@@ -33,7 +33,7 @@ _SELECTED_OBJECT_COLOR = "#f5793a"
 _HELP_TEXT = "Click an object; Shift-click corrects it, Backspace removes it; Ctrl and the wheel zoom, a drag moves."
 
 
-def view(values: ArrayLike | Image | Result, result: Result | None = None) -> View:
+def notebook_view(values: ArrayLike | Image | Result, result: Result | None = None) -> NotebookView:
     """Show an image with contours, or the slices of a volume with a surface, and select objects in it by clicks.
 
     Parameters
@@ -60,11 +60,11 @@ def view(values: ArrayLike | Image | Result, result: Result | None = None) -> Vi
     """
     found = values if result is None else replace(result, image=as_image(values))  # type: ignore[arg-type]
     if isinstance(found, Result):
-        return View(partition(found), found)
-    return View(without_run(as_image(found)))
+        return NotebookView(partition(found), found)
+    return NotebookView(partition_without_run(as_image(found)))
 
 
-class View(drawing.Pictured):
+class NotebookView(drawing.Pictured):
     """An image, or a slice of a volume, in which clicks select objects.
 
     In a notebook, a click on an object adds it and selects it; Shift-click adds to the selected object or removes from
@@ -113,7 +113,7 @@ class View(drawing.Pictured):
         self.objects: list[Any] = []
         self.selection: Any = None
         self.plane = partition.shape[0] // 2 if len(partition.shape) == 3 else None
-        self._results, self._said = [result] if result is not None else [], _HELP_TEXT
+        self._results, self._message = [result] if result is not None else [], _HELP_TEXT
         self._limits = drawing.gray_limits(self._image.values)
 
     def click(self, place: Sequence[float], correct: bool = False) -> None:
@@ -121,35 +121,35 @@ class View(drawing.Pictured):
         at, former = np.array([place], dtype=float), self.selection
         if correct and former is not None:
             places = [former.inside, former.outside]
-            side = int(former.holds(at)[0])
+            side = int(former.contains(at)[0])
             places[side] = np.concatenate([places[side], at])
             found = self.partition.select(*places, previous=former)
         else:
-            former = next((one for one in self.objects if one.holds(at)[0]), None)
+            former = next((one for one in self.objects if one.contains(at)[0]), None)
             found = self.partition.select(at) if former is None else former
-        self._said = found.remark
-        if found.found and not found.only_places:
+        self._message = found.remark
+        if found.has_boundary and not found.has_only_points:
             self.objects = [*(one for one in self.objects if one is not former), found]
             self.selection = found
-            self._said = f"{repr(found).strip('<>')}. {found.remark}".strip()
-        self._send()
+            self._message = f"{repr(found).strip('<>')}. {found.remark}".strip()
+        self._send_state()
 
     def remove(self) -> None:
         """Remove the selected object."""
         self.objects = [one for one in self.objects if one is not self.selection]
-        self.selection, self._said = None, _HELP_TEXT
-        self._send()
+        self.selection, self._message = None, _HELP_TEXT
+        self._send_state()
 
-    def turn_to(self, plane: int) -> None:
+    def show_plane(self, plane: int) -> None:
         """Show a plane of a volume."""
         self.plane = plane
-        self._send(ground=True)
+        self._send_state(ground=True)
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the image, or the slice, with contours and objects by matplotlib."""
         ax = self._image.plot(ax, scale_bar=False)
-        drawing.show_curves(ax, self._lines(self._results))
-        drawing.show_curves(ax, [replace(line, color=_SELECTED_OBJECT_COLOR) for line in self._lines(self.objects)])
+        drawing.show_curves(ax, self._find_contours(self._results))
+        drawing.show_curves(ax, [replace(line, color=_SELECTED_OBJECT_COLOR) for line in self._find_contours(self.objects)])
         return ax
 
     @property
@@ -157,13 +157,13 @@ class View(drawing.Pictured):
         image: Image = self.partition.image
         return image if self.plane is None else image.slice_across(0, self.plane)
 
-    def _lines(self, found: Sequence[Any]) -> list[Contour]:
+    def _find_contours(self, found: Sequence[Any]) -> list[Contour]:
         """Find the contours of results or objects, or where the plane cuts their surfaces."""
         at = self.plane
         return [
             line
             for one in found
-            for line in (one.contours if at is None else slice_surface(one.surface or NO_SURFACE, 0, at))
+            for line in (one.contours if at is None else slice_surface(one.surface or EMPTY_SURFACE, 0, at))
         ]
 
     def __repr__(self) -> str:
@@ -179,34 +179,34 @@ class View(drawing.Pictured):
 
         class Widget(AnyWidget):  # type: ignore[misc]
             _esm = Path(__file__).with_name("view.js").read_text(encoding="utf-8")
-            ground = Dict(self._ground()).tag(sync=True)
-            chosen = Dict(self._chosen()).tag(sync=True)
+            ground = Dict(self._encode_picture()).tag(sync=True)
+            chosen = Dict(self._describe_objects()).tag(sync=True)
 
         made = Widget()
-        asked: dict[str, Callable[..., None]] = {"click": self.click, "remove": self.remove, "turn_to": self.turn_to}
+        asked: dict[str, Callable[..., None]] = {"click": self.click, "remove": self.remove, "turn_to": self.show_plane}
         made.on_msg(lambda _, message, buffers: asked[message["do"]](*message["given"]))
         return made
 
-    def _send(self, *, ground: bool = False) -> None:
+    def _send_state(self, *, ground: bool = False) -> None:
         if "_widget" in vars(self):
-            self._widget.chosen = self._chosen()
-            self._widget.ground = self._ground() if ground else self._widget.ground
+            self._widget.chosen = self._describe_objects()
+            self._widget.ground = self._encode_picture() if ground else self._widget.ground
 
-    def _chosen(self) -> JsonDict:
+    def _describe_objects(self) -> JsonDict:
         """Describe the objects, with a message on the last one."""
-        objects = [(one is self.selection, "".join(map(_path, self._lines([one])))) for one in self.objects]
-        return {"objects": objects, "said": self._said}
+        objects = [(one is self.selection, "".join(map(_format_svg_path, self._find_contours([one])))) for one in self.objects]
+        return {"objects": objects, "said": self._message}
 
-    def _ground(self) -> JsonDict:
+    def _encode_picture(self) -> JsonDict:
         """Encode the picture of the image, and its contours."""
         image, stream = self._image, io.BytesIO()
         black, white = self._limits
         gray = (np.clip((image.values - black) / (white - black), 0.0, 1.0) * 255.0).astype(np.uint8)
         picture = PIL.Image.fromarray(gray if image.colors is None else image.colors.samples)
-        picture.reduce(-(-max(image.shape) // _WIDEST)).save(stream, "png")
+        picture.reduce(-(-max(image.shape) // _MAX_PICTURE_SIDE)).save(stream, "png")
         return {
             "picture": stream.getvalue(),
-            "lines": [(drawing.curve_color(line), _path(line)) for line in self._lines(self._results)],
+            "lines": [(drawing.curve_color(line), _format_svg_path(line)) for line in self._find_contours(self._results)],
             "shape": image.shape,
             "aspect": image.spacing[0] / image.spacing[1],
             "planes": 0 if self.plane is None else self.partition.shape[0],
@@ -214,6 +214,6 @@ class View(drawing.Pictured):
         }
 
 
-def _path(line: Contour) -> str:
+def _format_svg_path(line: Contour) -> str:
     """Format a contour as a path of SVG, x being the column."""
     return "M" + "L".join(f"{col:.2f},{row:.2f}" for row, col in line.points.tolist()) + "Z" * line.closed

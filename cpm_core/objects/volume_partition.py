@@ -26,9 +26,9 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
-from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of, changed_near, is_other, logits_of
-from cpm_core.objects.prior.body_surface import body_surface
-from cpm_core.objects.prior.windows import SIDE, resampled
+from cpm_core.objects.prior.bodies import BodyPrediction, BodyPredictor, body_from_mask, find_changes_near, is_different_body, logits_from_mask
+from cpm_core.objects.prior.body_surface import extract_body_surface
+from cpm_core.objects.prior.windows import CROP_SIDE, resample_with_tent
 from cpm_core.parameters.quotation import format_count, format_repr, format_size
 
 _BODY_LOOKUP_DISTANCE = 0.75
@@ -40,7 +40,7 @@ _CONFLICTING_POINT_REMARK = "The same place has been said to be inside and outsi
 _OUTSIDE_INTEREST_REMARK = "A place outside the regions of interest counts for nothing."
 _NO_BODY_REMARK = "No body was found at this place."
 
-NO_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
+EMPTY_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
 """The surface of a volume in which nothing has run yet."""
 
 
@@ -72,7 +72,7 @@ class VolumePartition:
     """
 
     image: Image
-    surface: Surface = NO_SURFACE
+    surface: Surface = EMPTY_SURFACE
     regions: AnyRegions | None = None
 
     def __post_init__(self) -> None:
@@ -106,7 +106,7 @@ class VolumePartition:
         return tuple(found)
 
     @property
-    def solid(self) -> Index:
+    def solid_bodies(self) -> Index:
         """Numbers of the bodies inside the surface; the others are hollows in them."""
         return self._parts[0][1]
 
@@ -134,20 +134,20 @@ class VolumePartition:
         """
         within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
         if previous is not None:
-            within, beyond = _more(previous.inside, within), _more(previous.outside, beyond)
+            within, beyond = _append_new_points(previous.inside, within), _append_new_points(previous.outside, beyond)
         if not len(within):
-            return VolumeSelection(self, NO_SURFACE, within, beyond, _NO_POINT_REMARK)
-        wanted, unwanted = self.bodies_at(within), self.bodies_at(beyond)
+            return VolumeSelection(self, EMPTY_SURFACE, within, beyond, _NO_POINT_REMARK)
+        wanted, unwanted = self.find_body_numbers(within), self.find_body_numbers(beyond)
         chosen = np.setdiff1d(wanted, unwanted)
         voxels = None if previous is None else previous.voxels
         if wanted.all() and len(chosen) and voxels is None:
             remark = _CONFLICTING_BODY_REMARK if np.isin(wanted, unwanted).any() else ""
-            found = VolumeSelection(self, self.boundary_of(chosen), within, beyond, remark)
+            found = VolumeSelection(self, self.extract_boundary(chosen), within, beyond, remark)
         else:
-            found = self._likely(within, beyond, previous, voxels)
-        return found if found.found or found.remark else replace(found, remark=_NO_BODY_REMARK)
+            found = self._select_by_network(within, beyond, previous, voxels)
+        return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
-    def candidates(
+    def find_candidates(
         self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
     ) -> tuple[VolumeSelection, ...]:
         """Find the different bodies that points, shape (M, 3) [voxels], may mean, from the smallest to the largest.
@@ -158,94 +158,94 @@ class VolumePartition:
         first = self.select(inside, outside, previous=previous)
         found = [first]
         if len(first.inside):
-            for body in self._bodies_at(first.inside[:1]):
-                other = self._bounded(body, first.inside, first.outside, "")
-                if other.found and all(is_other(other.volume, one.volume) for one in found):
+            for body in self._predict_bodies(first.inside[:1]):
+                other = self._correct_body(body, first.inside, first.outside, "")
+                if other.has_boundary and all(is_different_body(other.volume, one.volume) for one in found):
                     found.append(other)
         return tuple(sorted(found, key=lambda one: one.volume))
 
-    def _likely(
+    def _select_by_network(
         self, inside: Array, outside: Array, previous: VolumeSelection | None, voxels: PackedVoxels | None
     ) -> VolumeSelection:
         """Select a body by the network, starting from what was selected before."""
         within, beyond = inside, outside
         same = (np.rint(within)[:, None] == np.rint(beyond)).all(axis=2)
-        if same.any():  # of contradicting points, the last one counts
+        if same.has_object():  # of contradicting points, the last one counts
             newer = np.arange(len(within)) >= (len(within) if previous is None else len(previous.inside))
-            within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
-        remark = _CONFLICTING_POINT_REMARK if same.any() else ""
+            within, beyond = within[newer | ~same.has_object(axis=1)], beyond[~(same & newer[:, None]).has_object(axis=0)]
+        remark = _CONFLICTING_POINT_REMARK if same.has_object() else ""
         if self._interest is not None:
-            here, there = (self._interest[tuple(self._voxels_at(given).T)] for given in (within, beyond))
+            here, there = (self._interest[tuple(self._find_nearest_voxels(given).T)] for given in (within, beyond))
             remark = remark if here.all() and there.all() else _OUTSIDE_INTEREST_REMARK
             within, beyond = within[here], beyond[there]
         if not len(within):
-            return VolumeSelection(self, NO_SURFACE, inside, outside, remark)
-        size = self._prior.size
+            return VolumeSelection(self, EMPTY_SURFACE, inside, outside, remark)
+        size = self._predictor.voxel_sides
         if previous is not None and previous.body is not None:
             body = previous.body
-        elif previous is not None and previous.found:
-            body = body_of(previous.mask, size)
+        elif previous is not None and previous.has_boundary:
+            body = body_from_mask(previous.mask, size)
         else:
-            body = next(self._bodies_at(within[:1]))
-        found = self._bounded(body, within, beyond, remark, voxels)
+            body = next(self._predict_bodies(within[:1]))
+        found = self._correct_body(body, within, beyond, remark, voxels)
         return replace(found, inside=inside, outside=outside)
 
-    def _bounded(
-        self, body: Body, inside: Array, outside: Array, remark: str, voxels: PackedVoxels | None = None
+    def _correct_body(
+        self, body: BodyPrediction, inside: Array, outside: Array, remark: str, voxels: PackedVoxels | None = None
     ) -> VolumeSelection:
         """Correct a body by the points that contradict it, and find its surface, or its voxels once painted."""
-        size, (within, beyond) = self._prior.size, map(self._within, (inside, outside))
+        size, (within, beyond) = self._predictor.voxel_sides, map(self._clip_points, (inside, outside))
         for places, adds in ((within, True), (beyond, False)):
             for place in places:
-                if (body.logit(place * size) > 0.0) != adds:
-                    before, body = body, self._prior.corrected(body, place * size, adds, within * size, beyond * size)
+                if (body.interpolate_logit(place * size) > 0.0) != adds:
+                    before, body = body, self._predictor.correct_body(body, place * size, adds, within * size, beyond * size)
                     if voxels is not None:
-                        voxels = self._repainted(voxels, before, body, place, adds)
+                        voxels = self._repaint_voxels(voxels, before, body, place, adds)
         if voxels is not None:
-            return replace(self.selection_of(voxels), inside=inside, outside=outside, remark=remark)
+            return replace(self.build_selection(voxels), inside=inside, outside=outside, remark=remark)
         image, shown = self.image, body
         if self._interest is not None:
-            shown = replace(body, logits=np.minimum(body.logits, logits_of(self._interest, size, body.cube)))
-        surface = body_surface(shown, image.values, size, within, beyond, image.spacing, image.unit, self._interest)
+            shown = replace(body, logits=np.minimum(body.logits, logits_from_mask(self._interest, size, body.crop)))
+        surface = extract_body_surface(shown, image.values, size, within, beyond, image.spacing, image.unit, self._interest)
         return VolumeSelection(self, surface, inside, outside, remark, body)
 
-    def _repainted(self, voxels: PackedVoxels, before: Body, after: Body, place: Array, adds: bool) -> PackedVoxels:
+    def _repaint_voxels(self, voxels: PackedVoxels, before: BodyPrediction, after: BodyPrediction, place: Array, adds: bool) -> PackedVoxels:
         """Add to voxels what a point has added to a body near it, or remove what it has removed."""
-        cube, size = after.cube, self._prior.size
+        cube, size = after.crop, self._predictor.voxel_sides
         at = np.rint(place).astype(np.int64)
-        first = np.clip(np.ceil(cube.places(np.zeros(3)) / size).astype(np.int64), 0, at)
-        end = np.clip(np.floor(cube.places(np.full(3, SIDE - 1.0)) / size).astype(np.int64) + 1, at + 1, self.shape)
-        lines = cube.steps_along(np.arange(a, b) * side for a, b, side in zip(first, end, size, strict=True))
-        changed = resampled(changed_near(before, after, place), lines, tuple(size / cube.scale)) > 0.5
+        first = np.clip(np.ceil(cube.to_positions(np.zeros(3)) / size).astype(np.int64), 0, at)
+        end = np.clip(np.floor(cube.to_positions(np.full(3, CROP_SIDE - 1.0)) / size).astype(np.int64) + 1, at + 1, self.shape)
+        lines = cube.axes_to_crop_steps(np.arange(a, b) * side for a, b, side in zip(first, end, size, strict=True))
+        changed = resample_with_tent(find_changes_near(before, after, place), lines, tuple(size / cube.step_size)) > 0.5
         if self._interest is not None:
             changed &= self._interest[tuple(map(slice, first, end))]
         changed[tuple(at - first)] = True
         known = voxels.mask_in_box(first, changed.shape)
         return voxels.with_box_replaced(first, known | changed if adds else known & ~changed) or voxels
 
-    def selection_of(self, body: PackedBody, inside: ArrayLike = (), outside: ArrayLike = ()) -> VolumeSelection:
+    def build_selection(self, body: PackedBody, inside: ArrayLike = (), outside: ArrayLike = ()) -> VolumeSelection:
         """Build the selection of the body of an object, with its points, shape (M, 3) and (K, 3) [voxels]."""
         within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
         surface = replace(body.surface, spacing=self.image.spacing, unit=self.image.unit)
         return VolumeSelection(self, surface, within, beyond, voxels=body if isinstance(body, PackedVoxels) else None)
 
-    def _bodies_at(self, place: Array) -> Iterator[Body]:
+    def _predict_bodies(self, place: Array) -> Iterator[BodyPrediction]:
         """Predict the bodies around a point, shape (1, 3); predictions for the last point are kept."""
-        (at,) = self._within(place) * self._prior.size
-        return copy(self._found(tuple(at.tolist())))
+        (at,) = self._clip_points(place) * self._predictor.voxel_sides
+        return copy(self._cached_predictions(tuple(at.tolist())))
 
     @cached_property
-    def _found(self) -> Callable[[tuple[float, ...]], Iterator[Body]]:
+    def _cached_predictions(self) -> Callable[[tuple[float, ...]], Iterator[BodyPrediction]]:
         """Bodies around a point, of which copies iterate from the first one on; those of the last point are kept."""
-        return lru_cache(1)(lambda place: tee(self._prior.bodies_at(np.array(place)), 1)[0])
+        return lru_cache(1)(lambda place: tee(self._predictor.predict_bodies(np.array(place)), 1)[0])
 
-    def _within(self, places: Array) -> Array:
+    def _clip_points(self, places: Array) -> Array:
         """Clip points to the volume."""
         return np.clip(places, 0.0, np.array(self.shape) - 1.0)
 
-    def _voxels_at(self, places: Array) -> Index:
+    def _find_nearest_voxels(self, places: Array) -> Index:
         """Find the nearest voxels of points."""
-        return np.rint(self._within(places)).astype(np.int64)
+        return np.rint(self._clip_points(places)).astype(np.int64)
 
     @cached_property
     def _interest(self) -> Mask | None:
@@ -253,12 +253,12 @@ class VolumePartition:
         return self.regions.voxel_mask(self.shape) if isinstance(self.regions, VolumeRegions) else None
 
     @cached_property
-    def _prior(self) -> BodyPrior:
-        return BodyPrior(self.image.values, np.array(pitch_of(self.image.spacing)))
+    def _predictor(self) -> BodyPredictor:
+        return BodyPredictor(self.image.values, np.array(pitch_of(self.image.spacing)))
 
-    def bodies_at(self, places: Array) -> Index:
+    def find_body_numbers(self, places: Array) -> Index:
         """Find the numbers of the bodies that points, shape (N, 3) [voxels], lie in, shape (N,); 0 outside all."""
-        voxels = self._voxels_at(places)
+        voxels = self._find_nearest_voxels(places)
         found = np.zeros(len(voxels), np.int64)
         if not len(self.surface.faces):
             return found
@@ -267,9 +267,9 @@ class VolumePartition:
             found[part >= 0] = number[part[part >= 0]]
         return found
 
-    def boundary_of(self, chosen: Index) -> Surface:
+    def extract_boundary(self, chosen: Index) -> Surface:
         """Extract the components of the surface that bound bodies, turned outward; none between two of these bodies."""
-        within, beyond = (np.isin(side, chosen) for side in self._sides)
+        within, beyond = (np.isin(side, chosen) for side in self._bodies_beside_surface)
         faces = self.surface.faces
         component = self.surface.component_of_vertex[faces[:, 0]]
         outward, inward = (within & ~beyond)[component], (beyond & ~within)[component]
@@ -284,12 +284,12 @@ class VolumePartition:
         )
 
     @cached_property
-    def _sides(self) -> tuple[Index, Index]:
+    def _bodies_beside_surface(self) -> tuple[Index, Index]:
         """The body inside each component of the surface, and the body outside, by a majority of its vertices."""
         surface = self.surface
         step = _BODY_LOOKUP_DISTANCE * min(surface.spacing) * surface.normals / np.array(surface.spacing)
-        inner, outer = self.bodies_at(surface.vertices - step), self.bodies_at(surface.vertices + step)
-        return _most_frequent(surface.component_of_vertex, inner), _most_frequent(surface.component_of_vertex, outer)
+        inner, outer = self.find_body_numbers(surface.vertices - step), self.find_body_numbers(surface.vertices + step)
+        return _find_most_frequent(surface.component_of_vertex, inner), _find_most_frequent(surface.component_of_vertex, outer)
 
     def __repr__(self) -> str:
         return format_repr("VolumePartition", self.image.source, format_size(self.shape, "voxels"))
@@ -335,19 +335,19 @@ class VolumeSelection:
     inside: Array
     outside: Array
     remark: str = ""
-    body: Body | None = field(default=None, repr=False)
+    body: BodyPrediction | None = field(default=None, repr=False)
     voxels: PackedVoxels | None = field(default=None, repr=False)
 
     @cached_property
     def mask(self) -> Mask:
         """Voxels whose centers lie in it, shape (P, R, C), with all positive points and without negative ones."""
         found = np.zeros(self.partition.shape, bool)
-        first, part = self._voxels
+        first, part = self._boxed_mask
         found[tuple(slice(at, at + side) for at, side in zip(first.tolist(), part.shape, strict=True))] = part
         return found
 
     @cached_property
-    def _voxels(self) -> tuple[Index, Mask]:
+    def _boxed_mask(self) -> tuple[Index, Mask]:
         """First voxel of a box around it, and its voxels in the box: large volumes have many selections."""
         shape = np.array(self.partition.shape)
         places = [np.rint(np.clip(given, 0, shape - 1)).astype(np.int64) for given in (self.outside, self.inside)]
@@ -355,24 +355,24 @@ class VolumeSelection:
         first = np.maximum(np.floor(every.min(axis=0)), 0).astype(np.int64) if len(every) else np.zeros(3, np.int64)
         end = np.minimum(np.ceil(every.max(axis=0)).astype(np.int64) + 1, shape) if len(every) else first
         there = replace(self.surface, vertices=self.surface.vertices - first)
-        part = voxelize_surface(there, tuple((end - first).tolist())) if self.found else np.zeros(end - first, bool)
+        part = voxelize_surface(there, tuple((end - first).tolist())) if self.has_boundary else np.zeros(end - first, bool)
         for voxels, within in zip(places, (False, True), strict=True):
             if self.body is not None and self.remark != _CONFLICTING_POINT_REMARK:
                 part[tuple((voxels - first).T)] = within
         return first, part
 
     @cached_property
-    def packed(self) -> PackedBody:
+    def packed_body(self) -> PackedBody:
         """The body as a session holds it; ValueError when it is empty."""
         return self.voxels or PackedSurface.from_surface(self.surface)
 
     @property
-    def found(self) -> bool:
+    def has_boundary(self) -> bool:
         """Whether it has a boundary."""
         return bool(len(self.surface.faces))
 
     @property
-    def only_places(self) -> bool:
+    def has_only_points(self) -> bool:
         """False: a body is more than the points in it."""
         return False
 
@@ -389,26 +389,26 @@ class VolumeSelection:
     def __repr__(self) -> str:
         return format_repr("VolumeSelection", self.partition.image.source, format_count(self.surface.components, "part"))
 
-    def same(self, other: VolumeSelection) -> bool:
+    def has_same_region(self, other: VolumeSelection) -> bool:
         """Return whether another selection has the same bodies."""
         return np.array_equal(self.surface.vertices, other.surface.vertices)
 
-    def holds(self, places: Array) -> Mask:
+    def contains(self, places: Array) -> Mask:
         """Return which points, shape (N, 3) [voxels], lie in it; one outside is moved to the nearest voxel."""
-        first, part = self._voxels
+        first, part = self._boxed_mask
         voxels = np.rint(np.clip(places, 0, np.array(self.partition.shape) - 1)).astype(np.int64) - first
         there: Mask = np.all((voxels >= 0) & (voxels < np.array(part.shape)), axis=1)
         there[there] = part[tuple(voxels[there].T)]
         return there
 
 
-def _more(before: Array, places: Array) -> Array:
+def _append_new_points(before: Array, places: Array) -> Array:
     """Append those of some points that are not among the points before."""
-    fresh = (places[:, None] != before[None]).any(axis=2).all(axis=1) if len(places) else np.zeros(0, bool)
+    fresh = (places[:, None] != before[None]).has_object(axis=2).all(axis=1) if len(places) else np.zeros(0, bool)
     return np.concatenate([before, places[fresh]])
 
 
-def _most_frequent(group: Index, value: Index) -> Index:
+def _find_most_frequent(group: Index, value: Index) -> Index:
     """Find the value that most members of each group have."""
     most, groups = int(value.max(initial=0)) + 1, int(group.max(initial=-1)) + 1
     counts = np.bincount(group * most + value, minlength=groups * most)

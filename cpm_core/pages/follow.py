@@ -15,7 +15,7 @@ from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import max_scales
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Extent
-from cpm_core.pages.page import Page, without_image
+from cpm_core.pages.page import Page, strip_image
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import quote_value
@@ -26,7 +26,7 @@ Seeds = ArrayLike | Callable[[Image], ArrayLike]
 """Positions of particles, shape (N, 2), or a function that gives them for an image."""
 
 
-def follow(
+def follow_pages(
     pages: Sequence[ArrayLike | Image],
     seeds: Seeds,
     parameters: Parameters | None = None,
@@ -73,40 +73,40 @@ def follow(
     1 [1]
     2 [1]
     """
-    if not _is_row(pages):
+    if not _is_sequence(pages):
         raise ValueError(f"pages is {quote_value(pages)} but must be a sequence of images, such as load_pages(path).")
     count = len(pages)
     wanted = range(1, count + 1) if numbers is None else numbers
-    if not _is_row(wanted):
+    if not _is_sequence(wanted):
         raise ValueError(f"numbers is {quote_value(numbers)} but must be a sequence of the numbers of pages.")
     for number in wanted:
         if not isinstance(number, int | np.integer) or not 1 <= number <= count:
             raise ValueError(f"page is {quote_value(number)}, but there are {count} pages: choose 1 to {count}.")
 
     def iterate_pages() -> Iterator[Page]:
-        follower = Follower()
+        follower = ContourFollower()
         for number in wanted:
             try:
                 image = as_plane(pages[number - 1])
                 start = seeds(image) if callable(seeds) else seeds
-                if follower.starts and not fresh:
-                    start = collect_seeds(follower.starts)
-                chosen = fitting(parameters or Parameters(), image.shape)
+                if follower.next_starts and not fresh:
+                    start = collect_seeds(follower.next_starts)
+                chosen = limit_scales(parameters or Parameters(), image.shape)
                 found = segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
             except (ValueError, MemoryError) as error:
-                yield Page(number, None, trouble=trouble_of(error))
+                yield Page(number, None, error=describe_error(error))
             else:
-                yield follower.take(number, found)
+                yield follower.add_page(number, found)
 
     return iterate_pages()
 
 
-def _is_row(given: object) -> TypeGuard[Sequence[Any]]:
+def _is_sequence(given: object) -> TypeGuard[Sequence[Any]]:
     """Return whether something is a sequence; an array without axes is none."""
     return isinstance(given, Sequence) or (isinstance(given, np.ndarray) and given.ndim > 0)
 
 
-class Follower:
+class ContourFollower:
     """Follows objects from page to page: where the next page starts, and which tracks its contours belong to."""
 
     def __init__(self, known: Sequence[Page] = ()) -> None:
@@ -116,24 +116,24 @@ class Follower:
         self._tracker = Tracker(self._last, tracks)
 
     @property
-    def starts(self) -> tuple[Start, ...]:
+    def next_starts(self) -> tuple[Start, ...]:
         """Where the next page starts: along the contours of the last page that has any."""
         return starts_from_contours(self._last)
 
-    def take(self, number: int, found: Result) -> Page:
+    def add_page(self, number: int, found: Result) -> Page:
         """Add the next page, with what was found on it; the numbers of its contours are their tracks."""
-        light = without_image(found)
-        contours, events = self._tracker.follow(number, light.contours, light.shape)
+        light = strip_image(found)
+        contours, events = self._tracker.assign_tracks(number, light.contours, light.shape)
         self._last = contours or self._last
         return Page(number, replace(light, contours=contours), events)
 
 
-def fitting(parameters: Parameters, shape: Extent) -> Parameters:
+def limit_scales(parameters: Parameters, shape: Extent) -> Parameters:
     """Limit the scales of parameters to those that an image of a shape has room for."""
     most = max_scales(shape)
     return replace(parameters, scales=most) if parameters.scales > most else parameters
 
 
-def trouble_of(error: Exception) -> str:
+def describe_error(error: Exception) -> str:
     """Describe in one sentence why a page could not be used."""
     return "There is not enough memory for this page." if isinstance(error, MemoryError) else str(error)

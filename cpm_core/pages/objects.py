@@ -21,10 +21,10 @@ from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
-from cpm_core.objects import Partition, Selection, objects_result, overlap, partition
-from cpm_core.pages.follow import trouble_of
-from cpm_core.pages.page import Page, without_image
-from cpm_core.pages.tracks import LEAST_OVERLAP, PART, Tracker, TrackEvent, origins_of
+from cpm_core.objects import Partition, Selection, objects_result, compute_iou, partition
+from cpm_core.pages.follow import describe_error
+from cpm_core.pages.page import Page, strip_image
+from cpm_core.pages.tracks import MIN_TRACK_OVERLAP, MIN_PART_FRACTION, Tracker, TrackEvent, find_origins
 
 _TEMPLATE_MARGIN = 0.25
 """Margin around an object that is compared as well, in lengths of the object."""
@@ -77,7 +77,7 @@ class ObjectFollower:
         self._before: Mapping[int, Selection] = {}
         self._speeds: Mapping[int, Index] = {}
 
-    def take(self, values: Array, objects: Mapping[int, Selection]) -> None:
+    def remember_page(self, values: Array, objects: Mapping[int, Selection]) -> None:
         """Remember the objects of a page by their numbers, with the gray levels of the page, shape (H, W)."""
         known = self._before.keys() & objects.keys()
         middles = {
@@ -86,7 +86,7 @@ class ObjectFollower:
         self._speeds = {number: np.rint(now - then).astype(int) for number, (then, now) in middles.items()}
         self._values, self._before, self._tracks = values, objects, max(self._tracks, *objects, 0)
 
-    def follow(
+    def find_on_page(
         self, number: int, page: Partition, check: Callback = lambda: None
     ) -> tuple[tuple[FollowedObject, ...], tuple[TrackEvent, ...]]:
         """Find the objects of the page before on the page of a number; `check` is called between objects.
@@ -104,13 +104,13 @@ class ObjectFollower:
         for each, one in self._before.items():
             check()
             speed = self._speeds.get(each, np.zeros(2, int))
-            seen = _seen(one.mask, self._values, page.values, speed)
-            sought.append(_Sought(replace(_outer(one), number=each), one.mask, self._values, speed, seen))
-        found = _found(sought, page, check)
+            seen = _find_best_match(one.mask, self._values, page.values, speed)
+            sought.append(_SoughtObject(replace(_find_outer_contour(one), number=each), one.mask, self._values, speed, seen))
+        found = _find_sought_objects(sought, page, check)
         taken = np.logical_or.reduce([one.mask for one in found])
-        before, now = [one.bound(taken) for one in sought], [_outer(one) for one in found]
-        contours, events = Tracker(before, self._tracks).follow(number, now, page.shape)
-        origins = origins_of(events)
+        before, now = [one.select_boundary(taken) for one in sought], [_find_outer_contour(one) for one in found]
+        contours, events = Tracker(before, self._tracks).assign_tracks(number, now, page.shape)
+        origins = find_origins(events)
         begun = {event.track for event in events if event.kind == "begins"}
         kept = [
             FollowedObject(contour.number, origins.get(contour.number, contour.number), one)
@@ -151,26 +151,26 @@ def follow_objects(
             image = pages[number - 1]
             part = partition(found_on(image))
         except (ValueError, MemoryError) as error:
-            yield Page(number, None, trouble=trouble_of(error))
+            yield Page(number, None, error=describe_error(error))
             continue
         events: tuple[TrackEvent, ...] = ()
         if objects:
-            found, events = follower.follow(number, part)
+            found, events = follower.find_on_page(number, part)
             objects = {one.number: one.selection for one in found}
         else:
             chosen = part.select(inside, outside)
-            objects = {1: chosen} if chosen.found else {}
+            objects = {1: chosen} if chosen.has_boundary else {}
         if not objects:
             yield Page(number, None, events, "There is no object at this position.")
             return
-        follower.take(part.values, objects)
+        follower.remember_page(part.values, objects)
         made = objects_result(list(objects.values()), image, [f"object {each}" for each in objects], part.channel)
         own = [0, *objects]
         contours = tuple(replace(one, number=own[one.group], group=own[one.group]) for one in made.contours)
-        yield Page(number, without_image(replace(made, contours=contours)), events)
+        yield Page(number, strip_image(replace(made, contours=contours)), events)
 
 
-def pages_of(found: Mapping[int, Result]) -> tuple[Page, ...]:
+def pages_from_results(found: Mapping[int, Result]) -> tuple[Page, ...]:
     """Build the pages of accepted objects by number, with what happens to the objects from page to page.
 
     The contours of an object have its number as their group; an object is looked for where it would be at its speed.
@@ -185,49 +185,49 @@ def pages_of(found: Mapping[int, Result]) -> tuple[Page, ...]:
         tracker = Tracker(
             [replace(one, points=one.points + speeds.get(each, 0.0)) for each, one in before.items()], tracks
         )
-        _, events = tracker.follow(number, tuple(outer.values()), result.shape, keep=True)
+        _, events = tracker.assign_tracks(number, tuple(outer.values()), result.shape, keep=True)
         speeds = {
             each: np.subtract(compute_centroid(outer[each]), compute_centroid(before[each])) for each in outer.keys() & before.keys()
         }
         before, tracks = outer, max(tracks, *outer)
-        pages.append(Page(number, without_image(replace(result, contours=contours)), events))
+        pages.append(Page(number, strip_image(replace(result, contours=contours)), events))
     return tuple(pages)
 
 
-class _Sought:
+class _SoughtObject:
     """An object of the page before, moved at its last speed, and to where the page looks most like it."""
 
     def __init__(self, outer: Contour, mask: Mask, values: Array, speed: Index, seen: Index) -> None:
         self._bounds = [replace(outer, points=outer.points + by) for by in (speed, seen)]
-        self.expected, self.mask = _moved(mask, speed), _moved(mask, seen)
-        self._pieces = len(_pieces(mask))
-        self._contrast = _contrast(mask, values)
+        self.expected, self.mask = _shift_mask(mask, speed), _shift_mask(mask, seen)
+        self._pieces = len(_find_large_pieces(mask))
+        self._contrast = _measure_contrast(mask, values)
         self._distinct = abs(self._contrast) > values[mask].std()
 
-    def bound(self, taken: Mask) -> Contour:
+    def select_boundary(self, taken: Mask) -> Contour:
         """Select its boundary where it was expected, or where it is seen if nothing has been found there.
 
         `taken`, shape (H, W), are the pixels of all objects found.
         """
-        there = np.count_nonzero(self.expected & taken) > LEAST_OVERLAP * np.count_nonzero(self.expected)
+        there = np.count_nonzero(self.expected & taken) > MIN_TRACK_OVERLAP * np.count_nonzero(self.expected)
         return self._bounds[not there]
 
-    def like(self, other: Mask, values: Array) -> bool:
+    def resembles_object(self, other: Mask, values: Array) -> bool:
         """Return whether an object, shape (H, W), contrasts with its surroundings as this one did, if it did."""
-        same = _contrast(other, values) / self._contrast if self._distinct and other.any() else 1.0
+        same = _measure_contrast(other, values) / self._contrast if self._distinct and other.any() else 1.0
         return bool(same > _MIN_CONTRAST_KEPT)
 
-    def holds(self, other: Mask) -> bool:
+    def contains_most_of(self, other: Mask) -> bool:
         """Return whether most of another object, shape (H, W), lies in it where it was expected."""
-        return bool(np.count_nonzero(other & self.expected) > PART * np.count_nonzero(other))
+        return bool(np.count_nonzero(other & self.expected) > MIN_PART_FRACTION * np.count_nonzero(other))
 
-    def apart(self, mask: Mask) -> list[Mask]:
+    def split_if_divided(self, mask: Mask) -> list[Mask]:
         """Split what has been found, shape (H, W), if it has more pieces than the object had before."""
-        several = _pieces(mask)
+        several = _find_large_pieces(mask)
         return several if len(several) > self._pieces else [mask]
 
 
-def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
+def _find_best_match(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
     """Find how far an object has moved to where a page looks most like it."""
     low, high = true_bounds(mask)
     reach = int((high - low).max()) + 1
@@ -244,9 +244,9 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
     return speed + place - reach
 
 
-def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[Selection]:
+def _find_sought_objects(sought: Sequence[_SoughtObject], page: Partition, check: Callback) -> list[Selection]:
     """Find the sought objects on a page, each once; of two that share pixels, the more similar one comes first."""
-    certain, taken = [(one, *true_bounds(one)) for one in page.certain()], np.zeros(page.shape, bool)
+    certain, taken = [(one, *true_bounds(one)) for one in page.find_unambiguous_objects()], np.zeros(page.shape, bool)
     found: list[Selection] = []
 
     def find_certain_near(mask: Mask) -> list[Mask]:
@@ -255,47 +255,47 @@ def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[
 
     def find_closed_region(mask: Mask) -> Mask | None:
         several = find_certain_near(mask)
-        parts = [one for one in several if np.count_nonzero(one & mask) > PART * np.count_nonzero(one)]
+        parts = [one for one in several if np.count_nonzero(one & mask) > MIN_PART_FRACTION * np.count_nonzero(one)]
         whole = np.logical_or.reduce(parts) if parts else mask & False
-        best = max((*several, whole), key=lambda one: overlap(one, mask))
-        return best if overlap(best, mask) > _MIN_CLOSED_IOU else None
+        best = max((*several, whole), key=lambda one: compute_iou(one, mask))
+        return best if compute_iou(best, mask) > _MIN_CLOSED_IOU else None
 
     def find_object(mask: Mask) -> Mask:
         check()
         sure = find_closed_region(mask)
         if sure is not None:
             return sure
-        likely = page.around(_core(mask), float(np.count_nonzero(mask)))
+        likely = page.complete_object(_find_core(mask), float(np.count_nonzero(mask)))
         sure = find_closed_region(likely) if likely.any() else None
         return likely if sure is None else sure
 
     def add_selection(one: Mask) -> None:
         left = one & ~taken
-        if np.count_nonzero(left) > PART * np.count_nonzero(one):
+        if np.count_nonzero(left) > MIN_PART_FRACTION * np.count_nonzero(one):
             taken[left] = True
             sure = any(np.array_equal(left, each) for each in find_certain_near(left))
-            found.append(page.selection_of(left, certain=sure))
+            found.append(page.build_selection(left, unambiguous=sure))
 
     answers = [(each, find_object(each.mask)) for each in sought if each.mask.any()]
-    for each, mask in sorted(answers, key=lambda pair: -overlap(pair[0].mask, pair[1])):
-        for part in each.apart(mask):
-            if each.like(part, page.values):
+    for each, mask in sorted(answers, key=lambda pair: -compute_iou(pair[0].mask, pair[1])):
+        for part in each.split_if_divided(mask):
+            if each.resembles_object(part, page.values):
                 add_selection(part)
     for each in sought:  # objects that have split off lie where nothing has been found
         rest = each.expected & ~taken
         if np.count_nonzero(rest) > _MIN_PIECE_SHARE * np.count_nonzero(each.expected):
-            for other in [one for one in find_certain_near(rest) if each.holds(one)] or [find_object(rest)]:
-                if each.holds(other) and each.like(other, page.values):
+            for other in [one for one in find_certain_near(rest) if each.contains_most_of(one)] or [find_object(rest)]:
+                if each.contains_most_of(other) and each.resembles_object(other, page.values):
                     add_selection(other)
     return found
 
 
-def _outer(one: Selection) -> Contour:
+def _find_outer_contour(one: Selection) -> Contour:
     """Find the outer contour of an object, without its holes and smaller parts."""
     return max(one.contours, key=lambda contour: contour.area)
 
 
-def _contrast(mask: Mask, values: Array) -> float:
+def _measure_contrast(mask: Mask, values: Array) -> float:
     """Measure how much brighter an object is than its surroundings."""
     low, high = true_bounds(mask)
     box = tuple(map(slice, np.maximum(low - _CONTRAST_RING_WIDTH, 0), high + _CONTRAST_RING_WIDTH + 1))
@@ -304,13 +304,13 @@ def _contrast(mask: Mask, values: Array) -> float:
     return float(np.median(values[mask]) - np.median(values[ring])) if ring.any() else 0.0
 
 
-def _core(mask: Mask) -> Mask:
+def _find_core(mask: Mask) -> Mask:
     """Find the pixels deep inside."""
     depth = scipy.ndimage.distance_transform_edt(mask)
     return np.asarray(depth > _CORE_DEPTH * depth.max())
 
 
-def _moved(mask: Mask, by: Index) -> Mask:
+def _shift_mask(mask: Mask, by: Index) -> Mask:
     """Shift a mask by whole pixels; those beyond the border are dropped."""
     places = np.argwhere(mask) + by
     places = places[((places >= 0) & (places < mask.shape)).all(axis=1)]
@@ -319,7 +319,7 @@ def _moved(mask: Mask, by: Index) -> Mask:
     return moved
 
 
-def _pieces(mask: Mask) -> list[Mask]:
+def _find_large_pieces(mask: Mask) -> list[Mask]:
     """Find the larger pieces of an object that are apart from each other."""
     parts, _ = scipy.ndimage.label(mask)
     sizes = np.bincount(parts.ravel())

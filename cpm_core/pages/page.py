@@ -13,7 +13,7 @@ from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Integers, JsonObject, frozen, record
-from cpm_core.pages.tracks import TrackEvent, origins_of
+from cpm_core.pages.tracks import TrackEvent, find_origins
 from cpm_core.parameters.quotation import format_count, format_repr
 
 _VERTEX_DECIMALS = 4
@@ -50,7 +50,7 @@ class Page:
     number: int
     result: Result | None
     events: tuple[TrackEvent, ...] = ()
-    trouble: str = ""
+    error: str = ""
 
     @property
     def contours(self) -> tuple[Contour, ...]:
@@ -58,7 +58,7 @@ class Page:
         return () if self.result is None else self.result.contours
 
     def __repr__(self) -> str:
-        return format_repr("Page", str(self.number), self.trouble or format_count(len(self.contours), "contour"))
+        return format_repr("Page", str(self.number), self.error or format_count(len(self.contours), "contour"))
 
 
 @record
@@ -101,7 +101,7 @@ class StackResult:
             for contour in page.contours:
                 on.setdefault(contour.number, {})[page.number] = None
         events = [event for page in self.pages for event in page.events]
-        origins = origins_of(events)
+        origins = find_origins(events)
         ends = {event.track: event for event in events if event.kind in ("merges", "ends", "leaves")}
         return tuple(Track(track, tuple(on[track]), origins.get(track, 0), ends.get(track)) for track in sorted(on))
 
@@ -128,7 +128,7 @@ class Track:
     end: TrackEvent | None
 
 
-def without_image(result: Result) -> Result:
+def strip_image(result: Result) -> Result:
     """Strip a result of its image: contours as files hold them, with their contrast and gray values."""
     contours = tuple(
         replace(
@@ -139,7 +139,7 @@ def without_image(result: Result) -> Result:
             gray=gray,
             measure_origin=partial(str, contour.reached),
         )
-        for contour, gray in zip(result.contours, _grays(result), strict=True)
+        for contour, gray in zip(result.contours, _measure_gray_means(result), strict=True)
     )
     bridges = tuple(
         replace(
@@ -153,7 +153,7 @@ def without_image(result: Result) -> Result:
     return replace(result, contours=contours, bridges=bridges, image=None)
 
 
-def _grays(result: Result) -> list[float | None]:
+def _measure_gray_means(result: Result) -> list[float | None]:
     """Measure the mean gray value of each closed contour as in the label mask, if there is an image."""
     labels = assign_labels(result.contours)
     if result.image is None:

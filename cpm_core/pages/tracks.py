@@ -20,10 +20,10 @@ from cpm_core.numerics.polyline import repeat_indices, sample_path
 from cpm_core.numerics.types import Array, Extent, Index, Integers, frozen
 from cpm_core.parameters.quotation import format_repr
 
-LEAST_OVERLAP = 0.2
+MIN_TRACK_OVERLAP = 0.2
 """Least overlap of two contours of one track."""
 
-PART = 0.5
+MIN_PART_FRACTION = 0.5
 """Least share of an area that lies in another for it to be a part of that one."""
 
 _LINE_TOLERANCE = 6.0
@@ -88,12 +88,12 @@ class TrackEvent:
         return format_repr("TrackEvent", self.sentence)
 
 
-def origins_of(events: Iterable[TrackEvent]) -> dict[int, int]:
+def find_origins(events: Iterable[TrackEvent]) -> dict[int, int]:
     """Find the track that each track has split off, if any."""
     return {other: event.track for event in events if event.kind == "splits" for other in event.others}
 
 
-class Overlaps(NamedTuple):
+class TrackOverlaps(NamedTuple):
     """Overlaps of the contours of one page with the contours of another, each of shape (N, M).
 
     `dice` decides which contours belong to one track; `part` is the share of the smaller area that lies in the other,
@@ -101,7 +101,7 @@ class Overlaps(NamedTuple):
     """
 
     dice: Array
-    part: Array
+    part_fraction: Array
 
 
 class Tracker:
@@ -113,7 +113,7 @@ class Tracker:
         self._tracks = tracks
         self._begun = tracks > 0
 
-    def follow(
+    def assign_tracks(
         self, page: int, contours: Contours, shape: Extent, *, keep: bool = False
     ) -> tuple[tuple[Contour, ...], tuple[TrackEvent, ...]]:
         """Give the contours of a page of this shape [px] their tracks as numbers, and report what happens to tracks.
@@ -124,23 +124,23 @@ class Tracker:
         if not contours:
             return (), ()
         before = self._before
-        overlaps = overlaps_of(before, contours, shape)
+        overlaps = measure_overlaps(before, contours, shape)
         if keep:
             now = {one.number: place for place, one in enumerate(contours)}
             pairs = {then: now[one.number] for then, one in enumerate(before) if one.number in now}
         else:
-            pairs = _pairs(overlaps.dice)
+            pairs = _match_contours(overlaps.dice)
         owner = {now: then for then, now in pairs.items()}
         tracks = [one.number for one in contours] if keep else []
         for place in range(len(contours) - len(tracks)):
             self._tracks += place not in owner
             tracks.append(before[owner[place]].number if place in owner else self._tracks)
         numbered = tuple(replace(one, number=track) for one, track in zip(contours, tracks, strict=True))
-        events = tuple(self._events(page, numbered, pairs, overlaps.part, shape))
+        events = tuple(self._find_events(page, numbered, pairs, overlaps.part_fraction, shape))
         self._before, self._begun = numbered, True
         return numbered, events
 
-    def _events(
+    def _find_events(
         self, page: int, now: Contours, pairs: dict[int, int], part: Array, shape: Extent
     ) -> Iterable[TrackEvent]:
         """Find the tracks that merge into others, end or leave the image, and those that begin or split off others."""
@@ -149,20 +149,20 @@ class Tracker:
         for index, contour in enumerate(before):
             if index in pairs:
                 continue
-            into = [one for one, then in heirs.items() if part[index, one] >= PART and not _nested(around, index, then)]
+            into = [one for one, then in heirs.items() if part[index, one] >= MIN_PART_FRACTION and not _is_nested(around, index, then)]
             if into:
                 heir = max(into, key=lambda one: part[index, one])
                 yield TrackEvent("merges", page, contour.number, (now[heir].number,))
             else:
                 low, high = contour.box
-                outside = (low < _BORDER_TOLERANCE).any() or (high > np.array(shape) - 1.0 - _BORDER_TOLERANCE).any()
+                outside = (low < _BORDER_TOLERANCE).has_object() or (high > np.array(shape) - 1.0 - _BORDER_TOLERANCE).has_object()
                 yield TrackEvent("leaves" if outside else "ends", page, contour.number)
         around, split = containment(now), dict[int, list[int]]()
         for index, contour in enumerate(now if self._begun else ()):
             if index in heirs:
                 continue
-            origins = [then for then, heir in pairs.items() if part[then, index] >= PART]
-            apart = [then for then in origins if not _nested(around, index, pairs[then])]
+            origins = [then for then, heir in pairs.items() if part[then, index] >= MIN_PART_FRACTION]
+            apart = [then for then in origins if not _is_nested(around, index, pairs[then])]
             if apart:
                 split.setdefault(max(apart, key=lambda then: part[then, index]), []).append(contour.number)
             else:
@@ -171,49 +171,49 @@ class Tracker:
             yield TrackEvent("splits", page, before[then].number, tuple(parts))
 
 
-def overlaps_of(before: Contours, now: Contours, shape: Extent) -> Overlaps:
+def measure_overlaps(before: Contours, now: Contours, shape: Extent) -> TrackOverlaps:
     """Measure how contours of two pages overlap, on an image of this shape [px]."""
     if not (before and now):
         nothing = np.zeros((len(before), len(now)))
-        return Overlaps(nothing, nothing)
-    overlaps = _of_areas(before, now, shape)
+        return TrackOverlaps(nothing, nothing)
+    overlaps = _measure_area_overlaps(before, now, shape)
     lines = np.array([not one.closed for one in before])[:, None] | np.array([not one.closed for one in now])[None]
-    if lines.any():  # join the ends of open contours, which may be objects that the border of the image cuts
+    if lines.has_object():  # join the ends of open contours, which may be objects that the border of the image cuts
         then, later = ([replace(one, closed=len(one.points) > 2) for one in contours] for contours in (before, now))
-        overlaps.part[lines] = 0.0
-        overlaps.dice[lines] = np.maximum(_of_areas(then, later, shape).dice, _beside(before, now))[lines]
+        overlaps.part_fraction[lines] = 0.0
+        overlaps.dice[lines] = np.maximum(_measure_area_overlaps(then, later, shape).dice, _measure_line_overlap(before, now))[lines]
     return overlaps
 
 
-def _of_areas(before: Contours, now: Contours, shape: Extent) -> Overlaps:
+def _measure_area_overlaps(before: Contours, now: Contours, shape: Extent) -> TrackOverlaps:
     """Measure the overlap of the areas of closed contours, by Dice and as a share of the smaller area."""
-    one, other = (_regions(contours, shape) for contours in (before, now))
+    one, other = (_label_regions(contours, shape) for contours in (before, now))
     shared = np.zeros((len(before) + 1, len(now) + 1))
     pairs, count = np.unique(one * (len(now) + 1) + other, return_counts=True)
     shared.ravel()[pairs] = count
     common = shared[1:, 1:]
     first, second = shared.sum(axis=1)[1:, None], shared.sum(axis=0)[1:][None]
     least = np.minimum(first, second)
-    return Overlaps(2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0))
+    return TrackOverlaps(2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0))
 
 
-def _regions(contours: Contours, shape: Extent) -> Index:
+def _label_regions(contours: Contours, shape: Extent) -> Index:
     """Label each pixel with the innermost contour that encloses it, from 1; 0 for none."""
     alone = [replace(contour, group=0, hole=False) for contour in contours]
     places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
     return places[rasterize_labels(alone, shape)].ravel()
 
 
-def _beside(before: Contours, now: Contours) -> Array:
+def _measure_line_overlap(before: Contours, now: Contours) -> Array:
     """Measure the share of the length of two contours, taken together, that runs along the other, shape (N, M)."""
     then = [sample_path(contour.path, _TRACK_SAMPLING) for contour in before]
     later = [sample_path(contour.path, _TRACK_SAMPLING) for contour in now]
-    shared = _samples_near(then, now) + _samples_near(later, before).T
+    shared = _count_samples_near(then, now) + _count_samples_near(later, before).T
     lengths = np.array([len(one) for one in then])[:, None] + np.array([len(one) for one in later])[None]
     return shared / lengths
 
 
-def _samples_near(samples: Sequence[Array], contours: Contours) -> Array:
+def _count_samples_near(samples: Sequence[Array], contours: Contours) -> Array:
     """Count the samples of each line that lie next to each contour."""
     owner = repeat_indices([len(one) for one in samples])
     place, contour, _ = build_path_tree(contours).pairs_within(np.concatenate(samples), _LINE_TOLERANCE)
@@ -222,14 +222,14 @@ def _samples_near(samples: Sequence[Array], contours: Contours) -> Array:
     return count
 
 
-def _pairs(dice: Array) -> dict[int, int]:
+def _match_contours(dice: Array) -> dict[int, int]:
     """Match contours of the page before and of this one that belong to one track, the largest overlap first."""
     order = np.argsort(-dice, axis=None, kind="stable")
     pairs: dict[int, int] = {}
     taken: set[int] = set()
     for place in order.tolist():
         then, now = divmod(place, dice.shape[1])
-        if dice[then, now] < LEAST_OVERLAP:
+        if dice[then, now] < MIN_TRACK_OVERLAP:
             break
         if then not in pairs and now not in taken:
             pairs[then] = now
@@ -237,7 +237,7 @@ def _pairs(dice: Array) -> dict[int, int]:
     return pairs
 
 
-def _nested(around: Sequence[int | None], one: int, other: int) -> bool:
+def _is_nested(around: Sequence[int | None], one: int, other: int) -> bool:
     """Return whether one of two contours lies in the other."""
     for inner, outer in ((one, other), (other, one)):
         at: int | None = inner

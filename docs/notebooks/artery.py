@@ -31,7 +31,7 @@ for branch, radii in zip(bones.contours, bones.radii, strict=True):
     place = along(branch)
     usual = np.array([np.median(radii[np.abs(place - at) < 25]) for at in place])
     inner = (place > 15) & (place < place[-1] - 15)  # branches begin within others
-    if inner.any():
+    if inner.has_object():
         share = np.where(inner, radii / usual, np.inf)
         found.append((share.min(), int(share.argmin()), branch, radii, usual))
 share, at, branch, radii, usual = min(found, key=lambda one: one[0])

@@ -38,7 +38,7 @@ axes = result.plot(labels=True)
 # each line here is the same as a click.
 
 # %%
-view = cpm.view(result)
+view = cpm.notebook_view(result)
 view.click((97, 92))
 view.click((97, 127))
 view

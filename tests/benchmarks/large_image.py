@@ -23,10 +23,10 @@ import numpy as np
 import scipy
 
 import cpm_core as cpm
-from cpm_core.chunked.grid import Source, grid_for
-from cpm_core.chunked.run import CONTOURS, Task, find, run
-from cpm_core.chunked.store import Store
-from cpm_core.chunked.survey import Tone, Whole
+from cpm_core.chunked.grid import ChunkedSource, build_grid
+from cpm_core.chunked.run import CONTOURS_KIND, ChunkedTask, find_contours_in_chunk, run_chunks
+from cpm_core.chunked.store import RunStore
+from cpm_core.chunked.survey import GrayScaling, ImageStatistics
 from cpm_core.cli.workers import cluster, finished, on_one_core
 from cpm_core.contours.agreement import DEFAULT_TOLERANCE, distances_to_contours
 from cpm_core.contours.contour import Contour, sample_contours
@@ -126,15 +126,15 @@ def judge(side, files):
 def speed(path, count):
     """Time for some chunks with one worker and with two, each after a chunk that warms it up."""
     parameters = cpm.Parameters(scales=1, d_min=3.0, smoothing=2.0, edge_floor=0.15)
-    tone = Tone(0.0, 255.0, 1.0, 2.0, (0, 0, 10**6, 10**6))
-    whole = Whole(tone, (45.0,), (6.75,))
-    source = Source(path, Reading())
-    grid = grid_for(source.levels.shape, parameters, 2.0)
+    tone = GrayScaling(0.0, 255.0, 1.0, 2.0, (0, 0, 10**6, 10**6))
+    whole = ImageStatistics(tone, (45.0,), (6.75,))
+    source = ChunkedSource(path, Reading())
+    grid = build_grid(source.levels.shape, parameters, 2.0)
     chunks = [chunk for chunk in grid.chunks if min(side.start for side in chunk.core) > 0][: count + 2]
     for workers in (1, 2):
         with tempfile.TemporaryDirectory() as folder, cluster(None, workers) as client:
-            task = Task(source, parameters, "gradient", Store(Path(folder)))
-            work = partial(on_one_core, partial(find, task, grid, whole))
+            task = ChunkedTask(source, parameters, "gradient", RunStore(Path(folder)))
+            work = partial(on_one_core, partial(find_contours_in_chunk, task, grid, whole))
             for some in (chunks[:workers], chunks[2:]):
                 began = time.perf_counter()
                 for _, future in finished(client, work, some):
@@ -169,17 +169,17 @@ def objects(side, core):
     """How objects that are found chunk by chunk differ from those in one piece."""
     values, parameters = of_many_sizes(side), cpm.Parameters(smoothing=1.5)
     with tempfile.TemporaryDirectory() as folder:
-        path, store = Path(folder) / "drawn.zarr", Store(Path(folder) / "chunks")
+        path, store = Path(folder) / "drawn.zarr", RunStore(Path(folder) / "chunks")
         create_multiscale(path, values.shape, values.dtype, TILE)
         write_window(path, 0, np.s_[:, :], values)
-        task = Task(Source(path, Reading()), parameters, "grid", store, None, True)
-        found = run(task, serial, core)
+        task = ChunkedTask(ChunkedSource(path, Reading()), parameters, "grid", store, None, True)
+        found = run_chunks(task, serial, core)
         several = {}
-        for contour in (one for at in range(len(found.counts)) for one in found.contours(at)):
+        for contour in (one for at in range(len(found.counts)) for one in found.read_chunk_contours(at)):
             several.setdefault(contour.group, []).append(contour)
-        grid = grid_for(values.shape, parameters, 1.5, core)
-        between = replace(found, kind=CONTOURS, grid=grid, counts=(0,) * len(found.counts))
-        same = [one for at in range(len(found.counts)) for one in between.contours(at)]
+        grid = build_grid(values.shape, parameters, 1.5, core)
+        between = replace(found, kind=CONTOURS_KIND, grid=grid, counts=(0,) * len(found.counts))
+        same = [one for at in range(len(found.counts)) for one in between.read_chunk_contours(at)]
     with limit_cores(1):
         result = cpm.segment(cpm.Image(values), cpm.uniform_grid(values.shape), parameters)
         for title, contours in (("the same contours", same), ("those of a run in one piece", result.contours)):

@@ -20,7 +20,7 @@ from cpm_core.contours.agreement import compare_boundaries
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
-from cpm_core.objects.methods.method import boundary
+from cpm_core.objects.methods.method import trace_boundary
 from cpm_core.shapes import Circle
 from tests.benchmarks.claims.claims import OURS, OURS_SETTINGS
 from tests.benchmarks.claims.trials import Trial, trials
@@ -101,7 +101,7 @@ def photographs():
     values += np.random.default_rng(1).normal(0.0, 15.0, horse.shape)
     depth = scipy.ndimage.distance_transform_edt(horse > 0.5)
     middle = tuple(map(float, np.unravel_index(depth.argmax(), depth.shape)))
-    truth = boundary(horse, 0.5)
+    truth = trace_boundary(horse, 0.5)
     yield Trial("", "horse", Image(values), truth, Start((Circle(middle, 0.7 * float(depth.max())).outline[:-1],)))
     coins = skimage.data.coins().astype(float)
     for (row, col), radius, around in COINS:

@@ -26,7 +26,7 @@ def objects():
     front = cpm.CONTOUR_METHODS["geodesic"]
     start = cpm.Start((cpm.circle((32, 18), 5),))
     moment = cpm.run_method(front, image, start, max_steps=2)
-    pages = list(cpm.follow([image, image], cpm.circle((32, 18), 5)))
+    pages = list(cpm.follow_pages([image, image], cpm.circle((32, 18), 5)))
     truth = cpm.Truth(result.labels, result.contours)
     labels = cpm.VolumeTruth(surface.labels)
     evolution = cpm.evolve(image, seeds)
@@ -34,13 +34,13 @@ def objects():
         image, result, ball, surface, surface.surface, engine, state, state.particles, partition, bodies, front, start,
         moment, pages[0], cpm.TrackEvent("splits", 3, 1, tuple(range(2, 60))), truth, evolution, next(evolution),
         labels, cpm.compare_surface(surface.surface, labels), result.contours[0], result.table(),
-        cpm.compare(result.contours, truth), cpm.facts_of(moment, truth), engine.forces(state, cpm.Parameters()),
+        cpm.compare(result.contours, truth), cpm.report_run(moment, truth), engine.forces(state, cpm.Parameters()),
         engine.energies(state, cpm.Parameters()), cpm.skeleton(image), partition.select([(32, 18)]),
         bodies.select([(15, 15, 15)]), cpm.centerlines(surface.labels), cpm.Geometry(), cpm.Parameters(),
         cpm.PlacedCharge((1 / 3, 2 / 3), 1 / 7), cpm.Bridge(seeds[:3], 12.0, 3.0),
         cpm.Regions([seeds[[0, 3, 20]]], [seeds[:2]]), cpm.VolumeRegions([((0, 0, 0), (9, 9, 9))]),
         cpm.Extrusion(tuple(map(tuple, seeds[[0, 3, 20]].tolist())), 0, 2, 7), *cpm.measure(result.contours),
-        cpm.view(result),
+        cpm.notebook_view(result),
     ]  # fmt: skip
 
 

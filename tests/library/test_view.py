@@ -23,7 +23,7 @@ def sent(view, name, *given):
 
 def test_clicks_choose_select_correct_and_remove():
     pytest.importorskip("anywidget")
-    view = cpm.view(cpm.example("disks"))
+    view = cpm.notebook_view(cpm.example("disks"))
     chosen = sent(view, "click", [32, 18], False)["chosen"]
     assert [selected for selected, _ in chosen["objects"]] == [True]
     assert f"{view.selection.mask.sum()} px" in chosen["said"]
@@ -47,7 +47,7 @@ def test_the_image_is_sent_with_its_contours_once_and_small(monkeypatch):
     pytest.importorskip("anywidget")
     result = cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64)))
     monkeypatch.setattr(MODULE, "_WIDEST", 32)
-    view = cpm.view(result)
+    view = cpm.notebook_view(result)
     ground = view._widget.ground
     assert PIL.Image.open(io.BytesIO(ground["picture"])).size == (32, 32)
     assert (ground["shape"], ground["aspect"], ground["planes"]) == ((64, 64), 1.0, 0)
@@ -61,7 +61,7 @@ def test_the_image_is_sent_with_its_contours_once_and_small(monkeypatch):
 def test_a_volume_is_clicked_in_its_planes():
     pytest.importorskip("anywidget")
     ball = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
-    view = cpm.view(ball)
+    view = cpm.notebook_view(ball)
     state = sent(view, "turn_to", 10)
     (_, line), (_, body) = (
         state["ground"]["lines"][0],
@@ -73,11 +73,11 @@ def test_a_volume_is_clicked_in_its_planes():
     assert body
     assert view.selection.volume == pytest.approx(ball.surface.volume)
     assert sent(view, "turn_to", 2)["chosen"]["objects"] == [(True, "")]
-    cpm.view(ball.image).click((15, 15, 15))
+    cpm.notebook_view(ball.image).click((15, 15, 15))
 
 
 def test_a_notebook_without_the_library_shows_the_picture(monkeypatch):
-    view = cpm.view(cpm.example("disks"))
+    view = cpm.notebook_view(cpm.example("disks"))
     view.click((32, 18))
     pixels = np.asarray(PIL.Image.open(io.BytesIO(view._repr_png_())).convert("RGB")).reshape(-1, 3)
     assert (np.abs(pixels - np.array([0xF5, 0x79, 0x3A])).max(axis=1) < 8).any()
@@ -90,5 +90,5 @@ def test_a_result_that_does_not_know_its_image_is_given_one():
     found = cpm.segment(image, cpm.uniform_grid((64, 64)))
     stranger = cpm.Result(found.particles, found.contours, None, 0, True, "", (64, 64), (1.0, 1.0), None, "a")
     with pytest.raises(ValueError, match="the result has no image"):
-        cpm.view(stranger)
-    assert cpm.view(image.values, stranger).partition.contours == found.contours
+        cpm.notebook_view(stranger)
+    assert cpm.notebook_view(image.values, stranger).partition.contours == found.contours

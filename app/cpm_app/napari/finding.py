@@ -14,7 +14,7 @@ import cpm_core as cpm
 from cpm_core.contours import join_surfaces
 from cpm_core.contours.surface import surface_from_labels
 from cpm_core.numerics import Array, Index
-from cpm_core.objects import boundaries_result, without_run
+from cpm_core.objects import boundaries_result, partition_without_run
 from cpm_core.shapes import starts_from_contours
 
 Said = tuple[str, Array | None]
@@ -57,18 +57,18 @@ def objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[
     """
     if image.ndim == 3 and drawn:
         raise ValueError("In a volume, objects are found at points: choose no shapes, or a run from the shapes.")
-    partition: Any = without_run(image)
+    partition: Any = partition_without_run(image)
     found: list[Any] = []
     prompts = [{"inside": inside[[number]]} for number in range(len(inside))]
     prompts += [{"box": np.array(one.box)} if one.closed else {"stroke": one.points} for one in drawn]
     for number, prompt in enumerate(prompts, 1):
         yield f"Object {number} of {len(prompts)}", None
-        if "inside" in prompt and any(one.holds(prompt["inside"]).all() for one in found):
+        if "inside" in prompt and any(one.contains(prompt["inside"]).all() for one in found):
             continue
         one = partition.select(**prompt)
-        wrong = outside[one.holds(outside)]
+        wrong = outside[one.contains(outside)]
         one = partition.select(**prompt, outside=wrong, previous=one) if len(wrong) else one
-        if one.found and not one.only_places:
+        if one.has_boundary and not one.has_only_points:
             found.append(one)
     if not found:
         raise ValueError("No object was found there: move the points, or draw a box around an object.")
@@ -108,7 +108,7 @@ def corrected(image: cpm.Image, labels: Index, number: int, inside: Array, outsi
     ValueError
         When no pixel has the label.
     """
-    partition: Any = without_run(image)
+    partition: Any = partition_without_run(image)
     mask = labels == number
     pixels = np.argwhere(mask).astype(float)
     if not len(pixels):
@@ -116,7 +116,7 @@ def corrected(image: cpm.Image, labels: Index, number: int, inside: Array, outsi
     yield f"Label {number}", None
     middle = pixels[[np.linalg.norm(pixels - pixels.mean(axis=0), axis=1).argmin()]]
     if image.ndim == 2:
-        previous = partition.selection_of(mask, middle)
+        previous = partition.build_selection(mask, middle)
     else:
         surface = surface_from_labels(mask.astype(np.int32), image.spacing, image.unit)
         previous = cpm.VolumeSelection(partition, surface, middle, np.empty((0, 3)))

@@ -213,7 +213,7 @@ class Board(QObject):
             self._take_contours(contours)
         overlays = self._worker_thread.run.overlays.take()
         if overlays is not None and overlays.generation == self.image_generation:
-            self.trouble(overlays.trouble, "overlays")
+            self.trouble(overlays.error, "overlays")
             self._show(overlays=overlays.arrays)
 
     def _take_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
@@ -280,7 +280,7 @@ class Board(QObject):
             case Compiling(percent) if "preparing" in self._busy:
                 self._busy["preparing"] = _COMPILING_TEXT.format(percent=percent)
             case Probed():
-                self.trouble(report.trouble, "forces")
+                self.trouble(report.error, "forces")
                 self._show(probed=report)
             case Shaded():
                 self._show(shaded=report)

@@ -69,7 +69,7 @@ def encode_coco(result: Outcome) -> bytes:
         if labels is not None and not surrounding.isdisjoint(row.number for _, row in pairs):
             holes = [one for one in result.contours if one.hole and one.group == first.group and len(one.points) > 2]
             mask = labels == label
-            if not mask.any():  # hidden by another object
+            if not mask.has_object():  # hidden by another object
                 mask = rasterize_labels([*(contour for contour, _ in pairs), *holes], result.shape) > 0
             changes = np.flatnonzero(np.diff(mask.T.ravel(), prepend=False, append=False))
             counts = np.diff(changes, prepend=0, append=labels.size).tolist()  # down one column after the other

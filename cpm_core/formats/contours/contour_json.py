@@ -63,7 +63,7 @@ def encode_pages_json(found: StackResult) -> bytes:
 
 def page_to_json(page: Page) -> JsonDict:
     """Convert a page to an entry of ``pages``; see `encode_pages`."""
-    plain: JsonDict = {"page": page.number, "trouble": page.trouble, "events": to_json(page.events)}
+    plain: JsonDict = {"page": page.number, "trouble": page.error, "events": to_json(page.events)}
     if page.result is not None:
         plain |= _result_to_json(page.result)
         for entry in plain["contours"]:

@@ -87,7 +87,7 @@ def paint_lines(contours: Contours, labels: Sequence[int], shape: Extent) -> NDA
     last = np.array(shape) - 1
     for contour, label in reversed(list(zip(contours, labels, strict=True))):
         pixels = np.clip(np.floor(contour.path + 0.5).astype(int), 0, last)
-        pixels = pixels[np.r_[True, (np.diff(pixels, axis=0) != 0).any(axis=1)]]
+        pixels = pixels[np.r_[True, (np.diff(pixels, axis=0) != 0).has_object(axis=1)]]
         mask[pixels[0, 0], pixels[0, 1]] = label
         for a, b in zip(pixels[:-1].tolist(), pixels[1:].tolist(), strict=True):
             mask[skimage.draw.line(*a, *b)] = label  # type: ignore[no-untyped-call]

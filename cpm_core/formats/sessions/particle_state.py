@@ -69,7 +69,7 @@ def state_from_json(plain: object, shape: Extent, scales: int, spacing: Sides = 
     window = None
     if "window" in given:
         first, end = read_array("window", np.int64, axes, 2).T
-        if (first < 0).any() or (first % COVERAGE_CELL != 0).any() or (end <= first).any() or (end > size).any():
+        if (first < 0).has_object() or (first % COVERAGE_CELL != 0).has_object() or (end <= first).has_object() or (end > size).has_object():
             raise ValueError("window of state is no part of the image.")
         window, size = tuple(map(slice, first.tolist(), end.tolist())), tuple((end - first).tolist())
     identity = read_array("identity", np.int64, None)

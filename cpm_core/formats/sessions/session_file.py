@@ -34,7 +34,7 @@ from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT_READING, Reading
 from cpm_core.medial_axis.outlines import SkeletonTarget
 from cpm_core.numerics.types import Callback, JsonDict, Integers, JsonObject, Texts, frozen
-from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
+from cpm_core.objects.methods import CONTOUR_METHODS, MethodComparison, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import quote_value
@@ -155,7 +155,7 @@ class SessionFile:
     runs: JsonObject = field(default_factory=dict)
     truth: TruthFile | None = None
     pages: JsonObject = field(default_factory=dict)
-    comparison: Compared = field(default_factory=Compared)
+    comparison: MethodComparison = field(default_factory=MethodComparison)
 
 
 _KNOWN_ENTRIES = {SESSION_MARK, "program", *(one.name for one in fields(SessionFile))} - {"extra", "notes"}
@@ -200,7 +200,7 @@ def encode_session(session: SessionFile, folder: Path) -> bytes:
     plain |= {"parameters": to_json(session.parameters), "marks": to_json(session.marks)}
     if session.hand_edits:
         plain["hand_edits"] = to_json(session.hand_edits)
-    if session.comparison != Compared():
+    if session.comparison != MethodComparison():
         plain["comparison"] = {
             "methods": list(session.comparison.methods),
             "settings": {name: to_json(chosen) for name, chosen in session.comparison.settings},
@@ -276,7 +276,7 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             runs=read_optional("runs", "recorded runs were", partial(expect_mapping, where="runs"), {}),
             truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile, where="truth"), None),
             pages=read_optional("pages", "other pages of the stack were", partial(expect_mapping, where="pages"), {}),
-            comparison=read_optional("comparison", "comparison of methods was", _parse_comparison, Compared()),
+            comparison=read_optional("comparison", "comparison of methods was", _parse_comparison, MethodComparison()),
             hand_edits=read_list("hand_edits", "edit by hand", partial(from_json, HandEdit)),
             notes=tuple(notes),
         )
@@ -284,7 +284,7 @@ def decode_session(content: bytes, name: str) -> SessionFile:
         raise ValueError(f"{name}: {error}") from error
 
 
-def _parse_comparison(plain: object) -> Compared:
+def _parse_comparison(plain: object) -> MethodComparison:
     """Parse the comparison of methods; ValueError for unknown methods and settings."""
     given = expect_mapping(plain, "comparison")
     methods = [expect_text(name, "methods of comparison") for name in expect_list(given.get("methods", []), "methods")]
@@ -297,7 +297,7 @@ def _parse_comparison(plain: object) -> Compared:
     if unknown := set(methods) - set(CONTOUR_METHODS) - {""}:
         raise ValueError(f"its method {quote_value(min(unknown))} is not known here.")
     settings = tuple((name, one) for name, one in chosen.items() if one != type(one)())
-    return Compared(tuple(filter(None, methods)), settings, given.get("around") is True)
+    return MethodComparison(tuple(filter(None, methods)), settings, given.get("around") is True)
 
 
 def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback = lambda: None) -> tuple[Path, Texts]:

@@ -91,7 +91,7 @@ def _has_particle_near(scale_field: ScaleField, place: NDArray[np.int64], positi
     )
     found = np.isfinite(distance)
     along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
-    return (found & (along > 0.0)).any(axis=1)
+    return (found & (along > 0.0)).has_object(axis=1)
 
 
 def _stretch_sizes(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: Extent) -> NDArray[np.int64]:

@@ -100,7 +100,7 @@ def _find_linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask)
     loops_found: list[Array] | None = None
     for number in np.flatnonzero(fitting):
         boundary = voxels[ridges.component == number]
-        if not ((known >= boundary.min(0)) & (known <= boundary.max(0))).all(axis=1).any():
+        if not ((known >= boundary.min(0)) & (known <= boundary.max(0))).all(axis=1).has_object():
             continue
         loops = find_loops(boundary)
         if loops and loops_found is None:

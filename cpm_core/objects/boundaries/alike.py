@@ -20,7 +20,7 @@ _SURROUNDINGS_RATIO = 0.5
 """Width of the surroundings, as a fraction of the radius."""
 
 
-def alike(values: Array, mask: Mask, interest: Mask) -> Mask:
+def find_similar_pixels(values: Array, mask: Mask, interest: Mask) -> Mask:
     """Find the pixels of interest whose gray level is similar to that of an object, all of shape (H, W).
 
     Returns them and the object, shape (H, W), without small holes.
@@ -28,7 +28,7 @@ def alike(values: Array, mask: Mask, interest: Mask) -> Mask:
     radius = np.sqrt(np.count_nonzero(mask) / np.pi)
     away = scipy.ndimage.distance_transform_edt(~mask)
     ring = (away > 1.0) & (away <= max(2.0, _SURROUNDINGS_RATIO * radius) + 1.0)
-    own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.any() else 0.0
+    own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.has_object() else 0.0
     smooth = scipy.ndimage.gaussian_filter(values, min(_MAX_GRAY_SMOOTHING, 0.2 * radius))
     share = (smooth - around) / (own - around) if own != around else np.zeros_like(smooth)
     found = (share >= _MIN_CONTRAST_RATIO) & (share <= _MAX_CONTRAST_RATIO) & interest

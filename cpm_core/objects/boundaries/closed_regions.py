@@ -55,20 +55,20 @@ class ClosedRegion:
     box: tuple[slice, slice]
     filled: Mask
     mask: Mask
-    rises: bool
+    brighter_outside: bool
 
-    def meets(self, other: ClosedRegion) -> bool:
+    def box_overlaps(self, other: ClosedRegion) -> bool:
         """Return whether its box has pixels in common with that of another region."""
         sides = zip(self.box, other.box, strict=True)
         return all(one.start < two.stop and two.start < one.stop for one, two in sides)
 
-    def share(self, pixels: Index, *, filled: bool = False) -> float:
+    def measure_fraction_inside(self, pixels: Index, *, filled: bool = False) -> float:
         """Measure the fraction of pixels, shape (N, 2), that lie in it, or in it with its holes."""
         place = pixels - (self.box[0].start, self.box[1].start)
         place = place[((place >= 0) & (place < self.mask.shape)).all(axis=1)]
         return float(np.count_nonzero((self.filled if filled else self.mask)[tuple(place.T)])) / len(pixels)
 
-    def body_of(self, pixel: Index, others: Index) -> Mask | None:
+    def cut_at_neck(self, pixel: Index, others: Index) -> Mask | None:
         """Cut off the part around a pixel at a neck towards others, shape (N, 2); None without a neck.
 
         Returns a mask of the shape of the box.
@@ -80,7 +80,7 @@ class ClosedRegion:
         depth = scipy.ndimage.distance_transform_edt(np.pad(self.mask, 1))[1:-1, 1:-1]
         parts = skimage.segmentation.watershed(-depth, markers, mask=self.mask)  # type: ignore[no-untyped-call]
         own, other = parts == 1, parts == 2
-        if not own.any() or not other.any():
+        if not own.has_object() or not other.has_object():
             return None
         neck = depth[own & scipy.ndimage.binary_dilation(other)].max(initial=0.0)
         return own if neck <= _MAX_NECK_RATIO * min(depth[own].max(), depth[other].max()) else None
@@ -103,9 +103,9 @@ class ClosedRegions:
         closed = [contour for contour in contours if contour.closed and len(contour.points) > 2]
         self._contours = sorted(closed, key=lambda contour: contour.area)
         self._values, self._smoothing = values, smoothing
-        self._known: dict[int, ClosedRegion | None] = {}
+        self._regions_by_contour: dict[int, ClosedRegion | None] = {}
 
-    def around(self, places: Array) -> Mask | None:
+    def find_object_around(self, places: Array) -> Mask | None:
         """Find the object, shape (H, W), that points, shape (M, 2) [px], lie in; None unless it is unambiguous.
 
         It is the smallest unambiguous region that holds more than half of each connected piece of the start.
@@ -113,24 +113,24 @@ class ClosedRegions:
         if not len(places):
             return None
         found = np.zeros(self._values.shape, bool)
-        for piece in self._pieces(places):
+        for piece in self._split_start(places):
             region = next(
-                (region for region in self._over(piece.mean(axis=0)) if region.share(piece) > _MAJORITY_SHARE), None
+                (region for region in self._find_regions_around(piece.mean(axis=0)) if region.measure_fraction_inside(piece) > _MAJORITY_SHARE), None
             )
             if region is None:
                 return None
             found[region.box] |= region.mask
         return found
 
-    def nested(self, pixels: Index) -> Iterator[Mask]:
+    def find_enclosing_masks(self, pixels: Index) -> Iterator[Mask]:
         """Find what closed contours enclose around pixels, shape (N, 2); unambiguous regions first, each (H, W)."""
         unsure = []
-        for index in self._around(pixels.mean(axis=0)):
-            region = self._region(index)
+        for index in self._find_contours_around(pixels.mean(axis=0)):
+            region = self._find_region(index)
             if region is None:
                 unsure.append(index)
-            elif region.share(pixels) > _MAJORITY_SHARE:
-                yield self._whole(region)
+            elif region.measure_fraction_inside(pixels) > _MAJORITY_SHARE:
+                yield self._paste_mask(region)
         for index in sorted(unsure, key=lambda index: -self._contours[index].strength):
             mask = np.zeros(self._values.shape, bool)
             rows, cols = self._contours[index].points.T
@@ -138,29 +138,29 @@ class ClosedRegions:
             if mask[tuple(pixels.T)].mean() > _MAJORITY_SHARE:
                 yield mask
 
-    def objects(self) -> Iterator[Mask]:
+    def find_objects(self) -> Iterator[Mask]:
         """Find the objects that unambiguous contours enclose, each of shape (H, W), the largest first.
 
         Holes of other objects are left out: their edge rises the other way than the outermost one.
         """
         found: list[ClosedRegion] = []
         for index in reversed(range(len(self._contours))):
-            region = self._region(index)
+            region = self._find_region(index)
             if region is None:
                 continue
             pixels = np.argwhere(region.filled) + [side.start for side in region.box]
-            near = [other for other in found if other.meets(region)]
-            shares = [other.share(pixels, filled=True) for other in near]
+            near = [other for other in found if other.box_overlaps(region)]
+            shares = [other.measure_fraction_inside(pixels, filled=True) for other in near]
             around = [other for other, share in zip(near, shares, strict=True) if share > _MAJORITY_SHARE]
             if any(0.0 < share <= _MAJORITY_SHARE for share in shares) or (
                 around and len(pixels) > _DUPLICATE_AREA_RATIO * np.count_nonzero(around[-1].filled)
             ):
                 continue
             found.append(region)
-            if not around or around[0].rises == region.rises:
-                yield self._whole(region)
+            if not around or around[0].brighter_outside == region.brighter_outside:
+                yield self._paste_mask(region)
 
-    def changed(self, mask: Mask, pixel: Index, adds: bool, kept: Index) -> Mask | None:
+    def correct_mask(self, mask: Mask, pixel: Index, adds: bool, fixed_pixels: Index) -> Mask | None:
         """Correct an object, shape (H, W), by a point that contradicts it; None unless the correction is unambiguous.
 
         Parameters
@@ -179,34 +179,34 @@ class ClosedRegions:
         )
         near = np.clip(pixel + steps, 0, np.array(mask.shape) - 1)
         if 0.0 < mask[tuple(near.T)].mean() < 1.0 and any(
-            0.0 < region.share(near, filled=True) < 1.0 for region in self._over(pixel, _CONTOUR_TOLERANCE)
+            0.0 < region.measure_fraction_inside(near, filled=True) < 1.0 for region in self._find_regions_around(pixel, _CONTOUR_TOLERANCE)
         ):
             changed = mask.copy()
             changed[tuple(pixel)] = adds
             return changed
-        for region in self._over(pixel):
+        for region in self._find_regions_around(pixel):
             changed = mask.copy()
             if adds:
                 changed[region.box] |= region.mask
             else:
                 changed[region.box] &= ~region.filled
-            stays = np.array_equal(changed[tuple(kept.T)], mask[tuple(kept.T)])
+            stays = np.array_equal(changed[tuple(fixed_pixels.T)], mask[tuple(fixed_pixels.T)])
             if changed[tuple(pixel)] == adds and stays and changed.any():
                 return changed
-            part = region.body_of(pixel, kept) if not stays else None
+            part = region.cut_at_neck(pixel, fixed_pixels) if not stays else None
             if part is not None:
                 changed = mask.copy()
                 changed[region.box][part] = adds
                 return changed if changed.any() else None
         return None
 
-    def _whole(self, region: ClosedRegion) -> Mask:
+    def _paste_mask(self, region: ClosedRegion) -> Mask:
         """Paste the pixels of a region into a mask of the image, shape (H, W)."""
         mask = np.zeros(self._values.shape, bool)
         mask[region.box] = region.mask
         return mask
 
-    def _pieces(self, places: Array) -> Iterator[Index]:
+    def _split_start(self, places: Array) -> Iterator[Index]:
         """Split a start into the pixels of its connected pieces, each of shape (N, 2)."""
         shape = self._values.shape
         if len(places) < MIN_DRAWN_PLACES:
@@ -216,20 +216,20 @@ class ClosedRegions:
         for number in range(1, count + 1):
             yield np.argwhere(labels == number)
 
-    def _over(self, place: Array | Index, margin: float = 0.0) -> Iterator[ClosedRegion]:
+    def _find_regions_around(self, place: Array | Index, margin: float = 0.0) -> Iterator[ClosedRegion]:
         """Find the unambiguous regions whose box, widened by a margin, holds a point; the smallest first."""
-        for index in self._around(place, margin):
-            region = self._region(index)
+        for index in self._find_contours_around(place, margin):
+            region = self._find_region(index)
             if region is not None:
                 yield region
 
-    def _around(self, place: Array | Index, margin: float = 0.0) -> list[int]:
+    def _find_contours_around(self, place: Array | Index, margin: float = 0.0) -> list[int]:
         """Find the contours whose box, widened by a margin, holds a point; the smallest first."""
         low, high = self._boxes[:, 0] - margin, self._boxes[:, 1] + margin
         return np.flatnonzero(((low <= place) & (place <= high)).all(axis=1)).tolist()
 
     @cached_property
-    def _strength(self) -> Array:
+    def _edge_strength(self) -> Array:
         """Edge map, smoothed so that noise is no evidence against a contour, shape (H, W)."""
         return edge_map(self._values, self._smoothing)
 
@@ -238,50 +238,50 @@ class ClosedRegions:
         """Lowest and highest row and column of each contour, shape (K, 2, 2)."""
         return np.array([contour.box for contour in self._contours]).reshape(-1, 2, 2)
 
-    def _region(self, index: int) -> ClosedRegion | None:
+    def _find_region(self, index: int) -> ClosedRegion | None:
         """Find the region that a contour encloses; None unless it is unambiguous."""
-        if index not in self._known:
-            self._known[index] = self._made(self._contours[index], self._within(index))
-        return self._known[index]
+        if index not in self._regions_by_contour:
+            self._regions_by_contour[index] = self._build_region(self._contours[index], self._find_contours_within(index))
+        return self._regions_by_contour[index]
 
-    def _within(self, index: int) -> list[int]:
+    def _find_contours_within(self, index: int) -> list[int]:
         """Find the contours whose boxes lie in that of another contour."""
         low, high = self._boxes[index]
         inside = (self._boxes[:index, 0] >= low).all(axis=1) & (self._boxes[:index, 1] <= high).all(axis=1)
         return np.flatnonzero(inside).tolist()
 
-    def _made(self, contour: Contour, within: Sequence[int]) -> ClosedRegion | None:
+    def _build_region(self, contour: Contour, within: Sequence[int]) -> ClosedRegion | None:
         """Build the region of a contour around others, and return it if it is unambiguous."""
         margin = int(OWN_EDGE_DISTANCE) + 1
         low = np.maximum(np.floor(contour.box[0]).astype(int) - margin, 0)
         high = np.minimum(np.ceil(contour.box[1]).astype(int) + margin + 1, self._values.shape)
         box = slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1]))
-        strength, values = self._strength[box], self._values[box]
+        strength, values = self._edge_strength[box], self._values[box]
         filled, off = np.zeros(strength.shape, bool), np.ones(strength.shape, bool)
         rows, cols = (contour.points - low).T
         filled[skimage.draw.polygon(rows, cols, filled.shape)] = True  # type: ignore[no-untyped-call]
-        off[_pixels(contour, low, off.shape)] = False
+        off[_rasterize_contour(contour, low, off.shape)] = False
         at_contour = scipy.ndimage.distance_transform_edt(off) <= OWN_EDGE_DISTANCE
         if not (at_contour & filled).any() or not (at_contour & ~filled).any():
             return None
         rises = bool(values[at_contour & ~filled].mean() > values[at_contour & filled].mean())
         mask, known = filled.copy(), np.zeros_like(filled)
         for index in reversed(within):  # the largest first: contours inside a hole or a part belong to it
-            place = _pixels(self._contours[index], low, off.shape)
-            inner = self._region(index) if filled[place].mean() > _MAJORITY_SHARE else None
+            place = _rasterize_contour(self._contours[index], low, off.shape)
+            inner = self._find_region(index) if filled[place].mean() > _MAJORITY_SHARE else None
             if inner is not None:
                 off[place] = False
                 top, left = inner.box[0].start - low[0], inner.box[1].start - low[1]
                 part = slice(top, top + inner.filled.shape[0]), slice(left, left + inner.filled.shape[1])
-                if inner.rises != rises and not (known[part] & inner.filled).any():
+                if inner.brighter_outside != rises and not (known[part] & inner.filled).any():
                     mask[part] &= ~inner.filled
                 known[part] |= inner.filled
         inside = strength[filled & (scipy.ndimage.distance_transform_edt(off) > OWN_EDGE_DISTANCE)]
-        along = interpolate_field(self._strength[None], polyline.sample_path(contour.path, 0.5))[:, 0]
+        along = interpolate_field(self._edge_strength[None], polyline.sample_path(contour.path, 0.5))[:, 0]
         return ClosedRegion(box, filled, mask, rises) if is_unambiguous(along, inside) else None
 
 
-def _pixels(contour: Contour, corner: Index, shape: Extent) -> tuple[Index, ...]:
+def _rasterize_contour(contour: Contour, corner: Index, shape: Extent) -> tuple[Index, ...]:
     """Rasterize a contour: rows and columns of its pixels in a box of this shape at a corner."""
     points = np.rint(polyline.sample_path(contour.path, 0.5)).astype(np.int64) - corner
     return tuple(np.clip(points, 0, np.array(shape) - 1).T)

@@ -31,7 +31,7 @@ class Crossings:
     right: Single
     down: Single
 
-    def with_others(self, others: Crossings) -> Crossings:
+    def with_fallback(self, others: Crossings) -> Crossings:
         """Fill in crossings of others where these have none."""
         right, down = (
             np.where(own >= 0.0, own, other) for own, other in ((self.right, others.right), (self.down, others.down))
@@ -47,16 +47,16 @@ class Crossings:
         return found
 
 
-def crossings(paths: Iterable[Array], shape: Extent) -> Crossings:
+def find_crossings(paths: Iterable[Array], shape: Extent) -> Crossings:
     """Find the links that paths, each of shape (K, 2) [px], cross in an image of this shape."""
     right, down = (np.full(shape, -1.0, dtype=np.float32) for _ in range(2))
     for path in paths:
-        _cross(np.ascontiguousarray(path + _CROSSING_OFFSET), right, down)
+        _mark_crossed_links(np.ascontiguousarray(path + _CROSSING_OFFSET), right, down)
     return Crossings(right, down)
 
 
 @compiled
-def _cross(path: Array, right: Single, down: Single) -> None:
+def _mark_crossed_links(path: Array, right: Single, down: Single) -> None:
     """Mark the links that a path crosses."""
     rows, cols = right.shape
     for k in range(len(path) - 1):

@@ -9,14 +9,14 @@ import numpy as np
 
 from cpm_core.numerics.grids import running_maximum
 from cpm_core.numerics.types import Array, Mask, record
-from cpm_core.objects.boundaries.crossings import Crossings, crossings
+from cpm_core.objects.boundaries.crossings import Crossings, find_crossings
 
-STRONG_PERCENTILE = 95.0
+GUIDE_EDGE_PERCENTILE = 95.0
 """Percentile of the edge map above which an edge is strong."""
 
 
 @record
-class Ground:
+class BoundaryGuides:
     """An image with the lines that the boundary of an object follows.
 
     Attributes
@@ -33,7 +33,7 @@ class Ground:
 
     values: Array
     strength: Array
-    strong: float
+    strong_edge_level: float
     contours: Crossings
     barriers: Crossings
     rims: Crossings
@@ -42,22 +42,22 @@ class Ground:
     @cached_property
     def lines(self) -> Crossings:
         """Crossings of all these lines."""
-        return self.contours.with_others(self.barriers).with_others(self.rims)
+        return self.contours.with_fallback(self.barriers).with_fallback(self.rims)
 
     @cached_property
-    def near(self) -> Mask:
+    def near_lines(self) -> Mask:
         """Pixels within about 1.5 px of a line, shape (H, W)."""
         return running_maximum(self.lines.pixels, 1)
 
 
-def ground(
+def build_boundary_guides(
     values: Array,
     strength: Array,
     contours: Iterable[Array] = (),
     barriers: Iterable[Array] = (),
     rims: Iterable[Array] = (),
     interest: Mask | None = None,
-) -> Ground:
+) -> BoundaryGuides:
     """Build what outlines in an image follow: contours, barriers and rims of regions, paths of shape (K, 2) [px].
 
     `values`, `strength` (the edge map) and `interest` have the shape (H, W).
@@ -65,6 +65,6 @@ def ground(
     shape = values.shape
     if interest is None or not interest.any():
         interest = np.ones(shape, bool)
-    strong = max(float(np.percentile(strength[interest], STRONG_PERCENTILE)), 1e-300)
-    lines = [crossings(paths, shape) for paths in (contours, barriers, rims)]
-    return Ground(values, strength, strong, lines[0], lines[1], lines[2], interest)
+    strong = max(float(np.percentile(strength[interest], GUIDE_EDGE_PERCENTILE)), 1e-300)
+    lines = [find_crossings(paths, shape) for paths in (contours, barriers, rims)]
+    return BoundaryGuides(values, strength, strong, lines[0], lines[1], lines[2], interest)

@@ -12,7 +12,7 @@ _NECK_DEPTH_RATIO = 0.1
 """How much narrower a neck is than both of the bodies that it joins, as a fraction of a radius."""
 
 
-def bodies(mask: Mask, radius: float | None = None) -> Index:
+def split_at_necks(mask: Mask, radius: float | None = None) -> Index:
     """Split a mask, shape (H, W), at its necks into bodies, numbered from 1; 0 outside, shape (H, W).
 
     A neck is narrower than what it joins by a fraction of a radius [px], by default that of the widest body.

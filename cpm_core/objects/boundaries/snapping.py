@@ -9,31 +9,31 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Index, Mask, Single
 from cpm_core.objects.boundaries.crossings import Crossings
 
-MOST = 3.0
+MAX_BOUNDARY_SHIFT = 3.0
 """Largest distance over which a boundary moves onto a contour [px]."""
 
 
-def snapped(mask: Mask, lines: Crossings, width: float) -> Mask:
+def snap_to_contours(mask: Mask, lines: Crossings, width: float) -> Mask:
     """Snap the boundary of an object, shape (H, W), to contours within `width`, at most `MOST`; shape (H, W).
 
     Pixels deeper in the object, or farther away from it, stay. Each pixel between goes to the side that
     is nearer along paths that cross no line. Where lines make no difference to that, it stays as it is.
     """
-    width = min(width, MOST)
+    width = min(width, MAX_BOUNDARY_SHIFT)
     within, beyond = (
         scipy.ndimage.distance_transform_edt(np.pad(part, 1, mode="edge"))[1:-1, 1:-1] > width for part in (mask, ~mask)
     )
     most = int(2.0 * width + 2.0)
     free = np.full(mask.shape, -1.0, np.float32)
     wanted, plain = (
-        np.sign(_steps(beyond, right, down, most) - _steps(within, right, down, most))
+        np.sign(_count_uncrossed_steps(beyond, right, down, most) - _count_uncrossed_steps(within, right, down, most))
         for right, down in ((lines.right, lines.down), (free, free))
     )
     return np.where(wanted == plain, mask, wanted > 0)
 
 
 @compiled
-def _steps(start: Mask, right: Single, down: Single, most: int) -> Index:
+def _count_uncrossed_steps(start: Mask, right: Single, down: Single, most: int) -> Index:
     """Count the steps over uncrossed links from the true pixels to each other one; `most` where there are more."""
     rows, cols = start.shape
     steps = np.full((rows, cols), most)

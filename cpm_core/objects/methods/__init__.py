@@ -6,12 +6,12 @@ sets in `level_sets`, and the methods of scikit-image in `regions`.
 
 from cpm_core.objects.methods.comparison import (
     CONTOUR_METHODS,
-    Compared,
-    Facts,
-    Moment,
-    facts_of,
-    moments,
-    result_of,
+    MethodComparison,
+    RunReport,
+    MethodStep,
+    report_run,
+    iterate_method,
+    build_method_result,
     run_method,
 )
 from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start

@@ -21,7 +21,7 @@ from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Texts, frozen, record
 from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
 from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
-from cpm_core.objects.methods.particles import PARTICLES, PROPOSED_OBJECT
+from cpm_core.objects.methods.particles import PARTICLE_METHOD, PROPOSED_OBJECT
 from cpm_core.objects.methods.regions import (
     CHAN_VESE,
     MORPHOLOGICAL_CHAN_VESE,
@@ -33,7 +33,7 @@ from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import format_count, format_repr, quote_value
 
 _ALL_METHODS = (
-    PARTICLES,
+    PARTICLE_METHOD,
     PROPOSED_OBJECT,
     SNAKE,
     GVF_SNAKE,
@@ -49,12 +49,12 @@ CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method
 """All methods that can be compared, by name. A new one is a function with its settings, and a line above."""
 
 
-FIRST = ("cpm", "gvf", "geodesic", "chan_vese")
+DEFAULT_METHODS = ("cpm", "gvf", "geodesic", "chan_vese")
 """Names of the methods that are compared by default."""
 
 
 @frozen
-class Compared:
+class MethodComparison:
     """A comparison of methods, which a session keeps; its start is what is drawn.
 
     Attributes
@@ -67,7 +67,7 @@ class Compared:
         Whether the start lies around the objects.
     """
 
-    methods: Texts = FIRST
+    methods: Texts = DEFAULT_METHODS
     settings: tuple[tuple[str, Settings], ...] = ()
     around: bool = False
 
@@ -75,7 +75,7 @@ class Compared:
         """Return the settings of a method by name: those that were selected, or its defaults."""
         return dict(self.settings).get(method) or CONTOUR_METHODS[method].defaults
 
-    def with_settings(self, method: str, settings: Settings) -> Compared:
+    def with_settings(self, method: str, settings: Settings) -> MethodComparison:
         """Return the comparison in which a method has these settings."""
         others = {name: one for name, one in self.settings if name != method}
         changed = others if settings == CONTOUR_METHODS[method].defaults else {**others, method: settings}
@@ -83,7 +83,7 @@ class Compared:
 
 
 @record
-class Moment:
+class MethodStep:
     """A state of a run, and the time until then.
 
     Attributes
@@ -104,7 +104,7 @@ class Moment:
         return format_repr("Moment", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
 
 
-def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[Moment]:
+def iterate_method(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[MethodStep]:
     """Run a method step by step; `settings` are the defaults of the method unless given.
 
     Examples
@@ -131,13 +131,13 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
     began, seconds = time.perf_counter(), 0.0
     for state in method.evolve(image, start, settings):
         seconds += time.perf_counter() - began
-        yield Moment(method, state, seconds)
+        yield MethodStep(method, state, seconds)
         began = time.perf_counter()
 
 
 def run_method(
     method: AnyMethod, image: Image, start: Start, settings: Any = None, max_steps: int | None = None
-) -> Moment:
+) -> MethodStep:
     """Run a method to its end or to `max_steps`; the time of the last step includes that for the contours.
 
     Examples
@@ -151,7 +151,7 @@ def run_method(
         check_finite_number(
             "max_steps", max_steps, lambda count: count >= 0 and count == int(count), "at least 0, and whole"
         )
-    for last in moments(method, image, start, settings):
+    for last in iterate_method(method, image, start, settings):
         if last.state.step == max_steps:
             break
     began = time.perf_counter()
@@ -160,7 +160,7 @@ def run_method(
 
 
 @frozen
-class Facts:
+class RunReport:
     """Report on one run of a method; the last four fields are None without a ground truth.
 
     Attributes
@@ -212,7 +212,7 @@ class Facts:
         return format_repr("Facts", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
 
 
-def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
+def report_run(moment: MethodStep, truth: Truth | None = None) -> RunReport:
     """Report on a step of a run, with its agreement with a ground truth where one is known.
 
     Examples
@@ -222,11 +222,11 @@ def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
     >>> cpm.facts_of(moment).contours
     1
     """
-    if not isinstance(moment, Moment):
+    if not isinstance(moment, MethodStep):
         raise ValueError(f"the moment is {quote_value(moment)} but must be one of a run: take those of `moments`.")
     state = moment.state
     closed = sum(contour.closed for contour in state.contours)
-    facts = Facts(
+    facts = RunReport(
         moment.method.name,
         state.step,
         moment.seconds,
@@ -245,7 +245,7 @@ _STRENGTH_SMOOTHING = 1.0
 """Sigma of the Gaussian before the edge strength along the contours is measured [px]."""
 
 
-def result_of(facts: Facts, contours: Sequence[Contour], image: Image, start: Start, settings: Any) -> Result:
+def build_method_result(facts: RunReport, contours: Sequence[Contour], image: Image, start: Start, settings: Any) -> Result:
     """Build a result from the contours that a method has found.
 
     The contours have numbers from 1 and the mean edge strength along them; there are no particles.

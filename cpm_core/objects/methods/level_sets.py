@@ -30,21 +30,21 @@ from cpm_core.objects.methods.method import (
     ContourState,
     Settings,
     Start,
-    distance_of,
-    number,
-    smoothing_before_edges,
+    signed_region_distance,
+    declare_setting,
+    declare_smoothing,
     unit_edges,
-    until_at_rest,
+    iterate_until_at_rest,
 )
-from cpm_core.objects.methods.snakes import evened, gradient_vector_flow, smoothness_of_the_field
+from cpm_core.objects.methods.snakes import even_out_field, gradient_vector_flow, declare_field_smoothness
 
-MOST_STEPS = 4000
+MAX_FRONT_STEPS = 4000
 """Largest number of steps of a front."""
 
-BAND = 6.0
+FRONT_BAND = 6.0
 """Distance from the contour within which the function moves [px]."""
 
-FARTHEST = BAND + 2.0
+MAX_FRONT_DISTANCE = FRONT_BAND + 2.0
 """Distance at which the function is cut [px]."""
 
 _UNREACHED_DISTANCE = 1e9
@@ -60,7 +60,7 @@ _REINITIALIZATION_INTERVAL = 5
 """Steps after which the function is made a signed distance again."""
 
 
-def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) -> Iterator[ContourState]:
+def evolve_front(inside: Mask, curvature: Array, pressure: Array, velocity: Array) -> Iterator[ContourState]:
     """Evolve a front that begins around a region, shape (H, W), until it is at rest or vanishes.
 
     Weights of curvature and pressure have the shape (H, W), the velocity (2, H, W); see above.
@@ -70,18 +70,18 @@ def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) 
     time = min(_MAX_FRONT_STEP / max(fastest, 1e-9), _MAX_CURVATURE_STEP / max(most_curved, 1e-9))
 
     def iterate_functions() -> Iterator[Array]:
-        phi = np.clip(distance_of(inside), -FARTHEST, FARTHEST)
+        phi = np.clip(signed_region_distance(inside), -MAX_FRONT_DISTANCE, MAX_FRONT_DISTANCE)
         for step in itertools.count(1):
             yield phi
-            phi = moved(phi, curvature, pressure, velocity, time)
+            phi = advance_front(phi, curvature, pressure, velocity, time)
             if step % _REINITIALIZATION_INTERVAL == 0:
-                phi = signed_distance(phi)
+                phi = reinitialize_distance(phi)
 
-    return until_at_rest(iterate_functions(), 0.0, MOST_STEPS)
+    return iterate_until_at_rest(iterate_functions(), 0.0, MAX_FRONT_STEPS)
 
 
 @compiled
-def moved(phi: Array, curvature: Array, pressure: Array, velocity: Array, time: float) -> Array:
+def advance_front(phi: Array, curvature: Array, pressure: Array, velocity: Array, time: float) -> Array:
     """Advance the function, shape (H, W), by a time.
 
     `curvature` and `pressure` are the weights a and b, shape (H, W), `velocity` is v, shape (2, H, W) [px]. Beyond the
@@ -93,7 +93,7 @@ def moved(phi: Array, curvature: Array, pressure: Array, velocity: Array, time: 
         up, down = max(row - 1, 0), min(row + 1, rows - 1)
         for col in range(width):
             here = phi[row, col]
-            if abs(here) > BAND:
+            if abs(here) > FRONT_BAND:
                 continue
             left, right = max(col - 1, 0), min(col + 1, width - 1)
             to_up, to_down = here - phi[up, col], phi[down, col] - here
@@ -127,7 +127,7 @@ def moved(phi: Array, curvature: Array, pressure: Array, velocity: Array, time: 
 
 
 @compiled
-def _next_to_zero(phi: Array, out: Array) -> NDArray[np.bool_]:
+def _measure_next_to_zero(phi: Array, out: Array) -> NDArray[np.bool_]:
     """Find the pixels between which the sign changes, and write their distance from the zero to `out` [px]."""
     rows, width = phi.shape
     fixed, by = np.zeros(phi.shape, dtype=np.bool_), np.empty(2)
@@ -146,7 +146,7 @@ def _next_to_zero(phi: Array, out: Array) -> NDArray[np.bool_]:
 
 
 @compiled
-def signed_distance(phi: Array) -> Array:
+def reinitialize_distance(phi: Array) -> Array:
     """Compute the signed distance from the zero of a function, shape (H, W), cut at `FARTHEST` [px].
 
     Next to the zero the distance is that of a straight contour through the pixels between which the sign changes;
@@ -154,7 +154,7 @@ def signed_distance(phi: Array) -> Array:
     """
     rows, width = phi.shape
     out = np.full(phi.shape, _UNREACHED_DISTANCE)
-    fixed = _next_to_zero(phi, out)
+    fixed = _measure_next_to_zero(phi, out)
     for sweep in range(4):
         for i in range(rows):
             row = i if sweep % 2 == 0 else rows - 1 - i
@@ -170,7 +170,7 @@ def signed_distance(phi: Array) -> Array:
                 out[row, col] = min(out[row, col], onward)
     for row in range(rows):
         for col in range(width):
-            size = min(out[row, col], FARTHEST)
+            size = min(out[row, col], MAX_FRONT_DISTANCE)
             out[row, col] = size if phi[row, col] > 0.0 else -size
     return out
 
@@ -179,45 +179,45 @@ def signed_distance(phi: Array) -> Array:
 class GeodesicSettings(Settings):
     """Parameters of the geodesic active contour."""
 
-    balloon: float = number(
+    balloon: float = declare_setting(
         0.3, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "Larger values drive the contour on faster, and over edges.",
         (-20.0, 20.0), (-2.0, 2.0), 0.1, equation="w₀ of eq. (2)",
     )  # fmt: skip
-    curvature: float = number(
+    curvature: float = declare_setting(
         0.2, "w₁", "Smoothness", "Weight of the curvature, which shortens the contour.",
         "Larger values keep the contour out of gaps, bays and noise.",
         (0.0, 20.0), (0.0, 2.0), 0.05, equation="w₁ of eq. (2)",
     )  # fmt: skip
-    pull: float = number(
+    pull: float = declare_setting(
         1.0, "w₂", "Pull to edges", "Weight of the pull back to edges that the contour has begun to cross.",
         "Larger values hold the contour on edges against the balloon; at 0 they only slow it down.",
         (0.0, 100.0), (0.0, 20.0), 0.5,
     )  # fmt: skip
-    exponent: float = number(
+    exponent: float = declare_setting(
         1.0, "m", "Exponent", "Exponent of the factor by which edges slow the contour down.",
         "Larger values also stop the contour at weak edges and at noise; smaller ones let it cross them.",
         (0.1, 20.0), (0.5, 8.0), 0.5, equation="m of eq. (2)",
     )  # fmt: skip
-    contrast: float = number(
+    contrast: float = declare_setting(
         0.05, "k", "Edge contrast", "Edge strength that counts as an edge, as a fraction of the largest.",
         "Larger values let the contour cross weak edges.",
         (1e-4, 10.0), (0.01, 1.0), 0.01,
     )  # fmt: skip
-    smoothing: float = smoothing_before_edges(1.5)
+    smoothing: float = declare_smoothing(1.5)
 
 
-def stopping(image: Image, settings: GeodesicSettings) -> Array:
+def compute_stopping_factor(image: Image, settings: GeodesicSettings) -> Array:
     """Compute the factor that slows a contour down, shape (H, W), from 1 in flat regions to nearly 0 on edges."""
     strength = unit_edges(image, settings.smoothing) / settings.contrast
     return (1.0 + strength) ** -settings.exponent
 
 
-def geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[ContourState]:
+def evolve_geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[ContourState]:
     """Evolve the geodesic active contour."""
-    factor = stopping(image, settings)
-    pressure, velocity = start.onward * settings.balloon * factor, -settings.pull * smoothed_gradient(factor, 0.0)
-    return evolution(start.mask(image.shape), settings.curvature * factor, pressure, velocity)
+    factor = compute_stopping_factor(image, settings)
+    pressure, velocity = start.pressure_sign * settings.balloon * factor, -settings.pull * smoothed_gradient(factor, 0.0)
+    return evolve_front(start.mask(image.shape), settings.curvature * factor, pressure, velocity)
 
 
 GEODESIC = ContourMethod(
@@ -226,7 +226,7 @@ GEODESIC = ContourMethod(
     "A level set that edges slow down and pull back, with a balloon that drives it on.",
     "Caselles, Kimmel and Sapiro (1997), doi:10.1023/A:1007979827043",
     GeodesicSettings,
-    geodesic,
+    evolve_geodesic,
 )
 
 
@@ -234,33 +234,33 @@ GEODESIC = ContourMethod(
 class GeometricGvfSettings(Settings):
     """Parameters of the geometric GVF contour."""
 
-    mu: float = smoothness_of_the_field()
-    curvature: float = number(
+    mu: float = declare_field_smoothness()
+    curvature: float = declare_setting(
         0.02, "w", "Smoothness", "Weight of the curvature, which shortens the contour.",
         "Larger values keep the contour out of gaps, bays and noise.",
         (0.0, 20.0), (0.0, 2.0), 0.05, equation="w of eq. (3)",
     )  # fmt: skip
-    pressure: float = number(
+    pressure: float = declare_setting(
         0.5, "w₀", "Pressure", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "Larger values drive the contour over places where the field does not, and into gaps.",
         (-20.0, 20.0), (-1.0, 1.0), 0.05,
     )  # fmt: skip
-    evenness: float = number(
+    evenness: float = declare_setting(
         0.5, "e", "Evenness", "How far the vectors of the field are made equally long: from 0, as the equation gives "
         "them, to 1, all of the length 1.",
         "Larger values move the contour also far from edges, and hold it better against the pressure in gaps.",
         (0.0, 1.0), (0.0, 1.0), 0.1,
     )  # fmt: skip
-    smoothing: float = smoothing_before_edges(2.0)
+    smoothing: float = declare_smoothing(2.0)
 
 
-def geometric_gvf(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[ContourState]:
+def evolve_geometric_gvf(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[ContourState]:
     """Evolve the geometric GVF contour."""
-    field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu), settings.evenness)
+    field = even_out_field(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu), settings.evenness)
     curvature, pressure = (
-        np.full(image.shape, weight, float) for weight in (settings.curvature, start.onward * settings.pressure)
+        np.full(image.shape, weight, float) for weight in (settings.curvature, start.pressure_sign * settings.pressure)
     )
-    return evolution(start.mask(image.shape), curvature, pressure, field)
+    return evolve_front(start.mask(image.shape), curvature, pressure, field)
 
 
 GEOMETRIC_GVF = ContourMethod(
@@ -269,5 +269,5 @@ GEOMETRIC_GVF = ContourMethod(
     "A level set that the field of gradient vector flow carries to edges; its contours can divide and merge.",
     "Xu, Yezzi and Prince (2000), doi:10.1109/ACSSC.2000.911003",
     GeometricGvfSettings,
-    geometric_gvf,
+    evolve_geometric_gvf,
 )

@@ -26,7 +26,7 @@ from cpm_core.numerics.types import Array, Arrays, Extent, Mask, frozen, record
 from cpm_core.parameters import ParameterInfo, Parameters
 from cpm_core.parameters.quotation import format_count, format_repr, quote_value
 
-SPACING = 2.0
+START_SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""
 
 _MIN_CORNERS = 3
@@ -83,16 +83,16 @@ class Start:
                 )
 
     @property
-    def onward(self) -> float:
+    def pressure_sign(self) -> float:
         """Sign of a pressure that drives a contour on: 1 outwards, from inside the objects, -1 inwards."""
         return -1.0 if self.around else 1.0
 
     @cached_property
     def points(self) -> Array:
         """Points every `SPACING` along the outlines, shape (N, 2) [px]."""
-        return np.concatenate(self.curves(SPACING))
+        return np.concatenate(self.sample_curves(START_SPACING))
 
-    def curves(self, spacing: float) -> Arrays:
+    def sample_curves(self, spacing: float) -> Arrays:
         """Sample each outline at equal distances of about `spacing`, each of shape (K, 2) [px]."""
         closed = (np.concatenate([outline, outline[:1]]) for outline in self.outlines)
         return tuple(resample_path(outline, spacing)[:-1] for outline in closed)
@@ -118,7 +118,7 @@ Span = tuple[float, float]
 """Lowest and highest value."""
 
 
-def number(
+def declare_setting(
     default: float,
     symbol: str,
     title: str,
@@ -146,7 +146,7 @@ class Settings:
     """
 
     def __post_init__(self) -> None:
-        for name, info in self.table().items():
+        for name, info in self.describe_parameters().items():
             value = getattr(self, name)
             whole = isinstance(getattr(type(self), name), int)
             real = isinstance(value, int | float) and not isinstance(value, bool)
@@ -155,14 +155,14 @@ class Settings:
                 raise ValueError(f"{name} is {quote_value(value)} but must be {kind} from {info.low:g} to {info.high:g}.")
 
     @classmethod
-    def table(cls) -> Mapping[str, ParameterInfo]:
+    def describe_parameters(cls) -> Mapping[str, ParameterInfo]:
         """Return the description of each parameter, by name."""
         return {one.name: replace(one.metadata["info"], name=one.name) for one in fields(cls)}
 
 
-def smoothing_before_edges(default: float) -> Any:
+def declare_smoothing(default: float) -> Any:
     """Declare the smoothing setting that most methods share."""
-    return number(
+    return declare_setting(
         default, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
         "Larger values remove noise and round corners.", (0.0, 50.0), (0.5, 10.0), 0.5, "px",
     )  # fmt: skip
@@ -180,7 +180,7 @@ def unit_edges(image: Image, smoothing: float) -> Array:
     return strength / max(float(strength.max()), 1e-300)
 
 
-def distance_of(inside: Mask) -> Array:
+def signed_region_distance(inside: Mask) -> Array:
     """Compute the signed distance from the boundary of a region, shape (H, W), above 0 inside [px]."""
     edt = scipy.ndimage.distance_transform_edt
     return np.where(inside, edt(inside) - 0.5, 0.5 - edt(~inside))
@@ -213,7 +213,7 @@ class ContourState:
     """
 
     step: int
-    find: Callable[[], Contours]
+    compute_contours: Callable[[], Contours]
     stop_reason: str = ""
     converged: bool = False
     points: Array = field(default_factory=lambda: np.empty((0, 2)))
@@ -221,17 +221,17 @@ class ContourState:
     @cached_property
     def contours(self) -> Contours:
         """The contours [px], computed when they are asked for."""
-        return self.find()
+        return self.compute_contours()
 
 
-def region_state(
+def build_region_state(
     values: NDArray[Any], level: float, step: int, stop_reason: str = "", converged: bool = False
 ) -> ContourState:
     """Build the state of a function on pixels, shape (H, W), that is above a level inside."""
-    return ContourState(step, partial(boundary, values, level), stop_reason, converged)
+    return ContourState(step, partial(trace_boundary, values, level), stop_reason, converged)
 
 
-def boundary(values: NDArray[Any], level: float) -> Contours:
+def trace_boundary(values: NDArray[Any], level: float) -> Contours:
     """Trace the boundary of the pixels of a function, shape (H, W), that lie above a level.
 
     Contours are closed, also at the border of the image, and the longest is the first.
@@ -251,7 +251,7 @@ _MAX_REST_CHANGE = 0.002
 """Largest change over these steps of a front at rest, as a fraction of its pixels."""
 
 
-def until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: int) -> Iterator[ContourState]:
+def iterate_until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: int) -> Iterator[ContourState]:
     """Yield states of a front until it is at rest, vanishes, or has done `most_steps`.
 
     The front is where each of `functions`, shape (H, W), crosses a level.
@@ -270,7 +270,7 @@ def until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: i
             front = sum(np.diff(inside, axis=axis).sum() for axis in range(2))
             at_rest = before is not None and bool((inside != before).sum() <= _MAX_REST_CHANGE * front)
             reason, before = "the contour is at rest" if at_rest else "", inside
-        yield region_state(values, level, step, reason, at_rest)
+        yield build_region_state(values, level, step, reason, at_rest)
         if reason:
             return
 

@@ -10,17 +10,17 @@ import numpy as np
 
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import max_scales
-from cpm_core.objects.methods.method import SPACING, ContourMethod, Contours, ContourState, Start
+from cpm_core.objects.methods.method import START_SPACING, ContourMethod, Contours, ContourState, Start
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import RunState, evolve
 
-MOST_STEPS = 4000
+MAX_PARTICLE_STEPS = 4000
 """Largest number of steps of a run of the particles."""
 
 
-def _states(
+def _iterate_states(
     image: Image,
     start: Start,
     parameters: Parameters,
@@ -30,8 +30,8 @@ def _states(
     chosen = replace(parameters, scales=min(parameters.scales, max_scales(image.shape)))
     run = evolve(image, start.points, chosen)
     for moment in run:
-        if moment.step == MOST_STEPS:
-            run.stop(f"stopped after {MOST_STEPS} steps")
+        if moment.step == MAX_PARTICLE_STEPS:
+            run.stop(f"stopped after {MAX_PARTICLE_STEPS} steps")
         newest = run.moment
         yield ContourState(
             newest.step, partial(find, newest), newest.stop_reason, newest.converged, newest.position
@@ -42,20 +42,20 @@ def _evolve_to_object(image: Image, start: Start, parameters: Parameters) -> Ite
     def find_boundaries(moment: RunState) -> Contours:
         """Find the closed boundaries of the objects of all outlines of the start, united where they overlap."""
         cut = partition(moment.result)
-        chosen = [cut.select(outline) for outline in start.curves(SPACING)]
-        whole = chosen[0] if len(chosen) == 1 else cut.selection_of(np.any([one.mask for one in chosen], axis=0))
+        chosen = [cut.select(outline) for outline in start.sample_curves(START_SPACING)]
+        whole = chosen[0] if len(chosen) == 1 else cut.build_selection(np.any([one.mask for one in chosen], axis=0))
         return whole.contours
 
-    return _states(image, start, parameters, find_boundaries)
+    return _iterate_states(image, start, parameters, find_boundaries)
 
 
-PARTICLES = ContourMethod(
+PARTICLE_METHOD = ContourMethod(
     "cpm",
     Engine.title,
     "Particles that the electric field of the edges attracts, and that repel each other along them.",
     "Jalba, Wilkinson and Roerdink (2004)",
     Parameters,
-    _states,
+    _iterate_states,
 )
 
 PROPOSED_OBJECT = ContourMethod(

@@ -18,20 +18,20 @@ from cpm_core.objects.methods.method import (
     ContourState,
     Settings,
     Start,
-    distance_of,
-    number,
-    region_state,
-    smoothing_before_edges,
+    signed_region_distance,
+    declare_setting,
+    build_region_state,
+    declare_smoothing,
     unit_gray,
-    until_at_rest,
+    iterate_until_at_rest,
 )
 
 _MAX_CHAN_VESE_STEPS = 500
 
 
-def _likeness(default: float, symbol: str, where: str) -> Any:
+def _declare_likeness(default: float, symbol: str, where: str) -> Any:
     """Declare a weight of Chan-Vese."""
-    return number(
+    return declare_setting(
         default, symbol, f"Likeness {where}", f"Weight of the differences of gray levels from their mean {where}.",
         f"Larger values make the {where} more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
     )  # fmt: skip
@@ -41,22 +41,22 @@ def _likeness(default: float, symbol: str, where: str) -> Any:
 class ChanVeseSettings(Settings):
     """Parameters of Chan-Vese, as scikit-image's ``chan_vese`` has them."""
 
-    mu: float = number(
+    mu: float = declare_setting(
         0.25, "μ", "Smoothness", "Weight of the length of the boundary.",
         "Larger values give a shorter and rounder boundary and leave out small regions.",
         (0.0, 100.0), (0.0, 1.0), 0.01,
     )  # fmt: skip
-    lambda1: float = _likeness(1.0, "λ₁", "inside")
-    lambda2: float = _likeness(1.0, "λ₂", "outside")
+    lambda1: float = _declare_likeness(1.0, "λ₁", "inside")
+    lambda2: float = _declare_likeness(1.0, "λ₂", "outside")
 
 
-def chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[ContourState]:
+def evolve_chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[ContourState]:
     """Evolve Chan-Vese."""
     gray = unit_gray(image)
 
     def iterate_functions() -> Iterator[Array]:
         # the signed distance in units of the depth of the start: the farther from 0, the less a pixel is moved
-        distance = distance_of(start.mask(image.shape))
+        distance = signed_region_distance(start.mask(image.shape))
         phi = np.clip(distance / max(float(distance.max()), 1.0), -1.0, 1.0)
         while True:
             yield phi
@@ -64,7 +64,7 @@ def chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterato
                 gray, settings.mu, settings.lambda1, settings.lambda2, 0.0, 1, 0.5, phi, True
             )
 
-    return until_at_rest(iterate_functions(), 0.0, _MAX_CHAN_VESE_STEPS)
+    return iterate_until_at_rest(iterate_functions(), 0.0, _MAX_CHAN_VESE_STEPS)
 
 
 CHAN_VESE = ContourMethod(
@@ -73,7 +73,7 @@ CHAN_VESE = ContourMethod(
     "A level set that divides the image into two regions, each of gray levels near its mean; it needs no edges.",
     "Chan and Vese (2001), doi:10.1109/83.902291; scikit-image's chan_vese",
     ChanVeseSettings,
-    chan_vese,
+    evolve_chan_vese,
 )
 
 
@@ -90,8 +90,8 @@ Calls of an even number of steps, one at a time, begin with the same operator ea
 """
 
 
-def _smoothness(default: int) -> Any:
-    return number(
+def _declare_smoothness(default: int) -> Any:
+    return declare_setting(
         default, "μ", "Smoothness", "How often the contour is smoothed in a step.",
         "Larger values give a rounder contour.", (0, 20), (0, 4), 1,
     )  # fmt: skip
@@ -101,32 +101,32 @@ def _smoothness(default: int) -> Any:
 class MorphologicalGacSettings(Settings):
     """Parameters of the morphological geodesic active contour, as scikit-image has them."""
 
-    balloon: float = number(
+    balloon: float = declare_setting(
         1.0, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "Larger values let the contour cross stronger edges.", (-20.0, 20.0), (-2.0, 2.0), 0.1,
     )  # fmt: skip
-    smoothing: int = _smoothness(0)
-    threshold: float = number(
+    smoothing: int = _declare_smoothness(0)
+    threshold: float = declare_setting(
         0.6, "θ", "Threshold", "Value of the stopping factor under which the balloon stops.",
         "Larger values stop the contour at weaker edges.", (0.0, 1.0), (0.1, 1.0), 0.02,
     )  # fmt: skip
-    steepness: float = number(
+    steepness: float = declare_setting(
         100.0, "α", "Steepness", "How steeply the stopping factor falls with the edge strength.",
         "Larger values make weak edges count.", (0.0, 1e5), (10.0, 2000.0), 10.0,
     )  # fmt: skip
-    sigma: float = smoothing_before_edges(3.0)
+    sigma: float = declare_smoothing(3.0)
 
 
 @frozen
 class MorphologicalChanVeseSettings(Settings):
     """Parameters of morphological Chan-Vese, as scikit-image has them."""
 
-    smoothing: int = _smoothness(1)
-    lambda1: float = _likeness(0.7, "λ₁", "inside")
-    lambda2: float = _likeness(1.0, "λ₂", "outside")
+    smoothing: int = _declare_smoothness(1)
+    lambda1: float = _declare_likeness(0.7, "λ₁", "inside")
+    lambda2: float = _declare_likeness(1.0, "λ₂", "outside")
 
 
-def _morphological(image: Image, start: Start, advance: Callable[[Bits, Any], object]) -> Iterator[ContourState]:
+def _evolve_morphological(image: Image, start: Start, advance: Callable[[Bits, Any], object]) -> Iterator[ContourState]:
     """Evolve a mask by `advance`, which does `_STEPS_PER_CALL` steps and hands over each."""
 
     def advance_from(mask: Bits) -> list[Bits]:
@@ -142,27 +142,27 @@ def _morphological(image: Image, start: Start, advance: Callable[[Bits, Any], ob
             some = advance_from(some[-1])
             yield from some[1:]
 
-    return until_at_rest(iterate_masks(), 0.5, _MAX_MORPHOLOGICAL_STEPS)
+    return iterate_until_at_rest(iterate_masks(), 0.5, _MAX_MORPHOLOGICAL_STEPS)
 
 
-def morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -> Iterator[ContourState]:
+def evolve_morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -> Iterator[ContourState]:
     """Evolve the morphological geodesic active contour."""
     factor = skimage.segmentation.inverse_gaussian_gradient(  # type: ignore[no-untyped-call]
         unit_gray(image), settings.steepness, settings.sigma
     )
-    balloon = start.onward * settings.balloon
+    balloon = start.pressure_sign * settings.balloon
     snake = skimage.segmentation.morphological_geodesic_active_contour
-    return _morphological(
+    return _evolve_morphological(
         image,
         start,
         lambda mask, add: snake(factor, _STEPS_PER_CALL, mask, settings.smoothing, settings.threshold, balloon, add),  # type: ignore[no-untyped-call]
     )
 
 
-def morph_chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettings) -> Iterator[ContourState]:
+def evolve_morph_chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettings) -> Iterator[ContourState]:
     """Evolve morphological Chan-Vese."""
     gray, snake = unit_gray(image), skimage.segmentation.morphological_chan_vese
-    return _morphological(
+    return _evolve_morphological(
         image,
         start,
         lambda mask, add: snake(  # type: ignore[no-untyped-call]
@@ -179,7 +179,7 @@ MORPHOLOGICAL_GAC = ContourMethod(
     "The geodesic active contour with masks in place of a level set: a balloon, edges that stop it, and smoothing.",
     _MORPHOLOGICAL_REFERENCE + "morphological_geodesic_active_contour",
     MorphologicalGacSettings,
-    morph_gac,
+    evolve_morph_gac,
 )
 
 MORPHOLOGICAL_CHAN_VESE = ContourMethod(
@@ -188,7 +188,7 @@ MORPHOLOGICAL_CHAN_VESE = ContourMethod(
     "Chan-Vese with masks in place of a level set: pixels at the boundary go to the region whose mean is nearer.",
     _MORPHOLOGICAL_REFERENCE + "morphological_chan_vese",
     MorphologicalChanVeseSettings,
-    morph_chan_vese,
+    evolve_morph_chan_vese,
 )
 
 
@@ -209,23 +209,23 @@ _PROBABILITY_TOLERANCE = 1.0
 class RandomWalkerSettings(Settings):
     """Parameters of the random walker."""
 
-    beta: float = number(
+    beta: float = declare_setting(
         2000.0, "β", "Edges", "How hard it is for a walk to cross a difference of gray levels.",
         "Larger values follow weaker edges, and noise.", (0.0, 1e6), (10.0, 5000.0), 10.0,
     )  # fmt: skip
-    depth: float = number(
+    depth: float = declare_setting(
         0.8, "d", "Depth of the seeds",
         "From a start around the object: the depth from which pixels are its seeds, as a fraction of the greatest.",
         "Larger values leave seeds only in the middle.", (0.0, 0.99), (0.0, 0.95), 0.05,
     )  # fmt: skip
-    margin: float = number(
+    margin: float = declare_setting(
         0.0, "b", "Background",
         "Distance from a start inside the object from which pixels are seeds of the background; at 0 at the border.",
         "Larger values leave more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
     )  # fmt: skip
 
 
-def seeds(start: Start, shape: Extent, settings: RandomWalkerSettings) -> NDArray[np.int32]:
+def label_seeds(start: Start, shape: Extent, settings: RandomWalkerSettings) -> NDArray[np.int32]:
     """Label the seeds, of this shape: `_OBJECT_SEED`, `_BACKGROUND_SEED`, or 0 where there is none.
 
     A start in the object is all object; the border of the image, or what lies far from the start, is background. A
@@ -242,20 +242,20 @@ def seeds(start: Start, shape: Extent, settings: RandomWalkerSettings) -> NDArra
     return np.where(inside, _OBJECT_SEED, np.where(outer, _BACKGROUND_SEED, 0)).astype(np.int32)
 
 
-def random_walk(image: Image, start: Start, settings: RandomWalkerSettings) -> Iterator[ContourState]:
+def evolve_random_walker(image: Image, start: Start, settings: RandomWalkerSettings) -> Iterator[ContourState]:
     """Yield the start, and the result of the random walker."""
     inside = start.mask(image.shape)
-    yield region_state(inside, 0.5, 0)
-    labels = seeds(start, image.shape, settings)
+    yield build_region_state(inside, 0.5, 0)
+    labels = label_seeds(start, image.shape, settings)
     for label, what in ((_OBJECT_SEED, "object"), (_BACKGROUND_SEED, "background")):
-        if not (labels == label).any():
-            yield region_state(inside, 0.5, 1, f"there are no seeds of the {what}")
+        if not (labels == label).has_object():
+            yield build_region_state(inside, 0.5, 1, f"there are no seeds of the {what}")
             return
     mode = "bf" if labels.size <= _MAX_DIRECT_PIXELS else "cg_j"
     found = skimage.segmentation.random_walker(
         unit_gray(image), labels, settings.beta, mode, prob_tol=_PROBABILITY_TOLERANCE
     )
-    yield region_state(found == _OBJECT_SEED, 0.5, 1, "all pixels have been decided", converged=True)
+    yield build_region_state(found == _OBJECT_SEED, 0.5, 1, "all pixels have been decided", converged=True)
 
 
 RANDOM_WALKER = ContourMethod(
@@ -264,5 +264,5 @@ RANDOM_WALKER = ContourMethod(
     "Each pixel goes to the seeds, inside the start or at the border, that a random walk from it reaches first.",
     "Grady (2006), doi:10.1109/TPAMI.2006.233; scikit-image's random_walker",
     RandomWalkerSettings,
-    random_walk,
+    evolve_random_walker,
 )

@@ -26,8 +26,8 @@ from cpm_core.objects.methods.method import (
     ContourState,
     Settings,
     Start,
-    number,
-    smoothing_before_edges,
+    declare_setting,
+    declare_smoothing,
     unit_edges,
     unit_gray,
 )
@@ -66,7 +66,7 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
     """
     slope = smoothed_gradient(edges, 0.0)
     weight = (slope**2).sum(axis=0)
-    if not weight.any():
+    if not weight.has_object():
         return np.zeros_like(slope)
     waves = [2.0 - 2.0 * np.cos(np.pi * np.arange(count) / count) for count in edges.shape]
     spectrum = weight.mean() + mu * (waves[0][:, None] + waves[1])
@@ -99,7 +99,7 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
     )
 
 
-def evened(field: Array, evenness: float = 1.0) -> Array:
+def even_out_field(field: Array, evenness: float = 1.0) -> Array:
     """Even out the lengths of a field, shape (2, H, W), whose longest vector gets the length 1.
 
     An `evenness` of 0 leaves the ratios of their lengths, 1 makes all lengths 1, except where the field is negligible.
@@ -114,7 +114,7 @@ def evened(field: Array, evenness: float = 1.0) -> Array:
 Force = Callable[[Array], Array]
 """Force at positions, shape (N, 2), shape (N, 2)."""
 
-SPACING = 1.0
+SNAKE_SPACING = 1.0
 """Distance at which the points of a curve are kept [px]."""
 
 _MAX_POINT_STEP = 1.0
@@ -148,7 +148,7 @@ class Elasticity:
     gamma: float
 
 
-def moved(curve: Array, force: Force, elasticity: Elasticity, shape: Extent) -> Array:
+def advance_curve(curve: Array, force: Force, elasticity: Elasticity, shape: Extent) -> Array:
     """Advance a closed curve, shape (N, 2) [px], by a step; it stays within the image."""
     wave = 2.0 - 2.0 * np.cos(2.0 * np.pi * np.arange(len(curve) // 2 + 1) / len(curve))
     matrix = elasticity.alpha * wave + elasticity.beta * wave**2 + elasticity.gamma
@@ -158,12 +158,12 @@ def moved(curve: Array, force: Force, elasticity: Elasticity, shape: Extent) -> 
     return np.clip(after, 0.0, np.array(shape) - 1.0)
 
 
-def evolution(curves: Arrays, force: Force, elasticity: Elasticity, shape: Extent) -> Iterator[ContourState]:
+def evolve_curves(curves: Arrays, force: Force, elasticity: Elasticity, shape: Extent) -> Iterator[ContourState]:
     """Evolve closed curves, each of shape (N, 2) [px], until all are at rest or have collapsed."""
     before = curves
-    yield _state(0, curves)
+    yield _build_state(0, curves)
     for step in range(1, _MAX_SNAKE_STEPS + 1):
-        paths = (_evened(moved(curve, force, elasticity, shape)) for curve in curves)
+        paths = (_even_out_points(advance_curve(curve, force, elasticity, shape)) for curve in curves)
         curves = tuple(
             path[:-1] for path in paths if len(path) > _MIN_CURVE_POINTS and path_length(path) >= _MIN_CURVE_LENGTH
         )
@@ -178,50 +178,50 @@ def evolution(curves: Arrays, force: Force, elasticity: Elasticity, shape: Exten
             reason, before = "the curve is at rest" if at_rest else "", curves
         if step == _MAX_SNAKE_STEPS and not reason:
             reason = f"stopped after {step} steps"
-        yield _state(step, curves, reason, at_rest)
+        yield _build_state(step, curves, reason, at_rest)
         if reason:
             return
 
 
-def _state(step: int, curves: Arrays, reason: str = "", at_rest: bool = False) -> ContourState:
+def _build_state(step: int, curves: Arrays, reason: str = "", at_rest: bool = False) -> ContourState:
     return ContourState(step, lambda: tuple(Contour(curve, closed=True) for curve in curves), reason, at_rest)
 
 
-def _evened(curve: Array) -> Array:
+def _even_out_points(curve: Array) -> Array:
     """Return the path around a curve, sampled again where its points have become uneven."""
     path = np.concatenate([curve, curve[:1]])
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    if steps.min() >= _SPACING_RANGE[0] * SPACING and steps.max() <= _SPACING_RANGE[1] * SPACING:
+    if steps.min() >= _SPACING_RANGE[0] * SNAKE_SPACING and steps.max() <= _SPACING_RANGE[1] * SNAKE_SPACING:
         return path
-    return resample_path(path, SPACING)
+    return resample_path(path, SNAKE_SPACING)
 
 
 @frozen
 class SnakeSettings(Settings):
     """Parameters of the classical snake."""
 
-    alpha: float = number(
+    alpha: float = declare_setting(
         0.015, "α", "Tension", "Weight of the tension, which shortens the curve.",
         "Larger values shrink the curve faster, and also where there is no edge.",
         (0.0, 10.0), (0.0, 0.2), 0.005, equation="eq. (1)",
     )  # fmt: skip
-    beta: float = number(
+    beta: float = declare_setting(
         0.1, "β", "Rigidity", "Weight of the rigidity, which keeps the curve from bending.",
         "Larger values round corners and keep the curve out of narrow bays.",
         (0.0, 1000.0), (0.0, 10.0), 0.05, equation="eq. (1)",
     )  # fmt: skip
-    attraction: float = number(
+    attraction: float = declare_setting(
         1.0, "w", "Attraction", "Weight of the force of the image, which pulls the curve to edges.",
         "Larger values pull harder, so that tension and rigidity count for less.",
         (0.0, 100.0), (0.0, 5.0), 0.1, equation="eq. (1)",
     )  # fmt: skip
-    smoothing: float = smoothing_before_edges(2.0)
+    smoothing: float = declare_smoothing(2.0)
 
 
 _SNAKE_RESISTANCE = 0.01
 
 
-def edge_force(edges: Array, attraction: float) -> Force:
+def build_edge_force(edges: Array, attraction: float) -> Force:
     """Build a force from the gradient of an edge map, shape (H, W), by quadratic splines between the pixels."""
     rows, cols = map(np.arange, edges.shape)
     surface = scipy.interpolate.RectBivariateSpline(rows, cols, attraction * edges, kx=2, ky=2, s=0)
@@ -233,17 +233,17 @@ def edge_force(edges: Array, attraction: float) -> Force:
     return interpolate_force
 
 
-def sobel_edges(image: Image, smoothing: float) -> Array:
+def find_sobel_edges(image: Image, smoothing: float) -> Array:
     """Find edges, shape (H, W), by the Sobel filter, as scikit-image's ``active_contour`` does in smoothed images."""
     smooth = scipy.ndimage.gaussian_filter(unit_gray(image), smoothing, mode="nearest")
     return skimage.filters.sobel(smooth)  # type: ignore[no-untyped-call]
 
 
-def snake(image: Image, start: Start, settings: SnakeSettings) -> Iterator[ContourState]:
+def evolve_snake(image: Image, start: Start, settings: SnakeSettings) -> Iterator[ContourState]:
     """Evolve the classical snake."""
-    force = edge_force(sobel_edges(image, settings.smoothing), settings.attraction)
+    force = build_edge_force(find_sobel_edges(image, settings.smoothing), settings.attraction)
     elasticity = Elasticity(settings.alpha, settings.beta, _SNAKE_RESISTANCE)
-    return evolution(start.curves(SPACING), force, elasticity, image.shape)
+    return evolve_curves(start.sample_curves(SNAKE_SPACING), force, elasticity, image.shape)
 
 
 SNAKE = ContourMethod(
@@ -252,13 +252,13 @@ SNAKE = ContourMethod(
     "A closed curve that is pulled up the slope of the edge map, and that tension and rigidity keep short and smooth.",
     "Kass, Witkin and Terzopoulos (1988), doi:10.1007/BF00133570; the forces of scikit-image's active_contour",
     SnakeSettings,
-    snake,
+    evolve_snake,
 )
 
 
-def smoothness_of_the_field() -> Any:
+def declare_field_smoothness() -> Any:
     """Declare the setting of both methods that move in the field of gradient vector flow."""
-    return number(
+    return declare_setting(
         0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
         "Larger values carry the edges farther and even out noise.",
         (1e-4, 100.0), (0.01, 1.0), 0.01, equation="gradient vector flow",
@@ -269,33 +269,33 @@ def smoothness_of_the_field() -> Any:
 class GvfSnakeSettings(Settings):
     """Parameters of the GVF snake."""
 
-    mu: float = smoothness_of_the_field()
-    alpha: float = number(
+    mu: float = declare_field_smoothness()
+    alpha: float = declare_setting(
         0.0, "α", "Tension", "Weight of the tension, which shortens the curve.",
         "Larger values keep the curve out of bays.", (0.0, 10.0), (0.0, 1.0), 0.01, equation="eq. (1)",
     )  # fmt: skip
-    beta: float = number(
+    beta: float = declare_setting(
         0.0, "β", "Rigidity", "Weight of the rigidity, which keeps the curve from bending.",
         "Larger values round corners.", (0.0, 1000.0), (0.0, 5.0), 0.05, equation="eq. (1)",
     )  # fmt: skip
-    attraction: float = number(
+    attraction: float = declare_setting(
         0.6, "κ", "Attraction", "Weight of the field, whose vectors all have the length 1.",
         "Larger values move the curve faster, and overcome tension and rigidity.",
         (0.0, 100.0), (0.0, 3.0), 0.05,
     )  # fmt: skip
-    smoothing: float = smoothing_before_edges(1.0)
+    smoothing: float = declare_smoothing(1.0)
 
 
-def gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[ContourState]:
+def evolve_gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[ContourState]:
     """Evolve the GVF snake."""
-    field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu))
+    field = even_out_field(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu))
     elasticity = Elasticity(settings.alpha, settings.beta, 1.0)
 
     def interpolate_force(at: Array) -> Array:
         sampled = (scipy.ndimage.map_coordinates(part, at.T, order=1, mode="nearest") for part in field)
         return settings.attraction * np.stack([*sampled], axis=1)
 
-    return evolution(start.curves(SPACING), interpolate_force, elasticity, image.shape)
+    return evolve_curves(start.sample_curves(SNAKE_SPACING), interpolate_force, elasticity, image.shape)
 
 
 GVF_SNAKE = ContourMethod(
@@ -304,5 +304,5 @@ GVF_SNAKE = ContourMethod(
     "A closed curve in the field of gradient vector flow, which carries the edges far into flat regions.",
     "Xu and Prince (1998), doi:10.1109/83.661186",
     GvfSnakeSettings,
-    gvf_snake,
+    evolve_gvf_snake,
 )

@@ -22,21 +22,21 @@ import skimage
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Mask, Single, record
-from cpm_core.objects.prior.network import Network, trained
-from cpm_core.objects.prior.prior import maps_of
+from cpm_core.objects.prior.network import Network, load_trained_network
+from cpm_core.objects.prior.prior import build_input_maps
 from cpm_core.objects.prior.windows import (
     ANSWER_MARGIN,
     CROP_SIZE_RATIO,
     INSIDE_PROBABILITY,
-    LEAST_DEVIATION,
+    DEVIATION_OFFSET,
     MAX_RELATIVE_SIDE,
     MIN_ANSWER_SIDE,
     MIN_FIRST_SIDE,
-    SIDE,
-    Cube,
-    Grays,
-    holding,
-    resampled,
+    CROP_SIDE,
+    Crop3D,
+    VolumeSampler,
+    mark_points,
+    resample_with_tent,
 )
 
 _CROP_WIDENING = 1.4
@@ -64,7 +64,7 @@ _MIN_PROPAGATED_IOU = 0.5
 _AGREEMENT_WEIGHT = 0.3
 """Weight of the agreement of slices along their shared lines, next to the predicted overlap."""
 
-FAR = 5.0
+MAX_LOGIT = 5.0
 """Largest logit; beyond the slices that were asked, its negative stands for outside."""
 
 _INTENSITY_SIGMA = 10.0
@@ -117,7 +117,7 @@ _SLICE_AXES = ((1, 2), (0, 2), (0, 1))
 
 
 @record
-class Body:
+class BodyPrediction:
     """A predicted body.
 
     Attributes
@@ -128,48 +128,48 @@ class Body:
         Logits of the steps of the crop to lie in the body, by the slices alone, and in total.
     """
 
-    cube: Cube
-    opinion: Single
+    crop: Crop3D
+    slice_logits: Single
     logits: Single
 
     @property
-    def size(self) -> float:
+    def volume(self) -> float:
         """Its volume [smallest sides of a voxel, cubed]."""
-        return float(np.count_nonzero(self.logits > 0.0)) * self.cube.scale**3
+        return float(np.count_nonzero(self.logits > 0.0)) * self.crop.step_size**3
 
-    def logit(self, place: Array) -> float:
+    def interpolate_logit(self, place: Array) -> float:
         """Interpolate the logit of a point, shape (3,): above 0 it lies in the body."""
-        step = self.cube.steps(place)[:, None]
-        return float(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-FAR)[0])
+        step = self.crop.to_crop_steps(place)[:, None]
+        return float(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-MAX_LOGIT)[0])
 
 
-def is_other(size: float, other: float) -> bool:
+def is_different_body(size: float, other: float) -> bool:
     """Return whether two bodies around a point are different ones, by their volumes."""
     return max(size, other) > _DISTINCT_VOLUME_RATIO * min(size, other)
 
 
-def body_of(mask: Mask, size: Array) -> Body:
+def body_from_mask(mask: Mask, size: Array) -> BodyPrediction:
     """Build the body of some voxels, shape (P, R, C), whose sides are given, shape (3,), the smallest being 1."""
     first, last = true_bounds(mask)
     low, high = (first - 0.5) * size, (last + 0.5) * size
-    cube = Cube(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
-    logits = logits_of(mask, size, cube)
-    return Body(cube, logits, logits)
+    cube = Crop3D(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
+    logits = logits_from_mask(mask, size, cube)
+    return BodyPrediction(cube, logits, logits)
 
 
-def logits_of(mask: Mask, size: Array, cube: Cube) -> Single:
+def logits_from_mask(mask: Mask, size: Array, cube: Crop3D) -> Single:
     """Compute the logits of the steps of a crop to lie in some voxels, shape (P, R, C), whose sides are given.
 
     Returns float32, shape (SIDE, SIDE, SIDE).
     """
-    lines = [line / side for line, side in zip(cube.lines, size.tolist(), strict=True)]
-    logits = (2.0 * resampled(mask, lines, tuple(cube.scale / size)) - 1.0) * np.float32(FAR)
+    lines = [line / side for line, side in zip(cube.axis_positions, size.tolist(), strict=True)]
+    logits = (2.0 * resample_with_tent(mask, lines, tuple(cube.step_size / size)) - 1.0) * np.float32(MAX_LOGIT)
     for axis, line in enumerate(lines):
-        np.moveaxis(logits, axis, 0)[(line < -0.5) | (line > mask.shape[axis] - 0.5)] = -FAR
+        np.moveaxis(logits, axis, 0)[(line < -0.5) | (line > mask.shape[axis] - 0.5)] = -MAX_LOGIT
     return logits
 
 
-class _Slice(NamedTuple):
+class _SliceQuery(NamedTuple):
     """A slice of a crop that the network is asked about: the axis across it, the step on that axis, the answer so far.
 
     What the next slice has added or removed is in `more` or `less`.
@@ -177,30 +177,30 @@ class _Slice(NamedTuple):
 
     axis: int
     step: int
-    before: Single
-    more: Mask | None = None
-    less: Mask | None = None
+    previous: Single
+    added: Mask | None = None
+    removed: Mask | None = None
 
 
-class _Asked(NamedTuple):
+class _SlicePredictions(NamedTuple):
     """Answers of the network in slices: probabilities, and predicted overlaps."""
 
-    seen: list[Single]
-    overlap: list[float]
+    probability: list[Single]
+    predicted_iou: list[float]
 
 
-class _Within(NamedTuple):
+class _CropContext(NamedTuple):
     """A crop with its gray levels, the gray level of the object, and the steps of positive and negative points."""
 
-    cube: Cube
+    crop: Crop3D
     grays: Single
-    level: float
-    inside: Array
-    outside: Array
+    object_gray: float
+    positive: Array
+    negative: Array
 
 
 @record
-class BodyPrior:
+class BodyPredictor:
     """Predictions of the network for clicks in a volume.
 
     Attributes
@@ -214,39 +214,39 @@ class BodyPrior:
     """
 
     values: Array
-    size: Array
-    network: Network = field(default_factory=trained)
+    voxel_sides: Array
+    network: Network = field(default_factory=load_trained_network)
 
-    def bodies_at(self, place: Array) -> Iterator[Body]:
+    def predict_bodies(self, place: Array) -> Iterator[BodyPrediction]:
         """Predict bodies of different sizes that a point, shape (3,), may lie in, the most plausible one first.
 
         Last come bodies that contain the point only because it is positive, such as a head around a point in its
         ventricles; and stable regions of similar gray levels, such as an organ in a head.
         """
-        found: list[Body] = []
+        found: list[BodyPrediction] = []
         forced = []
-        for cube, seen in self._looks(place):
-            body = self._body(place, *self._closer(cube, seen, place))
-            if all(is_other(body.size, one.size) for one in found):
+        for cube, seen in self._rank_crop_sizes(place):
+            body = self._grow_body(place, *self._recrop_around(cube, seen, place))
+            if all(is_different_body(body.volume, one.volume) for one in found):
                 found.append(body)
-                if body.logit(place) > _POINT_LOGIT:
+                if body.interpolate_logit(place) > _POINT_LOGIT:
                     yield body
                 else:
                     forced.append(body)
         yield from forced
-        yield from self._grown(place, max(found, key=lambda body: body.cube.side).cube)
+        yield from self._find_stable_regions(place, max(found, key=lambda body: body.crop.side).crop)
 
-    def _grown(self, place: Array, cube: Cube) -> Iterator[Body]:
+    def _find_stable_regions(self, place: Array, cube: Crop3D) -> Iterator[BodyPrediction]:
         """Find regions connected to a point whose gray levels differ from its own by less than a tolerance.
 
         Only those tolerances count at which the region hardly grows (maximally stable regions: Matas et al. 2004,
         doi:10.1016/j.imavis.2004.02.006). Bridges narrower than three steps are cut.
         """
-        within = self._within(cube, place[None], np.empty((0, 3)))
-        step = tuple(np.clip(np.rint(within.inside[0]), 0, SIDE - 1).astype(int).tolist())
+        within = self._build_context(cube, place[None], np.empty((0, 3)))
+        step = tuple(np.clip(np.rint(within.positive[0]), 0, CROP_SIDE - 1).astype(int).tolist())
         grays = scipy.ndimage.gaussian_filter(within.grays, 1.0)
         off = np.abs(grays - grays[step])
-        for axis, (first, last) in enumerate(self._grays.within(cube).tolist()):
+        for axis, (first, last) in enumerate(self._sampler.find_inner_steps(cube).tolist()):
             sides = np.moveaxis(off, axis, 0)
             sides[:first], sides[last + 1 :] = np.inf, np.inf
         parts: list[Mask] = []
@@ -260,90 +260,90 @@ class BodyPrior:
         growth = np.diff(np.log(sizes))
         beside = np.pad(growth, 1, constant_values=_MAX_STABLE_GROWTH)
         for k in np.flatnonzero((growth <= beside[:-2]) & (growth < beside[2:]) & (np.array(sizes[:-1]) > 1)).tolist():
-            opinion = np.where(parts[k], FAR, -FAR).astype(np.float32)
-            yield Body(cube, opinion, self._settled(within, opinion))
+            opinion = np.where(parts[k], MAX_LOGIT, -MAX_LOGIT).astype(np.float32)
+            yield BodyPrediction(cube, opinion, self._refine_by_intensity(within, opinion))
 
-    def _body(self, place: Array, cube: Cube, seen: list[Single]) -> Body:
+    def _grow_body(self, place: Array, cube: Crop3D, seen: list[Single]) -> BodyPrediction:
         """Grow the body of a point from the answers in the slices through it, in a crop that is widened as needed."""
         for turn in range(_MAX_WIDENINGS):
-            within = self._within(cube, place[None], np.empty((0, 3)))
+            within = self._build_context(cube, place[None], np.empty((0, 3)))
             if turn == 0:
-                opinion = self._carried(within, seen)
-            body = Body(cube, opinion, self._settled(within, opinion))
-            if not self._touches(body) or cube.side >= MAX_RELATIVE_SIDE * self._grays.extent:
+                opinion = self._propagate_slices(within, seen)
+            body = BodyPrediction(cube, opinion, self._refine_by_intensity(within, opinion))
+            if not self._touches_crop_sides(body) or cube.side >= MAX_RELATIVE_SIDE * self._sampler.longest_side:
                 break
             cube, before = (
-                Cube(cube.middle, min(_CROP_WIDENING * cube.side, MAX_RELATIVE_SIDE * self._grays.extent)),
+                Crop3D(cube.center, min(_CROP_WIDENING * cube.side, MAX_RELATIVE_SIDE * self._sampler.longest_side)),
                 cube,
             )
-            opinion = cube.of(before, opinion, -FAR)
+            opinion = cube.resample_from(before, opinion, -MAX_LOGIT)
         return body
 
-    def corrected(self, body: Body, place: Array, adds: bool, inside: Array, outside: Array) -> Body:
+    def correct_body(self, body: BodyPrediction, place: Array, adds: bool, inside: Array, outside: Array) -> BodyPrediction:
         """Correct a body by a point, shape (3,), that contradicts it, and `adds` to it or removes from it.
 
         `inside` and `outside` are all points so far, shape (M, 3) and (K, 3).
         """
-        cube = self._holding(body, place)
+        cube = self._widen_crop(body, place)
         while True:
-            before = Body(cube, cube.of(body.cube, body.opinion, -FAR), cube.of(body.cube, body.logits, -FAR))
-            within = self._within(cube, inside, outside)
-            step = cube.steps(place)
-            near = _at_boundary(before, step)
-            changed = None if near else _parted(within, before) if adds else _behind_neck(within, before, step)
+            before = BodyPrediction(cube, cube.resample_from(body.crop, body.slice_logits, -MAX_LOGIT), cube.resample_from(body.crop, body.logits, -MAX_LOGIT))
+            within = self._build_context(cube, inside, outside)
+            step = cube.to_crop_steps(place)
+            near = _is_at_boundary(before, step)
+            changed = None if near else _add_by_watershed(within, before) if adds else _find_part_behind_neck(within, before, step)
             if changed is not None:
                 # at the rim of the change gray levels decide
                 weight = np.where(changed, 1.0, 0.0) + (_CORRECTION_WEIGHT - 1.0) * scipy.ndimage.binary_erosion(
                     changed
                 )
-                sure = (FAR if adds else -FAR) * weight.astype(np.float32)
-                opinion = np.where(changed, sure, before.opinion)
+                sure = (MAX_LOGIT if adds else -MAX_LOGIT) * weight.astype(np.float32)
+                opinion = np.where(changed, sure, before.slice_logits)
             else:
-                opinion = before.opinion if near else self._changed(within, before, step, adds)
-            logits = self._settled(within, opinion)
+                opinion = before.slice_logits if near else self._propagate_change(within, before, step, adds)
+            logits = self._refine_by_intensity(within, opinion)
             logits = np.maximum(logits, before.logits) if adds else np.minimum(logits, before.logits)
-            after = Body(cube, opinion, logits)
-            if not adds or not self._touches(after) or cube.side > _CROP_WIDENING * body.cube.side:
+            after = BodyPrediction(cube, opinion, logits)
+            if not adds or not self._touches_crop_sides(after) or cube.side > _CROP_WIDENING * body.crop.side:
                 return after
-            cube = Cube(cube.middle, _CROP_WIDENING * cube.side)
+            cube = Crop3D(cube.center, _CROP_WIDENING * cube.side)
 
     # Slices
 
-    def _looks(self, place: Array) -> list[tuple[Cube, list[Single]]]:
+    def _rank_crop_sizes(self, place: Array) -> list[tuple[Crop3D, list[Single]]]:
         """Rank crops of all sizes around a point, with the probabilities in their slices; the clearest first."""
-        largest = MAX_RELATIVE_SIDE * self._grays.extent
+        largest = MAX_RELATIVE_SIDE * self._sampler.longest_side
         count = max(int(np.ceil(np.log(largest / MIN_FIRST_SIDE) / np.log(CROP_SIZE_RATIO) - 0.5)), 0)
-        cubes = [Cube(place, side) for side in (*(MIN_FIRST_SIDE * CROP_SIZE_RATIO**k for k in range(count)), largest)]
-        asked = [self._through(cube, place, None) for cube in cubes]
-        answers = self._ask([maps for each in asked for maps in each])
-        seen = [answers.seen[k : k + 3] for k in range(0, len(answers.seen), 3)]
-        expected = np.mean(np.reshape(answers.overlap, (-1, 3)), axis=1)
+        cubes = [Crop3D(place, side) for side in (*(MIN_FIRST_SIDE * CROP_SIZE_RATIO**k for k in range(count)), largest)]
+        asked = [self._prepare_slices(cube, place, None) for cube in cubes]
+        answers = self._predict_slices([maps for each in asked for maps in each])
+        seen = [answers.probability[k : k + 3] for k in range(0, len(answers.probability), 3)]
+        expected = np.mean(np.reshape(answers.predicted_iou, (-1, 3)), axis=1)
         ratings = [
-            overlap + _AGREEMENT_WEIGHT * _agreement(slices) for overlap, slices in zip(expected, seen, strict=True)
+            overlap + _AGREEMENT_WEIGHT * _measure_slice_agreement(slices) for overlap, slices in zip(expected, seen, strict=True)
         ]
         return [(cubes[k], seen[k]) for k in np.argsort(-np.array(ratings), kind="stable")]
 
-    def _closer(self, cube: Cube, found: list[Single], place: Array) -> tuple[Cube, list[Single]]:
+    def _recrop_around(self, cube: Crop3D, found: list[Single], place: Array) -> tuple[Crop3D, list[Single]]:
         """Crop closely around the answers in the slices of a crop, and predict again."""
-        wider = _around(cube, found, place)
-        lines = cube.steps_along(wider.lines)
+        wider = _crop_around_slices(cube, found, place)
+        lines = cube.axes_to_crop_steps(wider.axis_positions)
         before = []
         for axis, seen in enumerate(found):
             places = np.meshgrid(*(lines[other] for other in _SLICE_AXES[axis]), indexing="ij")
             before.append(np.asarray(scipy.ndimage.map_coordinates(seen, places, order=1), np.float32))
-        return wider, self._ask(self._through(wider, place, before)).seen
+        return wider, self._predict_slices(self._prepare_slices(wider, place, before)).probability
 
-    def _through(self, cube: Cube, place: Array, before: list[Single] | None) -> list[Callable[[], Single]]:
+    def _prepare_slices(self, cube: Crop3D, place: Array, before: list[Single] | None) -> list[Callable[[], Single]]:
         """Prepare the input maps of the slices of a crop through a positive point, to be computed on demand."""
-        step = cube.steps(place[None])
+        step = cube.to_crop_steps(place[None])
         makers: list[Callable[[], Single]] = []
         for axis in range(3):
-            grays = partial(self._grays.through, cube, {axis: float(place[axis])})
-            former = np.zeros((SIDE, SIDE), np.float32) if before is None else before[axis]
-            makers.append(partial(_maps_through, grays, axis, step[:, _SLICE_AXES[axis]], former))
+            grays = partial(self._sampler.sample_crop, cube, {axis: float(place[axis])})
+            former = np.zeros((CROP_SIDE, CROP_SIDE), np.float32) if before is None else before[axis]
+            makers.append(partial(_sample_slice_maps, grays, axis, step[:, _SLICE_AXES[axis]], former))
         return makers
 
-    def _ask(self, makers: Sequence[Callable[[], Single]]) -> _Asked:
+    def _predict_slices(self, makers: Sequence[Callable[[], Single]]) -> _SlicePredictions:
         """Predict slices, in parallel on all cores."""
         seen: list[Single] = [np.empty(0, np.float32)] * len(makers)
         overlap = [0.0] * len(makers)
@@ -353,47 +353,47 @@ class BodyPrior:
                 seen[k], overlap[k] = self.network(makers[k]())
 
         run_in_parallel(predict_range, len(makers), 1)
-        return _Asked(seen, overlap)
+        return _SlicePredictions(seen, overlap)
 
-    def _ask_within(self, within: _Within, slices: Sequence[_Slice]) -> _Asked:
-        return self._ask([partial(_maps_within, within, each) for each in slices])
+    def _predict_crop_slices(self, within: _CropContext, slices: Sequence[_SliceQuery]) -> _SlicePredictions:
+        return self._predict_slices([partial(_build_slice_maps, within, each) for each in slices])
 
-    def _carried(self, within: _Within, seen: list[Single]) -> Single:
+    def _propagate_slices(self, within: _CropContext, seen: list[Single]) -> Single:
         """Propagate answers from slice to slice, `_SLICE_SPACING` steps apart, from those through the first point."""
-        start = np.clip(np.rint(within.inside[0]).astype(int), 0, SIDE - 1).tolist()
-        ends = self._grays.within(within.cube)
-        known = [{start[axis]: _logit(seen[axis])} for axis in range(3)]
-        heads = [(_Slice(axis, start[axis], seen[axis]), way) for axis in range(3) for way in (-1, 1)]
+        start = np.clip(np.rint(within.positive[0]).astype(int), 0, CROP_SIDE - 1).tolist()
+        ends = self._sampler.find_inner_steps(within.crop)
+        known = [{start[axis]: _clipped_logit(seen[axis])} for axis in range(3)]
+        heads = [(_SliceQuery(axis, start[axis], seen[axis]), way) for axis in range(3) for way in (-1, 1)]
         while heads:
             heads = [(head._replace(step=head.step + way * _SLICE_SPACING), way) for head, way in heads]
             heads = [(head, way) for head, way in heads if ends[head.axis, 0] <= head.step <= ends[head.axis, 1]]
-            answers = self._ask_within(within, [head for head, _ in heads])
+            answers = self._predict_crop_slices(within, [head for head, _ in heads])
             left = []
             for (head, way), found, overlap in zip(heads, *answers, strict=True):
                 sure = (
                     overlap >= _MIN_PROPAGATED_IOU
-                    and ((found > INSIDE_PROBABILITY) & (head.before > INSIDE_PROBABILITY)).any()
+                    and ((found > INSIDE_PROBABILITY) & (head.previous > INSIDE_PROBABILITY)).any()
                 )
-                known[head.axis][head.step] = _logit(found)
+                known[head.axis][head.step] = _clipped_logit(found)
                 if sure:
                     left.append((head._replace(before=found), way))
                 else:
-                    known[head.axis][head.step] = np.minimum(known[head.axis][head.step], -FAR)
+                    known[head.axis][head.step] = np.minimum(known[head.axis][head.step], -MAX_LOGIT)
             heads = left
-        return np.mean([_between(known[axis], axis, -FAR)[0] for axis in range(3)], axis=0, dtype=np.float32)
+        return np.mean([_interpolate_slices(known[axis], axis, -MAX_LOGIT)[0] for axis in range(3)], axis=0, dtype=np.float32)
 
-    def _changed(self, within: _Within, body: Body, step: Array, adds: bool) -> Single:
+    def _propagate_change(self, within: _CropContext, body: BodyPrediction, step: Array, adds: bool) -> Single:
         """Propagate a correction from the slices through its point, as long as more than a rim changes."""
-        start = np.clip(np.rint(step).astype(int), 0, SIDE - 1).tolist()
-        ends = self._grays.within(within.cube)
+        start = np.clip(np.rint(step).astype(int), 0, CROP_SIDE - 1).tolist()
+        ends = self._sampler.find_inner_steps(within.crop)
         now = scipy.special.expit(body.logits)
-        heads = [(_Slice(axis, start[axis], now.take(start[axis], axis)), 0) for axis in range(3)]
+        heads = [(_SliceQuery(axis, start[axis], now.take(start[axis], axis)), 0) for axis in range(3)]
         known: list[dict[int, Single]] = [{}, {}, {}]
         while heads:
-            answers = self._ask_within(within, [head for head, _ in heads])
+            answers = self._predict_crop_slices(within, [head for head, _ in heads])
             left = []
             for (head, way), found, overlap in zip(heads, *answers, strict=True):
-                known[head.axis][head.step] = _logit(found)
+                known[head.axis][head.step] = _clipped_logit(found)
                 before = now.take(head.step, head.axis)
                 on, was = found > INSIDE_PROBABILITY, before > INSIDE_PROBABILITY
                 other = on & ~was if adds else was & ~on
@@ -408,134 +408,134 @@ class BodyPrior:
                     if ends[head.axis, 0] <= at <= ends[head.axis, 1]:
                         there = np.where(other, found, now.take(at, head.axis))
                         sides = (other, None) if adds else (None, other)
-                        left.append((_Slice(head.axis, at, there, *sides), turn))
+                        left.append((_SliceQuery(head.axis, at, there, *sides), turn))
             heads = left
-        opinions, weights = zip(*(_between(known[axis], axis, 0.0) for axis in range(3)), strict=True)
+        opinions, weights = zip(*(_interpolate_slices(known[axis], axis, 0.0) for axis in range(3)), strict=True)
         total = np.maximum(np.sum(weights, axis=0), 1e-6)
         mean = np.sum([one * weight for one, weight in zip(opinions, weights, strict=True)], axis=0) / total
         blend = np.max(weights, axis=0)
         anew = np.clip(
-            _CORRECTION_WEIGHT * _CORRECTION_WEIGHT * mean, -_CORRECTION_WEIGHT * FAR, _CORRECTION_WEIGHT * FAR
+            _CORRECTION_WEIGHT * _CORRECTION_WEIGHT * mean, -_CORRECTION_WEIGHT * MAX_LOGIT, _CORRECTION_WEIGHT * MAX_LOGIT
         )
-        return np.asarray(blend * anew + (1.0 - blend) * body.opinion, np.float32)
+        return np.asarray(blend * anew + (1.0 - blend) * body.slice_logits, np.float32)
 
     # Gray levels
 
-    def _settled(self, within: _Within, opinion: Single) -> Single:
+    def _refine_by_intensity(self, within: _CropContext, opinion: Single) -> Single:
         """Refine the logits of the slices by points and gray levels.
 
         Gray levels add how much likelier each is inside than outside, by the means and deviations of both around it;
         the rule is fitted again in each round.
         """
         places = np.zeros_like(opinion)
-        for steps, sign in ((within.inside, 1.0), (within.outside, -1.0)):
+        for steps, sign in ((within.positive, 1.0), (within.negative, -1.0)):
             for step in steps:
-                plane, row, col = np.exp(-0.5 * np.square((np.arange(SIDE) - step[:, None]) / _POINT_SIGMA)).astype(
+                plane, row, col = np.exp(-0.5 * np.square((np.arange(CROP_SIDE) - step[:, None]) / _POINT_SIGMA)).astype(
                     np.float32
                 )
                 places += (sign * _POINT_LOGIT * plane)[:, None, None] * np.multiply.outer(row, col)
         given = _SLICE_WEIGHT * opinion + places
-        half, coarse = _blocks(within.grays, _INTENSITY_BLOCK // 2), _blocks(given, _INTENSITY_BLOCK // 2)
+        half, coarse = _average_blocks(within.grays, _INTENSITY_BLOCK // 2), _average_blocks(given, _INTENSITY_BLOCK // 2)
         logits = coarse
         for _ in range(_INTENSITY_ROUNDS):
-            rule = _likelihood(half, scipy.special.expit(logits))
-            logits = coarse + _weighed(half, rule, 2)
-        return np.asarray(given + _weighed(within.grays, rule, _INTENSITY_BLOCK), np.float32)
+            rule = _fit_likelihood_ratio(half, scipy.special.expit(logits))
+            logits = coarse + _evaluate_likelihood_ratio(half, rule, 2)
+        return np.asarray(given + _evaluate_likelihood_ratio(within.grays, rule, _INTENSITY_BLOCK), np.float32)
 
     # Cubes
 
-    def _within(self, cube: Cube, inside: Array, outside: Array) -> _Within:
+    def _build_context(self, cube: Crop3D, inside: Array, outside: Array) -> _CropContext:
         """Build the context of a crop: its gray levels and the steps of points."""
-        grays = self._seen(cube)
-        within, beyond = cube.steps(inside), cube.steps(outside)
+        grays = self._sample_cached(cube)
+        within, beyond = cube.to_crop_steps(inside), cube.to_crop_steps(outside)
         level = float(np.median(scipy.ndimage.map_coordinates(grays, within.T, order=1, mode="nearest")))
-        return _Within(cube, grays, level, within, beyond)
+        return _CropContext(cube, grays, level, within, beyond)
 
-    def _touches(self, body: Body) -> bool:
+    def _touches_crop_sides(self, body: BodyPrediction) -> bool:
         """Return whether a body reaches the sides of its crop that lie inside the volume."""
         likely = body.logits > 0.0
-        for axis, (first, last) in enumerate(self._grays.within(body.cube).tolist()):
+        for axis, (first, last) in enumerate(self._sampler.find_inner_steps(body.crop).tolist()):
             sides = np.moveaxis(likely, axis, 0)
-            if (first == 0 and sides[:2].any()) or (last == SIDE - 1 and sides[-2:].any()):
+            if (first == 0 and sides[:2].any()) or (last == CROP_SIDE - 1 and sides[-2:].any()):
                 return True
         return False
 
-    def _holding(self, body: Body, place: Array) -> Cube:
+    def _widen_crop(self, body: BodyPrediction, place: Array) -> Crop3D:
         """Return the crop of a body, widened if a point lies at its sides or beyond."""
-        off = np.abs(body.cube.steps(place) - SIDE / 2).max()
-        most = SIDE / 2 - _SLICE_SPACING
-        return body.cube if off <= most else Cube(body.cube.middle, body.cube.side * float(off / most))
+        off = np.abs(body.crop.to_crop_steps(place) - CROP_SIDE / 2).max()
+        most = CROP_SIDE / 2 - _SLICE_SPACING
+        return body.crop if off <= most else Crop3D(body.crop.center, body.crop.side * float(off / most))
 
     @cached_property
-    def _seen(self) -> Callable[[Cube], Single]:
+    def _sample_cached(self) -> Callable[[Crop3D], Single]:
         """Gray levels at the steps of a crop; those of the last crop are kept, as corrections need them again."""
-        return lru_cache(1)(self._grays.through)
+        return lru_cache(1)(self._sampler.sample_crop)
 
     @cached_property
-    def _grays(self) -> Grays:
-        return Grays(self.values, self.size)
+    def _sampler(self) -> VolumeSampler:
+        return VolumeSampler(self.values, self.voxel_sides)
 
 
-def _maps_through(grays: Callable[[], Single], axis: int, inside: Array, before: Single) -> Single:
+def _sample_slice_maps(grays: Callable[[], Single], axis: int, inside: Array, before: Single) -> Single:
     """Build the input maps of a slice through positive points, whose gray levels are sampled first."""
     there: Single = np.moveaxis(grays(), axis, 0)[0]
-    on = holding(inside)
-    return _maps(there, float(np.median(there[on])), on, np.zeros_like(on), before)
+    on = mark_points(inside)
+    return _build_maps(there, float(np.median(there[on])), on, np.zeros_like(on), before)
 
 
-def _maps_within(within: _Within, asked: _Slice) -> Single:
+def _build_slice_maps(within: _CropContext, asked: _SliceQuery) -> Single:
     """Build the input maps of a slice of a crop, with the points near it."""
     there: Single = np.moveaxis(within.grays, asked.axis, 0)[asked.step]
     inside, outside = (
-        holding(steps[np.abs(steps[:, asked.axis] - asked.step) <= 1.0][:, _SLICE_AXES[asked.axis]])
+        mark_points(steps[np.abs(steps[:, asked.axis] - asked.step) <= 1.0][:, _SLICE_AXES[asked.axis]])
         if changed is None
-        else _deepest(changed)
-        for steps, changed in ((within.inside, asked.more), (within.outside, asked.less))
+        else _find_deepest(changed)
+        for steps, changed in ((within.positive, asked.added), (within.negative, asked.removed))
     )
     if outside.any() and not inside.any():  # a negative point alone says little
-        inside = _deepest((asked.before > INSIDE_PROBABILITY) & ~outside)
-    return _maps(there, within.level, inside, outside, asked.before)
+        inside = _find_deepest((asked.previous > INSIDE_PROBABILITY) & ~outside)
+    return _build_maps(there, within.object_gray, inside, outside, asked.previous)
 
 
-def _deepest(mask: Mask) -> Mask:
+def _find_deepest(mask: Mask) -> Mask:
     """Find the pixels that are farthest from the border of a mask."""
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
     return np.asarray((depth == depth.max()) & mask)
 
 
-def _maps(grays: Single, level: float, inside: Mask, outside: Mask, before: Single) -> Single:
-    mean, deviation = grays.mean(), grays.std() + LEAST_DEVIATION
-    seen = np.zeros((3, SIDE, SIDE), np.float32)
+def _build_maps(grays: Single, level: float, inside: Mask, outside: Mask, before: Single) -> Single:
+    mean, deviation = grays.mean(), grays.std() + DEVIATION_OFFSET
+    seen = np.zeros((3, CROP_SIDE, CROP_SIDE), np.float32)
     seen[0] = (grays - mean) / deviation
     like = np.array([(level - mean) / deviation, 0.0, 0.0], np.float32)
-    return maps_of(seen, like, inside, outside, np.zeros_like(grays), before)
+    return build_input_maps(seen, like, inside, outside, np.zeros_like(grays), before)
 
 
-def _agreement(slices: Sequence[Single]) -> float:
+def _measure_slice_agreement(slices: Sequence[Single]) -> float:
     """Measure the mean overlap of three slices through the middle of a crop along the lines that they share."""
     found = []
     for one, other in combinations(range(3), 2):
         first, second = (
-            slices[across].take(SIDE // 2, _SLICE_AXES[across].index(rest)) > INSIDE_PROBABILITY
+            slices[across].take(CROP_SIDE // 2, _SLICE_AXES[across].index(rest)) > INSIDE_PROBABILITY
             for across, rest in ((one, other), (other, one))
         )
         found.append(np.count_nonzero(first & second) / max(int(np.count_nonzero(first | second)), 1))
     return float(np.mean(found))
 
 
-def _around(cube: Cube, slices: Sequence[Single], place: Array) -> Cube:
+def _crop_around_slices(cube: Crop3D, slices: Sequence[Single], place: Array) -> Crop3D:
     """Crop around what three slices show, and a point."""
     low, high = place.copy(), place.copy()
     for axis, seen in enumerate(slices):
         for row, other in enumerate(_SLICE_AXES[axis]):
             on = np.flatnonzero((seen > INSIDE_PROBABILITY).any(axis=1 - row))
             if len(on):
-                ends = cube.lines[other][on[[0, -1]]]
+                ends = cube.axis_positions[other][on[[0, -1]]]
                 low[other], high[other] = min(low[other], ends[0]), max(high[other], ends[1])
-    return Cube(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
+    return Crop3D(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
 
 
-def _between(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single, Single]:
+def _interpolate_slices(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single, Single]:
     """Interpolate slices across an axis between the known ones; return them and their weights from 0 to 1.
 
     From the outermost slices on, values fall to `beyond` over one slice distance.
@@ -546,7 +546,7 @@ def _between(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single
     weight = np.array([0.0, *[1.0] * len(steps), 0.0])
     if beyond:
         maps[0], maps[-1] = beyond, beyond
-    line = np.clip(np.arange(SIDE), at[0], at[-1])
+    line = np.clip(np.arange(CROP_SIDE), at[0], at[-1])
     low = np.clip(np.searchsorted(at, line, side="right") - 1, 0, len(at) - 2)
     part = ((line - np.take(at, low)) / (np.take(at, low + 1) - np.take(at, low))).astype(np.float32)
     share_of = part[:, None, None]
@@ -555,55 +555,55 @@ def _between(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single
     return np.moveaxis(found, 0, axis), np.moveaxis(np.broadcast_to(counts[:, None, None], found.shape), 0, axis)
 
 
-def changed_near(before: Body, after: Body, place: Array) -> Mask:
+def find_changes_near(before: BodyPrediction, after: BodyPrediction, place: Array) -> Mask:
     """Find the steps of a body that a point, shape (3,), has changed, without a rim that leads away from it.
 
     Returns a mask, shape (SIDE, SIDE, SIDE).
     """
-    changed = (after.cube.of(before.cube, before.logits, -FAR) > 0.0) != (after.logits > 0.0)
+    changed = (after.crop.resample_from(before.crop, before.logits, -MAX_LOGIT) > 0.0) != (after.logits > 0.0)
     parts, _ = scipy.ndimage.label(scipy.ndimage.binary_erosion(changed))
     near = np.zeros_like(changed)
     near[
         tuple(
             slice(max(at - _POINT_NEIGHBORHOOD, 0), at + _POINT_NEIGHBORHOOD + 1)
-            for at in np.rint(after.cube.steps(place)).astype(int)
+            for at in np.rint(after.crop.to_crop_steps(place)).astype(int)
         )
     ] = True
     held = np.isin(parts, np.setdiff1d(parts[near], 0))
     return np.asarray((scipy.ndimage.binary_dilation(held, iterations=2) | near) & changed)
 
 
-def _at_boundary(body: Body, step: Array) -> bool:
+def _is_at_boundary(body: BodyPrediction, step: Array) -> bool:
     """Return whether a step lies so near to the boundary of a body that its point only moves the boundary."""
-    ways = np.concatenate([np.eye(3), -np.eye(3)]) * (_BOUNDARY_TOLERANCE / body.cube.scale)
+    ways = np.concatenate([np.eye(3), -np.eye(3)]) * (_BOUNDARY_TOLERANCE / body.crop.step_size)
     near = scipy.ndimage.map_coordinates(body.logits, (step + ways).T, order=1, mode="nearest") > 0.0
     return bool(near.any() and not near.all())
 
 
-def _parted(within: _Within, body: Body) -> Mask | None:
+def _add_by_watershed(within: _CropContext, body: BodyPrediction) -> Mask | None:
     """Find the part that edges enclose together with points that a body lacks.
 
     Basins of the edge map are flooded from the body and its points, and from the sides of the crop and negative points
     (watershed from markers: Meyer 1994, doi:10.1016/0165-1684(94)90060-4). None unless the boundary of the new part is
     about as strong as that of the body.
     """
-    before = _blocks(body.logits, 2) > 0.0
-    edges = scipy.ndimage.gaussian_gradient_magnitude(_blocks(within.grays, 2), 1.0)
+    before = _average_blocks(body.logits, 2) > 0.0
+    edges = scipy.ndimage.gaussian_gradient_magnitude(_average_blocks(within.grays, 2), 1.0)
     markers = np.where(before, _BODY_BASIN, 0).astype(np.int32)
     for axis in range(3):
         np.moveaxis(markers, axis, 0)[[0, -1]] = _OUTSIDE_BASIN
-    for steps, number in ((within.outside, _OUTSIDE_BASIN), (within.inside, _BODY_BASIN)):
+    for steps, number in ((within.negative, _OUTSIDE_BASIN), (within.positive, _BODY_BASIN)):
         place = np.clip(np.rint((steps - 0.5) / 2.0), 0, len(before) - 1).astype(np.int64)
         markers[tuple(place.T)] = number
     changed = (skimage.segmentation.watershed(edges, markers) == _BODY_BASIN) & ~before  # type: ignore[no-untyped-call]
     along = scipy.ndimage.binary_dilation(changed) & ~changed & ~scipy.ndimage.binary_dilation(before, iterations=2)
     around = before & ~scipy.ndimage.binary_erosion(before)
-    if not along.any() or not around.any() or np.median(edges[along]) < _MIN_ADDED_STRENGTH * np.median(edges[around]):
+    if not along.has_object() or not around.any() or np.median(edges[along]) < _MIN_ADDED_STRENGTH * np.median(edges[around]):
         return None
     return np.asarray(changed.repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2))
 
 
-def _behind_neck(within: _Within, body: Body, step: Array) -> Mask | None:
+def _find_part_behind_neck(within: _CropContext, body: BodyPrediction, step: Array) -> Mask | None:
     """Find the part of a body that holds a step and lies behind a neck, seen from the positive points; else None."""
     whole = body.logits > 0.0
     if not whole.any():
@@ -612,7 +612,7 @@ def _behind_neck(within: _Within, body: Body, step: Array) -> Mask | None:
     before, changed = whole[box], np.zeros_like(whole)
     depth = scipy.ndimage.distance_transform_edt(np.pad(before, 1))[1:-1, 1:-1, 1:-1]
     first, last = np.array([side.start for side in box]), np.array(before.shape) - 1
-    inner = tuple(np.clip(np.rint(within.inside) - first, 0, last).astype(np.int64).T)
+    inner = tuple(np.clip(np.rint(within.positive) - first, 0, last).astype(np.int64).T)
     outer = tuple(np.clip(np.rint(step) - first, 0, last).astype(np.int64))
     for radius in range(1, _MAX_NECK_RADIUS + 1):
         parts, _ = scipy.ndimage.label(depth > radius)
@@ -629,18 +629,18 @@ def _behind_neck(within: _Within, body: Body, step: Array) -> Mask | None:
     return None
 
 
-def _logit(seen: Single) -> Single:
-    return np.clip(scipy.special.logit(seen), -FAR, FAR)
+def _clipped_logit(seen: Single) -> Single:
+    return np.clip(scipy.special.logit(seen), -MAX_LOGIT, MAX_LOGIT)
 
 
-def _blocks(values: Single, side: int) -> Single:
+def _average_blocks(values: Single, side: int) -> Single:
     """Average blocks of steps."""
     for _ in range(3):
         values = np.moveaxis(np.sum([values[k::side] for k in range(side)], axis=0), 0, -1)
     return values / np.float32(side**3)
 
 
-def _likelihood(grays: Single, inside: Single) -> Single:
+def _fit_likelihood_ratio(grays: Single, inside: Single) -> Single:
     """Fit the log likelihood ratio of gray levels, inside to outside, by normal distributions around each block.
 
     Returns the factors of the powers 0, 1 and 2 of the gray level.
@@ -648,21 +648,21 @@ def _likelihood(grays: Single, inside: Single) -> Single:
     rule: Single = np.zeros((3, *[len(grays) // 2] * 3), np.float32)
     for weight, sign in ((inside, -0.5), (1.0 - inside, 0.5)):
         blurred = [
-            scipy.ndimage.gaussian_filter(_blocks(weight * part, 2), _INTENSITY_SIGMA / _INTENSITY_BLOCK, truncate=2.5)
+            scipy.ndimage.gaussian_filter(_average_blocks(weight * part, 2), _INTENSITY_SIGMA / _INTENSITY_BLOCK, truncate=2.5)
             for part in (1.0, grays, np.square(grays))
         ]
         few = [_EMPTY_SIDE_WEIGHT * part.mean() / max(blurred[0].mean(), 1e-6) for part in blurred]
         total, first, second = (part + some for part, some in zip(blurred, few, strict=True))
         mean = first / total
-        variance = np.maximum(second / total - np.square(mean), 0.0) + LEAST_DEVIATION**2
+        variance = np.maximum(second / total - np.square(mean), 0.0) + DEVIATION_OFFSET**2
         rule += np.float32(sign) * np.stack(
             [np.square(mean) / variance + np.log(variance), -2.0 * mean / variance, 1.0 / variance]
         )
     return rule
 
 
-def _weighed(grays: Single, rule: Single, times: int) -> Single:
+def _evaluate_likelihood_ratio(grays: Single, rule: Single, times: int) -> Single:
     """Evaluate the log likelihood ratio of gray levels by a rule that is `times` coarser."""
     line = (np.arange(len(grays)) + 0.5) / times - 0.5
-    level, slope, bend = (resampled(part, [line] * 3, (1.0, 1.0, 1.0)) for part in rule)
+    level, slope, bend = (resample_with_tent(part, [line] * 3, (1.0, 1.0, 1.0)) for part in rule)
     return np.clip(level + grays * (slope + grays * bend), -_MAX_INTENSITY_LOGIT, _MAX_INTENSITY_LOGIT)

@@ -17,8 +17,8 @@ from cpm_core.field.interpolation import value_at
 from cpm_core.numerics.grids import find_connected_parts, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
-from cpm_core.objects.prior.bodies import FAR, Body
-from cpm_core.objects.prior.windows import Cube
+from cpm_core.objects.prior.bodies import MAX_LOGIT, BodyPrediction
+from cpm_core.objects.prior.windows import Crop3D
 
 _EDGE_SEARCH_REACH = 2.0
 """How far from the surface an edge is looked for [steps, at least voxels]."""
@@ -42,8 +42,8 @@ _MIN_POINT_LOGIT = 0.5
 """Least absolute logit at the corners of the steps around a point."""
 
 
-def body_surface(
-    body: Body,
+def extract_body_surface(
+    body: BodyPrediction,
     values: Array,
     size: Array,
     inside: Array,
@@ -69,11 +69,11 @@ def body_surface(
     interest : ndarray of bool, shape (P, R, C), optional
         Voxels outside which no edge is looked for.
     """
-    vertices, faces = zero_surface(_linked(body, inside * size, outside * size, values.shape, size))
+    vertices, faces = zero_surface(_select_connected_logits(body, inside * size, outside * size, values.shape, size))
     last = np.array(values.shape) - 1.0
-    vertices = body.cube.places(vertices - 1.0) / size
+    vertices = body.crop.to_positions(vertices - 1.0) / size
     held = ((vertices <= 0.0) | (vertices >= last)).any(axis=1)
-    scale = max(body.cube.scale, 1.0)
+    scale = max(body.crop.step_size, 1.0)
     away = scipy.spatial.KDTree(np.concatenate([inside, outside]) * size).query(vertices * size)[0]
     held |= away < _POINT_PROTECTION * scale
     ends = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
@@ -83,7 +83,7 @@ def body_surface(
     mean = scipy.sparse.diags_array(1.0 / joined.sum(axis=1)) @ joined
     for width in (scale, *[max(0.5 * scale, 1.0)] * 2):
         found = Surface(vertices, faces, tuple(size.tolist()))
-        moved = np.where(held, 0.0, _to_edges(found, mean, values, size, width))
+        moved = np.where(held, 0.0, _find_edge_offsets(found, mean, values, size, width))
         there = vertices + moved[:, None] * found.normals / size
         if interest is not None:
             allowed = interest[tuple(np.rint(np.clip(there, 0, last)).astype(np.int64).T)]
@@ -93,18 +93,18 @@ def body_surface(
     return Surface(vertices, faces, spacing, unit)
 
 
-def _linked(body: Body, inside: Array, outside: Array, shape: Extent, size: Array) -> Single:
+def _select_connected_logits(body: BodyPrediction, inside: Array, outside: Array, shape: Extent, size: Array) -> Single:
     """Select the logits of the parts of a body that hold points, continued beyond the volume; one step wider."""
-    logits = np.pad(body.logits, 1, constant_values=-FAR)
-    for axis, line in enumerate(body.cube.lines):
+    logits = np.pad(body.logits, 1, constant_values=-MAX_LOGIT)
+    for axis, line in enumerate(body.crop.axis_positions):
         within = np.flatnonzero((line > -0.5 * size[axis]) & (line < (shape[axis] - 0.5) * size[axis])) + 1
         first, end = (within[0], within[-1]) if len(within) else (1, len(line))
         at = np.arange(len(line) + 2)
         logits = logits.take(np.clip(at, first if first > 1 else 0, end if end < len(line) else len(line) + 1), axis)
     logits = np.ascontiguousarray(logits)
     for axis in range(3):
-        np.moveaxis(logits, axis, 0)[[0, -1]] = -FAR
-    corners = [_corners(body.cube, places) for places in (inside, outside)]
+        np.moveaxis(logits, axis, 0)[[0, -1]] = -MAX_LOGIT
+    corners = [_find_cell_corners(body.crop, places) for places in (inside, outside)]
     logits[tuple(corners[1].T)] = np.minimum(logits[tuple(corners[1].T)], -_MIN_POINT_LOGIT)
     logits[tuple(corners[0].T)] = np.maximum(logits[tuple(corners[0].T)], _MIN_POINT_LOGIT)
     parts = find_connected_parts(logits > 0.0, corners=True)
@@ -115,14 +115,14 @@ def _linked(body: Body, inside: Array, outside: Array, shape: Extent, size: Arra
     return logits
 
 
-def _corners(cube: Cube, places: Array) -> Index:
+def _find_cell_corners(cube: Crop3D, places: Array) -> Index:
     """Find the eight steps around each point, in a grid that is one wider."""
-    first = np.floor(cube.steps(places)).astype(np.int64) + 1
+    first = np.floor(cube.to_crop_steps(places)).astype(np.int64) + 1
     around = np.stack(np.meshgrid(*[[0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    return np.clip(first[:, None] + around, 0, len(cube.lines[0]) + 1).reshape(-1, 3)
+    return np.clip(first[:, None] + around, 0, len(cube.axis_positions[0]) + 1).reshape(-1, 3)
 
 
-def _to_edges(surface: Surface, mean: Any, values: Array, size: Array, scale: float) -> Array:
+def _find_edge_offsets(surface: Surface, mean: Any, values: Array, size: Array, scale: float) -> Array:
     """Find the offsets along the normals from the vertices to the steepest places of the gray levels.
 
     `mean` is the matrix that averages over neighbors on the surface.
@@ -130,7 +130,7 @@ def _to_edges(surface: Surface, mean: Any, values: Array, size: Array, scale: fl
     count = len(surface.vertices)
     away = np.arange(-_EDGE_SEARCH_REACH, _EDGE_SEARCH_REACH + _PROFILE_SPACING / 2, _PROFILE_SPACING) * scale
     raw = np.empty((count, len(away)))
-    _read_along(values, surface.vertices, surface.normals / size, away, raw)
+    _sample_profiles(values, surface.vertices, surface.normals / size, away, raw)
     smooth: Array = raw
     for _ in range(_AVERAGING_ROUNDS):
         smooth = np.asarray(mean @ smooth)
@@ -147,7 +147,7 @@ def _to_edges(surface: Surface, mean: Any, values: Array, size: Array, scale: fl
 
 
 @compiled
-def _read_along(values: Any, vertices: Array, ways: Array, away: Array, found: Array) -> None:
+def _sample_profiles(values: Any, vertices: Array, ways: Array, away: Array, found: Array) -> None:
     """Sample values at distances `away` from vertices along their directions."""
     for q in range(len(vertices)):
         for k in range(len(away)):

@@ -55,17 +55,17 @@ class Network:
                 maps = np.maximum(maps[:, ::2], maps[:, 1::2])
                 maps = np.maximum(maps[..., ::2], maps[..., 1::2])
             for number in range(count):
-                maps = self._convolved(maps, f"down{level}.{number}")
-        maps = maps + np.maximum(self._product(maps.mean((1, 2)), "context"), 0.0)[:, None, None]
-        hidden = np.maximum(self._product(np.concatenate([maps.mean((1, 2)), maps.max((1, 2))]), "overlap.0"), 0.0)
-        overlap = float(scipy.special.expit(self._product(hidden, "overlap.1")[0]))
+                maps = self._convolve_rectified(maps, f"down{level}.{number}")
+        maps = maps + np.maximum(self._apply_dense(maps.mean((1, 2)), "context"), 0.0)[:, None, None]
+        hidden = np.maximum(self._apply_dense(np.concatenate([maps.mean((1, 2)), maps.max((1, 2))]), "overlap.0"), 0.0)
+        overlap = float(scipy.special.expit(self._apply_dense(hidden, "overlap.1")[0]))
         for level, count in _DECODER_LAYERS:
-            maps = np.concatenate([_doubled(_doubled(self._mixed(maps, f"mix{level}"), 1), 2), finer[level]])
+            maps = np.concatenate([_upsample_axis(_upsample_axis(self._mix_maps(maps, f"mix{level}"), 1), 2), finer[level]])
             for number in range(count):
-                maps = self._convolved(maps, f"up{level}.{number}")
-        return scipy.special.expit(self._mixed(maps, "out")[0]), overlap
+                maps = self._convolve_rectified(maps, f"up{level}.{number}")
+        return scipy.special.expit(self._mix_maps(maps, "out")[0]), overlap
 
-    def _convolved(self, maps: Single, layer: str) -> Single:
+    def _convolve_rectified(self, maps: Single, layer: str) -> Single:
         """Convolve maps by 3 x 3 pixels with zeros beyond the border, and rectify.
 
         Maps shifted by one column lie next to each other, so that the three columns are one product; a shift by one row
@@ -89,23 +89,23 @@ class Network:
             np.maximum(out.reshape(-1, end - first, width), 0.0, out=found[:, first:end])
         return found
 
-    def _mixed(self, maps: Single, layer: str) -> Single:
+    def _mix_maps(self, maps: Single, layer: str) -> Single:
         """Mix maps to weighted sums at each pixel."""
         out = self.weights[layer] @ maps.reshape(len(maps), -1) + self.weights[layer + ".offset"][:, None]
         return out.reshape(-1, *maps.shape[1:])
 
-    def _product(self, vector: Single, layer: str) -> Single:
+    def _apply_dense(self, vector: Single, layer: str) -> Single:
         return self.weights[layer] @ vector + self.weights[layer + ".offset"]
 
 
 @cache
-def trained() -> Network:
+def load_trained_network() -> Network:
     """Load the network with the weights that come with this package; `weights.md` states their origin."""
     with files("cpm_core.objects.prior").joinpath("weights.npz").open("rb") as file, np.load(file) as stored:
         return Network({name: stored[name].astype(np.float32) for name in stored.files})
 
 
-def _doubled(maps: Single, axis: int) -> Single:
+def _upsample_axis(maps: Single, axis: int) -> Single:
     """Upsample maps by two along an axis, interpolated linearly."""
     last = maps.shape[axis] - 1
     before = np.concatenate([maps.take([0], axis), maps.take(range(last), axis)], axis)

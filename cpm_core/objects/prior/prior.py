@@ -16,7 +16,7 @@ import scipy
 
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
-from cpm_core.objects.prior.network import Network, trained
+from cpm_core.objects.prior.network import Network, load_trained_network
 from cpm_core.objects.prior.windows import (
     ANSWER_MARGIN,
     CROP_SIZE_RATIO,
@@ -24,9 +24,9 @@ from cpm_core.objects.prior.windows import (
     MAX_RELATIVE_SIDE,
     MIN_ANSWER_SIDE,
     MIN_FIRST_SIDE,
-    Views,
-    Window,
-    holding,
+    ImageSampler,
+    Crop2D,
+    mark_points,
 )
 
 _MIN_CROP_REFINEMENTS = 2
@@ -76,19 +76,19 @@ class Prompt:
         The previous mask that it corrects.
     """
 
-    inside: Index
-    outside: Index = field(default_factory=lambda: np.empty((0, 2), np.int64))
-    drawn: Mask | None = None
+    positive: Index
+    negative: Index = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    drawn_area: Mask | None = None
     box: tuple[float, float, float, float] | None = None
-    former: Mask | None = None
+    previous_mask: Mask | None = None
 
     @property
-    def places_alone(self) -> bool:
+    def has_only_positive(self) -> bool:
         """Whether there are only positive points."""
-        return not len(self.outside) and self.drawn is None and self.box is None and self.former is None
+        return not len(self.negative) and self.drawn_area is None and self.box is None and self.previous_mask is None
 
 
-class Answer(NamedTuple):
+class CropPrediction(NamedTuple):
     """Answer of the network in a crop.
 
     Attributes
@@ -101,52 +101,52 @@ class Answer(NamedTuple):
         Overlap with the object that the network predicts.
     """
 
-    window: Window
-    seen: Single
-    overlap: float
+    crop: Crop2D
+    probability: Single
+    predicted_iou: float
 
-    def any(self) -> bool:
+    def has_object(self) -> bool:
         """Return whether any pixel is more likely in the object than not."""
-        return bool((self.seen > INSIDE_PROBABILITY).any())
+        return bool((self.probability > INSIDE_PROBABILITY).any())
 
     @property
-    def places(self) -> Array:
+    def object_bounds(self) -> Array:
         """First and last row and column of the object in the image, shape (2, 2)."""
-        on = true_bounds(self.seen > INSIDE_PROBABILITY)
-        return np.stack([line[on[:, axis]] for axis, line in enumerate(self.window.lines)], axis=1)
+        on = true_bounds(self.probability > INSIDE_PROBABILITY)
+        return np.stack([line[on[:, axis]] for axis, line in enumerate(self.crop.axis_positions)], axis=1)
 
-    def touches(self, shape: Extent) -> bool:
+    def reaches_rim(self, shape: Extent) -> bool:
         """Return whether the object reaches the rim of the crop inside an image of this shape."""
-        near = _CROP_RIM_WIDTH * self.window.scale
-        first, last = np.array([line[[0, -1]] for line in self.window.lines]).T
-        low, high = self.places
+        near = _CROP_RIM_WIDTH * self.crop.step_size
+        first, last = np.array([line[[0, -1]] for line in self.crop.axis_positions]).T
+        low, high = self.object_bounds
         border = np.array(shape) - 1
-        return bool(((low > 0) & (low <= first + near)).any() or ((high < border) & (high >= last - near)).any())
+        return bool(((low > 0) & (low <= first + near)).has_object() or ((high < border) & (high >= last - near)).has_object())
 
-    def promise(self, areas: Array, drawn: Mask | None) -> float:
+    def compute_score(self, areas: Array, drawn: Mask | None) -> float:
         """Compute the rank of the answer among those of other crops.
 
         `areas`, shape (N,) [px²], are those of other objects, and `drawn`, shape (H, W), is what has been drawn.
         """
-        area = np.log(max(np.count_nonzero(self.seen > INSIDE_PROBABILITY) * self.window.scale**2, 1.0))
+        area = np.log(max(np.count_nonzero(self.probability > INSIDE_PROBABILITY) * self.crop.step_size**2, 1.0))
         off = float(np.abs(np.log(np.maximum(areas, 1.0)) - area).min()) if len(areas) else 0.0
         if drawn is not None:
             off += max(float(area - np.log(_MAX_DRAWN_RATIO * max(int(np.count_nonzero(drawn)), 1))), 0.0)
-        return self.overlap - _AREA_PENALTY * off
+        return self.predicted_iou - _AREA_PENALTY * off
 
     @property
-    def clarity(self) -> float:
+    def mean_certainty(self) -> float:
         """Overlap with the object that is expected from its probabilities, pixel by pixel."""
-        likely = self.seen > INSIDE_PROBABILITY
-        return float(self.seen[likely].sum()) / max(float(np.count_nonzero(likely) + self.seen[~likely].sum()), 1.0)
+        likely = self.probability > INSIDE_PROBABILITY
+        return float(self.probability[likely].sum()) / max(float(np.count_nonzero(likely) + self.probability[~likely].sum()), 1.0)
 
-    def agreement(self, other: Answer) -> float:
+    def compute_iou_with(self, other: CropPrediction) -> float:
         """Compute the overlap with the answer in another crop, as sampled in the larger one of the two."""
-        small, large = (self, other) if self.window.side <= other.window.side else (other, self)
-        return _overlap(large.seen, large.window.of_window(small.window, small.seen))
+        small, large = (self, other) if self.crop.side <= other.crop.side else (other, self)
+        return _compute_probability_iou(large.probability, large.crop.sample_from(small.crop, small.probability))
 
 
-class Likely(NamedTuple):
+class Prediction(NamedTuple):
     """A predicted object, with features of its confidence.
 
     Attributes
@@ -162,15 +162,15 @@ class Likely(NamedTuple):
     """
 
     mask: Mask
-    coarseness: float
-    overlap: float
-    clarity: float
-    steadiness: float
-    agreement: float
+    downsampling: float
+    predicted_iou: float
+    mean_certainty: float
+    iou_to_previous: float
+    iou_to_other_crop: float
 
 
 @record
-class Prior:
+class ObjectPredictor:
     """Predictions of the network for prompts on an image.
 
     Attributes
@@ -184,10 +184,10 @@ class Prior:
     """
 
     values: Numbers
-    network: Network = field(default_factory=trained)
-    grays: tuple[float, ...] = ()
+    network: Network = field(default_factory=load_trained_network)
+    gray_range: tuple[float, ...] = ()
 
-    def objects_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Iterator[Likely]:
+    def predict_objects(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Iterator[Prediction]:
         """Predict the objects that a prompt may mean, the most likely one first.
 
         Parameters
@@ -197,98 +197,98 @@ class Prior:
         areas : ndarray, shape (N,)
             Areas of other objects of the image, to which it may be similar [px²].
         """
-        if prompt.former is not None and prompt.former.any():
-            yield self._refined(
-                self._answer(_around(true_bounds(prompt.former), prompt), prompt, None), prompt, 1.0, _MIN_CROP_REFINEMENTS
+        if prompt.previous_mask is not None and prompt.previous_mask.any():
+            yield self._refine_prediction(
+                self._predict_crop(_crop_around(true_bounds(prompt.previous_mask), prompt), prompt, None), prompt, 1.0, _MIN_CROP_REFINEMENTS
             )
             return
-        answers = [self._answer(window, prompt, None) for window in self._first_windows(prompt)]
-        answers.sort(key=lambda answer: -answer.promise(areas, prompt.drawn))
-        distinct: list[Answer] = []
+        answers = [self._predict_crop(window, prompt, None) for window in self._propose_crops(prompt)]
+        answers.sort(key=lambda answer: -answer.compute_score(areas, prompt.drawn_area))
+        distinct: list[CropPrediction] = []
         for answer in answers:
-            if distinct and (not answer.any() or any(answer.agreement(one) > _SAME_OBJECT_IOU for one in distinct)):
+            if distinct and (not answer.has_object() or any(answer.compute_iou_with(one) > _SAME_OBJECT_IOU for one in distinct)):
                 continue
             distinct.append(answer)
             others = [one for one in answers if one is not answer]
-            agreement = max((answer.agreement(other) for other in others), default=1.0)
-            yield self._refined(answer, prompt, agreement, 0)
+            agreement = max((answer.compute_iou_with(other) for other in others), default=1.0)
+            yield self._refine_prediction(answer, prompt, agreement, 0)
             if len(distinct) == _MAX_PREDICTIONS:
                 return
 
-    def judged(self, mask: Mask, inside: Index) -> Likely:
+    def evaluate_mask(self, mask: Mask, inside: Index) -> Prediction:
         """Evaluate an object, shape (H, W), that was found otherwise and holds pixels, shape (M, 2), by the network."""
-        prompt = Prompt(inside, former=mask)
-        answer = self._answer(_around(true_bounds(mask), prompt), prompt, None)
-        return self._likely(answer, 1.0, answer.window.of(mask))
+        prompt = Prompt(inside, previous_mask=mask)
+        answer = self._predict_crop(_crop_around(true_bounds(mask), prompt), prompt, None)
+        return self._build_prediction(answer, 1.0, answer.crop.sample_map(mask))
 
-    def _refined(self, answer: Answer, prompt: Prompt, agreement: float, rounds: int) -> Likely:
+    def _refine_prediction(self, answer: CropPrediction, prompt: Prompt, agreement: float, rounds: int) -> Prediction:
         """Refine a prediction by further crops around its answer."""
         shape, before = self.values.shape[:2], answer
         while (
             rounds < _MAX_CROP_REFINEMENTS
-            and answer.any()
-            and (rounds < _MIN_CROP_REFINEMENTS or answer.touches(shape))
+            and answer.has_object()
+            and (rounds < _MIN_CROP_REFINEMENTS or answer.reaches_rim(shape))
         ):
-            answer, before = self._answer(_around(answer.places, prompt), prompt, answer), answer
+            answer, before = self._predict_crop(_crop_around(answer.object_bounds, prompt), prompt, answer), answer
             rounds += 1
-        return self._likely(answer, agreement, answer.window.of_window(before.window, before.seen))
+        return self._build_prediction(answer, agreement, answer.crop.sample_from(before.crop, before.probability))
 
-    def _likely(self, answer: Answer, agreement: float, before: Single) -> Likely:
+    def _build_prediction(self, answer: CropPrediction, agreement: float, before: Single) -> Prediction:
         found = np.zeros(self.values.shape[:2], np.bool_)
-        box, part = answer.window.back(answer.seen, found.shape)
+        box, part = answer.crop.map_back(answer.probability, found.shape)
         found[box] = part > INSIDE_PROBABILITY
-        steadiness = _overlap(answer.seen, before)
-        return Likely(found, answer.window.scale, answer.overlap, answer.clarity, steadiness, agreement)
+        steadiness = _compute_probability_iou(answer.probability, before)
+        return Prediction(found, answer.crop.step_size, answer.predicted_iou, answer.mean_certainty, steadiness, agreement)
 
-    def _first_windows(self, prompt: Prompt) -> Iterator[Window]:
+    def _propose_crops(self, prompt: Prompt) -> Iterator[Crop2D]:
         """Propose crops around a prompt, the smallest first, and one of the whole image."""
         if prompt.box is not None:
-            yield _around(np.array(prompt.box).reshape(2, 2).T, prompt)
+            yield _crop_around(np.array(prompt.box).reshape(2, 2).T, prompt)
             return
         shape = np.array(self.values.shape[:2])
         largest = MAX_RELATIVE_SIDE * float(shape.max())
-        if prompt.drawn is None or not prompt.drawn.any():
+        if prompt.drawn_area is None or not prompt.drawn_area.any():
             middle, side = (
-                prompt.inside.mean(axis=0),
-                max(MIN_FIRST_SIDE, 1.5 * float(np.ptp(prompt.inside, axis=0).max())),
+                prompt.positive.mean(axis=0),
+                max(MIN_FIRST_SIDE, 1.5 * float(np.ptp(prompt.positive, axis=0).max())),
             )
         else:
-            place = np.argwhere(prompt.drawn)
+            place = np.argwhere(prompt.drawn_area)
             low, high = place.min(axis=0), place.max(axis=0)
             middle, side = 0.5 * (low + high), 1.5 * float((high - low).max()) + 8.0
         while side < largest / np.sqrt(CROP_SIZE_RATIO):
-            yield Window(middle, side)
+            yield Crop2D(middle, side)
             side *= CROP_SIZE_RATIO
-        yield Window(middle, largest)
-        yield Window(0.5 * shape, largest)
+        yield Crop2D(middle, largest)
+        yield Crop2D(0.5 * shape, largest)
 
-    def _answer(self, window: Window, prompt: Prompt, former: Answer | None) -> Answer:
+    def _predict_crop(self, window: Crop2D, prompt: Prompt, former: CropPrediction | None) -> CropPrediction:
         """Predict the object in a crop, given a former answer or the previous mask of the prompt."""
-        seen = self._views.through(window)
-        inside, outside = (holding(window.steps(each)) for each in (prompt.inside, prompt.outside))
+        seen = self._sampler.sample_crop(window)
+        inside, outside = (mark_points(window.to_crop_steps(each)) for each in (prompt.positive, prompt.negative))
         drawn: Single = np.zeros(seen.shape[1:], np.float32)
-        if prompt.drawn is not None:
-            drawn = window.of(prompt.drawn)
+        if prompt.drawn_area is not None:
+            drawn = window.sample_map(prompt.drawn_area)
         elif prompt.box is not None:
-            rows, cols = window.lines
+            rows, cols = window.axis_positions
             top, bottom, left, right = prompt.box
             drawn = -np.outer((rows >= top) & (rows <= bottom), (cols >= left) & (cols <= right)).astype(np.float32)
         sure = inside if inside.any() else drawn > 0.0
         level = np.median(seen[:, sure], axis=1) if sure.any() else None
         before: Single = np.zeros_like(drawn)
         if former is not None:
-            before = window.of_window(former.window, former.seen)
-        elif prompt.former is not None:
-            before = window.of(prompt.former)
-        return Answer(window, *self.network(maps_of(seen, level, inside, outside, drawn, before)))
+            before = window.sample_from(former.crop, former.probability)
+        elif prompt.previous_mask is not None:
+            before = window.sample_map(prompt.previous_mask)
+        return CropPrediction(window, *self.network(build_input_maps(seen, level, inside, outside, drawn, before)))
 
     @cached_property
-    def _views(self) -> Views:
-        return Views(self.values, self.grays)
+    def _sampler(self) -> ImageSampler:
+        return ImageSampler(self.values, self.gray_range)
 
 
-def maps_of(
-    seen: Single, level: Array | Single | None, inside: Mask, outside: Mask, drawn: Single, before: Single
+def build_input_maps(
+    channels: Single, level: Array | Single | None, inside: Mask, outside: Mask, drawn: Single, previous: Single
 ) -> Single:
     """Build the input maps of the network for a crop, shape (9, SIDE, SIDE).
 
@@ -303,26 +303,26 @@ def maps_of(
     drawn, before : ndarray of float32, shape (SIDE, SIDE)
         What has been drawn, and the previous mask.
     """
-    slope = np.hypot(*(scipy.ndimage.sobel(seen[0], axis, mode="mirror") for axis in range(2)))
-    like = np.zeros_like(drawn) if level is None else np.exp(-np.abs(seen - level[:, None, None]).sum(axis=0))
-    maps = [*seen, 0.5 * slope, like, _nearness(inside), _nearness(outside), drawn, before]
+    slope = np.hypot(*(scipy.ndimage.sobel(channels[0], axis, mode="mirror") for axis in range(2)))
+    like = np.zeros_like(drawn) if level is None else np.exp(-np.abs(channels - level[:, None, None]).sum(axis=0))
+    maps = [*channels, 0.5 * slope, like, _encode_points(inside), _encode_points(outside), drawn, previous]
     return np.stack(maps, dtype=np.float32)
 
 
-def _around(found: Array | Index, prompt: Prompt) -> Window:
+def _crop_around(found: Array | Index, prompt: Prompt) -> Crop2D:
     """Crop around an answer, pixels of shape (N, 2), and all points."""
-    places = np.concatenate([found, prompt.inside, prompt.outside])
+    places = np.concatenate([found, prompt.positive, prompt.negative])
     low, high = places.min(axis=0), places.max(axis=0)
-    return Window(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
+    return Crop2D(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
 
 
-def _overlap(seen: Single, other: Single) -> float:
+def _compute_probability_iou(seen: Single, other: Single) -> float:
     """Compute the overlap (intersection over union) of the objects in two probability maps of one crop."""
     one, two = seen > INSIDE_PROBABILITY, other > INSIDE_PROBABILITY
     return float(np.count_nonzero(one & two)) / max(int(np.count_nonzero(one | two)), 1)
 
 
-def _nearness(on: Mask) -> Single:
+def _encode_points(on: Mask) -> Single:
     """Encode points as a map that is 1 at each of them and fades around it."""
     if not on.any():
         return np.zeros(on.shape, np.float32)

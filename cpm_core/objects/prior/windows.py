@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
-SIDE = 96
+CROP_SIDE = 96
 """Pixels along each side of what the network sees."""
 
-LUMINANCE = np.array([0.299, 0.587, 0.114], np.float32)
+NETWORK_LUMINANCE_WEIGHTS = np.array([0.299, 0.587, 0.114], np.float32)
 """Weights of red, green and blue in the brightness that the network sees (ITU-R BT.601)."""
 
 CROP_SIZE_RATIO = 1.6
@@ -45,7 +45,7 @@ _BLACK_PERCENTILE = 0.1
 _WHITE_PERCENTILE = 99.9
 """Percentile of the gray levels that becomes 255."""
 
-LEAST_DEVIATION = 8.0
+DEVIATION_OFFSET = 8.0
 """Added to the standard deviation of gray levels in a crop, so that noise does not look like an object."""
 
 _COLOR_WEIGHT = 0.5
@@ -55,18 +55,18 @@ _GRAY_SAMPLE_COUNT = 100_000
 """Approximate number of pixels by which the gray levels of an image are measured."""
 
 
-def sample_step(shape: Extent) -> int:
+def find_sample_step(shape: Extent) -> int:
     """Find the distance along each axis of the pixels by which the gray levels of an image are measured."""
     return max(int(np.sqrt(shape[0] * shape[1] / _GRAY_SAMPLE_COUNT)), 1)
 
 
-def gray_range(sample: NDArray[Any]) -> tuple[float, ...]:
+def measure_gray_range(sample: NDArray[Any]) -> tuple[float, ...]:
     """Measure the gray levels that become 0 and 255, in samples of any shape."""
     return tuple(np.percentile(sample, [_BLACK_PERCENTILE, _WHITE_PERCENTILE]).tolist())
 
 
 @record
-class Patch:
+class Crop:
     """A square of an image, or a cube of a volume, with `SIDE` steps along each axis.
 
     Attributes
@@ -77,58 +77,58 @@ class Patch:
         Length of its sides, in the same unit; it may extend beyond the image.
     """
 
-    middle: Array
+    center: Array
     side: float
 
     @property
-    def scale(self) -> float:
+    def step_size(self) -> float:
         """Distance between its steps."""
-        return self.side / SIDE
+        return self.side / CROP_SIDE
 
     @property
-    def lines(self) -> list[Array]:
+    def axis_positions(self) -> list[Array]:
         """Positions of its steps along each axis, each of shape (SIDE,)."""
-        return [middle + (np.arange(SIDE) - SIDE / 2) * self.scale for middle in self.middle.tolist()]
+        return [middle + (np.arange(CROP_SIDE) - CROP_SIDE / 2) * self.step_size for middle in self.center.tolist()]
 
-    def steps(self, places: Array | Index) -> Array:
+    def to_crop_steps(self, places: Array | Index) -> Array:
         """Convert points, shape (N, D), to steps of the crop, shape (N, D)."""
-        return (places - self.middle) / self.scale + SIDE / 2
+        return (places - self.center) / self.step_size + CROP_SIDE / 2
 
-    def steps_along(self, lines: Iterable[Array | Index]) -> list[Array]:
+    def axes_to_crop_steps(self, lines: Iterable[Array | Index]) -> list[Array]:
         """Convert positions along each axis, each of shape (K,), to steps of the crop."""
-        return [(line - m) / self.scale + SIDE / 2 for line, m in zip(lines, self.middle, strict=True)]
+        return [(line - m) / self.step_size + CROP_SIDE / 2 for line, m in zip(lines, self.center, strict=True)]
 
 
-def holding(steps: Array) -> Mask:
+def mark_points(steps: Array) -> Mask:
     """Mark the pixels, shape (SIDE, SIDE), of a crop or of one of its slices that hold points, shape (N, 2) [steps]."""
-    on = np.zeros((SIDE, SIDE), np.bool_)
+    on = np.zeros((CROP_SIDE, CROP_SIDE), np.bool_)
     place = np.rint(steps).astype(np.int64)
-    on[tuple(place[((place >= 0) & (place < SIDE)).all(axis=1)].T)] = True
+    on[tuple(place[((place >= 0) & (place < CROP_SIDE)).all(axis=1)].T)] = True
     return on
 
 
 @record
-class Window(Patch):
+class Crop2D(Crop):
     """A square of an image; its steps are its pixels."""
 
-    def of(self, values: Mask | Single) -> Single:
+    def sample_map(self, values: Mask | Single) -> Single:
         """Sample a map of the image, shape (H, W), in the crop, shape (SIDE, SIDE); zeros beyond the image."""
-        return _sampled_within(values, *self.lines)
+        return _sample_within(values, *self.axis_positions)
 
-    def of_window(self, other: Window, seen: Single) -> Single:
+    def sample_from(self, other: Crop2D, seen: Single) -> Single:
         """Sample the map of another crop in this one, both of shape (SIDE, SIDE); zeros beyond it."""
-        return _sampled_within(seen, *other.steps_along(self.lines))
+        return _sample_within(seen, *other.axes_to_crop_steps(self.axis_positions))
 
-    def back(self, seen: Single, shape: Extent) -> tuple[tuple[slice, slice], Single]:
+    def map_back(self, seen: Single, shape: Extent) -> tuple[tuple[slice, slice], Single]:
         """Return the rows and columns of an image of this shape in the crop, and its map sampled there."""
         lines = [np.arange(n) for n in shape]
-        lines = [line[(line >= of[0]) & (line <= of[-1])] for line, of in zip(lines, self.lines, strict=True)]
+        lines = [line[(line >= of[0]) & (line <= of[-1])] for line, of in zip(lines, self.axis_positions, strict=True)]
         rows, cols = (slice(int(line[0]), int(line[-1]) + 1) if len(line) else slice(0, 0) for line in lines)
-        return (rows, cols), sampled(seen[..., None], *self.steps_along(lines))[..., 0]
+        return (rows, cols), sample_bilinear(seen[..., None], *self.axes_to_crop_steps(lines))[..., 0]
 
 
 @record
-class Views:
+class ImageSampler:
     """An image as the network sees it, sampled in crops.
 
     Attributes
@@ -140,68 +140,68 @@ class Views:
     """
 
     values: NDArray[Any]
-    grays: tuple[float, ...] = ()
+    gray_range: tuple[float, ...] = ()
 
-    def through(self, window: Window) -> Single:
+    def sample_crop(self, window: Crop2D) -> Single:
         """Sample brightness and two color differences in a crop, shape (3, SIDE, SIDE), of about unit variance."""
-        coarsest = max(int(np.log2(min(self.values.shape[:2]) / SIDE)), 0)
-        number = int(np.clip(np.log2(max(window.scale, 1.0)), 0, coarsest))
-        level, coarseness = self._level(number), window.scale / 2**number
-        rows, cols = ((line + 0.5) / 2**number - 0.5 for line in window.lines)
+        coarsest = max(int(np.log2(min(self.values.shape[:2]) / CROP_SIDE)), 0)
+        number = int(np.clip(np.log2(max(window.step_size, 1.0)), 0, coarsest))
+        level, coarseness = self._pyramid_level(number), window.step_size / 2**number
+        rows, cols = ((line + 0.5) / 2**number - 0.5 for line in window.axis_positions)
         top, left = (max(int(line[0]) - 3, 0) for line in (rows, cols))
         part = level[top : max(int(rows[-1]) + 5, top + 1), left : max(int(cols[-1]) + 5, left + 1)]
         if not part.size:
-            return np.zeros((3, SIDE, SIDE), np.float32)
+            return np.zeros((3, CROP_SIDE, CROP_SIDE), np.float32)
         if number == 0:
-            part = self._normalized(part)
+            part = self._normalize_grays(part)
         if coarseness > 1.6:
             part = scipy.ndimage.gaussian_filter(part, (0.4 * coarseness, 0.4 * coarseness, 0), mode="nearest")
-        seen = sampled(part, rows - top, cols - left)
+        seen = sample_bilinear(part, rows - top, cols - left)
         red, green, blue = np.moveaxis(np.broadcast_to(seen, (*seen.shape[:2], 3)), -1, 0)
-        gray = np.asarray(np.tensordot(LUMINANCE, [red, green, blue], 1))
+        gray = np.asarray(np.tensordot(NETWORK_LUMINANCE_WEIGHTS, [red, green, blue], 1))
         colors = red - green, 0.5 * (red + green) - blue
-        deviation = max(gray.std() + LEAST_DEVIATION, *(_COLOR_WEIGHT * color.std() for color in colors))
+        deviation = max(gray.std() + DEVIATION_OFFSET, *(_COLOR_WEIGHT * color.std() for color in colors))
         return np.stack([gray - gray.mean(), *colors]) / deviation
 
-    def _level(self, number: int) -> NDArray[Any]:
+    def _pyramid_level(self, number: int) -> NDArray[Any]:
         """Return the image for 0, shape (H, W, C); else normalized means of 2 x 2 pixels of the level before."""
         if number == 0:
             return self.values.reshape(*self.values.shape[:2], -1)
-        if number not in self._known:
-            finer = self._level(number - 1)
+        if number not in self._cached_levels:
+            finer = self._pyramid_level(number - 1)
             height, width = finer.shape[0] // 2 * 2, finer.shape[1] // 2 * 2
             rows = np.add(finer[0:height:2], finer[1:height:2], dtype=np.float64 if number == 1 else np.float32)
             mean = 0.25 * (rows[:, 0:width:2] + rows[:, 1:width:2])
-            self._known[number] = self._normalized(mean) if number == 1 else mean
-        return self._known[number]
+            self._cached_levels[number] = self._normalize_grays(mean) if number == 1 else mean
+        return self._cached_levels[number]
 
-    def _normalized(self, values: NDArray[Any]) -> Single:
+    def _normalize_grays(self, values: NDArray[Any]) -> Single:
         """Scale gray levels to the range from 0 to 255."""
-        low, high = self._range
+        low, high = self._gray_range
         return np.asarray((values - low) * (255.0 / max(high - low, 1e-300)), np.float32)
 
     @cached_property
-    def _range(self) -> tuple[float, ...]:
+    def _gray_range(self) -> tuple[float, ...]:
         """Gray levels that become 0 and 255."""
-        step = sample_step(self.values.shape[:2])
-        return self.grays or gray_range(self.values[::step, ::step])
+        step = find_sample_step(self.values.shape[:2])
+        return self.gray_range or measure_gray_range(self.values[::step, ::step])
 
     @cached_property
-    def _known(self) -> dict[int, Single]:
+    def _cached_levels(self) -> dict[int, Single]:
         """Levels of the pyramid that have been computed."""
         return {}
 
 
-def _sampled_within(values: Mask | Single, rows: Array, cols: Array) -> Single:
+def _sample_within(values: Mask | Single, rows: Array, cols: Array) -> Single:
     """Interpolate (H, W) at the crossings of rows and columns, bilinear; zeros beyond the border."""
-    seen = sampled(values[..., None], rows, cols)[..., 0]
+    seen = sample_bilinear(values[..., None], rows, cols)[..., 0]
     for axis, line in enumerate((rows, cols)):
         within = (line >= -0.5) & (line <= values.shape[axis] - 0.5)
         seen = seen * np.expand_dims(within, 1 - axis)
     return seen
 
 
-def sampled(values: Mask | Single, rows: Array, cols: Array) -> Single:
+def sample_bilinear(values: Mask | Single, rows: Array, cols: Array) -> Single:
     """Interpolate (H, W, C) at the crossings of rows and columns, bilinear; beyond the border as at the border."""
     seen = np.asarray(values)
     for axis, line in enumerate((rows, cols)):
@@ -218,26 +218,26 @@ _MAX_FLAT_RANGE = 1e-6
 
 
 @record
-class Cube(Patch):
+class Crop3D(Crop):
     """A cube of a volume."""
 
-    def places(self, steps: Array) -> Array:
+    def to_positions(self, steps: Array) -> Array:
         """Convert steps of the crop, shape (N, 3), to points: the inverse of `steps`."""
-        return (steps - SIDE / 2) * self.scale + self.middle
+        return (steps - CROP_SIDE / 2) * self.step_size + self.center
 
-    def of(self, other: Cube, values: Single, beyond: float) -> Single:
+    def resample_from(self, other: Crop3D, values: Single, beyond: float) -> Single:
         """Resample values of another crop, shape (SIDE, SIDE, SIDE), in this one, trilinear; `beyond` outside it."""
         if other is self:
             return values
-        lines = other.steps_along(self.lines)
-        found = resampled(values, lines, (1.0, 1.0, 1.0))
+        lines = other.axes_to_crop_steps(self.axis_positions)
+        found = resample_with_tent(values, lines, (1.0, 1.0, 1.0))
         for axis, line in enumerate(lines):
-            np.moveaxis(found, axis, 0)[(line < 0) | (line > SIDE - 1)] = beyond
+            np.moveaxis(found, axis, 0)[(line < 0) | (line > CROP_SIDE - 1)] = beyond
         return found
 
 
 @record
-class Grays:
+class VolumeSampler:
     """A volume as the network sees it, sampled in crops.
 
     Attributes
@@ -249,39 +249,39 @@ class Grays:
     """
 
     values: Array
-    size: Array
+    voxel_sides: Array
 
-    def through(self, cube: Cube, across: dict[int, float] | None = None) -> Single:
+    def sample_crop(self, cube: Crop3D, across: dict[int, float] | None = None) -> Single:
         """Sample gray levels from 0 to 255 at the steps of a crop, shape (SIDE, SIDE, SIDE).
 
         With `across`, of one slice at that place on an axis.
         """
-        lines = [np.array([across[axis]]) if across and axis in across else cube.lines[axis] for axis in range(3)]
-        low, high = self._range
-        voxels = [line / side for line, side in zip(lines, self.size.tolist(), strict=True)]
+        lines = [np.array([across[axis]]) if across and axis in across else cube.axis_positions[axis] for axis in range(3)]
+        low, high = self._gray_range
+        voxels = [line / side for line, side in zip(lines, self.voxel_sides.tolist(), strict=True)]
         factor = 255.0 / (high - low) if high - low > _MAX_FLAT_RANGE * max(abs(low), abs(high)) else 0.0
-        return (resampled(self.values, voxels, tuple(cube.scale / self.size)) - low) * factor
+        return (resample_with_tent(self.values, voxels, tuple(cube.step_size / self.voxel_sides)) - low) * factor
 
-    def within(self, cube: Cube) -> Index:
+    def find_inner_steps(self, cube: Crop3D) -> Index:
         """Find for each axis the first and the last step of a crop in the volume, shape (3, 2)."""
         found = []
-        for line, side, count in zip(cube.lines, self.size.tolist(), self.values.shape, strict=True):
+        for line, side, count in zip(cube.axis_positions, self.voxel_sides.tolist(), self.values.shape, strict=True):
             there = np.flatnonzero((line >= -0.5 * side) & (line <= (count - 0.5) * side))
             found.append((there[0], there[-1]) if len(there) else (0, 0))
         return np.array(found)
 
     @cached_property
-    def extent(self) -> float:
+    def longest_side(self) -> float:
         """Length of the longest side of the volume."""
-        return float((self.size * self.values.shape).max())
+        return float((self.voxel_sides * self.values.shape).max())
 
     @cached_property
-    def _range(self) -> tuple[float, ...]:
+    def _gray_range(self) -> tuple[float, ...]:
         step = max(int(np.cbrt(self.values.size / _GRAY_SAMPLE_COUNT)), 1)
-        return gray_range(self.values[::step, ::step, ::step])
+        return measure_gray_range(self.values[::step, ::step, ::step])
 
 
-def resampled(values: Array | Single | Mask, lines: list[Array], widths: tuple[float, ...]) -> Single:
+def resample_with_tent(values: Array | Single | Mask, lines: list[Array], widths: tuple[float, ...]) -> Single:
     """Resample values at the crossings of lines along each axis, each of shape (K,) [voxels], as float32.
 
     Each value is the mean under a tent as wide as the steps are long (`widths`). Beyond the border values are as at the

@@ -29,7 +29,7 @@ _BLENDING_RANGE = 2.0
 """Range of distances that are blended [voxels]: a slit between objects up to half as wide is closed."""
 
 
-def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
+def unite_bodies(first: PackedBody, second: PackedBody) -> PackedBody:
     """Unite two bodies: voxels, if one of them has been painted, else one surface around both.
 
     Surfaces that do not come near each other stay as they are. Otherwise the result is the zero of the smaller of the
@@ -46,7 +46,7 @@ def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
     high = np.maximum(one.vertices.max(axis=0), other.vertices.max(axis=0))
     begin = np.floor(low).astype(np.int64) - _DISTANCE_MARGIN
     shape = tuple((np.ceil(high).astype(np.int64) + _DISTANCE_MARGIN + 1 - begin).tolist())
-    here, there = (_signed(packed.voxels, packed.surface, begin, shape) for packed in (first, second))
+    here, there = (_signed_distance(packed.voxels, packed.surface, begin, shape) for packed in (first, second))
     if not ((here <= _BLENDING_RANGE) & (there <= _BLENDING_RANGE)).any():
         faces = np.concatenate([one.faces, other.faces + len(one.vertices)])
         return PackedSurface.from_surface(Surface(np.concatenate([one.vertices, other.vertices]), faces))
@@ -57,7 +57,7 @@ def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
     return PackedSurface.from_surface(Surface(vertices + begin, triangles))
 
 
-def _signed(voxels: Voxels, surface: Surface, begin: Index, shape: Extent) -> Array:
+def _signed_distance(voxels: Voxels, surface: Surface, begin: Index, shape: Extent) -> Array:
     """Compute the signed distance of voxels from a surface, negative inside, exact near it, of `shape` [voxels]."""
     inside = np.zeros(shape, bool)
     assert voxels.first is not None
@@ -86,7 +86,7 @@ BOUNDARY_DECIMALS = 3
 """Decimals of the vertices of a boundary that an object keeps [px]."""
 
 
-def painted(
+def paint_boundary(
     boundary: Sequence[Line], path: Sequence[Position], radius: float, adds: bool, shape: Extent
 ) -> tuple[Line, ...]:
     """Add to the boundary of an area, or remove from it, what a disk of a radius covers along a path [px].
@@ -98,12 +98,12 @@ def painted(
     way = shapely.LineString(path) if len(path) > 1 else shapely.Point(path[0])
     brush = way.buffer(radius, quad_segs=_BRUSH_SEGMENTS)
     if not adds:
-        return boundary_of(area_of(boundary).difference(brush))
+        return boundary_from_polygon(polygon_from_boundary(boundary).difference(brush))
     within = brush.intersection(shapely.box(-0.5, -0.5, shape[0] - 0.5, shape[1] - 0.5))
-    return boundary_of(area_of(boundary).union(within))
+    return boundary_from_polygon(polygon_from_boundary(boundary).union(within))
 
 
-def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
+def unite_objects(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
     """Unite two objects; a slit between them where they touch is closed.
 
     Returns
@@ -114,13 +114,13 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
     """
     clicks = tuple(said for item in (first, second) for said in item.clicks if said.inside)
     if first.surface and second.surface:
-        return replace(first, clicks=clicks, surface=(body_of_both(first.surface[0], second.surface[0]),))
-    one, other = area_of(first.boundary), area_of(second.boundary)
+        return replace(first, clicks=clicks, surface=(unite_bodies(first.surface[0], second.surface[0]),))
+    one, other = polygon_from_boundary(first.boundary), polygon_from_boundary(second.boundary)
     both = one.union(other)
     closed = both.buffer(0.5 * _MAX_SLIT_WIDTH, join_style="mitre").buffer(-0.5 * _MAX_SLIT_WIDTH, join_style="mitre")
     between = closed.intersection(one.buffer(_MAX_SLIT_WIDTH)).intersection(other.buffer(_MAX_SLIT_WIDTH))
-    boundary = boundary_of(both.union(between))
-    lengths = [item.perimeter() for item in (first, second)]
+    boundary = boundary_from_polygon(both.union(between))
+    lengths = [item.measure_perimeter() for item in (first, second)]
     return replace(
         first,
         clicks=clicks,
@@ -137,7 +137,7 @@ def lies_on(gap: Line, boundary: tuple[Line, ...]) -> bool:
     return bool(np.median(away) <= _BOUNDARY_GAP_TOLERANCE)
 
 
-def area_of(boundary: Iterable[Line]) -> Any:
+def polygon_from_boundary(boundary: Iterable[Line]) -> Any:
     """Build the polygon that an odd number of closed curves encloses."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
@@ -147,7 +147,7 @@ def area_of(boundary: Iterable[Line]) -> Any:
     return area
 
 
-def boundary_of(area: Any) -> tuple[Line, ...]:
+def boundary_from_polygon(area: Any) -> tuple[Line, ...]:
     """Return the closed curves around a polygon, the longest first, without remainders."""
     import shapely  # noqa: PLC0415 - needed for few edits
 

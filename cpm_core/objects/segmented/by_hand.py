@@ -15,7 +15,7 @@ from cpm_core.contours.hand_edits import HandEdit, apply_hand_edits
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Arrays, Index, Line, Mask, Position, frozen
-from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, area_of, boundary_of, lies_on
+from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, polygon_from_boundary, boundary_from_polygon, lies_on
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.reconstruction.by_hand.live_wire import snap_path_to_ridge
 from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
@@ -53,7 +53,7 @@ _MAX_END_SLIDE = 0.3
 _LINE_EXTENSION = 1e4
 """Factor by which a line is extended, so that it leaves the object."""
 
-OUTSIDE = "A place lies outside of the object: click in one half of it, then in the other."
+POINT_OUTSIDE = "A place lies outside of the object: click in one half of it, then in the other."
 
 _LINE_GRID = 1e-3
 """Grid to which lines are rounded where they meet [px]."""
@@ -71,7 +71,7 @@ class Halves:
     cuts: Arrays
 
 
-def split(item: SegmentedObject, first: Position, second: Position, scale_field: ScaleField | None = None) -> Halves:
+def split_object(item: SegmentedObject, first: Position, second: Position, scale_field: ScaleField | None = None) -> Halves:
     """Split an object into two, each with one of two points.
 
     The watershed between the points, by the distance from the boundary and the strength of edges, decides where the cut
@@ -98,10 +98,10 @@ def split(item: SegmentedObject, first: Position, second: Position, scale_field:
     """
     import shapely  # noqa: PLC0415 - needed for few edits
 
-    places, area, edges = np.array([first, second], dtype=float), area_of(item.boundary), _Edges(item, scale_field)
+    places, area, edges = np.array([first, second], dtype=float), polygon_from_boundary(item.boundary), _ObjectEdges(item, scale_field)
     if not item.encloses(places).all():
-        raise ValueError(OUTSIDE)
-    low, step, is_second = _watershed(item, places, edges)
+        raise ValueError(POINT_OUTSIDE)
+    low, step, is_second = _split_by_watershed(item, places, edges)
     between = skimage.measure.find_contours(is_second.astype(float), 0.5)  # type: ignore[no-untyped-call]
     smooth = [low + step * scipy.ndimage.gaussian_filter1d(line, 2.0, axis=0, mode="nearest") for line in between]
     one, other = shapely.points(places)
@@ -110,99 +110,99 @@ def split(item: SegmentedObject, first: Position, second: Position, scale_field:
         pixel = np.rint((np.array(face.representative_point().coords[0]) - low) / step).astype(int)
         return bool(face.contains(other) or (not face.contains(one) and is_second[tuple(pixel)]))
 
-    return _divided(item, [_settled(cut, area, edges) for cut in _within(area, smooth)], is_on_second_side, edges)
+    return _divide_object(item, [_refine_cut(cut, area, edges) for cut in _clip_to_area(area, smooth)], is_on_second_side, edges)
 
 
-def split_along(item: SegmentedObject, line: Sequence[Position], scale_field: ScaleField | None = None) -> Halves:
+def split_object_along(item: SegmentedObject, line: Sequence[Position], scale_field: ScaleField | None = None) -> Halves:
     """Split an object along a line across it; the larger half comes first.
 
     The line, shape (K, 2) [px], is extended straight to the boundary, and moves onto an edge next to it; see `split`.
     """
     import shapely  # noqa: PLC0415 - needed for few edits
 
-    path, edges = np.array(line, dtype=float), _Edges(item, scale_field)
+    path, edges = np.array(line, dtype=float), _ObjectEdges(item, scale_field)
     ahead, back = path[min(4, len(path) - 1)] - path[0], path[max(-5, -len(path))] - path[-1]
-    if not ahead.any() or not back.any():
+    if not ahead.has_object() or not back.has_object():
         raise ValueError("The line is too short to split an object: draw it across.")
     path = np.concatenate([path[:1] - _LINE_EXTENSION * ahead, path, path[-1:] - _LINE_EXTENSION * back])
     aside = path.mean(axis=0) + np.array([-1.0, 1.0]) * (path[-1] - path[0])[::-1]
     one_side, drawn = shapely.make_valid(shapely.Polygon([*path, aside])), shapely.LineString(line)
     cuts = [
         cut
-        for cut in _within(area_of(item.boundary), [path])
+        for cut in _clip_to_area(polygon_from_boundary(item.boundary), [path])
         if shapely.LineString(cut).distance(drawn) <= _CUT_ON_EDGE_DISTANCE
     ]
-    cuts = [edges.followed(cut) for cut in cuts]
-    found = _divided(item, cuts, lambda face: bool(one_side.contains(face.representative_point())), edges)
+    cuts = [edges.snap_to_edges(cut) for cut in cuts]
+    found = _divide_object(item, cuts, lambda face: bool(one_side.contains(face.representative_point())), edges)
     first, second = sorted((found.first, found.second), key=lambda half: -half.area)
     return Halves(first, second, found.cuts)
 
 
-def redrawn(item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field: ScaleField | None) -> SegmentedObject:
+def redraw_boundary(item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field: ScaleField | None) -> SegmentedObject:
     """Redraw a stretch of one of the closed curves of the boundary of an object.
 
     New stretches follow the edges of the fields; where there are none, they are gaps.
     """
-    changed = [line_of(one.points) for one in apply_hand_edits((contour,), (edit,))[0] if one.closed]
+    changed = [round_line(one.points) for one in apply_hand_edits((contour,), (edit,))[0] if one.closed]
     rest = [curve for curve in item.boundary if not np.array_equal(curve, contour.points)]
-    boundary = boundary_of(area_of([*rest, *changed]))
-    return _bounded(item, boundary, [np.array(edit.added)], _Edges(item, scale_field)) if boundary else item
+    boundary = boundary_from_polygon(polygon_from_boundary([*rest, *changed]))
+    return _replace_boundary(item, boundary, [np.array(edit.added)], _ObjectEdges(item, scale_field)) if boundary else item
 
 
-def outlined(item: SegmentedObject, scale_field: ScaleField | None) -> SegmentedObject:
+def mark_gaps(item: SegmentedObject, scale_field: ScaleField | None) -> SegmentedObject:
     """Mark as gaps the stretches of a boundary drawn by hand that follow no edge."""
     closed = [np.array((*curve, curve[0])) for curve in item.boundary]
-    return _bounded(item, item.boundary, closed, _Edges(item, scale_field))
+    return _replace_boundary(item, item.boundary, closed, _ObjectEdges(item, scale_field))
 
 
-def line_of(points: Array) -> Line:
+def round_line(points: Array) -> Line:
     """Round a line, shape (K, 2) [px], to the decimals that objects keep."""
     return tuple((row, col) for row, col in np.round(points, BOUNDARY_DECIMALS).tolist())
 
 
-class _Edges:
+class _ObjectEdges:
     """The edges along the boundary of an object that are strong enough to be followed; none without fields."""
 
     def __init__(self, item: SegmentedObject, scale_field: ScaleField | None) -> None:
         self._field = scale_field
         along = np.concatenate([polyline.sample_path(np.array((*curve, curve[0])), 1.0) for curve in item.boundary])
-        self._boundary = max(float(np.median(self._strength(along))), 1e-9)
+        self._boundary = max(float(np.median(self._measure_strength(along))), 1e-9)
 
-    def _strength(self, places: Array) -> Array:
+    def _measure_strength(self, places: Array) -> Array:
         """Measure the edge strength at points of the image, shape (N,); beyond the border as at the border."""
         if self._field is None:
             return np.zeros(len(places))
         return self._field.strength_at(np.clip(places, 0.0, np.array(self._field.shape) - 1.0))
 
-    def heights(self, places: Array) -> Array:
+    def measure_relative_strength(self, places: Array) -> Array:
         """Measure the edge strength at points, shape (N, 2) [px], relative to that along the boundary, shape (N,)."""
-        return self._strength(places) / self._boundary
+        return self._measure_strength(places) / self._boundary
 
-    def on(self, path: Array) -> Mask:
+    def find_vertices_on_edge(self, path: Array) -> Mask:
         """Return which vertices of a path, shape (K, 2) [px], lie on the ridge of an edge, shape (K,)."""
         if self._field is None:
             return np.zeros(len(path), bool)
         ridge, found = refine_to_ridge(path, self._field)
-        strong = self._strength(ridge) >= max(_MIN_CUT_STRENGTH * self._boundary, self._field.floor)
+        strong = self._measure_strength(ridge) >= max(_MIN_CUT_STRENGTH * self._boundary, self._field.floor)
         return found & strong & (np.linalg.norm(ridge - path, axis=1) <= _CUT_ON_EDGE_DISTANCE)
 
-    def followed(self, cut: Array) -> Array:
+    def snap_to_edges(self, cut: Array) -> Array:
         """Snap a line, shape (K, 2) [px], to edges next to it; its ends stay on the boundary."""
         if self._field is None:
             return cut
         moved = snap_path_to_ridge(cut, self._field)
-        keep = self.on(moved) & (polyline.distances_to_path(cut, moved) <= _SNAP_TO_EDGE_DISTANCE)
+        keep = self.find_vertices_on_edge(moved) & (polyline.distances_to_path(cut, moved) <= _SNAP_TO_EDGE_DISTANCE)
         keep[[0, -1]] = True
         return moved[keep] if keep.sum() > 2 else cut
 
-    def gaps(self, path: Array) -> list[Line]:
+    def find_gaps(self, path: Array) -> list[Line]:
         """Find the stretches of a path, shape (K, 2) [px], that follow no edge."""
         path = polyline.resample_path(path, 1.0)
-        off = scipy.ndimage.binary_dilation(~self.on(path))
-        return [line_of(path[run]) for run in polyline.find_marked_runs(off) if len(run) > 1]
+        off = scipy.ndimage.binary_dilation(~self.find_vertices_on_edge(path))
+        return [round_line(path[run]) for run in polyline.find_marked_runs(off) if len(run) > 1]
 
 
-def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Array, float, Mask]:
+def _split_by_watershed(item: SegmentedObject, places: Array, edges: _ObjectEdges) -> tuple[Array, float, Mask]:
     """Divide an object by a watershed between two points.
 
     Returns the first pixel, the distance of the pixels [px], and which of them belong to the second point.
@@ -217,7 +217,7 @@ def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Arr
     depth = step * scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
     pixels = np.rint((places - low) / step).astype(int)
     smooth = scipy.ndimage.gaussian_filter(depth, 1.0)
-    ways = [way_up(smooth, pixel) for pixel in pixels]
+    ways = [climb_to_peak(smooth, pixel) for pixel in pixels]
     if (ways[0][-1] == ways[1][-1]).all():
         ways = [[pixel] for pixel in pixels]
     seeds, room = np.zeros(shape, np.int32), _MAX_SEED_RADIUS * float(np.linalg.norm(pixels[1] - pixels[0]))
@@ -226,14 +226,14 @@ def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Arr
         seeds[away < min(room, 0.5 * depth[tuple(pixel)] / step)] = number
         seeds[tuple(np.transpose(way))] = number
     deep = max(min(depth[tuple(way[-1])] for way in ways), step)
-    height = np.maximum(edges.heights(grid).reshape(shape) - np.exp(-0.5 * (depth / _BOUNDARY_EDGE_WIDTH) ** 2), 0.0)
+    height = np.maximum(edges.measure_relative_strength(grid).reshape(shape) - np.exp(-0.5 * (depth / _BOUNDARY_EDGE_WIDTH) ** 2), 0.0)
     levels = np.round(_LANDSCAPE_LEVELS * np.clip(height - np.minimum(depth / deep, 1.0), -1.0, 1.0))
     found = skimage.segmentation.watershed(levels, seeds, mask=inside | (seeds > 0))  # type: ignore[no-untyped-call]
     around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
     return low, step, found[tuple(around)] == 2
 
 
-def way_up(depth: Array, pixel: Index) -> list[Index]:
+def climb_to_peak(depth: Array, pixel: Index) -> list[Index]:
     """Climb from a pixel, or a voxel, shape (D,), steepest ascent, to a peak of `depth`; return all on the way."""
     steps = np.indices((3,) * len(pixel)).reshape(len(pixel), -1).T - 1
     way = [pixel]
@@ -245,7 +245,7 @@ def way_up(depth: Array, pixel: Index) -> list[Index]:
         way.append(best)
 
 
-def _within(area: Any, lines: Iterable[Array]) -> list[Array]:
+def _clip_to_area(area: Any, lines: Iterable[Array]) -> list[Array]:
     """Clip lines to the stretches that cross an area from boundary to boundary, each of shape (K, 2)."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
@@ -255,39 +255,39 @@ def _within(area: Any, lines: Iterable[Array]) -> list[Array]:
     return [np.array(part.coords) for part in across]
 
 
-def _settled(cut: Array, area: Any, edges: _Edges) -> Array:
+def _refine_cut(cut: Array, area: Any, edges: _ObjectEdges) -> Array:
     """Refine a cut: along the edge near it, or straight and as short as possible where there is none."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
-    followed = edges.followed(cut)
-    if edges.on(followed).mean() >= _MIN_EDGE_SHARE:
+    followed = edges.snap_to_edges(cut)
+    if edges.find_vertices_on_edge(followed).mean() >= _MIN_EDGE_SHARE:
         return followed
     slide = _MAX_END_SLIDE * float(np.linalg.norm(cut[-1] - cut[0]))
     ends = [area.boundary.intersection(shapely.Point(end).buffer(slide)) for end in (cut[0], cut[-1])]
     line = shapely.shortest_line(*ends)
-    return edges.followed(np.array(line.coords)) if line and area.buffer(_LINE_GRID).covers(line) else cut
+    return edges.snap_to_edges(np.array(line.coords)) if line and area.buffer(_LINE_GRID).covers(line) else cut
 
 
-def _divided(item: SegmentedObject, cuts: Sequence[Array], on_second: Callable[[Any], bool], edges: _Edges) -> Halves:
+def _divide_object(item: SegmentedObject, cuts: Sequence[Array], on_second: Callable[[Any], bool], edges: _ObjectEdges) -> Halves:
     """Divide an object into the two on the sides of cuts."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
-    area = area_of(item.boundary)
+    area = polygon_from_boundary(item.boundary)
     lines = shapely.union_all([area.boundary, *map(shapely.LineString, cuts)], grid_size=_LINE_GRID)
     faces: tuple[list[Any], list[Any]] = [], []
     for face in shapely.get_parts(shapely.polygonize([lines])):
         if area.covers(face.representative_point()):
             faces[on_second(face)].append(face)
-    parts = [boundary_of(shapely.union_all(side)) for side in faces]
+    parts = [boundary_from_polygon(shapely.union_all(side)) for side in faces]
     if not all(parts):
         raise ValueError("The object is not split: click in both halves, or draw a line from side to side.")
-    first, second = (_bounded(item, part, cuts, edges) for part in parts)
+    first, second = (_replace_boundary(item, part, cuts, edges) for part in parts)
     return Halves(first, second, tuple(cuts))
 
 
-def _bounded(
-    item: SegmentedObject, boundary: tuple[Line, ...], drawn: Iterable[Array], edges: _Edges
+def _replace_boundary(
+    item: SegmentedObject, boundary: tuple[Line, ...], drawn: Iterable[Array], edges: _ObjectEdges
 ) -> SegmentedObject:
     """Replace the boundary of an object, along lines that were drawn or cut."""
-    gaps = (*item.gaps, *(gap for path in drawn for gap in edges.gaps(path)))
+    gaps = (*item.gaps, *(gap for path in drawn for gap in edges.find_gaps(path)))
     return replace(item, clicks=(), boundary=boundary, gaps=tuple(gap for gap in gaps if lies_on(gap, boundary)))

@@ -14,7 +14,7 @@ import skimage
 from cpm_core.contours.packed_surface import PackedBody, PackedVoxels
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Place, Sides
-from cpm_core.objects.segmented.by_hand import OUTSIDE, Halves, way_up
+from cpm_core.objects.segmented.by_hand import POINT_OUTSIDE, Halves, climb_to_peak
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 
 Part = tuple[Index, Mask]
@@ -24,7 +24,7 @@ _MAX_RIPPLE_HEIGHT = 0.01
 """Largest height of a ripple along the path of a brush, which consists of balls [smallest sides of a voxel]."""
 
 
-def brush_in(shape: Extent, path: Sequence[Place], radius: float, sides: Sides, axis: int | None = None) -> Part:
+def voxelize_brush(shape: Extent, path: Sequence[Place], radius: float, sides: Sides, axis: int | None = None) -> Part:
     """Find the voxels of a volume that a brush covers on the way between two places, or at one.
 
     Parameters
@@ -62,7 +62,7 @@ def brush_in(shape: Extent, path: Sequence[Place], radius: float, sides: Sides, 
     return low, mask
 
 
-def painted_in(
+def paint_voxels(
     objects: SegmentedObjects, number: int, part: Part, adds: bool = True, over_others: bool = True
 ) -> SegmentedObjects:
     """Add voxels to one of the objects of a volume, or remove them; an object without any left is dropped.
@@ -110,7 +110,7 @@ def painted_in(
     return replace(ends, items=tuple(known.values()))
 
 
-def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: Sides) -> Halves:
+def split_painted_object(item: SegmentedObject, first: Place, second: Place, sides: Sides) -> Halves:
     """Split a painted object of a volume into two, each with one of two points.
 
     They meet at the neck between the points, by the watershed of the distance from the boundary, or halfway without a
@@ -120,10 +120,10 @@ def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: S
     inside, begin = np.pad(voxels.mask, 1), np.array(voxels.first or (0, 0, 0)) - 1
     places = [np.rint(place).astype(np.int64) - begin for place in (first, second)]
     if not all(item.surface[0].mask_in_box(place + begin, (1, 1, 1)).all() for place in places):
-        raise ValueError(OUTSIDE)
+        raise ValueError(POINT_OUTSIDE)
     depth = scipy.ndimage.distance_transform_edt(inside, sampling=sides)
     height = -scipy.ndimage.gaussian_filter(depth, 1.0)
-    ways = [way_up(-height, place) for place in places]
+    ways = [climb_to_peak(-height, place) for place in places]
     if (ways[0][-1] == ways[1][-1]).all():
         ways, height = [[place] for place in places], np.zeros_like(height)
     seeds = np.zeros(inside.shape, np.int32)
@@ -137,7 +137,7 @@ def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: S
     return Halves(one, other, ())
 
 
-def between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part, int]:
+def fill_between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part, int]:
     """Fill in voxels between slices of a body across an axis; also return the number of slices that get some.
 
     Signed distances from the outlines are interpolated (S. P. Raya and J. K. Udupa, 1990) between the pieces of two
@@ -149,42 +149,42 @@ def between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part, int
     filled = np.zeros_like(slices)
     pixel = sides[:axis] + sides[axis + 1 :]
     for first, last in pairwise(np.flatnonzero(slices.any(axis=(1, 2))).tolist()):
-        pairs = _pairs(slices[first], slices[last], pixel) if last - first > 1 else ()
+        pairs = _match_pieces(slices[first], slices[last], pixel) if last - first > 1 else ()
         for at in range(first + 1, last):
             share = (at - first) / (last - first)
-            filled[at] = np.any([_between(*pair, pixel, share) for pair in pairs], axis=0)
+            filled[at] = np.any([_interpolate_pieces(*pair, pixel, share) for pair in pairs], axis=0)
     return (np.array(voxels.first), np.moveaxis(filled, 0, axis)), int(filled.any(axis=(1, 2)).sum())
 
 
-def _between(one: Mask, other: Mask, pixel: tuple[float, ...], share: float) -> Mask:
+def _interpolate_pieces(one: Mask, other: Mask, pixel: tuple[float, ...], share: float) -> Mask:
     """Interpolate two pieces at a fraction of the way from one to the other."""
-    way = _center(other) - _center(one)
+    way = _find_center(other) - _find_center(one)
     near, far = (
-        weight * scipy.ndimage.shift(_signed(piece, pixel), by * way, order=1, mode="nearest")
+        weight * scipy.ndimage.shift(_signed_piece_distance(piece, pixel), by * way, order=1, mode="nearest")
         for piece, weight, by in ((one, 1.0 - share, share), (other, share, share - 1.0))
     )
     return np.asarray(near + far > 0.0)
 
 
-def _pairs(first: Mask, last: Mask, pixel: tuple[float, ...]) -> list[tuple[Mask, Mask]]:
+def _match_pieces(first: Mask, last: Mask, pixel: tuple[float, ...]) -> list[tuple[Mask, Mask]]:
     """Match the pieces of two slices that continue each other: those that overlap, or else the nearest ones."""
     one, other = (
         [numbers == n for n in range(1, count + 1)]
         for numbers, count in (scipy.ndimage.label(each, np.ones((3, 3))) for each in (first, last))
     )
-    meet = np.array([[(a & b).any() for b in other] for a in one])
-    away = np.array([[np.linalg.norm((_center(a) - _center(b)) * pixel) for b in other] for a in one])
+    meet = np.array([[(a & b).has_object() for b in other] for a in one])
+    away = np.array([[np.linalg.norm((_find_center(a) - _find_center(b)) * pixel) for b in other] for a in one])
     for joined, distances in ((meet, away), (meet.T, away.T)):
         alone = ~joined.any(axis=1)
         joined[alone, distances.argmin(axis=1)[alone]] = True
     return [(one[i], other[j]) for i, j in np.argwhere(meet).tolist()]
 
 
-def _center(piece: Mask) -> Array:
+def _find_center(piece: Mask) -> Array:
     return np.argwhere(piece).mean(axis=0)
 
 
-def _signed(piece: Mask, pixel: tuple[float, ...]) -> Array:
+def _signed_piece_distance(piece: Mask, pixel: tuple[float, ...]) -> Array:
     """Compute the distance from the outline of a piece, negative outside."""
     inside, outside = (
         scipy.ndimage.distance_transform_edt(np.pad(each, 1, constant_values=not within), sampling=pixel)

@@ -15,7 +15,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Line, Mask, Place, Position, Sides, frozen
 from cpm_core.objects.selection import Selection
 
-MOST_CLASSES = 9
+CLASS_COUNT = 9
 """Number of classes, one for each digit key."""
 
 _PIXELS_PER_TEST = 2**20
@@ -124,26 +124,26 @@ class SegmentedObject:
             raise ValueError("An object has one surface in a volume, or closed curves in an image, not more.")
         if not (self.boundary or self.surface) or any(len({*curve[:3]}) < 3 > len({*curve}) for curve in self.boundary):
             raise ValueError("The boundary of an object needs closed curves of at least three different points each.")
-        if not 1 <= self.category <= MOST_CLASSES:
-            raise ValueError(f"The class of an object is {self.category} but must be from 1 to {MOST_CLASSES}.")
+        if not 1 <= self.category <= CLASS_COUNT:
+            raise ValueError(f"The class of an object is {self.category} but must be from 1 to {CLASS_COUNT}.")
         if not 0.0 <= self.confidence <= 1.0:
             raise ValueError(f"The confidence of an object is {self.confidence} but must be from 0 to 1.")
         check_color("an object", self.color)
 
     @property
-    def body(self) -> Surface | None:
+    def unpacked_surface(self) -> Surface | None:
         """Its boundary in a volume [voxels]; None in an image."""
         return self.surface[0].surface if self.surface else None
 
     @property
     def inside(self) -> Array:
         """Positive points, shape (M, D) [px]."""
-        return places_of(self.clicks, inside=True)
+        return collect_points(self.clicks, inside=True)
 
     @property
     def outside(self) -> Array:
         """Negative points, shape (K, D) [px]."""
-        return places_of(self.clicks, inside=False)
+        return collect_points(self.clicks, inside=False)
 
     def encloses(self, places: Array) -> Mask:
         """Return which points, shape (N, 2) [px], lie inside, shape (N,)."""
@@ -159,12 +159,12 @@ class SegmentedObject:
             packed.voxels.fill_into(found)
         if self.surface:
             return found
-        (top, left), window = self._window(shape)
+        (top, left), window = self._rasterize_window(shape)
         found[top : top + window.shape[0], left : left + window.shape[1]] = window
         return found
 
     @property
-    def outer(self) -> tuple[Line, ...]:
+    def outer_curves(self) -> tuple[Line, ...]:
         """The curves of the boundary that do not bound holes."""
         if len(self.boundary) == 1:
             return self.boundary
@@ -177,15 +177,15 @@ class SegmentedObject:
     @property
     def area(self) -> float:
         """Area without holes [px²]."""
-        outer = self.outer
+        outer = self.outer_curves
         return float(sum(polyline.enclosed_area(curve) * (1.0 if curve in outer else -1.0) for curve in self.boundary))
 
-    def perimeter(self, spacing: Sides = (1.0, 1.0)) -> float:
+    def measure_perimeter(self, spacing: Sides = (1.0, 1.0)) -> float:
         """Measure the length of the boundary, holes included, in the unit of the size of a pixel."""
         curves = (np.array((*curve, curve[0])) * spacing for curve in self.boundary)
         return sum(polyline.path_length(curve) for curve in curves)
 
-    def bridged(self, spacing: Sides = (1.0, 1.0)) -> float:
+    def measure_gap_length(self, spacing: Sides = (1.0, 1.0)) -> float:
         """Measure the length of the gaps: stretches of the boundary off the contours, in the unit of a pixel's size."""
         return sum(polyline.path_length(np.array(gap) * spacing) for gap in self.gaps)
 
@@ -202,7 +202,7 @@ class SegmentedObject:
         row, col = (0.5 * (low + high)).tolist()
         return row, col
 
-    def innermost(self, shape: Extent) -> Place:
+    def find_innermost_pixel(self, shape: Extent) -> Place:
         """Find the pixel (row, col) inside that is farthest from the boundary and from the border of the image.
 
         A vertex when no pixel lies inside; in a volume the innermost pixel of the plane with most voxels.
@@ -214,14 +214,14 @@ class SegmentedObject:
             above, *first = voxels.first or (0, 0, 0)
             window, plane = voxels.mask[at], (float(above + at),)
         else:
-            (*first,), window = self._window(shape)
-        if not window.any():
+            (*first,), window = self._rasterize_window(shape)
+        if not window.has_object():
             return self.boundary[0][0]
         depth = scipy.ndimage.distance_transform_edt(np.pad(window, 1))[1:-1, 1:-1]
         row, col = np.unravel_index(int(np.argmax(depth)), window.shape)
         return (*plane, float(row + first[0]), float(col + first[1]))
 
-    def _window(self, shape: Extent) -> tuple[tuple[int, int], Mask]:
+    def _rasterize_window(self, shape: Extent) -> tuple[tuple[int, int], Mask]:
         """Rasterize the boundary: first row and column of the part of the image around it, and its pixels inside.
 
         Boundaries may reach far beyond the image.
@@ -239,7 +239,7 @@ class SegmentedObject:
         return (top, left), window
 
 
-CLASSES: tuple[ObjectClass, ...] = tuple(
+DEFAULT_CLASSES: tuple[ObjectClass, ...] = tuple(
     ObjectClass("", color)
     for color in (
         "#e69f00",
@@ -284,7 +284,7 @@ class SegmentedObjects:
     """
 
     items: tuple[SegmentedObject, ...] = ()
-    classes: tuple[ObjectClass, ...] = CLASSES
+    classes: tuple[ObjectClass, ...] = DEFAULT_CLASSES
     category: int = 1
     clicks: Clicks = ()
     edited: int = 0
@@ -292,10 +292,10 @@ class SegmentedObjects:
     taken: int = 0
 
     def __post_init__(self) -> None:
-        if len(self.classes) != MOST_CLASSES:
-            raise ValueError(f"There are {len(self.classes)} classes of objects but there must be {MOST_CLASSES}.")
-        if not 1 <= self.category <= MOST_CLASSES:
-            raise ValueError(f"The class is {self.category} but must be from 1 to {MOST_CLASSES}.")
+        if len(self.classes) != CLASS_COUNT:
+            raise ValueError(f"There are {len(self.classes)} classes of objects but there must be {CLASS_COUNT}.")
+        if not 1 <= self.category <= CLASS_COUNT:
+            raise ValueError(f"The class is {self.category} but must be from 1 to {CLASS_COUNT}.")
         numbers = [item.number for item in (*self.items, *self.rejected)]
         if len(set(numbers)) < len(numbers):
             raise ValueError("Two objects have the same number; each needs one of its own.")
@@ -321,22 +321,22 @@ class SegmentedObjects:
         lines = [(*curve, curve[0]) for item in frozen for curve in item.boundary]
         return (*lines, *(packed.shell for item in frozen for packed in item.surface))
 
-    def color(self, item: SegmentedObject) -> str:
+    def color_of(self, item: SegmentedObject) -> str:
         """Return the color of an object: its own, or that of its class."""
         return item.color or self.classes[item.category - 1].color
 
 
-def places_of(clicks: Clicks, *, inside: bool) -> Array:
+def collect_points(clicks: Clicks, *, inside: bool) -> Array:
     """Collect the positive points of clicks, or the negative ones, shape (N, D) [px]."""
     found = [place for click in clicks if click.inside == inside for place in click.places]
     return np.array(found, dtype=float).reshape(-1, len(clicks[0].places[0]) if clicks else 2)
 
 
-def selection_of(item: SegmentedObject, shape: Extent) -> Selection:
+def selection_from_object(item: SegmentedObject, shape: Extent) -> Selection:
     """Build the selection of an object in an image of this shape."""
     return Selection(
         mask=item.mask(shape),
-        contours=contours_of(item),
+        contours=contours_from_object(item),
         gaps=tuple(np.array(gap) for gap in item.gaps),
         confidence=item.confidence,
         inside=item.inside,
@@ -344,7 +344,7 @@ def selection_of(item: SegmentedObject, shape: Extent) -> Selection:
     )
 
 
-def contours_of(item: SegmentedObject) -> tuple[Contour, ...]:
+def contours_from_object(item: SegmentedObject) -> tuple[Contour, ...]:
     """Return the boundary of an object as closed contours, holes marked as such."""
-    outer = item.outer
+    outer = item.outer_curves
     return tuple(Contour(np.array(curve), True, item.strength, hole=curve not in outer) for curve in item.boundary)

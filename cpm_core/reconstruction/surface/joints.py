@@ -103,7 +103,7 @@ class SaddleSurroundings:
         near = self._places.query_ball_point(at, _SADDLE_RADIUS)
         along, toward = (self._places.data[near] - at) @ across, self.normals[near] @ across
         one_bank, other_bank = toward[along < _BANK_OVERLAP], -toward[along > -_BANK_OVERLAP]
-        return bool((one_bank > _FACING_COSINE).any() and (other_bank > _FACING_COSINE).any())
+        return bool((one_bank > _FACING_COSINE).has_object() and (other_bank > _FACING_COSINE).has_object())
 
     def _second_derivatives(self, at: Index) -> Array:
         found, steps = np.empty((3, 3)), np.eye(3)
@@ -254,7 +254,7 @@ def find_path_through_saddle(values: Single, parts: ConnectedParts, saddle: Inde
     for wanted in (one, other):
         ends = voxels[part == wanted]
         cost = reached[tuple(ends.T)]
-        if not len(ends) or not np.isfinite(cost).any():
+        if not len(ends) or not np.isfinite(cost).has_object():
             return None
         halves.append(np.array(costs.traceback(tuple(ends[cost.argmin()]))) + low)
     return np.concatenate([halves[0][::-1], halves[1][1:]])

@@ -245,19 +245,19 @@ def _flood_basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, 
     large[0], large[:, 0] = False, False
     open_ = np.zeros(count + 1, bool)
     open_[flat[_dilate_once(shut)]] = True
-    enclosed, opened = (large & ~open_).any(axis=1), (large & open_).any(axis=1)
+    enclosed, opened = (large & ~open_).has_object(axis=1), (large & open_).has_object(axis=1)
     pieces = np.where((enclosed & opened)[pieces] & ~(large & ~open_)[pieces, flat], 0, pieces).astype(np.int32)
     background = int(pieces.max()) + 1
-    markers = np.where(shut | (large & open_)[enclosed].any(axis=0)[flat], background, 0).astype(np.int32)
+    markers = np.where(shut | (large & open_)[enclosed].has_object(axis=0)[flat], background, 0).astype(np.int32)
     bounded = (pieces > 0) & ~(opened & ~enclosed)[pieces]
     markers[bounded] = pieces[bounded]
     basins = np.where(shut, background, 1).astype(np.int32)
-    if bounded.any():
+    if bounded.has_object():
         basins = flood_from_markers(strength, markers)
     number = _join_weak_borders(strength, basins, background)
     number[0], number[background] = 0, 0
     in_open = opened & ~enclosed
-    if in_open.any():
+    if in_open.has_object():
         number = np.append(number, number.max() + 1)
         number[np.flatnonzero(in_open)] = number[-1]
         basins[(basins == background) & ~shut] = background + 1

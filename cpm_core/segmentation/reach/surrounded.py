@@ -117,7 +117,7 @@ def _separate_object(bins: Index, depth: Array, extent: float) -> Mask:
         weight = np.bincount(parts.ravel(), depth.ravel(), count + 1)
         weight[0] = 0.0
         after = (weight >= _MIN_KEPT_WEIGHT * weight.max())[parts] & filled
-        if not after.any() or (after == thing).all():
+        if not after.has_object() or (after == thing).all():
             return after
         thing = after
     return thing

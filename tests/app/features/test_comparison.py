@@ -23,8 +23,8 @@ from PySide6.QtWidgets import QFileDialog, QPushButton
 from cpm_core import PRESETS, Engine, segment
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.model.starts import circle
-from cpm_core.objects.methods import CONTOUR_METHODS, Compared
-from cpm_core.objects.methods.comparison import FIRST
+from cpm_core.objects.methods import CONTOUR_METHODS, MethodComparison
+from cpm_core.objects.methods.comparison import DEFAULT_METHODS
 from tests.app.conftest import Hand, disc
 
 pytestmark = pytest.mark.shared_window
@@ -150,7 +150,7 @@ def test_methods_are_measured_by_a_truth_and_exported(ready, methods, hand, tmp_
     compared.load(tmp_path / "mask.png")
     hand.wait(lambda: ready.session.scene.truth is not None)
     run(ready, hand, methods)
-    hand.wait(lambda: len(compared.agreed) == len(FIRST))
+    hand.wait(lambda: len(compared.agreed) == len(DEFAULT_METHODS))
     figures = dict(zip(methods.table.column("name"), methods.table.column("dice"), strict=True))
     for row in rows(ready):
         if row.trial is not None:
@@ -188,7 +188,7 @@ def test_a_session_keeps_the_methods_and_undo_takes_a_change_back(ready, methods
     compared = ready.session.document.comparison
     assert set(compared.methods) == {"cpm", "gvf", "geodesic", "morph_gac"}
     own = CONTOUR_METHODS["geodesic"].settings(balloon=1.5)
-    assert compared == Compared(compared.methods, (("geodesic", own),), around=True)
+    assert compared == MethodComparison(compared.methods, (("geodesic", own),), around=True)
     file = ready.feature(OpenSaveFeature).document_file
     assert file.unsaved
     assert file.save_at_once(tmp_path / "a.cpm")

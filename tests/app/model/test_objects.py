@@ -90,9 +90,9 @@ def test_names_colors_classes_and_states_are_those_of_the_objects_given(document
     changed = objects.amend(objects.amend(document, (1,), hidden=True, color="#123456"), (2,), frozen=True)
     frame, dot = changed.objects.items
     assert (frame.hidden, frame.frozen, dot.hidden, dot.frozen) == (True, False, False, True)
-    assert (changed.objects.color(frame), changed.objects.color(dot)) == ("#123456", changed.objects.classes[1].color)
+    assert (changed.objects.color_of(frame), changed.objects.color_of(dot)) == ("#123456", changed.objects.classes[1].color)
     again = objects.classify(changed, (1,), 3)
-    assert again.objects.color(again.objects[1]) == again.objects.classes[2].color
+    assert again.objects.color_of(again.objects[1]) == again.objects.classes[2].color
 
 
 def test_frozen_objects_are_barriers_of_a_run(document) -> None:

@@ -73,10 +73,10 @@ def test_a_dropped_surface_gives_an_object_for_each_body(volume, hand, tmp_path)
         drop(volume, tmp_path / "a.obj")
         hand.wait(lambda: bool(volume.session.document.objects.items))
     items = volume.session.document.objects.items
-    assert sorted(int(voxelize_surface(item.body, SHAPE).sum()) for item in items) == [int(SMALL.sum()), int(INSIDE.sum())]
+    assert sorted(int(voxelize_surface(item.unpacked_surface, SHAPE).sum()) for item in items) == [int(SMALL.sum()), int(INSIDE.sum())]
     for item in items:
         plane, row, col = map(int, item.inside[0])
-        assert voxelize_surface(item.body, SHAPE)[plane, row, col]
+        assert voxelize_surface(item.unpacked_surface, SHAPE)[plane, row, col]
     volume.activateWindow()  # the question was the active one
     hand.wait(volume.isActiveWindow)
     hand.key(Qt.Key.Key_Z, CTRL)

@@ -95,7 +95,7 @@ def test_with_alt_the_brush_takes_away_makes_holes_and_parts_an_object_in_two(wi
     assert item.area == pytest.approx(2 * large * 24 + math.pi * (large**2 - small**2), rel=0.02)
     stroke(hand, (15, 32), (45, 32), away=True)
     (item,) = items(window)
-    assert len(item.outer) == 2
+    assert len(item.outer_curves) == 2
     whole, cut = near(((30, 20), (30, 44))), near(((15, 32), (45, 32)))
     edge = np.minimum(np.abs(whole - large), np.abs(cut - small))
     assert differ(item.mask((64, 64)), (whole <= large) & (cut > small), edge) == 0

@@ -182,7 +182,7 @@ def test_an_outline_along_the_edge_is_an_object_before_any_run(window, hand) -> 
     hand.wait(lambda: window.workspace.hand_editing.edges is not None)
     draw_outline(hand)
     (one,) = window.session.document.objects.items
-    assert one.area == pytest.approx(AREA, rel=0.04) and one.bridged() < 3.0
+    assert one.area == pytest.approx(AREA, rel=0.04) and one.measure_gap_length() < 3.0
     assert window.workspace.object_list.chosen == {1}
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)

@@ -266,7 +266,7 @@ def doubtful(window, monkeypatch):
             return tuple(
                 replace(each, selection=replace(each.selection, confidence=0.9 if holds else 0.4))
                 for each in all_objects(partition, task)
-                for holds in each.selection.holds(np.array([sure]))
+                for holds in each.selection.contains(np.array([sure]))
             )
 
         monkeypatch.setattr(object_selection, "all_objects", found)
@@ -348,7 +348,7 @@ def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(wind
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
     (rest,) = objects.proposals
     hand.wait(lambda: objects.idle)
-    assert rest.selection.holds(np.array([LARGE[0]])).all()
+    assert rest.selection.contains(np.array([LARGE[0]])).all()
     window.workspace.object_list.choose((rest.key,))
     hand.key(KEY.Key_X)
     hand.wait(lambda: objects.idle and not objects.proposals)
@@ -373,9 +373,9 @@ def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(win
 
 def test_brackets_take_the_next_candidate_and_undo_takes_the_step_back(window, hand, objects, monkeypatch) -> None:
     def candidates(partition, inside, *rest, **more):
-        return [partition.selection_of(disk(SMALL[0], radius), np.array(inside)) for radius in (5.0, 9.0, 13.0)]
+        return [partition.build_selection(disk(SMALL[0], radius), np.array(inside)) for radius in (5.0, 9.0, 13.0)]
 
-    monkeypatch.setattr(Partition, "candidates", candidates)
+    monkeypatch.setattr(Partition, "find_candidates", candidates)
     click(hand, 18, 18)
     first = offered(objects)
     for key, step, said in (
@@ -406,7 +406,7 @@ def test_brackets_take_the_next_candidate_and_undo_takes_the_step_back(window, h
 def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window, hand, objects, where) -> None:
     (row, col), radius = where
     run_everywhere(hand)
-    everywhere = next(each for each in objects.proposals if each.selection.holds(np.array([[row, col]]))[0])
+    everywhere = next(each for each in objects.proposals if each.selection.contains(np.array([[row, col]]))[0])
     hand.key(KEY.Key_X)
     hand.wait(lambda: objects.idle and not objects.proposals)
     click(hand, row, col)

@@ -39,7 +39,7 @@ def image_file(tmp_path):
 @pytest.fixture
 def pair(window, hand):
     """One object around both nuclei, with a name, and the tool in use with the edges at hand."""
-    both = SegmentedObject(1, (), (objects.line_of(around()),), name="both")
+    both = SegmentedObject(1, (), (objects.round_line(around()),), name="both")
     window.session.edit("both", lambda d: replace(d, objects=replace(d.objects, items=(both,))))
     hand.canvas.setFocus()
     hand.key(KEY.Key_K)
@@ -146,7 +146,7 @@ def test_a_click_cuts_an_open_contour(window, hand) -> None:
 
 
 def test_both_halves_of_a_closed_contour_are_accepted(window, hand) -> None:
-    closed = HandEdit(added=objects.line_of(around()), closed=True)
+    closed = HandEdit(added=objects.round_line(around()), closed=True)
     window.session.edit("closed", lambda d: replace(d, hand_edits=(closed,)))
     hand.canvas.setFocus()
     hand.key(KEY.Key_K)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.objects.prior.windows import LUMINANCE, SIDE
+from cpm_core.objects.prior.windows import NETWORK_LUMINANCE_WEIGHTS, CROP_SIDE
 from tests.benchmarks.prior.pictures import Example
 from tests.benchmarks.prior.textures import blurred, noise
 
@@ -84,10 +84,10 @@ class Prompt:
         The answer that is corrected.
     """
 
-    inside: Mask = field(default_factory=lambda: np.zeros((SIDE, SIDE), np.bool_))
-    outside: Mask = field(default_factory=lambda: np.zeros((SIDE, SIDE), np.bool_))
-    drawn: Single = field(default_factory=lambda: np.zeros((SIDE, SIDE), np.float32))
-    former: Single = field(default_factory=lambda: np.zeros((SIDE, SIDE), np.float32))
+    inside: Mask = field(default_factory=lambda: np.zeros((CROP_SIDE, CROP_SIDE), np.bool_))
+    outside: Mask = field(default_factory=lambda: np.zeros((CROP_SIDE, CROP_SIDE), np.bool_))
+    drawn: Single = field(default_factory=lambda: np.zeros((CROP_SIDE, CROP_SIDE), np.float32))
+    former: Single = field(default_factory=lambda: np.zeros((CROP_SIDE, CROP_SIDE), np.float32))
 
     def correct(self, answer: Mask, truth: Mask, chance: Chance) -> None:
         """Click as a user would: where most is missing from an answer, or where most is too much."""
@@ -119,11 +119,11 @@ def view(example: Example, chance: Chance) -> View | None:
         image = np.repeat(image, 3, axis=2)
     on_click = plain.random() < 0.35
     middle, side = _placed(mask, click(mask if hit is None else hit, chance) if on_click else None, chance)
-    scale = SIDE / side
+    scale = CROP_SIDE / side
     matrix = _matrix(middle, scale, chance)
     if scale < 0.6:
         image = blurred(image, 0.4 / scale)
-    size = (SIDE, SIDE)
+    size = (CROP_SIDE, CROP_SIDE)
     colors = cv2.warpAffine(image, matrix, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     visible = _warped(mask, matrix)
     hit = visible if hit is None else _warped(hit, matrix)
@@ -165,24 +165,24 @@ def _matrix(middle: tuple[float, float], scale: float, chance: Chance) -> Array:
     stretch = np.exp(plain.uniform(-0.2, 0.2))
     cosine, sine = np.cos(turn), scale * np.sin(turn)
     matrix = np.array([[scale * stretch * cosine, -sine, 0], [sine, scale / stretch * cosine, 0]])
-    matrix[:, 2] = SIDE / 2 - matrix[:, :2] @ [middle[1], middle[0]]
+    matrix[:, 2] = CROP_SIDE / 2 - matrix[:, :2] @ [middle[1], middle[0]]
     if plain.random() < 0.5:
-        matrix[0] = [-matrix[0, 0], -matrix[0, 1], SIDE - 1 - matrix[0, 2]]
+        matrix[0] = [-matrix[0, 0], -matrix[0, 1], CROP_SIDE - 1 - matrix[0, 2]]
     return matrix
 
 
 def _warped(mask: Mask, matrix: Array) -> Mask:
-    return cv2.warpAffine(mask.astype(np.uint8) * 255, matrix, (SIDE, SIDE), flags=cv2.INTER_LINEAR) > 127
+    return cv2.warpAffine(mask.astype(np.uint8) * 255, matrix, (CROP_SIDE, CROP_SIDE), flags=cv2.INTER_LINEAR) > 127
 
 
 def _in_another_light(colors: Single, chance: Chance) -> Single:
     """Colors without hue, or with channels exchanged, as the network sees them."""
     plain = chance.plain
     if plain.random() < 0.5:
-        colors = np.repeat((colors @ LUMINANCE)[..., None], 3, axis=2)
+        colors = np.repeat((colors @ NETWORK_LUMINANCE_WEIGHTS)[..., None], 3, axis=2)
     elif plain.random() < 0.4:
         colors = colors[..., plain.sample(range(3), 3)]
-    gray = colors @ LUMINANCE
+    gray = colors @ NETWORK_LUMINANCE_WEIGHTS
     deviation = gray.std() + 8
     red, green, blue = (colors[..., channel] for channel in range(3))
     values = [(gray - gray.mean()) / deviation, (red - green) / deviation, ((red + green) / 2 - blue) / deviation]
@@ -198,9 +198,9 @@ def _varied(values: Single, chance: Chance) -> Single:
     if plain.random() < 0.3:
         gray[:] = np.sign(gray) * np.abs(gray) ** np.exp(plain.uniform(-0.3, 0.3))
     if plain.random() < 0.4:
-        gray += chance.arrays.standard_normal((SIDE, SIDE), dtype=np.float32) * plain.uniform(0, 0.5)
+        gray += chance.arrays.standard_normal((CROP_SIDE, CROP_SIDE), dtype=np.float32) * plain.uniform(0, 0.5)
     if plain.random() < 0.15:
-        gray += noise(SIDE, SIDE / 2, chance.arrays) * plain.uniform(0, 0.7)
+        gray += noise(CROP_SIDE, CROP_SIDE / 2, chance.arrays) * plain.uniform(0, 0.7)
     if plain.random() < 0.25:
         values = blurred(values, plain.uniform(0.5, 1.8))
     return values
@@ -210,7 +210,7 @@ def first_prompt(seen: View, chance: Chance) -> Prompt:
     """What a user does first: a click, a circle, a stroke, a box, or a correction of a former answer."""
     prompt = Prompt()
     kind = chance.plain.random()
-    half = SIDE // 2
+    half = CROP_SIDE // 2
     if seen.on_click and kind < 0.8 and seen.hit[half - 1 : half + 1, half - 1 : half + 1].any():
         prompt.inside[half, half] = True
     elif kind < 0.45:
@@ -254,7 +254,7 @@ def _stroke(region: Mask, chance: Chance) -> Mask:
     direction = _unit(chance.turns.randn(2))
     for _ in range(chance.plain.randrange(4, 30)):
         ahead = place + direction * 2
-        if not region[tuple(np.clip(np.round(ahead).astype(int), 0, SIDE - 1))]:
+        if not region[tuple(np.clip(np.round(ahead).astype(int), 0, CROP_SIDE - 1))]:
             direction = np.array([-direction[1], direction[0]]) * chance.plain.choice((-1, 1))
             continue
         cv2.line(line, _pixel(place), _pixel(ahead), 1, 1)
@@ -282,7 +282,7 @@ def _former_answer(mask: Mask, chance: Chance) -> Mask:
     """An answer that is about right."""
     signed = _depth(mask) - _depth(~mask)
     size = max(signed.max(), 2)
-    waves = noise(SIDE, chance.plain.choice((8, 16, 32)), chance.arrays) * size * chance.plain.uniform(0.1, 0.8)
+    waves = noise(CROP_SIDE, chance.plain.choice((8, 16, 32)), chance.arrays) * size * chance.plain.uniform(0.1, 0.8)
     return signed + waves + chance.plain.gauss(0, 0.15) * size > 0
 
 

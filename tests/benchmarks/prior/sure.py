@@ -40,7 +40,7 @@ TIGHT = 1e-3
 EVERYWHERE = {"nuclei": 2, "strawberries": 2, "cats": 6}
 """Of so many images that are held out, one is looked at everywhere."""
 
-Row = tuple[str, str, confidence.Signs, bool]
+Row = tuple[str, str, confidence.ConfidenceFeatures, bool]
 """Kind of image, what has been done, what speaks for the answer, and whether it is right."""
 
 
@@ -79,7 +79,7 @@ def overlap(one: Mask, other: Mask) -> float:
 def answers(example: pictures.Example, rng: np.random.Generator) -> Iterator[tuple[str, cpm.Selection]]:
     """What is selected by clicks of a robot user, the first one in the middle or anywhere, by a circle and by a box."""
     image, truth, hit = example
-    values = image[..., 0] if not np.ptp(image, axis=-1).any() else image
+    values = image[..., 0] if not np.ptp(image, axis=-1).has_object() else image
     cut = cpm.partition(cpm.Image(values))
     where = truth if hit is None else hit
     middle, depth = deepest(where)
@@ -105,8 +105,8 @@ def rows_of(kinds: dict[str, list[pictures.Example]], seed: int) -> Iterator[Row
     for kind, examples in kinds.items():
         for example in examples:
             for way, chosen in answers(example, rng):
-                if chosen.signs is not None:
-                    yield kind, way, chosen.signs, overlap(chosen.mask, example.mask) >= confidence.RIGHT
+                if chosen.features is not None:
+                    yield kind, way, chosen.features, overlap(chosen.mask, example.mask) >= confidence.CORRECT_IOU
 
 
 def rows_everywhere(folder: Path) -> Iterator[Row]:
@@ -114,7 +114,7 @@ def rows_everywhere(folder: Path) -> Iterator[Row]:
     for path in sorted(folder.glob("*_labels.png"))[:: pictures.HELD_OUT][:: EVERYWHERE.get(folder.name, 1)]:
         image, labels = pictures.labeled(path)
         for found in cpm.select_all(cpm.Image(image)):
-            yield folder.name, "everywhere", found.signs, best_overlap(found.mask, labels) >= confidence.RIGHT
+            yield folder.name, "everywhere", found.features, best_overlap(found.mask, labels) >= confidence.CORRECT_IOU
 
 
 def best_overlap(mask: Mask, labels: Index) -> float:
@@ -164,7 +164,7 @@ def main() -> None:
 
 def write(rows: Sequence[Row], seed: int) -> None:
     """Learn from rows, print how well that holds on each kind if it is left out, and write the numbers."""
-    signs = np.array([confidence.features(row[2]) for row in rows])
+    signs = np.array([confidence.encode_features(row[2]) for row in rows])
     right, kind = np.array([float(row[3]) for row in rows]), np.array([row[0] for row in rows])
     counts = Counter(kind.tolist())
     weights = np.array([len(rows) / (len(counts) * counts[name]) for name in kind.tolist()])

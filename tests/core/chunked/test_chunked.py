@@ -9,9 +9,9 @@ import scipy
 import cpm_core as cpm
 from cpm_core.chunked import chunk_objects, results
 from cpm_core.chunked import grid as grids
-from cpm_core.chunked.run import Found, Task, run, surveyed
-from cpm_core.chunked.seams import joined
-from cpm_core.chunked.store import Piece, Store
+from cpm_core.chunked.run import ChunkedContours, ChunkedTask, run_chunks, survey_image
+from cpm_core.chunked.seams import join_pieces
+from cpm_core.chunked.store import ContourPiece, RunStore
 from cpm_core.contours.agreement import distances_to_contours
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.images import ome_zarr
@@ -41,7 +41,7 @@ def picture():
 def small():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ome_zarr, "_TILE_SIDE", 64)
-        patch.setattr(grids, "_OVERLAP", 64)
+        patch.setattr(grids, "_MIN_OVERLAP", 64)
         yield
 
 
@@ -50,15 +50,15 @@ def source(tmp_path_factory):
     values, path = picture(), tmp_path_factory.mktemp("image") / "cells.zarr"
     ome_zarr.create_multiscale(path, values.shape, values.dtype, SIDE, (0.5, 0.5), "µm")
     ome_zarr.write_window(path, 0, np.s_[:, :], values)
-    return grids.Source(path, Reading())
+    return grids.ChunkedSource(path, Reading())
 
 
 def serial(function, jobs, _title):
     return ((at, function(job)) for at, job in enumerate(jobs))
 
 
-def found_in(source, tmp_path, kind="grid", compute=serial, max_steps=None, objects=False) -> Found:
-    return run(Task(source, PARAMETERS, kind, Store(tmp_path / "chunks"), max_steps, objects), compute, SIDE)
+def found_in(source, tmp_path, kind="grid", compute=serial, max_steps=None, objects=False) -> ChunkedContours:
+    return run_chunks(ChunkedTask(source, PARAMETERS, kind, RunStore(tmp_path / "chunks"), max_steps, objects), compute, SIDE)
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def found(source, tmp_path_factory):
 
 
 def contours_of(found):
-    return [one for chunk in range(len(found.counts)) for one in found.contours(chunk)]
+    return [one for chunk in range(len(found.counts)) for one in found.read_chunk_contours(chunk)]
 
 
 @pytest.mark.parametrize("kind", ["grid", "gradient"])
@@ -78,7 +78,7 @@ def test_contours_are_those_of_a_run_in_one_piece(source, tmp_path, found, kind)
         found, seeds = found_in(source, tmp_path, kind=kind), cpm.gradient_threshold(image.values, smoothing=1.5)
     one, several = cpm.segment(image, seeds, PARAMETERS).contours, contours_of(found)
     assert len(found.counts) == 9
-    assert found.grid.whole < 88  # the ring is seen as a whole by no chunk
+    assert found.grid.max_whole_side < 88  # the ring is seen as a whole by no chunk
     assert sorted(round(c.length) for c in several) == sorted(round(c.length) for c in one)
     assert all(contour.closed for contour in (*one, *several))
     assert len(one) == 11
@@ -88,7 +88,7 @@ def test_contours_are_those_of_a_run_in_one_piece(source, tmp_path, found, kind)
 
 
 def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypatch):
-    monkeypatch.setattr(chunk_objects, "MARGINS", (64, 256))  # the ring needs the second
+    monkeypatch.setattr(chunk_objects, "OBJECT_MARGINS", (64, 256))  # the ring needs the second
     found = found_in(source, tmp_path, objects=True)
     image = cpm.load_image(source.path)
     one = cpm.select_all(cpm.partition(cpm.segment(image, cpm.uniform_grid(image.shape), PARAMETERS)))
@@ -99,7 +99,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
     for some, others in ((boundaries, several), (several, boundaries)):
         assert distances_to_contours(np.concatenate([c.points for c in some]), others).max() < 0.05
     names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv")]
-    results.write(found, names, serial, results.WRITERS)
+    results.write_results(found, names, serial, results.WRITERS)
     labels = np.asarray(ome_zarr.open_multiscale(tmp_path / "labels.zarr").arrays[0])
     for each in one:
         number = np.bincount(labels[each.mask]).argmax()
@@ -118,7 +118,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
 
 def test_what_depends_on_the_whole_image_is_that_of_a_run_in_one_piece(source, tmp_path):
     parameters = cpm.Parameters(gamma="auto", smoothing=2.0, max_border=0.08, scales=2)
-    _, whole = surveyed(Task(source, parameters, "grid", Store(tmp_path)), serial, SIDE)
+    _, whole = survey_image(ChunkedTask(source, parameters, "grid", RunStore(tmp_path)), serial, SIDE)
     engine = cpm.Engine(cpm.load_image(source.path), parameters)
     for scale in (0, 1):
         field = engine.scale_field(parameters, scale)
@@ -146,13 +146,13 @@ def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, tmp_pat
 
     found_in(source, tmp_path, compute=continued, max_steps=2)
     assert again == [number for number in range(9) if number not in done]
-    assert Store(tmp_path / "chunks").begin({"other": "settings"}) is False  # another run
+    assert RunStore(tmp_path / "chunks").open_run({"other": "settings"}) is False  # another run
     assert list((tmp_path / "chunks").glob("chunk_*")) == []
 
 
 def test_files_hold_what_was_found(found, tmp_path):
     names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv", "cells.parquet")]
-    written = results.write(found, names, serial, results.WRITERS)
+    written = results.write_results(found, names, serial, results.WRITERS)
     contours = contours_of(found)
     labels = ome_zarr.open_multiscale(tmp_path / "labels.zarr")
     finest = np.asarray(labels.arrays[0])
@@ -188,8 +188,8 @@ def test_pieces_are_joined_to_closed_contours_without_a_seam():
         points = np.roll(circle, -first, axis=0)[: own.sum()]
         return points[::-1] if chunk else points
 
-    pieces = [Piece(Contour(half(chunk) + 0.001 * chunk, False, 1.0 + chunk), (True, True)) for chunk in (0, 1)]
-    (one,) = joined(pieces, [0, 1], 8.0)
+    pieces = [ContourPiece(Contour(half(chunk) + 0.001 * chunk, False, 1.0 + chunk), (True, True)) for chunk in (0, 1)]
+    (one,) = join_pieces(pieces, [0, 1], 8.0)
     assert one.closed
     assert one.length == pytest.approx(2.0 * np.pi * 80.0, abs=0.1)
     assert one.area == pytest.approx(np.pi * 80.0**2, rel=1e-3)
@@ -200,7 +200,7 @@ def test_a_line_along_a_seam_that_two_chunks_see_a_little_apart_is_there_once():
     lines = [
         np.stack([row[part], np.full(part.sum(), at)], axis=1) for part, at in ((row <= 100, 50.0), (row >= 60, 50.3))
     ]
-    found = joined([Piece(Contour(points, False)) for points in lines], [0, 1], 8.0)
+    found = join_pieces([ContourPiece(Contour(points, False)) for points in lines], [0, 1], 8.0)
     assert sum(one.length for one in found) == pytest.approx(160.0, abs=2.0)
 
 

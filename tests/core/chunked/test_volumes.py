@@ -9,8 +9,8 @@ import scipy
 import cpm_core as cpm
 from cpm_core.chunked import grid as grids
 from cpm_core.chunked import results, volume_results
-from cpm_core.chunked.run import Task
-from cpm_core.chunked.store import Store
+from cpm_core.chunked.run import ChunkedTask
+from cpm_core.chunked.store import RunStore
 from cpm_core.chunked.volume_surface import run_volume
 from cpm_core.contours.surface_agreement import sample_triangles
 from cpm_core.formats.images import ome_zarr
@@ -45,7 +45,7 @@ BODIES = 5
 def write(path, values):
     ome_zarr.create_multiscale(path, values.shape, values.dtype, SIDE, (0.5, 0.5, 0.5), "µm")
     ome_zarr.write_window(path, 0, np.s_[:, :, :], values)
-    return grids.Source(path, Reading(), "zyx")
+    return grids.ChunkedSource(path, Reading(), "zyx")
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -64,7 +64,7 @@ def source(tmp_path_factory):
 
 
 def found_in(source, folder, kind="grid", compute=serial, max_steps=None, side=SIDE):
-    return run_volume(Task(source, PARAMETERS, kind, Store(folder / "chunks"), max_steps), compute, side)
+    return run_volume(ChunkedTask(source, PARAMETERS, kind, RunStore(folder / "chunks"), max_steps), compute, side)
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +76,7 @@ def found(source, tmp_path_factory):
 def files(found, tmp_path_factory):
     folder = tmp_path_factory.mktemp("files")
     names = [str(folder / name) for name in ("labels.zarr", "bodies.ply", "bodies.csv", "bodies.parquet")]
-    assert results.write(found, names, serial, volume_results.WRITERS) == names
+    assert results.write_results(found, names, serial, volume_results.WRITERS) == names
     return folder
 
 
@@ -136,7 +136,7 @@ def test_a_body_larger_than_a_chunk_is_filled_where_no_chunk_sees_its_surface(tm
     off = 37.0 - np.sqrt((p - 48) ** 2 + (r - 48) ** 2 + (c - 48) ** 2)
     values, inside = (30.0 + 150.0 * np.clip(off + 0.5, 0.0, 1.0)).astype(np.uint8), off > 0.0
     found = found_in(write(tmp_path / "large.zarr", values), tmp_path, side=SIDE // 2)
-    results.write(found, [str(tmp_path / "labels.zarr")], serial, volume_results.WRITERS)
+    results.write_results(found, [str(tmp_path / "labels.zarr")], serial, volume_results.WRITERS)
     assert found.count == 1
     labels = np.asarray(ome_zarr.open_multiscale(tmp_path / "labels.zarr").arrays[0])
     assert (labels != inside).mean() < 2e-3
@@ -154,4 +154,4 @@ def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, found, 
 
     same = found_in(source, tmp_path, compute=continued)
     assert again == [("necks", 7), ("bodies", 3), ("bodies", 6)]
-    assert (same.of_part == found.of_part).all()
+    assert (same.body_of_part == found.body_of_part).all()

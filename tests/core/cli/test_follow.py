@@ -7,7 +7,7 @@ import pytest
 
 import cpm_core as cpm
 from cpm_core.contours.contour import Contour
-from cpm_core.pages import Follower, StackResult
+from cpm_core.pages import ContourFollower, StackResult
 from cpm_core.pages.tracks import Tracker
 from cpm_core.shapes import Polygon
 
@@ -23,7 +23,7 @@ def events_of(pages):
 
 
 def test_a_disk_that_moves_and_grows_is_one_track_with_its_area_on_every_page():
-    pages = list(cpm.follow(MOVING, cpm.circle((32, 22), 5.0)))
+    pages = list(cpm.follow_pages(MOVING, cpm.circle((32, 22), 5.0)))
     assert tracks_of(pages) == [[1]] * 5
     assert events_of(pages) == []
     for step, found in enumerate(pages):
@@ -35,14 +35,14 @@ def test_a_disk_that_moves_and_grows_is_one_track_with_its_area_on_every_page():
 
 def test_without_following_each_page_is_the_run_that_it_would_be_alone():
     seeds = cpm.circle((32, 30), 12.0)
-    for found, values in zip(cpm.follow(MOVING[:2], seeds, fresh=True), MOVING[:2], strict=True):
+    for found, values in zip(cpm.follow_pages(MOVING[:2], seeds, fresh=True), MOVING[:2], strict=True):
         (alone,) = cpm.segment(values, seeds).contours
         (contour,) = found.contours
         np.testing.assert_array_equal(contour.points, np.round(alone.points, 4))
 
 
 def test_a_disk_that_splits_gives_its_track_to_one_part_and_the_other_tells_where_it_comes_from():
-    pages = list(cpm.follow(SPLITTING, cpm.circle((32, 44), 5.0)))
+    pages = list(cpm.follow_pages(SPLITTING, cpm.circle((32, 44), 5.0)))
     assert tracks_of(pages) == [[1], [1], [1], [1, 2], [1, 2]]
     assert events_of(pages) == [("splits", 4, 1, (2,))]
     assert pages[3].events[0].sentence == "Page 4: track 2 splits off track 1."
@@ -51,24 +51,24 @@ def test_a_disk_that_splits_gives_its_track_to_one_part_and_the_other_tells_wher
 
 def test_a_page_that_cannot_be_used_is_a_sentence_and_the_tracks_go_on_after_it():
     bad = np.where(np.arange(SHAPE[1]) == 3, np.nan, MOVING[2])
-    pages = list(cpm.follow([MOVING[0], np.full(SHAPE, 7.0), bad, MOVING[1]], cpm.circle((32, 22), 5.0)))
+    pages = list(cpm.follow_pages([MOVING[0], np.full(SHAPE, 7.0), bad, MOVING[1]], cpm.circle((32, 22), 5.0)))
     assert [page.result is None for page in pages] == [False, True, True, False]
-    assert "constant" in pages[1].trouble
-    assert "NaN" in pages[2].trouble
+    assert "constant" in pages[1].error
+    assert "NaN" in pages[2].error
     assert tracks_of(pages) == [[1], [], [], [1]]
 
 
 def test_pages_are_followed_in_the_order_that_is_asked_for():
-    backwards = list(cpm.follow(MOVING, cpm.circle((32, 50), 5.0), numbers=[5, 4, 3]))
+    backwards = list(cpm.follow_pages(MOVING, cpm.circle((32, 50), 5.0), numbers=[5, 4, 3]))
     assert [page.number for page in backwards] == [5, 4, 3]
     assert tracks_of(backwards) == [[1], [1], [1]]
 
 
 def test_the_next_page_starts_from_shapes_along_the_contours_of_the_last_one_that_has_any():
-    follower = Follower()
-    first = follower.take(1, cpm.segment(MOVING[0], cpm.circle((32, 22), 5.0)))
-    follower.take(2, replace(first.result, contours=()))
-    (start,) = follower.starts
+    follower = ContourFollower()
+    first = follower.add_page(1, cpm.segment(MOVING[0], cpm.circle((32, 22), 5.0)))
+    follower.add_page(2, replace(first.result, contours=()))
+    (start,) = follower.next_starts
     assert isinstance(start, Polygon)
     assert Contour(np.array(start.points), True).area == pytest.approx(first.contours[0].area, rel=0.05)
 
@@ -94,7 +94,7 @@ def box(top, left, height, width, closed=True):
 )
 def test_tracks_follow_by_overlap(before, now, numbers, kinds):
     tracker = Tracker()
-    tracker.follow(1, before, SHAPE)
-    contours, events = tracker.follow(2, now, SHAPE)
+    tracker.assign_tracks(1, before, SHAPE)
+    contours, events = tracker.assign_tracks(2, now, SHAPE)
     assert [contour.number for contour in contours] == numbers
     assert [event.kind for event in events] == kinds

@@ -9,8 +9,8 @@ import pytest
 import cpm_core as cpm
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.image.image import as_image
-from cpm_core.objects import overlap
-from cpm_core.pages import ObjectFollower, pages_of
+from cpm_core.objects import compute_iou
+from cpm_core.pages import ObjectFollower, pages_from_results
 
 from .drawn import MOVING, SHAPE
 
@@ -36,12 +36,12 @@ def followed(pages, follower=None):
     """Follow the disks of the first page, and give what is found on each by number, with the events."""
     follower = follower or ObjectFollower()
     partition = partition_of(tuple(pages[0]))
-    objects = {number: partition.selection_of(inside(*disk)) for number, disk in enumerate(pages[0], 1)}
+    objects = {number: partition.build_selection(inside(*disk)) for number, disk in enumerate(pages[0], 1)}
     found, events = [objects], []
     for number, disks in enumerate(pages[1:], 2):
-        follower.take(partition.values, objects)
+        follower.remember_page(partition.values, objects)
         partition = partition_of(tuple(disks))
-        here, happened = follower.follow(number, partition)
+        here, happened = follower.find_on_page(number, partition)
         objects = {one.number: one.selection for one in here}
         found.append(objects)
         events += [(event.kind, event.page, event.track, event.others) for event in happened]
@@ -51,7 +51,7 @@ def followed(pages, follower=None):
 def numbers(found, pages):
     """Numbers of the objects that are the disks of each page; 0 for a disk without one."""
     return [
-        [next((n for n, one in objects.items() if overlap(one.mask, inside(*disk)) > 0.85), 0) for disk in disks]
+        [next((n for n, one in objects.items() if compute_iou(one.mask, inside(*disk)) > 0.85), 0) for disk in disks]
         for objects, disks in zip(found, pages, strict=True)
     ]
 
@@ -104,7 +104,7 @@ def test_accepted_objects_have_the_events_of_their_numbers_and_the_gray_values_o
         made = cpm.objects_result(list(objects.values()), page(*disks))
         named = [replace(one, group=sorted(objects)[one.group - 1]) for one in made.contours]
         results[number] = replace(made, contours=tuple(named))
-    told = pages_of(results)
+    told = pages_from_results(results)
     assert [(one.kind, one.page, one.track, one.others) for each in told for one in each.events] == events
     assert [[one.number for one in each.contours] for each in told] == [[1], [1, 2], [1, 2]]
     for each, disks in zip(told, pages, strict=True):
@@ -117,5 +117,5 @@ def test_accepted_objects_have_the_events_of_their_numbers_and_the_gray_values_o
 def test_a_page_of_another_size_holds_none_of_the_objects():
     follower = ObjectFollower()
     partition = partition_of(((30, 30, 8),))
-    follower.take(partition.values, {1: partition.selection_of(inside(30, 30, 8))})
-    assert follower.follow(2, cpm.partition(MOVING[0][:50])) == ((), ())
+    follower.remember_page(partition.values, {1: partition.build_selection(inside(30, 30, 8))})
+    assert follower.find_on_page(2, cpm.partition(MOVING[0][:50])) == ((), ())

@@ -40,7 +40,7 @@ def test_all_pages_are_followed_and_a_bad_one_is_told(stack, command, tmp_path):
 def test_the_command_finds_what_the_library_finds_to_the_bit(stack, command, tmp_path):
     command("run", stack, *FOLLOWED, "--export", tmp_path / "a.json")
     pages = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))["pages"]
-    found = list(cpm.follow(cpm.load_pages(stack), cpm.circle((32, 22), 5.0)))
+    found = list(cpm.follow_pages(cpm.load_pages(stack), cpm.circle((32, 22), 5.0)))
     told = [[one["points"] for one in page.get("contours", [])] for page in pages]
     assert told == [[one.points.tolist() for one in page.contours] for page in found]
     assert found[0].result.unit == "µm"

@@ -19,9 +19,9 @@ from .drawn import MOVING, SHAPE, SPLITTING
 @pytest.fixture(scope="module")
 def found():
     """A disk that splits, on the last three of seven pages, with a page in between that could not be used."""
-    pages = list(cpm.follow(SPLITTING[1:], cpm.circle((32, 44), 5.0), numbers=[2, 3, 4]))
+    pages = list(cpm.follow_pages(SPLITTING[1:], cpm.circle((32, 44), 5.0), numbers=[2, 3, 4]))
     pages = [Page(number, page.result, page.events) for number, page in zip((4, 5, 7), pages, strict=True)]
-    return StackResult("cells.tif", 7, (*pages, Page(6, None, trouble="It is constant.")), "t", drawn=({"shape": "x"},))
+    return StackResult("cells.tif", 7, (*pages, Page(6, None, error="It is constant.")), "t", drawn=({"shape": "x"},))
 
 
 def test_a_label_stack_has_a_page_for_each_page_and_tracks_as_labels(found, tmp_path):
@@ -70,7 +70,7 @@ def test_a_set_of_selections_tells_the_page_of_each(found, tmp_path):
 
 
 def test_a_stack_without_contours_refuses_what_would_be_empty_and_writes_the_rest(tmp_path):
-    (bare,) = cpm.follow(MOVING[:1], cpm.circle((32, 22), 5.0), cpm.Parameters(min_length=1e4))
+    (bare,) = cpm.follow_pages(MOVING[:1], cpm.circle((32, 22), 5.0), cpm.Parameters(min_length=1e4))
     nothing, refused = StackResult("cells.tif", 1, (bare,)), {}
     files = [tmp_path / f"a{suffix}" for suffix in (".zip", ".tif", ".json", ".measures.csv")]
     export_stack(nothing, *files, refused=refused.__setitem__)

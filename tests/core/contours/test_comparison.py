@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cpm_core import Contour, compare
 from cpm_core.contours.ground_truth import truth_from_contours, truth_from_mask
 from cpm_core.contours.rasterize import rasterize_mask
-from cpm_core.objects.methods.method import boundary
+from cpm_core.objects.methods.method import trace_boundary
 
 from ..scenes import circle_points
 
@@ -59,15 +59,15 @@ def test_a_contour_in_another_is_a_hole_by_default():
 def test_the_border_of_the_image_is_no_boundary_of_an_object_that_it_cuts():
     row, col = np.indices(SHAPE)
     truth = truth_from_mask(np.hypot(row - 60, col + 5) < 40)
-    whole = boundary(truth.labels > 0, 0.5)
+    whole = trace_boundary(truth.labels > 0, 0.5)
     seen = compare(whole, truth)
     assert (seen.dice, seen.f) == (1.0, 1.0)
     assert max(seen.hausdorff, seen.mean_boundary_distance) < 1.0
     quarter = np.hypot(row, col) < 40
-    rounded = boundary(quarter & (row + col > 1), 0.5)  # methods that smooth a region lose its corner
+    rounded = trace_boundary(quarter & (row + col > 1), 0.5)  # methods that smooth a region lose its corner
     assert compare(rounded, truth_from_mask(quarter)).hausdorff < 1.0
     from_contours = truth_from_contours(whole, SHAPE)
     open_line = max((line for line in truth.contours), key=lambda line: line.length)
     assert compare([open_line], from_contours).recall == 1.0
-    elsewhere = boundary((truth.labels > 0) | (col > 120), 0.5)
+    elsewhere = trace_boundary((truth.labels > 0) | (col > 120), 0.5)
     assert compare(elsewhere, truth).precision < 0.5, "where no object of the truth reaches it, it is wrong"

@@ -75,7 +75,7 @@ def test_a_click_in_another_closed_object_adds_just_that_one_and_outside_takes_j
     both = cut.select([(30, 30), (80, 84)], previous=first)
     assert dice(first.mask, one > 0.5) > 0.985
     assert dice(both.mask, one + other > 0.5) > 0.985
-    assert cut.select([(30, 30)], [(84, 80)], previous=both).same(first)
+    assert cut.select([(30, 30)], [(84, 80)], previous=both).has_same_region(first)
 
 
 def test_a_start_across_the_boundary_of_an_object_traces_all_of_it_and_nothing_of_its_neighbor():

@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpm_core.objects.confidence import Signs, probability
+from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 
 SHARE = st.floats(0.0, 1.0)
-SIGNS = st.builds(Signs, SHARE, SHARE, SHARE, SHARE, st.integers(0, 20), st.booleans())
+SIGNS = st.builds(ConfidenceFeatures, SHARE, SHARE, SHARE, SHARE, st.integers(0, 20), st.booleans())
 
 
 @pytest.mark.parametrize("sign", ["overlap", "clarity", "steadiness", "agreement"])
 @given(signs=SIGNS, more=SHARE)
 def test_an_object_is_the_surer_the_more_speaks_for_it(sign, signs, more):
     larger = signs._replace(**{sign: max(more, getattr(signs, sign))})
-    assert 0.0 < probability(signs) <= probability(larger) < 1.0
+    assert 0.0 < estimate_confidence(signs) <= estimate_confidence(larger) < 1.0
 
 
 def test_the_origin_of_the_numbers_is_stated():

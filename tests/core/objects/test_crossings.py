@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.numerics import polyline
-from cpm_core.objects.boundaries.crossings import crossings
+from cpm_core.objects.boundaries.crossings import find_crossings
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -29,7 +29,7 @@ def test_a_closed_line_parts_the_pixels_inside_from_those_outside(seed):
     corners = np.stack([5.5 + radius * np.sin(angle), 6.5 + radius * np.cos(angle)], axis=1)
     if random.random() < 0.5:
         corners = np.rint(corners)  # through the centers of pixels
-    found = crossings([np.concatenate([corners, corners[:1]])], shape)
+    found = find_crossings([np.concatenate([corners, corners[:1]])], shape)
     pixels = np.indices(shape).reshape(2, -1).T.astype(float)
     inside = polyline.points_inside(corners - [1.37e-7, -2.61e-7] + [2.74e-7, 0.0], pixels).reshape(shape)
     for p, q, down in links(shape):

@@ -9,8 +9,8 @@ import tifffile
 
 from cpm_core import Image, to_bytes, objects_result
 from cpm_core.contours.rasterize import rasterize_mask, rasterize_labels
-from cpm_core.objects.boundaries.ground import ground
-from cpm_core.objects.outline import outlines
+from cpm_core.objects.boundaries.ground import build_boundary_guides
+from cpm_core.objects.outline import compute_outlines
 from cpm_core.objects.selection import Selection
 
 ROW, COL = np.indices((40, 60))
@@ -19,7 +19,7 @@ ROW, COL = np.indices((40, 60))
 def selection(mask):
     """A mask as an object; nothing of its boundary follows a contour."""
     flat = np.zeros(mask.shape)
-    found = outlines(mask, ground(flat, flat))
+    found = compute_outlines(mask, build_boundary_guides(flat, flat))
     gaps = tuple(gap for outline in found for gap in outline.gaps)
     return Selection(mask, tuple(outline.contour for outline in found), gaps, 0.5, np.empty((0, 2)), np.empty((0, 2)))
 

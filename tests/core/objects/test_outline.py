@@ -10,8 +10,8 @@ from cpm_core import edge_map
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.rasterize import rasterize_mask
 from cpm_core.numerics.segments import first_crossing, path_segments
-from cpm_core.objects.boundaries.ground import ground
-from cpm_core.objects.outline import outlines
+from cpm_core.objects.boundaries.ground import build_boundary_guides
+from cpm_core.objects.outline import compute_outlines
 
 from ..scenes import disk, square
 
@@ -35,7 +35,7 @@ def test_the_outlines_of_any_mask_contain_exactly_its_pixels_and_never_cross(see
     mask = ndimage.gaussian_filter(random.random(shape), random.choice([0.0, 1.0])) > 0.5
     values = random.random(shape)
     lines = [random.uniform(-2.0, 18.0, (5, 2))]
-    contours = tuple(outline.contour for outline in outlines(mask, ground(values, values, lines)))
+    contours = tuple(outline.contour for outline in compute_outlines(mask, build_boundary_guides(values, values, lines)))
     assert np.array_equal(rasterize_mask(contours, shape), mask)
     for contour in contours:
         assert contour.closed
@@ -47,8 +47,8 @@ def test_the_outlines_of_any_mask_contain_exactly_its_pixels_and_never_cross(see
 )
 def test_without_contours_the_outline_lies_on_the_ridge_of_the_edge_map(make):
     scene = make()
-    there = ground(scene.values, edge_map(scene.values, 1.0))
-    (found,) = outlines(scene.values > 120.0, there)
+    there = build_boundary_guides(scene.values, edge_map(scene.values, 1.0))
+    (found,) = compute_outlines(scene.values > 120.0, there)
     away = scene.distance(found.contour.points)
     assert np.median(away) < 0.06
     assert np.percentile(away, 90) < 0.15
@@ -59,7 +59,7 @@ def test_where_a_contour_passes_the_outline_lies_on_it_exactly():
     scene = disk((64, 64), (31.3, 30.6), 20.2)
     ring = Contour(scene.boundary, True)
     flat = np.zeros((64, 64))
-    (found,) = outlines(scene.values > 120.0, ground(flat, flat, [ring.path]))
+    (found,) = compute_outlines(scene.values > 120.0, build_boundary_guides(flat, flat, [ring.path]))
     assert scene.distance(found.contour.points).max() < 0.03
     assert found.gaps == ()
     assert found.contour.area == pytest.approx(np.pi * 20.2**2, rel=0.005)
@@ -69,7 +69,7 @@ def test_along_the_border_of_the_image_the_outline_is_the_border():
     mask = np.zeros((20, 30), bool)
     mask[:8, :11] = True
     flat = np.zeros(mask.shape)
-    (found,) = outlines(mask, ground(flat, flat))
+    (found,) = compute_outlines(mask, build_boundary_guides(flat, flat))
     assert found.contour.points.min(axis=0).tolist() == [-0.5, -0.5]
     assert [-0.5, -0.5] in found.contour.points.tolist()
     path = found.contour.path
@@ -81,7 +81,7 @@ def test_of_an_outline_with_a_gap_the_stretch_across_it_is_told():
     scene = disk((64, 64), (31.3, 30.6), 20.2)
     part = scene.boundary[20:]  # 20 of 161 points are missing
     flat = np.zeros((64, 64))
-    (found,) = outlines(scene.values > 120.0, ground(flat, flat, [part]))
+    (found,) = compute_outlines(scene.values > 120.0, build_boundary_guides(flat, flat, [part]))
     (gap,) = found.gaps
     missing = 20.0 / len(scene.boundary) * 2.0 * np.pi * 20.2
     assert np.linalg.norm(np.diff(gap, axis=0), axis=1).sum() == pytest.approx(missing, abs=4.0)

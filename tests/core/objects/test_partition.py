@@ -149,8 +149,8 @@ def test_all_like_this_finds_the_others_and_parts_those_that_touch():
 
 
 def test_where_nothing_is_found_the_places_alone_are_chosen_and_that_is_told():
-    chosen = Partition(Image(np.zeros((64, 64))), (), prior=False).select([(32, 32)])
-    assert chosen.only_places
+    chosen = Partition(Image(np.zeros((64, 64))), (), uses_network=False).select([(32, 32)])
+    assert chosen.has_only_points
     assert chosen.remark.startswith("No object was found")
 
 
@@ -208,14 +208,14 @@ def test_a_circle_in_a_noisy_disk_with_a_streak_gives_the_disk():
 @pytest.mark.parametrize("clicks", [([(30, 38)], ()), ([(30, 38)], [(30, 68)]), ([(30, 38), (90, 75)], [(5, 5)])])
 def test_one_of_the_distinct_candidates_is_what_is_selected_and_each_holds_what_was_said(clicks, scene_partition):
     inside, outside = clicks
-    found = scene_partition.candidates(inside, outside)
-    assert sum(one.same(scene_partition.select(inside, outside)) for one in found) == 1
-    again = scene_partition.candidates(inside, outside)
-    assert all(one.same(other) for one, other in zip(found, again, strict=True))
+    found = scene_partition.find_candidates(inside, outside)
+    assert sum(one.has_same_region(scene_partition.select(inside, outside)) for one in found) == 1
+    again = scene_partition.find_candidates(inside, outside)
+    assert all(one.has_same_region(other) for one, other in zip(found, again, strict=True))
     areas = [np.count_nonzero(one.mask) for one in found]
     assert areas == sorted(areas)
     for one in found:
-        assert one.holds(np.array(inside, float)).all() and not one.holds(np.array(outside, float).reshape(-1, 2)).any()
+        assert one.contains(np.array(inside, float)).all() and not one.contains(np.array(outside, float).reshape(-1, 2)).any()
         assert all(overlap(one.mask, other.mask) < 0.9 for other in found if other is not one)
 
 
@@ -223,6 +223,6 @@ def test_a_place_in_one_of_two_joined_disks_may_mean_it_alone_or_both():
     row, col = np.indices((96, 128))
     one, other = (np.hypot(row - 48, col - at) <= 20 for at in (45, 81))
     values = ndi.gaussian_filter(200.0 * (one | other), 1.0)
-    masks = [chosen.mask for chosen in partition(values).candidates([(48, 45)])]
+    masks = [chosen.mask for chosen in partition(values).find_candidates([(48, 45)])]
     assert max(overlap(mask, one) for mask in masks) > 0.9
     assert max(overlap(mask, one | other) for mask in masks) > 0.95

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import cpm_core as cpm
 from cpm_core.objects.prior.network import Network
-from cpm_core.objects.prior.prior import Prior, Prompt
-from cpm_core.objects.prior.windows import LUMINANCE, Views, Window, sampled
+from cpm_core.objects.prior.prior import ObjectPredictor, Prompt
+from cpm_core.objects.prior.windows import NETWORK_LUMINANCE_WEIGHTS, ImageSampler, Crop2D, sample_bilinear
 
 SIDE = 128
 ROW, COL = np.indices((SIDE, SIDE))
@@ -32,7 +32,7 @@ def test_a_convolution_is_the_rectified_sum_over_the_neighbors(seed):
         sum(ndi.correlate(each, kernel[..., k], mode="constant") for k, each in enumerate(maps)) + offset
         for kernel, offset in zip(weights, (0.5, -0.5), strict=True)
     ]
-    np.testing.assert_allclose(network._convolved(maps, "layer"), np.maximum(sums, 0.0), atol=1e-4)
+    np.testing.assert_allclose(network._convolve_rectified(maps, "layer"), np.maximum(sums, 0.0), atol=1e-4)
 
 
 def test_the_weights_are_small_and_their_origin_is_stated():
@@ -46,8 +46,8 @@ def test_the_weights_are_small_and_their_origin_is_stated():
 @given(st.floats(48, 80), st.floats(48, 80), st.floats(20, 90))
 def test_what_goes_into_a_window_comes_back(row, col, side):
     ramp = (ROW + 2.0 * COL).astype(np.float32)
-    window = Window(np.array([row, col]), side)
-    box, back = window.back(sampled(ramp[..., None], *window.lines)[..., 0], ramp.shape)
+    window = Crop2D(np.array([row, col]), side)
+    box, back = window.map_back(sample_bilinear(ramp[..., None], *window.axis_positions)[..., 0], ramp.shape)
     inner = np.s_[2:-2, 2:-2]
     np.testing.assert_allclose(back[inner], ramp[box][inner], atol=0.02)
 
@@ -56,9 +56,9 @@ def test_what_goes_into_a_window_comes_back(row, col, side):
 @given(st.floats(1e-3, 1e4), st.floats(-1e4, 1e4))
 def test_what_is_seen_does_not_depend_on_the_units_of_gray_levels(factor, offset):
     values = ndi.gaussian_filter(np.random.default_rng(1).normal(size=(SIDE, SIDE)), 3.0)
-    window = Window(np.array([60.0, 50.0]), 60.0)
+    window = Crop2D(np.array([60.0, 50.0]), 60.0)
     np.testing.assert_allclose(
-        Views(factor * values + offset).through(window), Views(values).through(window), rtol=1e-2, atol=2e-2
+        ImageSampler(factor * values + offset).sample_crop(window), ImageSampler(values).sample_crop(window), rtol=1e-2, atol=2e-2
     )
 
 
@@ -68,12 +68,12 @@ def test_a_click_in_an_ellipse_finds_it_without_any_contour(axes, bright):
     mask = ((ROW - 60.0) / axes[0]) ** 2 + ((COL - 55.0) / axes[1]) ** 2 <= 1.0
     values = 100.0 + (60.0 if bright else -60.0) * ndi.gaussian_filter(1.0 * mask, 1.0)
     values += np.random.default_rng(0).normal(0.0, 3.0, mask.shape)
-    assert overlap(next(Prior(values).objects_of(Prompt(np.array([[60, 55]])))).mask, mask) > 0.85
+    assert overlap(next(ObjectPredictor(values).predict_objects(Prompt(np.array([[60, 55]])))).mask, mask) > 0.85
 
 
 def test_objects_of_one_brightness_are_told_apart_by_color():
     mask = np.hypot(ROW - 60.0, COL - 60.0) < 25.0
     color = np.where(mask[..., None], [180.0, 90.0, 110.0], [60.0, 153.0, 97.0])
     image = cpm.Image(np.clip(color + np.random.default_rng(2).normal(0.0, 4.0, color.shape), 0, 255).astype(np.uint8))
-    assert np.ptp(ndi.gaussian_filter(image.colors.samples @ LUMINANCE, 4.0)) < 3.0
+    assert np.ptp(ndi.gaussian_filter(image.colors.samples @ NETWORK_LUMINANCE_WEIGHTS, 4.0)) < 3.0
     assert overlap(cpm.select(image, [(60, 60)]).mask, mask) > 0.8

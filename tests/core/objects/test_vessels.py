@@ -6,7 +6,7 @@ import scipy
 
 from cpm_core import circle, partition
 from cpm_core.objects.partition import Partition, as_image
-from cpm_core.objects.vessels import vessel_tree
+from cpm_core.objects.vessels import find_vessel_tree
 
 from ..scenes import antialiased, disk, ring
 
@@ -41,7 +41,7 @@ def drawn(sign, contrast=0.3, noise=2.0):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("place", [(48, 52), (160, 140), (260, 129), (182, 204), (68, 187)])
 def test_a_place_anywhere_in_a_tree_means_the_whole_tree(sign, place):
-    found = vessel_tree(drawn(sign), np.array([place]))
+    found = find_vessel_tree(drawn(sign), np.array([place]))
     assert found is not None
     assert found[DISTANCE < 0.5].mean() > 0.95
     assert (DISTANCE[found] < 0.5 * WIDTH + 3.0).mean() > 0.95
@@ -56,13 +56,13 @@ def test_a_click_or_stroke_on_a_vessel_selects_its_tree(given):
 
 @pytest.mark.parametrize("place", [(104, 115), (5, 5), (220, 60)])
 def test_a_place_beside_a_tree_is_not_in_it(place):
-    assert vessel_tree(drawn(-1.0), np.array([place])) is None
+    assert find_vessel_tree(drawn(-1.0), np.array([place])) is None
 
 
 def test_what_is_beyond_a_gap_belongs_to_another_tree():
     values = drawn(1.0)
     values[205:235] = drawn(0.0)[205:235]
-    found = vessel_tree(values, np.array([(104, 96)]))
+    found = find_vessel_tree(values, np.array([(104, 96)]))
     assert found is not None
     assert not found[240:].any()
 
@@ -71,15 +71,15 @@ def test_disks_their_edges_and_rings_are_no_trees():
     for radius in (2.0, 4.0, 8.0, 30.0):
         scene = disk((96, 96), (47.3, 46.6), radius)
         for place in ((47, 47), (47, round(46.6 + radius)), (47, round(46.6 - radius))):
-            assert vessel_tree(scene.values, np.array([place])) is None
+            assert find_vessel_tree(scene.values, np.array([place])) is None
     rim = ring((96, 96), (47.3, 46.6), 27.0, 30.0)
-    assert vessel_tree(rim.values, np.array([(47, 75)])) is None
+    assert find_vessel_tree(rim.values, np.array([(47, 75)])) is None
 
 
 def test_noise_has_no_trees():
     values = np.random.default_rng(4).normal(100.0, 20.0, (200, 200))
     places = np.random.default_rng(5).integers(0, 200, (60, 2))
-    assert all(vessel_tree(values, place[None]) is None for place in places)
+    assert all(find_vessel_tree(values, place[None]) is None for place in places)
 
 
 def test_a_circle_drawn_across_a_vessel_does_not_mean_the_tree():

@@ -160,11 +160,11 @@ def test_a_click_in_a_ball_within_a_ball_has_both_among_its_candidates_from_smal
     values = 40.0 + 100.0 * np.clip(25.5 - away, 0.0, 1.0) + 30.0 * np.clip(8.5 - away, 0.0, 1.0)
     noise = np.random.default_rng(3).normal(0.0, 4.0, values.shape)
     cut = cpm.partition(cpm.Image(values + noise))
-    found = cut.candidates([(32, 32, 32)])
+    found = cut.find_candidates([(32, 32, 32)])
     assert [_dice(found[0].mask, away < 8.0), _dice(found[-1].mask, away < 25.0)] == pytest.approx([1.0, 1.0], abs=0.1)
     volumes = [one.volume for one in found]
     assert volumes == sorted(volumes)
-    assert any(one.same(cut.select([(32, 32, 32)])) for one in found)
+    assert any(one.has_same_region(cut.select([(32, 32, 32)])) for one in found)
 
 
 def test_a_correction_keeps_all_clicks_and_the_same_arguments_give_the_same_answer():
@@ -178,7 +178,7 @@ def test_a_correction_keeps_all_clicks_and_the_same_arguments_give_the_same_answ
         assert found.surface.closed
         assert all(found.mask[place] for place in within)
         assert not any(found.mask[place] for place in beyond)
-        np.testing.assert_array_equal(found.holds(np.array(within)), True)
+        np.testing.assert_array_equal(found.contains(np.array(within)), True)
         wrong = np.argwhere(found.mask != (ring > 0.0)) if turn % 2 else np.argwhere(found.mask != found.mask[::-1])
         if len(wrong):
             place = tuple(wrong[rng.integers(len(wrong))].tolist())
@@ -210,7 +210,7 @@ def test_a_click_corrects_painted_voxels_near_it_and_leaves_those_far_from_it(ad
     far = np.zeros(shape, bool)
     far[4:40:3, 8:40:2, 60:72], far[20:28, 10:14, 20:28] = True, True  # nothing that an image shows
     painted = (painted | far) & ~(np.indices(shape)[2] < 14)
-    before = cut.selection_of(PackedVoxels.from_voxels(Voxels(painted)))
+    before = cut.build_selection(PackedVoxels.from_voxels(Voxels(painted)))
     np.testing.assert_array_equal(before.mask, painted)
     click = [(24, 24, 44)]
     after = cut.select(*((click, []) if adds else ([(24, 24, 24)], click)), previous=before)
@@ -218,7 +218,7 @@ def test_a_click_corrects_painted_voxels_near_it_and_leaves_those_far_from_it(ad
     assert _dice(after.mask & lump, wanted & lump) > 0.9
     away = off > 13.0
     np.testing.assert_array_equal(after.mask[away], painted[away])
-    assert after.packed.voxels.mask.sum() == after.mask.sum()
+    assert after.packed_body.voxels.mask.sum() == after.mask.sum()
 
 
 @pytest.mark.parametrize("side", [48, 120])
@@ -233,7 +233,7 @@ def test_what_a_click_gives_stays_in_the_region_of_interest(side):
     assert not (found.mask & ~scipy.ndimage.binary_dilation(allowed)).any()
     assert (found.mask & ~allowed).sum() < 0.002 * found.mask.sum()
     beyond = cut.select([center - 6.0])
-    assert (beyond.found, beyond.remark) == (False, "A place outside the regions of interest counts for nothing.")
+    assert (beyond.has_boundary, beyond.remark) == (False, "A place outside the regions of interest counts for nothing.")
 
 
 def test_a_click_deep_in_an_organ_has_it_among_its_candidates_next_to_the_whole():
@@ -242,7 +242,7 @@ def test_a_click_deep_in_an_organ_has_it_among_its_candidates_next_to_the_whole(
     shade = scipy.ndimage.gaussian_filter(rng.normal(size=away.shape), 20.0)
     values = scipy.ndimage.gaussian_filter(layers, 0.8) * (1.0 + 0.08 * shade / shade.std())
     cut = cpm.partition(values + rng.normal(0.0, 6.0, away.shape))
-    found = cut.candidates([(31, 39, 35)])
+    found = cut.find_candidates([(31, 39, 35)])
     assert max(_dice(one.mask, away < 18.0) for one in found) > 0.95
     assert _dice(found[-1].mask, away < 26.0) > 0.95
     assert len(found) < 4

@@ -64,7 +64,7 @@ def read(path: Path, of: str) -> SessionFile | None:
         image = ImageReference(of, str(path.parent / of), SHAPES[of], 180.0)
         _, fault = plain_runs.runs_from_plain(session.runs, image)
         pages = StoredPages.of(session.pages, Document(image), StackSource(image.path, PAGES if of == STACK else 0))
-        for sentence in filter(None, (fault, pages.trouble)):
+        for sentence in filter(None, (fault, pages.error)):
             check_sentence(ValueError(sentence))
     return session
 

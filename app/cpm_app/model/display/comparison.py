@@ -12,7 +12,7 @@ from cpm_app.model.parameters.controls import Control, slider_range, value_of, w
 from cpm_app.model.text.language import from_core, tr
 from cpm_core import CONTOUR_METHODS, Parameters
 from cpm_core.numerics.types import frozen, record
-from cpm_core.objects.methods import Compared
+from cpm_core.objects.methods import MethodComparison
 
 FEWEST = 2
 """Smallest number of values of a parameter."""
@@ -69,7 +69,7 @@ def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tria
     return tuple(trials)
 
 
-def method_trials(compared: Compared, parameters: Parameters) -> tuple[Trial, ...]:
+def method_trials(compared: MethodComparison, parameters: Parameters) -> tuple[Trial, ...]:
     """Plan a run of each selected method; ValueError when there is none."""
     if not compared.methods:
         raise ValueError(tr("Choose at least one method."))

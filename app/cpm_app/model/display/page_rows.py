@@ -55,7 +55,7 @@ def page_rows(found: StackResult) -> tuple[PageRow, ...]:
 
 def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
     if page.result is None:
-        return [PageRow(page.number, 0, None, 0.0, 0.0, None, from_core(page.trouble))]
+        return [PageRow(page.number, 0, None, 0.0, 0.0, None, from_core(page.error))]
     rows = []
     for contour, measures in zip(page.contours, measure(page.contours, page.result.spacing), strict=True):
         if contour.hole:

@@ -17,9 +17,9 @@ from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.types import Array, Extent, Line, Sides, frozen
-from cpm_core.objects.methods import Compared
+from cpm_core.objects.methods import MethodComparison
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.pages import fitting
+from cpm_core.pages import limit_scales
 from cpm_core.shapes import (
     NO_SEEDS,
     ImageSeeds,
@@ -120,7 +120,7 @@ class Document:
     hand_edits: tuple[HandEdit, ...] = ()
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     outlined: SkeletonTarget = field(default_factory=SkeletonTarget)
-    comparison: Compared = field(default_factory=Compared)
+    comparison: MethodComparison = field(default_factory=MethodComparison)
 
     @property
     def starts(self) -> tuple[Start, ...]:
@@ -150,7 +150,7 @@ class Document:
 
     def fitting(self, parameters: Parameters) -> Parameters:
         """Return the parameters with no more scales than the image has room for."""
-        return parameters if self.image is None else fitting(parameters, self.image.shape)
+        return parameters if self.image is None else limit_scales(parameters, self.image.shape)
 
     @property
     def regions(self) -> AnyRegions | None:

@@ -18,7 +18,7 @@ from cpm_core.contours.contour import Contours
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Extent, Texts, record
-from cpm_core.objects.segmented import Click, SegmentedObject, line_of
+from cpm_core.objects.segmented import Click, SegmentedObject, round_line
 from cpm_core.shapes import Points, Polygon, Stroke, start_from_surface, starts_from_contours, starts_from_centerlines
 
 MOST = 1000
@@ -98,7 +98,7 @@ def objects_of(contours: Contours) -> tuple[SegmentedObject, ...]:
         SegmentedObject(
             number,
             (),
-            tuple(line_of(part.points) for part in parts),
+            tuple(round_line(part.points) for part in parts),
             name=parts[0].name if parts[0].name != parts[0].category else "",
             color=parts[0].color,
             confidence=1.0,
@@ -111,7 +111,7 @@ def _grouped(contours: Contours) -> list[list[Contour]]:
     """Return the boundaries of each object that encloses anything, holes last."""
     groups: dict[tuple[int, int], list[Contour]] = {}
     for index, contour in enumerate(contours):
-        if len(set(line_of(contour.points))) > 2:
+        if len(set(round_line(contour.points))) > 2:
             groups.setdefault((contour.group, 0 if contour.group else index), []).append(contour)
     return [sorted(parts, key=lambda part: part.hole) for parts in groups.values()]
 
@@ -126,7 +126,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
         bodies = [extract_object_surface(surface, number) for number in numbers]
     else:
         partition = VolumePartition(volume, surface)
-        bodies = [partition.boundary_of(np.array([number])) for number in partition.solid.tolist()]
+        bodies = [partition.extract_boundary(np.array([number])) for number in partition.solid_bodies.tolist()]
         bodies = [body for body in bodies if len(body.faces)]
         numbers = range(1, len(bodies) + 1)
     known = {label.number: label for label in surface.labels}

@@ -25,11 +25,11 @@ from cpm_core.objects.segmented import (
     ObjectClass,
     SegmentedObject,
     SegmentedObjects,
-    contours_of,
+    contours_from_object,
     lies_on,
-    line_of,
-    painted_in,
-    union,
+    round_line,
+    paint_voxels,
+    unite_objects,
 )
 from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.objects.segmented.segmented_object import Clicks
@@ -54,7 +54,7 @@ _SESSION_DECIMALS = 3
 
 def first_clicks(item: SegmentedObject, shape: Extent) -> Clicks:
     """Return the clicks that select an object in an image of this shape: its own, or one where it is widest."""
-    return item.clicks or (Click((item.innermost(shape),)),)
+    return item.clicks or (Click((item.find_innermost_pixel(shape),)),)
 
 
 def select(document: Document, clicks: Clicks, number: int = 0) -> Document:
@@ -104,7 +104,7 @@ def reject(document: Document, numbers: Iterable[int], offered: Iterable[Segment
 
 def add(document: Document, selections: Iterable[Selection], category: int) -> Document:
     """Add an object of a class for each selection; the selection in progress stays."""
-    found = ((each, (Click(as_line(each.inside)),)) for each in selections if each.found)
+    found = ((each, (Click(as_line(each.inside)),)) for each in selections if each.has_boundary)
     return accept(document, (made(each, clicks, document.objects.next_number, category) for each, clicks in found))
 
 
@@ -124,8 +124,8 @@ def bounded(number: int, category: int, contours: Contours, gaps: Iterable[Array
     return SegmentedObject(
         number,
         (),
-        tuple(line_of(contour.points) for contour in contours),
-        tuple(map(line_of, gaps)),
+        tuple(round_line(contour.points) for contour in contours),
+        tuple(map(round_line, gaps)),
         strength=round(strength, _SESSION_DECIMALS),
         category=category,
     )
@@ -134,14 +134,14 @@ def bounded(number: int, category: int, contours: Contours, gaps: Iterable[Array
 def replace_boundaries(document: Document, found: Iterable[Found]) -> Document:
     """Replace the boundaries of existing objects by those of selections."""
     known = {item.number for item in document.objects.items}
-    return accept(document, (made(*each, 1) for each in found if each[2] in known and each[0].found))
+    return accept(document, (made(*each, 1) for each in found if each[2] in known and each[0].has_boundary))
 
 
 def made(selection: AnySelection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
     """Make an object of a selection that is not empty."""
     if isinstance(selection, VolumeSelection):
         clicks = clicks if selection.voxels is None else ()  # they no longer explain what has been painted
-        return SegmentedObject(number, clicks, category=category, surface=(selection.packed,))
+        return SegmentedObject(number, clicks, category=category, surface=(selection.packed_body,))
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _SESSION_DECIMALS)
     item = bounded(number, category, selection.contours, selection.gaps)
     return replace(item, clicks=clicks, confidence=confidence)
@@ -181,7 +181,7 @@ def merge(document: Document, numbers: Iterable[int]) -> Document:
     """Merge several objects of the image into the first of them, with the clicks of all."""
     chosen = frozenset(numbers)
     merged = [item for item in document.objects.items if item.number in chosen]
-    return merge_into(document, merged, reduce(union, merged))
+    return merge_into(document, merged, reduce(unite_objects, merged))
 
 
 def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:
@@ -234,7 +234,7 @@ def _with_shapes(
         item = document.objects[number]
         for surface in item.surface:
             document = edits.add_shape(document, in_volume(surface))
-        for curve in item.boundary if holes else item.outer:
+        for curve in item.boundary if holes else item.outer_curves:
             few = simplify_path(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))
     return document
@@ -267,18 +267,18 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
         return None
     surface = surface_of(shown, image.spacing, image.unit)
     if surface is not None:
-        labels = tuple(Label(item.number, title(objects, item), objects.color(item)) for item in shown)
+        labels = tuple(Label(item.number, title(objects, item), objects.color_of(item)) for item in shown)
         surface = replace(surface, labels=labels)
     contours = [
         replace(
             contour,
             name=title(objects, item),
-            color=objects.color(item),
+            color=objects.color_of(item),
             group=item.number,
             category=class_title(objects, item.category),
         )
         for item in shown
-        for contour in contours_of(item)
+        for contour in contours_from_object(item)
     ]
     bridges = [Bridge(np.array(gap), path_length(gap), 0.0) for item in shown for gap in item.gaps]
     found = boundaries_result(contours, bridges, image.shape, image.spacing, image.unit, image.name)
@@ -287,7 +287,7 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
 
 def surface_of(items: Iterable[SegmentedObject], spacing: Sides, unit: str | None) -> Surface | None:
     """Join the surfaces of objects in a volume, with the number of its object for each triangle."""
-    bodies = [(item.number, item.body) for item in items if item.body is not None]
+    bodies = [(item.number, item.unpacked_surface) for item in items if item.unpacked_surface is not None]
     return join_surfaces(bodies, spacing, unit) if bodies else None
 
 
@@ -323,7 +323,7 @@ def paint_in_volume(
     document: Document, number: int, part: Part, adds: bool = True, over_others: bool = True
 ) -> Document:
     """Add voxels to an object of a volume, or to a new one, or remove them; see `painted_in`."""
-    return replace(document, objects=painted_in(document.objects, number, part, adds, over_others))
+    return replace(document, objects=paint_voxels(document.objects, number, part, adds, over_others))
 
 
 _BRUSH_EDGE_TOLERANCE = 0.1

@@ -151,7 +151,7 @@ def _pieces(path: Array, radii: Array, here: Slice) -> list[tuple[Array, Array]]
     found = []
     for run in polyline.find_marked_runs(scipy.ndimage.binary_dilation(near)):
         flat = here.flattened(path[run])
-        distinct = np.append(True, (np.diff(flat, axis=0) != 0.0).any(axis=1))
+        distinct = np.append(True, (np.diff(flat, axis=0) != 0.0).has_object(axis=1))
         if distinct.sum() > 1:
             found.append((flat[distinct], radii[run][distinct]))
     return found

@@ -175,7 +175,7 @@ class Overlays:
 
     generation: int
     arrays: Mapping[str, Drawn]
-    trouble: str = ""
+    error: str = ""
 
 
 # Reports: ordered, few.

@@ -22,8 +22,8 @@ from cpm_app.session.signals import RUNNING
 from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core import Image, Partition, TrackEvent
 from cpm_core.numerics.types import record
-from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
-from cpm_core.pages import FollowedObject, ObjectFollower, fitting
+from cpm_core.objects.segmented import Click, SegmentedObject, selection_from_object
+from cpm_core.pages import FollowedObject, ObjectFollower, limit_scales
 
 _RETRY_DELAY = 100
 """Time after which accepting objects on a page that is being opened is tried again [ms]."""
@@ -49,7 +49,7 @@ class Former:
 
     def offered(self, number: int, session: Session, partition: Partition, task: Task) -> tuple[Proposal, ...]:
         """Find the objects on a page as proposals; parts that have split off get their numbers when accepted."""
-        found, events = self.follower().follow(number, partition, task.check_cancelled)
+        found, events = self.follower().find_on_page(number, partition, task.check_cancelled)
         items = _items(found, self.pages[-1][1].objects.items)
         if events:
             session.tasks.call(partial(session.say, _sentences(events)))
@@ -93,9 +93,9 @@ class FollowedObjects(QObject):
                 task.advance((number - numbers[0]) / len(numbers))
                 image, document = source.pages[number - 1], documents.get(number, base)
                 if not document.objects.items:
-                    parameters = fitting(parameters_everywhere(document), image.shape)
+                    parameters = limit_scales(parameters_everywhere(document), image.shape)
                     partition = from_everywhere(Everywhere(image, parameters, document.regions), task)
-                    found, events = follower.follow(number, partition, task.check_cancelled)
+                    found, events = follower.find_on_page(number, partition, task.check_cancelled)
                     happened += events
                     items = _items(found, before.objects.items)
                     if not items:
@@ -157,8 +157,8 @@ class FollowedObjects(QObject):
 
 def _take(follower: ObjectFollower, image: Image, document: Document) -> None:
     """Pass the objects of a page to a follower."""
-    found = {item.number: selection_of(item, image.shape) for item in document.objects.items}
-    follower.take(image.gray_levels(document.parameters.channel), found)
+    found = {item.number: selection_from_object(item, image.shape) for item in document.objects.items}
+    follower.remember_page(image.gray_levels(document.parameters.channel), found)
 
 
 def _items(found: Sequence[FollowedObject], before: Iterable[SegmentedObject]) -> tuple[SegmentedObject, ...]:
@@ -168,7 +168,7 @@ def _items(found: Sequence[FollowedObject], before: Iterable[SegmentedObject]) -
         known, shape = like[one.origin], one.selection.mask.shape
         item = objects.made(one.selection, (), one.number, known.category)
         name = known.name if one.number == one.origin else ""
-        items.append(replace(item, clicks=(Click((item.innermost(shape),)),), name=name, color=known.color))
+        items.append(replace(item, clicks=(Click((item.find_innermost_pixel(shape),)),), name=name, color=known.color))
     return tuple(items)
 
 

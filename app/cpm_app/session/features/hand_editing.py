@@ -20,7 +20,7 @@ from cpm_core.contours import HandEdit, build_path_tree
 from cpm_core.field import ScaleField
 from cpm_core.numerics import Array, PathTree, Position
 from cpm_core.numerics.types import Callback, Integers
-from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, outlined, redrawn
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_from_object, mark_gaps, redraw_boundary
 from cpm_core.parameters import find_invalidating
 from cpm_core.reconstruction import Contact, LiveWire, chain_contours, cut_contour, delete_stretch, snap_place_to_ridge, live_wire_from
 
@@ -107,7 +107,7 @@ class HandEditing(QObject):
         objects = self._session.document.objects
         if self._lines is None or self._lines[0] is not objects:
             shown = [item for item in objects.items if not item.hidden]
-            curves = [(item, contour) for item in shown for contour in contours_of(item)]
+            curves = [(item, contour) for item in shown for contour in contours_from_object(item)]
             self._lines = objects, curves, build_path_tree([contour for _, contour in curves])
         _, curves, around = self._lines
         found = around.paths_near(at, reach)
@@ -155,7 +155,7 @@ class HandEditing(QObject):
     def redraw(self, item: SegmentedObject, held: Contact, edit: HandEdit, snapping: bool) -> None:
         """Carry out an edit on the boundary of an object that was held at a place."""
         assert held.line.source is not None
-        new = redrawn(item, held.line.source, edit, self.edges if snapping else None)
+        new = redraw_boundary(item, held.line.source, edit, self.edges if snapping else None)
         objects = self._session.document.objects
         self._session.edit(
             tr("redraw boundary of {what}", what=title(objects, item)),
@@ -165,7 +165,7 @@ class HandEditing(QObject):
     def outline(self, path: Array) -> int:
         """Make an object of a drawn closed line, shape (K, 2) [px]; return its number."""
         objects = self._session.document.objects
-        item = outlined(bounded(objects.next_number, objects.category, [Contour(path, True)]), self.edges)
+        item = mark_gaps(bounded(objects.next_number, objects.category, [Contour(path, True)]), self.edges)
         self._session.edit(NAMES["outline"], lambda document: accept(document, (item,)))
         return item.number
 

@@ -67,7 +67,7 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
         ) from error
     save_session(session, output / _APPLIED_SESSION)
     batch = Batch(images, session, output / _APPLIED_SESSION, output, WRITTEN)
-    for _ in batch.write(here(batch.jobs, None, task.check_cancelled)):
+    for _ in batch.write_results(here(batch.jobs, None, task.check_cancelled)):
         task.fraction = len(batch.rows) / len(images)
     failed = sum(bool(row.trouble) for row in batch.rows.values())
     return BatchDone(len(images), failed, output / _SUMMARY_TABLE)

@@ -26,7 +26,7 @@ from cpm_core.formats import Pages, Reading, decode_session, encode_session, pag
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
+from cpm_core.pages import ContourFollower, StackResult, limit_scales, pages_from_results, describe_error, strip_image
 from cpm_core.shapes import SeedCache, Start, check_axes
 
 
@@ -166,17 +166,17 @@ def linked(
     known: Measured,
 ) -> Linked:
     """Link the contours of all pages to tracks, page by page, and measure objects that are not `known`."""
-    follower = Follower()
+    follower = ContourFollower()
     pages = [found[number] for number in sorted(found)]
-    pages = [follower.take(page.number, page.result) if page.result else page for page in pages]
+    pages = [follower.add_page(page.number, page.result) if page.result else page for page in pages]
     measured = {}
     for number, document in documents.items():
         before, result = known.get(number, (None, None))
         if before is not document.objects:
             result = objects_result(document)
-            result = result and without_image(replace(result, image=source.pages[number - 1]))
+            result = result and strip_image(replace(result, image=source.pages[number - 1]))
         measured[number] = document.objects, result
-    objects = pages_of({number: result for number, (_, result) in measured.items() if result is not None})
+    objects = pages_from_results({number: result for number, (_, result) in measured.items() if result is not None})
     tables: dict[Listed, Table] = {}
     of_kinds: tuple[tuple[Listed, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
     for kind, made in of_kinds:
@@ -246,7 +246,7 @@ class StoredPages:
     following: bool
     drawn: tuple[JsonObject, ...]
     given: tuple[Start, ...]
-    trouble: str
+    error: str
 
     @classmethod
     def of(cls, plain: JsonObject, here: Document, source: StackSource) -> StoredPages:
@@ -331,14 +331,14 @@ def run_pages(
     `document_of` takes the number of a page and the starts along the contours of the previous page; it returns the
     document to run the page with, and the starts that were given. `before` are the pages before the first one.
     """
-    follower = Follower(before)
+    follower = ContourFollower(before)
     for done, number in enumerate(numbers):
         task.advance(done / len(numbers))
-        document, given = document_of(number, follower.starts)
+        document, given = document_of(number, follower.next_starts)
         try:
             image = source.pages[number - 1]
             reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
-            document = replace(document, image=reference, parameters=fitting(document.parameters, image.shape))
+            document = replace(document, image=reference, parameters=limit_scales(document.parameters, image.shape))
             recorder = RunRecorder()
             engine = Engine(image, document.parameters, document.regions)
             seeds = document.seeds_in(SeedCache(image))
@@ -347,10 +347,10 @@ def run_pages(
             raise
         except Exception as error:  # one page must not end the others
             known = isinstance(error, ValueError | MemoryError)
-            trouble = trouble_of(error) if known else sentence(error, tr("running page {number}", number=number))
-            yield PageDone(Page(number, None, trouble=trouble), document, given)
+            trouble = describe_error(error) if known else sentence(error, tr("running page {number}", number=number))
+            yield PageDone(Page(number, None, error=trouble), document, given)
             continue
-        page = follower.take(number, result)
+        page = follower.add_page(number, result)
         placed = [{"number": contour.number, "place": list(contour_midpoint(contour))} for contour in page.contours]
         session = add_recorded_run(to_file(document, {}), recorder, tr("Run {number}", number=1))
         yield PageDone(page, document, given, {**session.runs, "numbers": placed})

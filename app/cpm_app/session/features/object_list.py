@@ -30,11 +30,11 @@ from cpm_core.objects.segmented import (
     Halves,
     SegmentedObject,
     SegmentedObjects,
-    between_slices,
-    brush_in,
-    painted,
-    split_in_volume,
-    union,
+    fill_between_slices,
+    voxelize_brush,
+    paint_boundary,
+    split_painted_object,
+    unite_objects,
 )
 from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.shapes import relative_sides
@@ -136,7 +136,7 @@ def histogram(values: Array, image: Image) -> tuple[int, ...]:
 def _measured(item: SegmentedObject, image: Image) -> Figures:
     values = image.values[item.mask(image.shape)]
     gray, counts = float(values.mean()) if len(values) else float("nan"), histogram(values, image)
-    body = item.body
+    body = item.unpacked_surface
     if body is None:
         return Figures(gray, counts)
     # cached on this thread, because the window's thread needs it for limits and painting
@@ -148,7 +148,7 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
 
 def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple[SegmentedObject, ...]:
     """Make the objects that proposals would become, each with a unique number."""
-    found = enumerate((each for each in offered if each.selection.found), start=known.next_number)
+    found = enumerate((each for each in offered if each.selection.has_boundary), start=known.next_number)
     return tuple(
         replace(each.item, number=each.number or fresh, category=(each.followed or known).category)
         for fresh, each in found
@@ -249,7 +249,7 @@ class ObjectList(QObject):
         own, self._lines = self._parts.named(
             "own", lambda: (self._review.apart(lines), lines), self._session.scene.contours, alike
         )
-        keys = [each.key for each in proposals if each.selection.found]
+        keys = [each.key for each in proposals if each.selection.has_boundary]
 
         def make_row(kind: Kind, one: SegmentedObject, key: Key | None = None, title: str = "") -> Row:
             title = title or self.title(one)
@@ -507,7 +507,7 @@ class ObjectList(QObject):
             self.choose((whole.number,))
 
         if len(items) > 1:
-            self._change_later(items, lambda: reduce(union, items), replace_by_union)
+            self._change_later(items, lambda: reduce(unite_objects, items), replace_by_union)
 
     def fill_between(self) -> None:
         """Fill the slices across the axis in use between those in which the selected object is painted."""
@@ -526,7 +526,7 @@ class ObjectList(QObject):
             self._session.edit(words, partial(paint_in_volume, number=item.number, part=part, over_others=over_others))
             self._session.say(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
 
-        self._change_later(items, lambda: between_slices(item.surface[0], axis, image.spacing), add_part)
+        self._change_later(items, lambda: fill_between_slices(item.surface[0], axis, image.spacing), add_part)
 
     def whole(self, row: Row) -> SegmentedObject | None:
         """Return the object of a row, or the one that accepting it would make; None if hidden, rejected or open."""
@@ -537,10 +537,10 @@ class ObjectList(QObject):
         image = self._session.document.image
         if image is not None:
             sides, items = relative_sides(image.spacing), [one for one in self.objects.items if one is whole]
-            cut: Callable[[], Halves] = lambda: split_in_volume(whole, first, second, sides)  # noqa: E731
-            self._change_later(items, cut, partial(self.split, whole))
+            cut: Callable[[], Halves] = lambda: split_painted_object(whole, first, second, sides)  # noqa: E731
+            self._change_later(items, cut, partial(self.split_object, whole))
 
-    def split(self, whole: SegmentedObject, halves: Halves) -> None:
+    def split_object(self, whole: SegmentedObject, halves: Halves) -> None:
         """Replace an object, or one that is not accepted yet, by its halves, and select them."""
         before = {item.number for item in self.objects.items} - {whole.number}
         words = tr("split {what}", what=self.title(whole))
@@ -763,7 +763,7 @@ class ObjectBrush:
     def _painted(self, image: ImageReference, stretch: Sequence[Place]) -> Callable[[Document], Document]:
         """Make the edit that paints a stretch of the path."""
         if image.is_volume:
-            part = brush_in(image.shape, stretch, self._radius, relative_sides(image.spacing), self._axis)
+            part = voxelize_brush(image.shape, stretch, self._radius, relative_sides(image.spacing), self._axis)
             return partial(
                 paint_in_volume,
                 number=self._number,
@@ -771,7 +771,7 @@ class ObjectBrush:
                 adds=self.adds,
                 over_others=self._list.over_others,
             )
-        self._boundary = painted(self._boundary, stretch, self._radius, self.adds, image.shape)
+        self._boundary = paint_boundary(self._boundary, stretch, self._radius, self.adds, image.shape)
         return partial(
             brushed,
             before=self._before,

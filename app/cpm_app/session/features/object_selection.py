@@ -34,7 +34,7 @@ from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
-from cpm_core.objects.segmented import Click, selection_of
+from cpm_core.objects.segmented import Click, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import Everywhere, Start
 
@@ -66,11 +66,11 @@ class Question:
         selection, offered = selector.selection(clicks), selector.proposals
         if selection is not None:
             rest = [each for each in offered if each.clicks != clicks[: len(each.clicks)]]
-            held = (selection.holds(np.array(each.clicks[0].places[:1]))[0] for each in rest)
+            held = (selection.contains(np.array(each.clicks[0].places[:1]))[0] for each in rest)
             rest = [each for each, within in zip(rest, held, strict=True) if not within]
             offered = (Proposal(selection, clicks, selector.edited), *rest)
         for each in offered:
-            _ = each.item if each.selection.found else None  # cached on this thread, not on the window's
+            _ = each.item if each.selection.has_boundary else None  # cached on this thread, not on the window's
         preview, candidate = None, None
         if self.pointed is not None:
             selector, before, click = self.pointed
@@ -175,7 +175,7 @@ class ObjectSelection(QObject):
     def under(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
         place = np.array([at], float)
-        around = [each for each in self.proposals if each.key and each.selection.holds(place)[0]]
+        around = [each for each in self.proposals if each.key and each.selection.contains(place)[0]]
         return min(around, key=lambda each: extent(each.selection)).key if around else self._list.under(at)
 
     def set_in_use(self, in_use: bool) -> None:
@@ -271,7 +271,7 @@ class ObjectSelection(QObject):
         example = known[number]
 
         def find_new(task: Task) -> list[Selection]:
-            alike = select_all(partition, [selection_of(example, partition.shape)])[1:]
+            alike = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
             taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
             return [each for each in alike if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
 
@@ -473,7 +473,7 @@ def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) ->
     if not before or not after or after[0].key or len(after[0].clicks) != len(before[0].clicks) + 1:
         return ""
     one, other = before[0].selection, after[0].selection
-    if not before[0].clicks or type(one) is not type(other) or not one.same(other):  # type: ignore[arg-type]
+    if not before[0].clicks or type(one) is not type(other) or not one.has_same_region(other):  # type: ignore[arg-type]
         return ""
     if after[0].clicks[-1].inside:
         return tr("This click changes nothing: the position is already in the object.")

@@ -37,9 +37,9 @@ from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, frozen
-from cpm_core.objects import EVERYWHERE, overlap
-from cpm_core.objects.everywhere import everywhere
-from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
+from cpm_core.objects import EVERYWHERE_PARAMETERS, compute_iou
+from cpm_core.objects.everywhere import find_objects_everywhere
+from cpm_core.objects.segmented import Click, SegmentedObject, collect_points, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
 
@@ -192,7 +192,7 @@ def parameters_everywhere(document: Document) -> Parameters:
         for field in fields(Parameters)
         if getattr(current, field.name) != getattr(preset, field.name)
     }
-    return replace(EVERYWHERE, **changed)
+    return replace(EVERYWHERE_PARAMETERS, **changed)
 
 
 def _without_run(source: Everywhere) -> AnyPartition:
@@ -206,7 +206,7 @@ def _ready(made: AnyPartition) -> AnyPartition:
     """Have a partition compute and cache everything that a selection needs, so that the first one is fast."""
     middle = np.array([[0.5 * (side - 1) for side in made.shape]])
     if isinstance(made, VolumePartition):
-        made.bodies_at(middle)
+        made.find_body_numbers(middle)
     else:
         made.select(middle)
     return made
@@ -269,7 +269,7 @@ class Selector:
         """The clicks whose candidates were requested last, and the candidates, which take long in a volume."""
         self._changed = next((item for item in items if item.number == edited), None)
         # positive points of frozen objects, except for points of a line drawn around one
-        frozen = [item for item in items if item.frozen and item.number != edited and item.body is None]
+        frozen = [item for item in items if item.frozen and item.number != edited and item.unpacked_surface is None]
         within = (item.inside[item.encloses(item.inside)] for item in frozen)
         self._elsewhere = np.concatenate([np.empty((0, 2)), *within])
 
@@ -282,25 +282,25 @@ class Selector:
         return selection
 
     def _select(self, clicks: Clicks) -> AnySelection | None:
-        inside = places_of(clicks, inside=True)
+        inside = collect_points(clicks, inside=True)
         if not len(inside):
             return None
         item, made = self._changed, self._given.get(clicks)
         if made is None and item is not None and clicks == first_clicks(item, self.partition.shape):
             if isinstance(self.partition, VolumePartition):
-                made = self.partition.selection_of(item.surface[0], item.inside, item.outside)
+                made = self.partition.build_selection(item.surface[0], item.inside, item.outside)
             else:
-                made = selection_of(item, self.partition.shape)
+                made = selection_from_object(item, self.partition.shape)
         elif made is None and clicks[-1].step:
             found, first = self._candidates(clicks)
             made = found[min(max(first + clicks[-1].step, 0), len(found) - 1)]
         elif made is None:
             made = self.partition.select(inside, **self._rest(clicks))
         if isinstance(made, VolumeSelection):
-            known = (one for one in self._known.values() if isinstance(one, VolumeSelection) and one.same(made))
+            known = (one for one in self._known.values() if isinstance(one, VolumeSelection) and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
-            if made.found:
-                _ = made.packed, made.holds(inside)  # cached on this thread, not on the window's
+            if made.has_boundary:
+                _ = made.packed_body, made.contains(inside)  # cached on this thread, not on the window's
         return made
 
     def quick(self, clicks: Clicks) -> bool:
@@ -308,11 +308,11 @@ class Selector:
         if not isinstance(self.partition, VolumePartition) or clicks in self._known:
             return True
         places = np.concatenate([np.array(each.places) for each in clicks])
-        return bool(self.partition.bodies_at(places).all())
+        return bool(self.partition.find_body_numbers(places).all())
 
     def _rest(self, clicks: Clicks) -> JsonDict:
         """Return the arguments of a selection other than the positive points."""
-        inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
+        inside, outside = collect_points(clicks, inside=True), collect_points(clicks, inside=False)
         previous = self.selection(clicks[:-1])
         if isinstance(self.partition, VolumePartition):
             return {"outside": outside, "previous": previous}
@@ -325,7 +325,7 @@ class Selector:
         """Find the candidates for clicks, from small to large, and the index of the one selected without a step."""
         clicks = (*clicks[:-1], replace(clicks[-1], step=0))
         if self._stepped is None or self._stepped[0] != clicks:
-            found = self.partition.candidates(places_of(clicks, inside=True), **self._rest(clicks))
+            found = self.partition.find_candidates(collect_points(clicks, inside=True), **self._rest(clicks))
             alike = [_likeness(each, cast("AnySelection", self.selection(clicks))) for each in found]
             self._stepped = clicks, (found, int(np.argmax(alike)))
         return self._stepped[1]
@@ -357,16 +357,16 @@ class Selector:
         for key, start in enumerate(starts, start=1):
             clicks = (Click(as_line(start.seeds())),)
             selection = self.selection(clicks)
-            if not isinstance(selection, Selection) or not selection.contours or selection.only_places:
+            if not isinstance(selection, Selection) or not selection.contours or selection.has_only_points:
                 continue  # nothing was found, as from a start across an edge
-            if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT_OVERLAP for other in found):
+            if any(compute_iou(selection.mask, other.selection.mask) > _SAME_OBJECT_OVERLAP for other in found):
                 continue
-            places = selection.inside[selection.holds(selection.inside)]  # none if a line was drawn around it
+            places = selection.inside[selection.contains(selection.inside)]  # none if a line was drawn around it
             places = places if len(places) else _places_in(selection)
             known = next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
             if known is None:
                 found.append(Proposal(selection, clicks, key=-key))
-            elif not known.frozen and overlap(known.mask(partition.shape), selection.mask) < _UNCHANGED_OVERLAP:
+            elif not known.frozen and compute_iou(known.mask(partition.shape), selection.mask) < _UNCHANGED_OVERLAP:
                 found.append(Proposal(selection, clicks, known.number, -key))
         return found
 
@@ -374,24 +374,24 @@ class Selector:
         """Propose, for each start, the body that contains most of its seeds."""
         found: list[Proposal] = []
         clicked = (first_clicks(item, partition.shape) for item in (*self.items, *self.offer.rejected))
-        within = (partition.bodies_at(places_of(clicks, inside=True)).tolist() for clicks in clicked)
+        within = (partition.find_body_numbers(collect_points(clicks, inside=True)).tolist() for clicks in clicked)
         taken = {0, *chain.from_iterable(within)}
         for key, start in enumerate(starts, start=1):
             seeds = start.seeds()
-            bodies = partition.bodies_at(seeds)
+            bodies = partition.find_body_numbers(seeds)
             body = int(np.bincount(bodies[bodies > 0], minlength=1).argmax())
             if body not in taken:
                 taken.add(body)
                 clicks = (Click(as_line(seeds[bodies == body][:_MAX_START_POINTS])),)
                 selection = self.selection(clicks)
-                if selection is not None and selection.found:
+                if selection is not None and selection.has_boundary:
                     found.append(Proposal(selection, clicks, key=-key))
         return found
 
 
 def all_objects(partition: Partition, task: Task) -> tuple[Proposal, ...]:
     """Find all objects of an image, each as the selection of a click where it is widest."""
-    found = enumerate(everywhere(partition, task.check_cancelled))
+    found = enumerate(find_objects_everywhere(partition, task.check_cancelled))
     return tuple(Proposal(one, (Click(as_line(one.inside)),), key=~index) for index, one in found)
 
 
@@ -428,5 +428,5 @@ def extent(selection: AnySelection) -> float:
 def _likeness(one: AnySelection, other: AnySelection) -> float:
     """Measure the similarity of two selections: their overlap, or in a volume the negative difference of volumes."""
     if isinstance(one, Selection) and isinstance(other, Selection):
-        return overlap(one.mask, other.mask)
+        return compute_iou(one.mask, other.mask)
     return -abs(extent(one) - extent(other))

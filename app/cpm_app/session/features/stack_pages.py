@@ -408,7 +408,7 @@ class StackPages(QObject):
             stored = StoredPages.of(opened.saved.file.pages, self._session.document, source)
             self._kept, self.following, self._drawn = stored.kept, stored.following, stored.drawn
             self._found, self._given = stored.found, stored.given
-            if stored.trouble:
-                self._session.say(stored.trouble, True, OPENING)
+            if stored.error:
+                self._session.say(stored.error, True, OPENING)
             self._link_soon()
         self.found.emit()

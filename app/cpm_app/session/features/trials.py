@@ -16,9 +16,9 @@ from cpm_app.session.exchange.contour_tracking import TrackedContours
 from cpm_app.session.exchange.messages import Reconstruction, sentence
 from cpm_app.session.scene import ReviewedContours, Scene
 from cpm_app.session.tasks.tasks import Cancelled, Task
-from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, facts_of, measure, moments
+from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, report_run, measure, iterate_method
 from cpm_core.numerics import count_cores
-from cpm_core.objects.methods import result_of
+from cpm_core.objects.methods import build_method_result
 from cpm_core.shapes import SeedCache, drawn_outlines
 
 
@@ -69,10 +69,10 @@ def run_trials(
         method, start, channel = CONTOUR_METHODS[trial.method], start_of(document), document.parameters.channel
         plain = method.of_particles or image.colors is None or channel == "luminance"
         taken = image if plain else Image(image.gray_levels(channel), source=image.source)
-        for moment in moments(method, taken, start, trial.settings):
+        for moment in iterate_method(method, taken, start, trial.settings):
             task.check_cancelled()
             last = moment
-        return result_of(facts_of(last), last.state.contours, taken, start, trial.settings)
+        return build_method_result(report_run(last), last.state.contours, taken, start, trial.settings)
 
     def run_trial(key: int) -> None:
         trial = trials[key]

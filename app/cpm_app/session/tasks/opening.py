@@ -30,7 +30,7 @@ from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Callback, Texts, frozen
-from cpm_core.pages import fitting
+from cpm_core.pages import limit_scales
 from cpm_core.shapes import check_axes
 
 _EXPORTED_NAME = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
@@ -144,7 +144,7 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
         _check(saved, image)
     elif image.ndim == 3:
         parameters = PRESETS["volume"]
-    scales, parameters = parameters.scales, fitting(parameters, image.shape)
+    scales, parameters = parameters.scales, limit_scales(parameters, image.shape)
     if scales > parameters.scales:
         notes = (*notes, tr("The image is small: the scales are set to {most}.", most=parameters.scales))
     method = core.methods["cpm"](image, parameters, None)

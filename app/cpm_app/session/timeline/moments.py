@@ -38,13 +38,13 @@ class Moment:
 
     run: int
     step: int
-    before: Moment | None = None
+    previous: Moment | None = None
     action: RunAction | None = None
 
     @property
     def of_step(self) -> tuple[Moment, ...]:
         """The nodes of its step up to itself: the one that the step led to, then one for each change of it."""
-        before = self.before
+        before = self.previous
         return (*(() if before is None or before.step != self.step else before.of_step), self)
 
     @property
@@ -98,7 +98,7 @@ class KeptStates:
 
     def keep_only(self, run: int, moments: set[Moment]) -> None:
         """Remove the states of a run except for these nodes and the first one; without any nodes, remove all."""
-        self.drop(*(at for at in self._states if at.run == run and at not in moments and (at.before or not moments)))
+        self.drop(*(at for at in self._states if at.run == run and at not in moments and (at.previous or not moments)))
 
     def clear(self) -> None:
         """Remove all states and restore the finest stride."""
@@ -109,7 +109,7 @@ class KeptStates:
     def make_room(self) -> None:
         """Remove states until the others fit into the budget, the least recently used first."""
         while self.used > self.budget:
-            free = [moment for moment in self._states if moment.before is not None and moment is not self.here]
+            free = [moment for moment in self._states if moment.previous is not None and moment is not self.here]
             if not free:
                 return
             recent = [moment for moment in free if moment.step % self.stride]

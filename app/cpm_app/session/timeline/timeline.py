@@ -187,8 +187,8 @@ class Timeline:
         moment, missing = self._known(branch).at(step), []
         while (state := self._kept.get(moment)) is None:
             missing.append(moment)
-            assert moment.before is not None
-            moment = moment.before
+            assert moment.previous is not None
+            moment = moment.previous
         for moment in reversed(missing):
             if not wanted():
                 return None
@@ -216,7 +216,7 @@ class Timeline:
         else:
             for known in tuple(self._begun):
                 lines = [line for line in self._lines.values() if line.run == known]
-                if len(lines) == 1 and not lines[0].renamed and [at.before for at in lines[0].path] == [None]:
+                if len(lines) == 1 and not lines[0].renamed and [at.previous for at in lines[0].path] == [None]:
                     self._remove_run(known)
             run = self._numbered + 1
             self._begun[run] = document, generation
@@ -231,7 +231,7 @@ class Timeline:
         line, moment, at = self._line, self._kept.here, state.step
         assert moment is not None
         following = (other for other in (line, *self._lines.values()) if len(other.path) > at)
-        same = (one for one in following if one.path[at].before is moment and one.path[at].action == action)
+        same = (one for one in following if one.path[at].previous is moment and one.path[at].action == action)
         known = next(same, None)
         if known is None:
             if self._step < line.last:
@@ -260,7 +260,7 @@ class Timeline:
         else:
             line.path.pop()
             line.steered = True
-            if moment.before is not None:
+            if moment.previous is not None:
                 self._kept.drop(moment)
         line.path.append(Moment(line.run, self._step, moment, action))
         self.edition += 1

@@ -62,7 +62,7 @@ class Probed(Report):
     identity: int = -1
     position: Place = (0.0, 0.0)
     forces: Mapping[str, Array] = field(default_factory=dict)
-    trouble: str = ""
+    error: str = ""
     sizes: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -92,7 +92,7 @@ def probe(generation: int, place: Place, reach: float) -> Command:
         context.report(Probed(generation, state.step, identity, at, forces, sizes=sizes))
 
     activity = tr("computing the forces on a particle")
-    return Command(report_forces, activity, "probe", lambda trouble: Probed(generation, -1, trouble=trouble))
+    return Command(report_forces, activity, "probe", lambda trouble: Probed(generation, -1, error=trouble))
 
 
 @record

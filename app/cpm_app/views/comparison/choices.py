@@ -39,7 +39,7 @@ from cpm_app.session.session import Session
 from cpm_app.views.widgets.containers import arrange, wrapped
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import CONTOUR_METHODS
-from cpm_core.objects.methods import Compared, Settings
+from cpm_core.objects.methods import MethodComparison, Settings
 
 
 class ParameterChoice(QWidget):
@@ -142,7 +142,7 @@ class MethodChoice(QWidget):
         document = self._session.document
         return method_trials(document.comparison, document.parameters)
 
-    def _change(self, change: Callable[[Compared], Compared], gesture: str = "") -> None:
+    def _change(self, change: Callable[[MethodComparison], MethodComparison], gesture: str = "") -> None:
         self._session.edit(
             tr("compare methods"), lambda document: replace(document, comparison=change(document.comparison)), gesture
         )
@@ -175,7 +175,7 @@ class MethodChoice(QWidget):
         if method.of_particles:
             form.addRow(wrapped(tr("These are the parameters of the window: change them there and run again.")))
         else:
-            for field_name, info in settings.table().items():
+            for field_name, info in settings.describe_parameters().items():
                 decimals = max(0, -math.floor(math.log10(info.step)))
                 unit = f" {info.unit}" if info.unit else ""
                 field = self.fields[field_name] = DecimalField(info.low, info.high, info.step, decimals, unit)

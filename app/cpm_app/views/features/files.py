@@ -230,7 +230,7 @@ class StartFeature(Feature):
         self._keep_picture()
         return True
 
-    def show(self, trouble: str = "") -> None:
+    def show(self, error: str = "") -> None:
         """Show the start screen in place of the image, with the `error` of a file that could not be opened."""
         shown = [
             Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
@@ -241,7 +241,7 @@ class StartFeature(Feature):
             changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
             below = f"{path.parent.name} · {QLocale().toString(changed, QLocale.FormatType.ShortFormat)}"
             recent.append(Entry(path, self.pictures.get(path), path.name, below, str(path)))
-        self.screen.show_entries(recent, shown, self.session.document.image is not None, trouble)
+        self.screen.show_entries(recent, shown, self.session.document.image is not None, error)
 
     def leave(self) -> None:
         """Show the image, if there is one."""

@@ -70,10 +70,10 @@ class StartScreen(QWidget):
         parent.installEventFilter(self)
         self.hide()
 
-    def show_entries(self, recent: Sequence[Entry], samples: Sequence[Entry], leaves: bool, trouble: str = "") -> None:
+    def show_entries(self, recent: Sequence[Entry], samples: Sequence[Entry], leaves: bool, error: str = "") -> None:
         """Show files in place of the image, below an `error`; `can_go_back` offers to return to the image."""
-        self.trouble.setText(trouble)
-        self.trouble.setVisible(bool(trouble))
+        self.trouble.setText(error)
+        self.trouble.setVisible(bool(error))
         for grid, entries in ((self.recent, recent), (self.samples, samples)):
             grid.clear()
             for entry in entries:

@@ -19,7 +19,7 @@ from cpm_app.views.theme import theme
 from cpm_core import Selection
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Line
-from cpm_core.objects.segmented import CLASSES
+from cpm_core.objects.segmented import DEFAULT_CLASSES
 
 _PROPOSAL_OPACITY = 0.2
 """Opacity of the area of a proposal."""
@@ -52,7 +52,7 @@ class ObjectLayer(Layer):
     tip = tr("Accepted objects by class, and proposals, dashed.")
     shortcut = "Alt+5"
     in_slices = True
-    colors = (CLASSES[0].color, theme.PROPOSAL)
+    colors = (DEFAULT_CLASSES[0].color, theme.PROPOSAL)
     options = (
         Amount("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),
         Switch("names", tr("Names"), True, tr("Show the names of objects.")),
@@ -79,7 +79,7 @@ class ObjectLayer(Layer):
     def legend_entries(self) -> Sequence[LegendEntry]:
         """Return the entries of accepted objects and proposals."""
         offered, objects = self._proposals, self.scene.document.objects
-        color = objects.color(objects.items[0]) if objects.items else theme.PROPOSAL
+        color = objects.color_of(objects.items[0]) if objects.items else theme.PROPOSAL
         return (
             LegendEntry(
                 len(objects.items), tr("accepted"), tr("Objects, in the colors of their classes."), color, "area"
@@ -125,18 +125,18 @@ class ObjectLayer(Layer):
             (item.boundary, [np.array((*curve, curve[0])) for curve in item.boundary])
             for item in seen
         }  # fmt: skip
-        paths = [(self._paths[item.number][1], objects.color(item)) for item in seen]
+        paths = [(self._paths[item.number][1], objects.color_of(item)) for item in seen]
         self.fills.show([(own, color, fill) for own, color in paths])
         outlines = [(path, color) for own, color in paths for path in own]
         self._outlines.show([path for path, _ in outlines], [color for _, color in outlines])
         self._gaps.show([np.array(gap) for item in seen for gap in item.gaps])
-        self._names.show([(item.center, item.name, objects.color(item)) for item in seen if item.name])
+        self._names.show([(item.center, item.name, objects.color_of(item)) for item in seen if item.name])
 
     @property
     def _proposals(self) -> list[tuple[int, Selection]]:
         """Proposals that can be drawn, with their keys."""
         offered = ((each.key, each.selection) for each in self.scene.objects.proposals)
-        return [(key, found) for key, found in offered if isinstance(found, Selection) and found.found]
+        return [(key, found) for key, found in offered if isinstance(found, Selection) and found.has_boundary]
 
     def _paths_of(self, numbers: Iterable[int]) -> list[Array]:
         """Find the boundaries of objects by number and of proposals by key, each of shape (K, 2)."""

@@ -190,7 +190,7 @@ class ParticleLayer(Layer):
             shown = colored(quantity, snapshot.state, snapshot.metrics)
             marks = shown.marks if near is None else shown.marks[near.index]
             high = written(f"{shown.high:g}")
-            unknown = tr("● too new") if (shown.marks == SHADES).any() else ""
+            unknown = tr("● too new") if (shown.marks == SHADES).has_object() else ""
             self.legend.show_html(
                 _LEGEND_HTML.format(title=quantity.title, map=self.word("map"), high=high, unknown=unknown)
             )

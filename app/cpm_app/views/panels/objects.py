@@ -127,7 +127,7 @@ def columns_of(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[
         if solid else
         Column("length", tr("Length"),
                tr("Length of the boundary including holes, or of the contour."),
-               _of(lambda item: item.perimeter(spacing), lambda found: found.length_in_units), "0,000", 1),
+               _of(lambda item: item.measure_perimeter(spacing), lambda found: found.length_in_units), "0,000", 1),
         Column("gray", tr("Mean gray"), tr("Mean gray value inside."), _figure(lambda found: found.gray), "000.0"),
         Column("strength", tr("Strength"), tr("Mean edge strength along the boundary or contour [gray levels/px]."),
                _of(lambda item: item.strength or None, lambda found: found.strength), "000.0"),
@@ -137,7 +137,7 @@ def columns_of(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[
                _figure(lambda found: found.parts), "0,000", form=".0f")
         if solid else
         Column("gaps", tr("Bridged"), tr("Length of the boundary that follows no contour; dashed."),
-               lambda row: row.item.bridged(spacing) if row.item is not None and row.item.gaps else None, "0,000", 1),
+               lambda row: row.item.measure_gap_length(spacing) if row.item is not None and row.item.gaps else None, "0,000", 1),
         Column("euler", tr("Euler number"),
                tr("Euler characteristic of its surface: 2 for a sphere, 2 less for each handle."),
                _figure(lambda found: found.euler if solid else None), "000", form=".0f"),
@@ -231,7 +231,7 @@ class ObjectTable(ItemTable):
 def color_of(object_list: ObjectList, row: Row) -> str:
     """Return the color of a row: its own, or else that of the class of the object."""
     if row.item is not None:
-        return theme.PROPOSAL if row.kind == "proposal" else object_list.objects.color(row.item)
+        return theme.PROPOSAL if row.kind == "proposal" else object_list.objects.color_of(row.item)
     assert row.contour is not None
     contour = row.contour.contour
     return contour.color or theme.CONTOUR

@@ -19,7 +19,7 @@ from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import pointer
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MEND, Cursor, Tool
 from cpm_core.numerics import Array, Place, polyline
-from cpm_core.objects.segmented import Halves, SegmentedObject, split, split_along
+from cpm_core.objects.segmented import Halves, SegmentedObject, split_object, split_object_along
 from cpm_core.reconstruction import Contact
 
 _SAMPLED_PLACES = 16
@@ -128,7 +128,7 @@ class SplitTool(Tool):
     def _click(self, at: Place) -> None:
         first, whole = self._whole, self._whole_at(at)
         if first is not None and holds(first, at):
-            self._use(first, partial(split, first, self._first, at, self._editing.edges), at)
+            self._use(first, partial(split_object, first, self._first, at, self._editing.edges), at)
         elif whole is not None:
             self._whole, self._first = whole, at
         elif first is None and (contact := self._contact(at)) is not None:
@@ -141,7 +141,7 @@ class SplitTool(Tool):
         crossed = [whole for row, col in places if (whole := self._whole_at((row, col))) is not None]
         if crossed:
             most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))
-            self._use(most, partial(split_along, most, path, self._editing.edges))
+            self._use(most, partial(split_object_along, most, path, self._editing.edges))
         else:
             self._session.say(tr("The line crosses no object. {advice}", advice=self.tip), topic=EDITING)
 
@@ -156,7 +156,7 @@ class SplitTool(Tool):
             if whole.surface:
                 self._list.split_in_volume(whole, self._first, at)
             else:
-                self._list.split(whole, halves())
+                self._list.split_object(whole, halves())
         except ValueError as error:
             self._session.say(from_core(str(error)), topic=EDITING)
 
@@ -173,7 +173,7 @@ class SplitTool(Tool):
         whole, at = self._whole, self._at
         if not (self._dragged or self.volume or whole is None or at is None) and holds(whole, at):
             with suppress(ValueError):
-                cuts = split(whole, self._first, at, self._editing.edges).cuts
+                cuts = split_object(whole, self._first, at, self._editing.edges).cuts
                 path = max(cuts, key=len, default=())
         self._drawing.show_draft([self._first] if whole is not None else (), path, theme.BARRIER)
         self._advised()

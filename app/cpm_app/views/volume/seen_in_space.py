@@ -95,10 +95,10 @@ def _objects(
         return ()
     seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
     shown = (
-        (bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.body, objects.color(item))
+        (bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.unpacked_surface, objects.color_of(item))
         for item in seen if item.surface
     )  # fmt: skip
-    found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.found]
+    found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.has_boundary]
     return (
         *(_colored(body, spacing, look().color(color)) for body, color in shown if body is not None),
         *(_colored(selection.surface, spacing, look().color(theme.PROPOSAL)) for selection in found),

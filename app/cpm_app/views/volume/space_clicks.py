@@ -51,7 +51,7 @@ def select_at(selection: ObjectSelection, camera: Camera, spacing: Sides, at: Pl
     partition = selection.partitions.partition
     way = min(spacing) * camera.axes[2] / np.array(spacing)
     places = np.array(at) + np.outer((0.0, *_INSIDE_DEPTHS), way)
-    within = partition.bodies_at(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
+    within = partition.find_body_numbers(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
     place = places[1 + int(np.argmax(within[1:]))] if np.any(within[1:]) else places[0]
     inside = not QGuiApplication.keyboardModifiers() & TAKING_AWAY
     selection.click((tuple(place.tolist()),), inside)

@@ -81,7 +81,7 @@ def items(window) -> tuple[SegmentedObject, ...]:
 
 def bodies(window) -> list[float]:
     """Volumes of the objects [voxels]."""
-    return [item.body.volume for item in items(window)]
+    return [item.unpacked_surface.volume for item in items(window)]
 
 
 BALL = 4.0 / 3.0 * np.pi * RADIUS**3
@@ -117,7 +117,7 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
     click(hand, ONE[1:])
     assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.08)
     click(hand, OTHER[1:], SHIFT)
-    assert selection.proposals[0].selection.holds(np.array([ONE, OTHER])).tolist() == [True, False]
+    assert selection.proposals[0].selection.contains(np.array([ONE, OTHER])).tolist() == [True, False]
     hand.key(KEY.Key_Backspace)
     settle(hand)
     take(hand)
@@ -140,7 +140,7 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     settle(hand)
     take(hand)
     assert bodies(found) == pytest.approx([BALL], rel=0.08)
-    assert items(found)[0].body.vertices.mean(axis=0) == pytest.approx(OTHER, abs=0.5)
+    assert items(found)[0].unpacked_surface.vertices.mean(axis=0) == pytest.approx(OTHER, abs=0.5)
     assert len(found.feature(SpaceFeature).panel.contents.objects) == 1
     hand.window.actions_by_name["hide_object"].trigger()
     assert found.feature(SpaceFeature).panel.contents.objects == ()
@@ -185,8 +185,8 @@ def test_objects_come_back_with_a_session(found, hand, tmp_path) -> None:
     open_file_again(found, hand, path)
     assert items(found) == before
     for one, other in zip(items(found), before, strict=True):
-        assert isinstance(one.body, Surface)
-        np.testing.assert_array_equal(one.body.vertices, other.body.vertices)
+        assert isinstance(one.unpacked_surface, Surface)
+        np.testing.assert_array_equal(one.unpacked_surface.vertices, other.unpacked_surface.vertices)
     found.workspace.slices.through(OTHER)
     assert hand.canvas.layers["objects"].fills.count >= 1
 
@@ -238,10 +238,10 @@ def test_a_click_in_any_slice_gives_the_body_before_a_run(volume, hand) -> None:
     assert hand.canvas.layers["objects"].offered_fill.count == 0
     volume.workspace.slices.through(ONE)
     click(hand, ONE[1:])
-    assert selection.proposals[0].selection.holds(np.array([ONE, OTHER])).all()
+    assert selection.proposals[0].selection.contains(np.array([ONE, OTHER])).all()
     assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.1)
     click(hand, ONE[1:], SHIFT)
-    assert selection.proposals[0].selection.holds(np.array([ONE, OTHER])).tolist() == [False, True]
+    assert selection.proposals[0].selection.contains(np.array([ONE, OTHER])).tolist() == [False, True]
     hand.key(KEY.Key_Backspace)
     hand.key(KEY.Key_Backspace)
     settle(hand)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.field.edge_map import edge_map, smoothed_gradient
-from cpm_core.objects.methods.snakes import evened, gradient_vector_flow
+from cpm_core.objects.methods.snakes import even_out_field, gradient_vector_flow
 
 
 def directly(edges, mu):
@@ -43,7 +43,7 @@ def test_the_field_solves_its_equation(rows, cols, mu, seed):
 
 def test_an_image_without_edges_has_no_field():
     assert not gradient_vector_flow(np.zeros((9, 12)), 0.2).any()
-    assert not evened(np.zeros((2, 9, 12))).any()
+    assert not even_out_field(np.zeros((2, 9, 12))).any()
 
 
 def test_the_field_points_into_a_u_down_to_its_end():
@@ -58,6 +58,6 @@ def test_the_field_points_into_a_u_down_to_its_end():
 
 def test_evened_vectors_keep_their_directions():
     field = np.random.default_rng(0).normal(0.0, 1.0, (2, 12, 12))
-    assert np.allclose(np.hypot(*evened(field)), 1.0)
-    assert np.allclose(evened(field) * np.hypot(*field), field)
-    assert np.allclose(evened(field, 0.0) * np.hypot(*field).max(), field)
+    assert np.allclose(np.hypot(*even_out_field(field)), 1.0)
+    assert np.allclose(even_out_field(field) * np.hypot(*field), field)
+    assert np.allclose(even_out_field(field, 0.0) * np.hypot(*field).max(), field)

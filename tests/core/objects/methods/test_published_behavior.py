@@ -8,7 +8,7 @@ from scipy.ndimage import map_coordinates
 
 from cpm_core.contours.contour import sample_contours
 from cpm_core.contours.rasterize import rasterize_mask
-from cpm_core.objects.methods import CONTOUR_METHODS, facts_of, run_method
+from cpm_core.objects.methods import CONTOUR_METHODS, report_run, run_method
 from cpm_core.objects.methods.level_sets import GeodesicSettings, GeometricGvfSettings
 from cpm_core.objects.methods.method import unit_edges
 from cpm_core.objects.methods.snakes import GvfSnakeSettings, gradient_vector_flow
@@ -51,7 +51,7 @@ def test_the_particles_reach_the_end_of_the_same_bay():
     image, truth = long_bay()
     end = end_of("cpm", image, AROUND)
     assert depth_in_bay(end.state.contours) > DEPTH - 1.0
-    assert facts_of(end, truth).f > 0.99
+    assert report_run(end, truth).f > 0.99
 
 
 def test_the_geometric_gvf_contour_does_not_part_between_two_objects():
@@ -79,7 +79,7 @@ def test_with_pressure_the_geometric_gvf_contour_parts_between_two_objects():
     image, truth = two_objects()
     end = end_of("geometric_gvf", image, AROUND, replace(UNIT_FIELD, pressure=0.3))
     assert len(end.state.contours) == 2
-    assert facts_of(end, truth).f > 0.95
+    assert report_run(end, truth).f > 0.95
 
 
 @pytest.mark.parametrize(("pressure", "leaks"), [(0.0, False), (0.3, True)])
@@ -96,7 +96,7 @@ def test_the_particles_find_both_objects_and_do_not_pass_the_gap():
     image, truth = two_objects()
     end = end_of("cpm", image, AROUND)
     assert len(end.state.contours) == 2
-    assert facts_of(end, truth).f > 0.99
+    assert report_run(end, truth).f > 0.99
     image, away = drawing_with_gap()
     points = np.rint(sample_contours(end_of("cpm", image, AROUND).state.contours)).astype(int)
     assert away[tuple(points.T)].max() < 3.0
@@ -116,4 +116,4 @@ def test_the_geodesic_contour_leaks_with_a_small_exponent_and_sticks_with_a_larg
 
 def test_the_particles_find_the_fading_disk():
     image, start, truth = fading_disk()
-    assert facts_of(end_of("cpm", image, start), truth).f > 0.99
+    assert report_run(end_of("cpm", image, start), truth).f > 0.99

@@ -5,7 +5,7 @@ import pytest
 
 from cpm_core import VolumeTruth, segment, sphere
 from cpm_core.contours.packed_surface import PackedSurface
-from cpm_core.objects.segmented.areas import body_of_both
+from cpm_core.objects.segmented.areas import unite_bodies
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes.document_shapes import collect_regions
 
@@ -65,7 +65,7 @@ def test_the_shell_parts_inside_from_outside():
 @pytest.mark.parametrize("apart", [4, 8, 11])
 def test_objects_that_overlap_have_one_closed_surface_around_all_voxels(apart):
     other = ball((13, 14, 10 + apart))
-    both = body_of_both(packed(ONE), packed(other))
+    both = unite_bodies(packed(ONE), packed(other))
     assert (both.surface.components, both.surface.closed, both.surface.euler) == (1, True, 2)
     found = filled(both.voxels)
     assert (found ^ (ONE | other)).sum() <= 0.02 * found.sum()
@@ -76,7 +76,7 @@ def test_objects_with_a_wall_in_common_become_one_without_it():
     box[6:20, 6:20, 6:16] = True
     beside = np.zeros(SHAPE, bool)
     beside[6:20, 6:20, 16:30] = True
-    both = body_of_both(packed(box), packed(beside))
+    both = unite_bodies(packed(box), packed(beside))
     assert (both.surface.components, both.surface.closed) == (1, True)
     assert filled(both.voxels)[8:18, 8:18, 8:28].all()
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.numerics import polyline
-from cpm_core.objects.segmented import SegmentedObject, split, split_along
-from cpm_core.objects.segmented.areas import area_of, boundary_of, lies_on
+from cpm_core.objects.segmented import SegmentedObject, split_object, split_object_along
+from cpm_core.objects.segmented.areas import polygon_from_boundary, boundary_from_polygon, lies_on
 
 SHAPE = (96, 96)
 PIXELS = np.indices(SHAPE)
@@ -24,11 +24,11 @@ def disk(center, radius):
 
 
 def item_of(area):
-    return SegmentedObject(3, (), boundary_of(area), name="both", category=2)
+    return SegmentedObject(3, (), boundary_from_polygon(area), name="both", category=2)
 
 
 def overlap(item, area):
-    own = area_of(item.boundary)
+    own = polygon_from_boundary(item.boundary)
     return own.intersection(area).area / own.union(area).area
 
 
@@ -55,7 +55,7 @@ def test_disks_that_overlap_are_parted_at_their_neck_wherever_the_clicks_lie(tur
     inside = shapely.contains_xy(both, *PIXELS.reshape(2, -1)).reshape(SHAPE)
     item, field = item_of(both), field_of(100.0 * inside) if seen else None
     clicks = [tuple(c + 0.5 * q * np.array([math.sin(t), math.cos(t)])) for c, q, t in ((one, r, a), (other, s, b))]
-    found = split(item, *clicks, field)
+    found = split_object(item, *clicks, field)
     halves = found.first, found.second
     assert [half.encloses(np.array(clicks)).tolist() for half in halves] == [[True, False], [False, True]]
     assert sum(half.area for half in halves) == pytest.approx(item.area, abs=1.0)
@@ -71,10 +71,10 @@ def test_the_cut_follows_an_edge_inside_where_the_outline_has_no_neck(by_line) -
     field = field_of(np.where(inside, np.where(PIXELS[0] < wave, 60.0, 120.0), 0.0))
     item = item_of(shapely.box(19.5, 29.5, 75.5, 65.5))
     if by_line:
-        halves = split_along(item, ((42.0, 20.0), (42.0, 70.0)), field)
+        halves = split_object_along(item, ((42.0, 20.0), (42.0, 70.0)), field)
         second, first = halves.first, halves.second
     else:
-        halves = split(item, (28.0, 50.0), (60.0, 40.0), field)
+        halves = split_object(item, (28.0, 50.0), (60.0, 40.0), field)
         first, second = halves.first, halves.second
     true = (PIXELS[0] < wave) & inside
     differs = (first.mask(SHAPE) != true).sum() / 36.0
@@ -91,7 +91,7 @@ def test_a_line_across_cuts_off_the_very_part_beyond_it(off, turn) -> None:
     middle = 48 + 20.0 * off * aside
     half = math.sqrt(1.0 - off**2)
     line = tuple(middle - 10.0 * half * way), tuple(middle + 25.0 * way)  # it begins inside and is continued
-    halves = split_along(item, line)
+    halves = split_object_along(item, line)
     first, second = halves.first, halves.second
     angle = 2.0 * math.acos(abs(off))
     assert second.area == pytest.approx(200.0 * (angle - math.sin(angle)), abs=3.0)
@@ -102,10 +102,10 @@ def test_a_line_across_cuts_off_the_very_part_beyond_it(off, turn) -> None:
 
 def test_a_ring_is_cut_twice_and_parts_that_are_apart_not_at_all() -> None:
     ring = item_of(disk((48, 48), 30.0).difference(disk((48, 48), 15.0)))
-    halves = split(ring, (48.0, 25.0), (48.0, 71.0))
+    halves = split_object(ring, (48.0, 25.0), (48.0, 71.0))
     assert halves.first.area == pytest.approx(halves.second.area, rel=0.1) and len(halves.cuts) == 2
     two = item_of(disk((30, 30), 10.0).union(disk((70, 70), 12.0)))
-    halves = split(two, (30.0, 30.0), (70.0, 72.0))
+    halves = split_object(two, (30.0, 30.0), (70.0, 72.0))
     assert (halves.first.area, halves.second.area) == pytest.approx((math.pi * 100, math.pi * 144), rel=0.01)
     assert halves.cuts == ()
 
@@ -113,8 +113,8 @@ def test_a_ring_is_cut_twice_and_parts_that_are_apart_not_at_all() -> None:
 def test_what_cannot_be_split_is_reported() -> None:
     item = item_of(disk((48, 48), 20.0))
     with pytest.raises(ValueError, match="outside of the object"):
-        split(item, (48.0, 48.0), (10.0, 10.0))
+        split_object(item, (48.0, 48.0), (10.0, 10.0))
     with pytest.raises(ValueError, match="not split"):
-        split_along(item, ((5.0, 5.0), (5.0, 90.0)))
+        split_object_along(item, ((5.0, 5.0), (5.0, 90.0)))
     with pytest.raises(ValueError, match="too short"):
-        split_along(item, ((48.0, 48.0), (48.0, 48.0)))
+        split_object_along(item, ((48.0, 48.0), (48.0, 48.0)))

@@ -11,11 +11,11 @@ from cpm_core.image.volume_regions import Voxels
 from cpm_core.objects.segmented import (
     SegmentedObject,
     SegmentedObjects,
-    between_slices,
-    brush_in,
-    painted_in,
-    split_in_volume,
-    union,
+    fill_between_slices,
+    voxelize_brush,
+    paint_voxels,
+    split_painted_object,
+    unite_objects,
 )
 
 SHAPE = (20, 30, 41)
@@ -94,7 +94,7 @@ def away_from(path, axis=None):
 def test_the_brush_covers_what_is_nearer_to_its_way_than_its_radius(path, axis):
     if axis is not None:
         path = tuple(tuple(7.0 if at == axis else x for at, x in enumerate(place)) for place in path)
-    first, mask = brush_in(SHAPE, path, 5.0, SIDES, axis)
+    first, mask = voxelize_brush(SHAPE, path, 5.0, SIDES, axis)
     found = np.zeros(SHAPE, bool)
     found[window(first, mask.shape)] = mask
     away = away_from(path, axis)
@@ -103,7 +103,7 @@ def test_the_brush_covers_what_is_nearer_to_its_way_than_its_radius(path, axis):
 
 
 def test_the_smallest_brush_covers_the_voxel_that_it_is_in():
-    first, mask = brush_in(SHAPE, ((4.4, 7.4, 8.6),), 0.1, SIDES)
+    first, mask = voxelize_brush(SHAPE, ((4.4, 7.4, 8.6),), 0.1, SIDES)
     assert mask.all()
     assert (first.tolist(), mask.shape) == ([4, 7, 9], (1, 1, 1))
 
@@ -112,19 +112,19 @@ def painted(*masks, **given):
     """Objects with these voxels, of which the last one is painted over the others."""
     objects = SegmentedObjects()
     for number, mask in enumerate(masks, start=1):
-        objects = painted_in(objects, number, (np.zeros(3, int), mask), **given)
+        objects = paint_voxels(objects, number, (np.zeros(3, int), mask), **given)
     return objects
 
 
 def test_painting_and_erasing_the_same_way_leaves_what_was_there():
     rng = np.random.default_rng(3)
     there = rng.random(SHAPE) < 0.3
-    part = brush_in(SHAPE, ((5.0, 9.0, 9.0), (11.0, 20.0, 30.0)), 6.0, SIDES)
+    part = voxelize_brush(SHAPE, ((5.0, 9.0, 9.0), (11.0, 20.0, 30.0)), 6.0, SIDES)
     before = painted(there)
-    after = painted_in(painted_in(before, 1, part), 1, part, adds=False)
+    after = paint_voxels(paint_voxels(before, 1, part), 1, part, adds=False)
     covered = whole(PackedVoxels.from_voxels(Voxels(part[1], tuple(part[0].tolist()))))
     assert np.array_equal(whole(after[1].surface[0]), there & ~covered)
-    new = painted_in(painted_in(before, 2, part, over_others=False), 2, part, adds=False)
+    new = paint_voxels(paint_voxels(before, 2, part, over_others=False), 2, part, adds=False)
     assert np.array_equal(whole(new[1].surface[0]), there)
     assert [item.number for item in new.items] == [1]
 
@@ -141,13 +141,13 @@ def test_paint_takes_from_others_but_never_from_frozen_or_hidden_ones():
         SegmentedObject(item.number, (), surface=item.surface, frozen=item.number == 1, hidden=item.number == 2)
         for item in objects.items
     )
-    after = painted_in(SegmentedObjects(items), 4, (np.zeros(3, int), masks[3]))
+    after = paint_voxels(SegmentedObjects(items), 4, (np.zeros(3, int), masks[3]))
     bodies = [whole(item.surface[0]) for item in after.items]
     assert np.array_equal(bodies[0], alone[0])
     assert np.array_equal(bodies[1], alone[1])
     assert np.array_equal(bodies[2], alone[2] & ~masks[3])
     assert np.array_equal(bodies[3], masks[3] & ~alone[0] & ~alone[1])
-    clear = painted_in(objects, 4, (np.zeros(3, int), masks[3]), over_others=False)
+    clear = paint_voxels(objects, 4, (np.zeros(3, int), masks[3]), over_others=False)
     assert clear.items[:3] == objects.items
     assert np.array_equal(whole(clear[4].surface[0]), masks[3] & ~np.any(alone, axis=0))
 
@@ -164,7 +164,7 @@ def test_the_union_with_painted_voxels_has_the_voxels_of_both():
     exact = PackedSurface.from_surface(body(one).surface)
     items = [SegmentedObject(n, (), surface=(made,)) for n, made in ((1, exact), (2, body(other)))]
     for first, second in (items, items[::-1]):
-        assert np.array_equal(union(first, second).mask(one.shape), one | other)
+        assert np.array_equal(unite_objects(first, second).mask(one.shape), one | other)
 
 
 def disk(center, radius, shape=(64, 72), pixel=(1.0, 1.0)):
@@ -177,7 +177,7 @@ def disk(center, radius, shape=(64, 72), pixel=(1.0, 1.0)):
 def test_between_two_disks_lie_those_of_the_cone(axis, ends):
     planes = np.zeros((11, 64, 72), bool)
     planes[0], planes[10] = disk(ends[0], 6.0), disk(ends[1], 16.0)
-    (first, filled), count = between_slices(body(np.moveaxis(planes, 0, axis)), axis, (1.0, 1.0, 1.0))
+    (first, filled), count = fill_between_slices(body(np.moveaxis(planes, 0, axis)), axis, (1.0, 1.0, 1.0))
     assert count == 9
     found = np.moveaxis(filled, axis, 0)
     assert not found[[0, 10]].any()
@@ -200,7 +200,7 @@ def test_a_branch_continues_from_its_trunk_and_slices_that_are_painted_stay():
     planes[4] = disk((30, 25), 6.0) | disk((30, 48), 6.0)
     planes[5] = planes[4]
     planes[8] = disk((30, 10), 4.0) | disk((30, 60), 4.0)  # touches none of those before it
-    (_, filled), count = between_slices(body(planes), 0, (1.0, 1.0, 1.0))
+    (_, filled), count = fill_between_slices(body(planes), 0, (1.0, 1.0, 1.0))
     assert count == 5
     assert not filled[[0, 4, 5, 8]].any()
     whole_planes = planes.copy()
@@ -218,20 +218,20 @@ def test_two_balls_that_touch_are_split_at_their_neck(sides):
     balls = (one < 12.5) | (other < 12.5)
     balls[0, 0, :3] = True  # a piece apart from both
     whole = SegmentedObject(3, (), name="both", surface=(PackedVoxels.from_voxels(Voxels(balls)),))
-    halves = split_in_volume(whole, (15, 22, 12), (15, 18, 47), sides)
+    halves = split_painted_object(whole, (15, 22, 12), (15, 18, 47), sides)
     first, second = (half.mask(balls.shape) for half in (halves.first, halves.second))
     np.testing.assert_array_equal(first ^ second, balls)
     sure = np.abs(one - other) > 1.5
     np.testing.assert_array_equal((first & balls)[sure], (balls & (one < other))[sure])
     assert halves.first.name == "both"
     with pytest.raises(ValueError, match="outside"):
-        split_in_volume(whole, (15, 20, 12), (1, 1, 60), sides)
+        split_painted_object(whole, (15, 20, 12), (1, 1, 60), sides)
 
 
 def test_what_has_no_neck_is_split_halfway():
     box = np.zeros((12, 12, 41), bool)
     box[2:10, 2:10, 2:39] = True
-    halves = split_in_volume(
+    halves = split_painted_object(
         SegmentedObject(1, (), surface=(PackedVoxels.from_voxels(Voxels(box)),)), (5, 5, 10), (5, 5, 30), (1,) * 3
     )
     assert (np.flatnonzero(halves.first.mask(box.shape).any(axis=(0, 1)))[[0, -1]] - (2, 20)).tolist() in (

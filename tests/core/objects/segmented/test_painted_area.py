@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cpm_core.numerics import polyline
-from cpm_core.objects.segmented.areas import painted
+from cpm_core.objects.segmented.areas import paint_boundary
 
 SHAPE = (64, 64)
 PIXELS = np.indices(SHAPE).reshape(2, -1).T.astype(float)
@@ -50,10 +50,10 @@ def test_the_boundary_encloses_the_area_and_what_the_disk_has_gone_over_or_the_a
     boundary = (STAR, SQUARE) if hole else (STAR,)
     away = polyline.distances_to_path(path, PIXELS)
     expected = enclosed(boundary) | (away <= radius) if adds else enclosed(boundary) & (away > radius)
-    at_once = painted(boundary, path, radius, adds, SHAPE)
-    by_steps = painted(boundary, path[:1], radius, adds, SHAPE)
+    at_once = paint_boundary(boundary, path, radius, adds, SHAPE)
+    by_steps = paint_boundary(boundary, path[:1], radius, adds, SHAPE)
     for step in itertools.pairwise(path):
-        by_steps = painted(by_steps, step, radius, adds, SHAPE)
+        by_steps = paint_boundary(by_steps, step, radius, adds, SHAPE)
     for area, tolerance in ((at_once, 0.1), (by_steps, 0.1)):
         clear = (np.abs(away - radius) > tolerance) & (off(boundary) > tolerance)
         assert not ((enclosed(area) != expected) & clear & ~alone(expected)).any()
@@ -62,7 +62,7 @@ def test_the_boundary_encloses_the_area_and_what_the_disk_has_gone_over_or_the_a
 @given(st.lists(PLACES, min_size=1, max_size=5), st.floats(1.0, 8.0), st.booleans())
 @settings(max_examples=15)
 def test_far_from_the_brush_the_boundary_has_the_vertices_that_it_had(path, radius, adds):
-    after = {corner for curve in painted((STAR, SQUARE), path, radius, adds, SHAPE) for corner in curve}
+    after = {corner for curve in paint_boundary((STAR, SQUARE), path, radius, adds, SHAPE) for corner in curve}
     for curve in (STAR, SQUARE):
         for corner in curve:
             if polyline.distance_to_path(path, corner) > radius + 3.0:
@@ -70,17 +70,17 @@ def test_far_from_the_brush_the_boundary_has_the_vertices_that_it_had(path, radi
 
 
 def test_a_disk_has_its_area_and_is_round_to_a_hundredth_of_a_pixel():
-    (curve,) = painted((), [(30.3, 31.7)], 10.0, True, SHAPE)
+    (curve,) = paint_boundary((), [(30.3, 31.7)], 10.0, True, SHAPE)
     assert polyline.enclosed_area(curve) == pytest.approx(100 * math.pi, rel=0.003)
     assert np.abs(np.hypot(*(np.array(curve) - (30.3, 31.7)).T) - 10.0).max() < 0.015
 
 
 def test_nothing_is_left_where_all_is_taken_away():
-    assert painted((SQUARE,), [(32.0, 32.0)], 12.0, False, SHAPE) == ()
+    assert paint_boundary((SQUARE,), [(32.0, 32.0)], 12.0, False, SHAPE) == ()
 
 
 def test_what_is_painted_ends_at_the_border_of_the_image():
-    (curve,) = painted((), [(1.0, 62.0)], 5.0, True, SHAPE)
+    (curve,) = paint_boundary((), [(1.0, 62.0)], 5.0, True, SHAPE)
     low, high = np.min(curve, axis=0), np.max(curve, axis=0)
     assert low[0] == pytest.approx(-0.5)
     assert high[1] == pytest.approx(63.5)

@@ -12,7 +12,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.objects.segmented.areas import union
+from cpm_core.objects.segmented.areas import unite_objects
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 
 
@@ -31,9 +31,9 @@ RING = made(circle(20, 20, 12), circle(20, 20, 5))
 
 def test_a_ring_has_the_area_and_the_perimeter_of_a_ring() -> None:
     assert RING.area == pytest.approx(math.pi * (144 - 25), rel=1e-3)
-    assert RING.perimeter() == pytest.approx(2 * math.pi * 17, rel=1e-3)
-    assert RING.perimeter((2.0, 2.0)) == pytest.approx(4 * math.pi * 17, rel=1e-3)
-    assert RING.outer == RING.boundary[:1]
+    assert RING.measure_perimeter() == pytest.approx(2 * math.pi * 17, rel=1e-3)
+    assert RING.measure_perimeter((2.0, 2.0)) == pytest.approx(4 * math.pi * 17, rel=1e-3)
+    assert RING.outer_curves == RING.boundary[:1]
 
 
 @example(11.0, 0.0, 4.383081355689567)  # corners at the height of pixels, between two of the bands of `winds_around`
@@ -48,8 +48,8 @@ def test_the_mask_holds_the_pixels_whose_centers_lie_inside(row: float, col: flo
 
 
 def test_the_innermost_pixel_of_a_ring_lies_in_the_middle_between_its_boundaries() -> None:
-    assert math.dist(RING.innermost((40, 44)), (20.0, 20.0)) == pytest.approx(8.5, abs=1.0)
-    assert RING.encloses(np.array([RING.innermost((40, 44))])).all()
+    assert math.dist(RING.find_innermost_pixel((40, 44)), (20.0, 20.0)) == pytest.approx(8.5, abs=1.0)
+    assert RING.encloses(np.array([RING.find_innermost_pixel((40, 44))])).all()
 
 
 FAR = made(((-1e6, -1e6), (-1e6, 12.0), (1e6, 12.0), (1e6, -1e6)), number=2)
@@ -58,8 +58,8 @@ FAR = made(((-1e6, -1e6), (-1e6, 12.0), (1e6, 12.0), (1e6, -1e6)), number=2)
 
 def test_an_object_that_reaches_far_beyond_an_image_takes_the_memory_of_the_image() -> None:
     tracemalloc.start()
-    mask, (_, col) = FAR.mask((40, 44)), FAR.innermost((40, 44))
-    whole = union(FAR, RING)
+    mask, (_, col) = FAR.mask((40, 44)), FAR.find_innermost_pixel((40, 44))
+    whole = unite_objects(FAR, RING)
     largest = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert mask[:, :12].all()
@@ -76,7 +76,7 @@ def test_frozen_objects_are_barriers_around_which_no_particle_gets() -> None:
 
 
 def test_the_union_of_two_that_lie_apart_is_both() -> None:
-    both = union(RING, made(circle(20, 50, 8), number=2))
+    both = unite_objects(RING, made(circle(20, 50, 8), number=2))
     assert both.area == pytest.approx(RING.area + math.pi * 64, rel=0.01)
     assert len(both.boundary) == 3
 
@@ -84,7 +84,7 @@ def test_the_union_of_two_that_lie_apart_is_both() -> None:
 @pytest.mark.parametrize("slit", [0.0, 0.5, 1.0])
 def test_the_union_closes_the_slit_between_two_that_touch(slit: float) -> None:
     left, right = (((10.0, a), (10.0, a + 10.0), (30.0, a + 10.0), (30.0, a)) for a in (5.0, 15.0 + slit))
-    whole = union(made(left), made(right, number=2))
+    whole = unite_objects(made(left), made(right, number=2))
     assert len(whole.boundary) == 1
     assert whole.area == pytest.approx(20.0 * (20.0 + slit), rel=0.02)
 
@@ -93,12 +93,12 @@ def test_the_union_closes_the_slit_between_two_that_touch(slit: float) -> None:
 def test_the_union_covers_both_and_nothing_else(one: float, other: float, apart: float) -> None:
     first, second = made(circle(20, 20, one)), made(circle(20, 20 + apart, other), number=2)
     shape = (40, 70)
-    found, truth = union(first, second).mask(shape), first.mask(shape) | second.mask(shape)
+    found, truth = unite_objects(first, second).mask(shape), first.mask(shape) | second.mask(shape)
     assert (found != truth).sum() <= 8 + 0.02 * truth.sum()
 
 
 def test_the_union_of_an_object_with_itself_is_that_object() -> None:
-    assert union(RING, RING).area == pytest.approx(RING.area, rel=0.01)
+    assert unite_objects(RING, RING).area == pytest.approx(RING.area, rel=0.01)
 
 
 def test_a_session_file_keeps_every_part_of_the_objects(tmp_path) -> None:
