@@ -8,7 +8,7 @@ import numpy as np
 import PIL.Image
 import pytest
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.samples import sample_called
+from cpm_app.model.document.samples import find_sample_named
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
@@ -86,10 +86,10 @@ def test_the_sphere_of_the_volume_finds_the_whole_tree_in_one_piece():
 
 def run(file):
     """What the sample of this name gives when it is run as it is opened."""
-    sample = sample_called(file)
+    sample = find_sample_named(file)
     image = (cpm.load_volume if file in VOXELS else cpm.load_image)(sample.path)
     document = Document(shapes=sample.shapes, parameters=sample.parameters)
-    seeds = document.seeds(
+    seeds = document.collect_seeds(
         SeedCache(image).seeds_for(document.image_starts, sample.parameters.smoothing, document.regions)
     )
     assert np.all((seeds >= 0) & (seeds <= np.array(image.shape) - 1))

@@ -7,13 +7,13 @@ import os
 import sys
 from collections.abc import Sequence
 
-CANNOT_OPEN = 2
+EXIT_CANNOT_OPEN = 2
 """Exit status when no window can be opened, or the arguments are invalid."""
 
-INTERRUPTED = 130
+EXIT_ON_INTERRUPT = 130
 """Exit status after Ctrl+C, as shells report it."""
 
-_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "export", "completion"})
+_COMMAND_NAMES = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "export", "completion"})
 """Names of the subcommands, which are imported only when one is called."""
 
 _QT_PACKAGES = frozenset({"PySide6", "shiboken6", "pyqtgraph"})
@@ -44,25 +44,25 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         first = arguments[0] if arguments else ""
-        if first in _COMMANDS or first.startswith("-") or "_ARGCOMPLETE" in os.environ:
+        if first in _COMMAND_NAMES or first.startswith("-") or "_ARGCOMPLETE" in os.environ:
             from cpm_core import cli
 
             return cli.main(arguments)
         if arguments and not os.path.lexists(first):  # a pattern, or a mistyped word, for which no window opens
-            from cpm_core.cli.inputs import expanded
+            from cpm_core.cli.inputs import expand_paths
 
             try:
-                arguments = expanded(arguments)
+                arguments = expand_paths(arguments)
             except ValueError as error:
-                return _refuse(str(error))
+                return _print_error(str(error))
             if not os.path.lexists(arguments[0]):
-                return _refuse(f"“{first}” is no command and no file; see cpm --help.")
+                return _print_error(f"“{first}” is no command and no file; see cpm --help.")
         if len(arguments) > 1:
-            return _refuse(f"The window opens one image but {len(arguments)} were given; see cpm --help.")
+            return _print_error(f"The window opens one image but {len(arguments)} were given; see cpm --help.")
         return _open_window(arguments[0] if arguments else None)
     except KeyboardInterrupt:
         print("cpm: interrupted.", file=sys.stderr)
-        return INTERRUPTED
+        return EXIT_ON_INTERRUPT
 
 
 def _open_window(path: str | None) -> int:
@@ -76,20 +76,20 @@ def _open_window(path: str | None) -> int:
 
         # Before any module whose sentences are translated while it is imported.
         of_the_system = QLocale.system().uiLanguages()
-        language.use_language(Preferences().get(language.KEY, language.OF_THE_DESKTOP), of_the_system)
-        reason = why_no_window()
+        language.use_language(Preferences().get(language.LANGUAGE_KEY, language.SYSTEM_LANGUAGE), of_the_system)
+        reason = explain_no_window()
         if reason:
-            return _refuse(reason)
+            return _print_error(reason)
         from cpm_app.views.application import run
     except ImportError as error:
         if error.name in _QT_PACKAGES and isinstance(error, ModuleNotFoundError):
-            return _refuse(_MISSING_QT_ERROR)
-        return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
+            return _print_error(_MISSING_QT_ERROR)
+        return _print_error(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
     gc.enable()
     return run(path)
 
 
-def why_no_window() -> str:
+def explain_no_window() -> str:
     """Explain in one sentence why no window can be opened here; empty where one can."""
     chosen = os.environ.get("QT_QPA_PLATFORM", "")
     if not sys.platform.startswith("linux") or chosen.partition(":")[0] not in ("", "xcb"):
@@ -112,9 +112,9 @@ def why_no_window() -> str:
     return ""
 
 
-def _refuse(sentence: str) -> int:
+def _print_error(sentence: str) -> int:
     print(f"cpm: {sentence}", file=sys.stderr)
-    return CANNOT_OPEN
+    return EXIT_CANNOT_OPEN
 
 
 if __name__ == "__main__":

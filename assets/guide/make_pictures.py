@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from cpm_app.model.document import edits
-from cpm_app.model.document.samples import sample_called
+from cpm_app.model.document.samples import find_sample_named
 from cpm_app.views.application import make_application
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
@@ -43,7 +43,7 @@ def wait(condition: Callable[[], bool]) -> None:
 
 def show(window: MainWindow, file: str) -> None:
     """Open a sample."""
-    sample = sample_called(file)
+    sample = find_sample_named(file)
     assert sample is not None
     window.feature(OpenSaveFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
     session, before = window.session, window.session.image_generation

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from cpm_app.model.text.assets import guide_page
+from cpm_app.model.text.assets import read_guide_page
 
 from cpm_core.formats import CONTOURS_WRITABLE
 from cpm_core.formats.writers import VOLUMES_WRITABLE
@@ -48,7 +48,7 @@ def in_source() -> Iterator[tuple[str, str]]:
 def in_guide() -> Iterator[tuple[str, str]]:
     """Headings and paragraphs of the guide."""
     for path in sorted((ROOT / "assets" / "guide").glob("*.md")):
-        for block in guide_page(path.stem):
+        for block in read_guide_page(path.stem):
             yield block.text, f"guide {path.name}"
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from cpm_app.model.document import edits
-from cpm_app.model.document.samples import sample_called
+from cpm_app.model.document.samples import find_sample_named
 from cpm_app.views.application import make_application
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
@@ -58,7 +58,7 @@ class Stand:
 
     def open(self, file: str) -> None:
         """Open a sample."""
-        sample = sample_called(file)
+        sample = find_sample_named(file)
         assert sample is not None
         session, before = self.window.session, self.window.session.image_generation
         self.window.open_image(str(sample.path))
@@ -166,7 +166,7 @@ def trust(stand: Stand) -> None:
     window.use_theme(theme.DARK)
     stand.open("nuclei.png")
     stand.run()
-    sample = sample_called("nuclei.png")
+    sample = find_sample_named("nuclei.png")
     assert sample is not None
     values = np.asarray(Picture.open(sample.path), dtype=float)
     with tempfile.TemporaryDirectory() as folder:

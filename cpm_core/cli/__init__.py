@@ -13,22 +13,22 @@ import argcomplete
 from argcomplete.shell_integration import shellcode
 
 from cpm_core.cli import batch, bench, compare, export, info, run, skeleton
-from cpm_core.cli.inputs import expanded, only_image
-from cpm_core.cli.output import say
+from cpm_core.cli.inputs import expand_paths, find_only_image
+from cpm_core.cli.output import print_message
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.numerics.types import Texts
 
-BAD_INPUT = 2
+EXIT_BAD_INPUT = 2
 """Exit status after invalid input."""
 
-INTERRUPTED = 130
+EXIT_INTERRUPTED = 130
 """Exit status after Ctrl+C, as shells report it."""
 
-NOBODY_READS = 141
+EXIT_BROKEN_PIPE = 141
 """Exit status after writing to a closed pipe, as shells report it."""
 
 
-class Command(NamedTuple):
+class CliCommand(NamedTuple):
     """A command: its help in a few words and in a sentence, its arguments, its effect and example lines."""
 
     help: str
@@ -38,8 +38,8 @@ class Command(NamedTuple):
     examples: Texts
 
 
-COMMANDS = {
-    "run": Command(
+CLI_COMMANDS = {
+    "run": CliCommand(
         "find the contours of an image",
         "Let particles flow from a start to the contours of an image.",
         run.add_arguments,
@@ -50,7 +50,7 @@ COMMANDS = {
             "cpm run cell.png --start cell.roi --save-session cell.cpm",
         ),
     ),
-    "batch": Command(
+    "batch": CliCommand(
         "find the contours of many images",
         "Apply a session file to each image: its start, regions, charges and parameters, and of a file of several "
         "images the page, channel, point in time and series that the session shows. An image that fails is "
@@ -62,7 +62,7 @@ COMMANDS = {
             'cpm batch "images/*.png" --session cell.cpm --output found --workers 2',
         ),
     ),
-    "export": Command(
+    "export": CliCommand(
         "write a session or contours in other formats",
         "Write the contours or the surface that a session shows, or those of a file, in other formats. A session "
         "without a recorded run is run first.",
@@ -74,7 +74,7 @@ COMMANDS = {
             "cpm export tree.ply --image angio.nii --to tree.nii.gz",
         ),
     ),
-    "skeleton": Command(
+    "skeleton": CliCommand(
         "find the skeletons of the objects in an image",
         "Find the middle lines of the objects in an image, with the distance to the boundary at every point. "
         "The smoothing is chosen from the image's noise unless it is given. In a volume the lines are written as SWC.",
@@ -85,7 +85,7 @@ COMMANDS = {
             "cpm skeleton angio.nii --volume --export tree.swc",
         ),
     ),
-    "compare": Command(
+    "compare": CliCommand(
         "compare methods on the same image and start",
         f"Run the charged particles and classical methods from the same start, one after the other. {compare.ABOUT}",
         compare.add_arguments,
@@ -95,14 +95,14 @@ COMMANDS = {
             "cpm compare cell.png --circle 120,80,30 --methods cpm gvf --export table.csv",
         ),
     ),
-    "info": Command(
+    "info": CliCommand(
         "show the properties of an image or volume",
         "Show the size, gray levels, pixel size and place in space of an image or volume, and what reading it changed.",
         info.add_arguments,
         info.run,
         ("cpm info stack.tif", "cpm info images --json"),
     ),
-    "bench": Command(
+    "bench": CliCommand(
         "measure how fast it is here",
         "Measure how long whole runs and their parts take on your machine, on a scene of disks. Each time is a median "
         "of several, without compilation.",
@@ -110,7 +110,7 @@ COMMANDS = {
         bench.run,
         ("cpm bench", "cpm bench --quick --json"),
     ),
-    "completion": Command(
+    "completion": CliCommand(
         "complete commands in your shell",
         "Print a script for a shell, with which the tab key completes commands, options and files.",
         lambda parser: parser.add_argument("shell", choices=("bash", "zsh", "fish", "powershell"), help="which shell"),
@@ -133,7 +133,7 @@ class _Parser(argparse.ArgumentParser):
         raise ValueError(f"{message}. See {self.prog} --help.")
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """Build the parser of the whole command line."""
     whole = _Parser(
         prog="cpm",
@@ -142,7 +142,7 @@ def parser() -> argparse.ArgumentParser:
     )
     whole.add_argument("--version", action="version", version=f"cpm {VERSION}", help="show the version")
     commands = whole.add_subparsers(metavar="COMMAND", dest="name", required=True)
-    for name, command in COMMANDS.items():
+    for name, command in CLI_COMMANDS.items():
         examples = "\n  ".join(["Examples:", *command.examples])
         made = commands.add_parser(name, help=command.help, description=command.description, epilog=examples)
         command.add_arguments(made)
@@ -169,26 +169,26 @@ def main(argv: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")  # for terminals that cannot show every character
     try:
-        whole = parser()
+        whole = build_parser()
         if "_ARGCOMPLETE" in os.environ:
             argcomplete.autocomplete(whole)
         arguments = whole.parse_args(argv)
         if getattr(arguments, "image", None) is not None:
-            arguments.image = only_image(arguments.image)
+            arguments.image = find_only_image(arguments.image)
         if hasattr(arguments, "images"):
-            arguments.images = expanded(arguments.images)
-        status = COMMANDS[arguments.name].run(arguments) or 0
+            arguments.images = expand_paths(arguments.images)
+        status = CLI_COMMANDS[arguments.name].run(arguments) or 0
         sys.stdout.flush()
     except ValueError as error:
-        say(str(error))
-        return BAD_INPUT
+        print_message(str(error))
+        return EXIT_BAD_INPUT
     except MemoryError:
-        say("there is not enough memory for this: use a smaller image or fewer particles.")
-        return BAD_INPUT
+        print_message("there is not enough memory for this: use a smaller image or fewer particles.")
+        return EXIT_BAD_INPUT
     except KeyboardInterrupt as interrupt:
-        say(f"interrupted; {interrupt}." if str(interrupt) else "interrupted.")
-        return INTERRUPTED
+        print_message(f"interrupted; {interrupt}." if str(interrupt) else "interrupted.")
+        return EXIT_INTERRUPTED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise Python reports an error at exit
-        return NOBODY_READS
+        return EXIT_BROKEN_PIPE
     return status

@@ -26,7 +26,7 @@ CHANNEL_HELP = (
 """Help on channels that are not named."""
 
 
-def as_number(text: str) -> int | float | str:
+def parse_number_or_text(text: str) -> int | float | str:
     """Convert text to a number if it is one; otherwise the check of the value reports the error."""
     for kind in (int, float):
         try:
@@ -36,14 +36,14 @@ def as_number(text: str) -> int | float | str:
     return text
 
 
-def whole_number(text: str) -> int:
+def parse_whole_number(text: str) -> int:
     """Parse a whole number of at least 1, as the type of an option."""
     if not re.fullmatch(r"\d{1,15}", text, re.ASCII) or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{quote_value(text)} must be a whole number of at least 1")
     return int(text)
 
 
-def numbers_of(flag: str, text: str, form: str) -> tuple[float, ...]:
+def parse_number_list(flag: str, text: str, form: str) -> tuple[float, ...]:
     """Parse numbers between commas, in a form such as ROW,COL,RADIUS, or ROW,COL,... for any number of points."""
     count = form.replace(",...", "").count(",") + 1
     try:
@@ -56,7 +56,7 @@ def numbers_of(flag: str, text: str, form: str) -> tuple[float, ...]:
     return numbers
 
 
-def places_in(numbers: Sequence[float], axes: int) -> tuple[tuple[float, ...], ...]:
+def group_coordinates(numbers: Sequence[float], axes: int) -> tuple[tuple[float, ...], ...]:
     """Group numbers into points of `axes` numbers each."""
     return tuple(zip(*(numbers[axis::axes] for axis in range(axes)), strict=True))
 
@@ -85,7 +85,7 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
         "of planes, rows and columns 2x0.5x0.5mm",
     },
     "--preset": {"choices": tuple(PRESETS)},
-    "--max-steps": {"metavar": "N", "type": whole_number, "help": "stop each run after so many steps"},
+    "--max-steps": {"metavar": "N", "type": parse_whole_number, "help": "stop each run after so many steps"},
     "--space": {
         "choices": CONVENTIONS,
         "help": "coordinates in files of a surface or of center lines: to the left, back and head of a patient, or to "
@@ -94,7 +94,7 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
     "--export": {"metavar": "PATH", "nargs": "+", "action": "extend", "default": []},
     "--workers": {
         "metavar": "N",
-        "type": whole_number,
+        "type": parse_whole_number,
         "help": "processes to work in, each on one core (default: all)",
     },
     "--scheduler": {
@@ -105,14 +105,14 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
 }
 """Options that several commands share; see `parse_part` for those that select a part of a file."""
 
-PART = ("--page", "--time", "--series", "--pixel-size")
+PART_OPTIONS = ("--page", "--time", "--series", "--pixel-size")
 """Options for the part of a file, and for setting the size of a pixel."""
 
-EXPORTED = f"({', '.join(CONTOURS_WRITABLE)})"
+EXPORT_FORMATS_HELP = f"({', '.join(CONTOURS_WRITABLE)})"
 """Suffixes of the formats of contours, for the help."""
 
 
-def add(parser: argparse._ActionsContainer, *names: str, **changes: Any) -> None:
+def add_options(parser: argparse._ActionsContainer, *names: str, **changes: Any) -> None:
     """Add shared options, with changes of their settings."""
     for name in names:
         parser.add_argument(name, **(_SHARED_OPTIONS[name] | changes))
@@ -125,19 +125,19 @@ _PIXEL_SIZE_PATTERN = re.compile(rf"({_NUMBER_PATTERN}(?:x{_NUMBER_PATTERN}){{0,
 """One to three sizes of a pixel, and their unit."""
 
 
-def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool = True) -> JsonDict:
+def parse_part(arguments: argparse.Namespace, *, volume: bool = False, runs: bool = True) -> JsonDict:
     """Return the keyword arguments of `load_image` or `load_volume`, and settle which channel a run takes.
 
     A channel given by its number, or as the one of the largest contrast, is selected on reading. A named one is a
     parameter of a run on an image; for a volume, or where the command `runs` nothing, it is selected on reading too.
     """
     given = {name: getattr(arguments, name) for name in ("page", "time", "series")}
-    part: JsonDict = {name: as_number(text) for name, text in given.items() if text is not None}
+    part: JsonDict = {name: parse_number_or_text(text) for name, text in given.items() if text is not None}
     if volume and "page" in part:
         raise ValueError(f"--page is {part['page']}, but a volume uses all pages of {arguments.image}: leave it out.")
     channel, in_reading = arguments.channel, volume or not runs
-    if channel is not None and not isinstance(as_number(channel), str):
-        part["channel"], arguments.channel = as_number(channel), LUMINANCE_CHOICE
+    if channel is not None and not isinstance(parse_number_or_text(channel), str):
+        part["channel"], arguments.channel = parse_number_or_text(channel), LUMINANCE_CHOICE
     elif channel == CONTRAST_CHOICE:
         part["color"], arguments.channel = channel, LUMINANCE_CHOICE
     elif channel is not None:
@@ -155,7 +155,7 @@ def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool =
     return part
 
 
-def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICE_PARAMETERS)) -> None:
+def add_parameter_options(parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICE_PARAMETERS)) -> None:
     """Add parameters, each as a flag of its name; see `parse_parameters`."""
     for name in names:
         if name in CHOICE_PARAMETERS:
@@ -167,22 +167,22 @@ def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*
         parser.add_argument(
             "--" + name.replace("_", "-"),
             metavar=name.upper(),
-            type=str if name in CHOICE_PARAMETERS else as_number,
+            type=str if name in CHOICE_PARAMETERS else parse_number_or_text,
             help=f"{meaning} (default: {DEFAULT_VALUES[name]})".replace("%", "%%"),
         )
 
 
-def parameters_of(arguments: argparse.Namespace, base: Parameters) -> Parameters:
+def parse_parameters(arguments: argparse.Namespace, base: Parameters) -> Parameters:
     """Return the parameters `base` with those given as flags replaced; ValueError on a bad value."""
     given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
     return replace(base, **{name: value for name, value in given.items() if value is not None})
 
 
-def refuse(arguments: argparse.Namespace, names: Iterable[str], why: str) -> None:
+def refuse_options(arguments: argparse.Namespace, names: Iterable[str], purpose: str) -> None:
     """Raise ValueError when an option is given that has no meaning here."""
     for name in names:
         if getattr(arguments, name):
-            raise ValueError(f"--{name.replace('_', '-')} is for {why}: leave it out.")
+            raise ValueError(f"--{name.replace('_', '-')} is for {purpose}: leave it out.")
 
 
 _READ_ARGUMENTS = ("image", "session", "source", "start", "points", "truth", "within")

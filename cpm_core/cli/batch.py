@@ -13,9 +13,9 @@ from dataclasses import asdict, replace
 from operator import attrgetter
 from pathlib import Path
 
-from cpm_core.cli.arguments import add, add_parameters, parameters_of
-from cpm_core.cli.output import IN_PART, StatusLine, announce_compilation, print_json, say, say_notes
-from cpm_core.cli.workers import Job, Row, elsewhere, here
+from cpm_core.cli.arguments import add_options, add_parameter_options, parse_parameters
+from cpm_core.cli.output import EXIT_IN_PART, StatusLine, ensure_compiled, print_json, print_message, print_notes
+from cpm_core.cli.workers import BatchJob, BatchRow, run_on_scheduler, run_locally
 from cpm_core.formats import CONTOURS_WRITABLE
 from cpm_core.formats.common.atomic import append_bytes, draft_files, remove_abandoned_drafts, write_together
 from cpm_core.formats.common.content import compute_fingerprint, try_fingerprint
@@ -26,16 +26,16 @@ from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import format_count, quote_value
 from cpm_core.shapes.document_shapes import select_starts
 
-NAME = "summary.csv"
+SUMMARY_NAME = "summary.csv"
 """Name of the table of images in the folder of a batch."""
 
-MEASURES = "measures.csv"
+MEASURES_NAME = "measures.csv"
 """Name of the table of all contours there, which joins the tables of the images."""
 
-_MEASURES_SUFFIX = f".{MEASURES}"
+_MEASURES_SUFFIX = f".{MEASURES_NAME}"
 """Suffix of the table of the contours of an image."""
 
-WRITTEN = (".svg", _MEASURES_SUFFIX, ".png")
+DEFAULT_SUFFIXES = (".svg", _MEASURES_SUFFIX, ".png")
 """Formats that are written by default."""
 
 _MAX_STEM_BYTES = 200
@@ -44,28 +44,28 @@ _MAX_STEM_BYTES = 200
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add(parser, "images")
-    add(parser, "--session", required=True)
-    add(parser.add_mutually_exclusive_group(), "--workers", "--scheduler")
-    add_parameters(parser.add_argument_group("parameters (in place of those of the session)"))
+    add_options(parser, "images")
+    add_options(parser, "--session", required=True)
+    add_options(parser.add_mutually_exclusive_group(), "--workers", "--scheduler")
+    add_parameter_options(parser.add_argument_group("parameters (in place of those of the session)"))
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--output", metavar="DIR", required=True, help="folder to write to; made if there is none")
     outcome.add_argument(
         "--export",
         metavar="SUFFIX",
         nargs="+",
-        default=WRITTEN,
-        help=f"formats to write (default: svg {MEASURES}, whose tables are joined, png; of {', '.join(CONTOURS_WRITABLE)})",
+        default=DEFAULT_SUFFIXES,
+        help=f"formats to write (default: svg {MEASURES_NAME}, whose tables are joined, png; of {', '.join(CONTOURS_WRITABLE)})",
     )
-    add(outcome, "--max-steps")
+    add_options(outcome, "--max-steps")
     outcome.add_argument("--again", action="store_true", help="do also what the summary says is done")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run_batch(arguments: argparse.Namespace) -> int:
     """Process all images, after all checks that need none of them."""
     source = Path(arguments.session)
     session = load_session(source)
-    parameters = parameters_of(arguments, session.parameters)
+    parameters = parse_parameters(arguments, session.parameters)
     suffixes = tuple(dict.fromkeys(f".{suffix.lower().lstrip('.')}" for suffix in arguments.export))
     for suffix in suffixes:
         if suffix not in CONTOURS_WRITABLE:
@@ -80,18 +80,18 @@ def run(arguments: argparse.Namespace) -> int:
     batch = Batch(
         arguments.images, session, source, output, suffixes, parameters, arguments.max_steps, again=arguments.again
     )
-    say_notes(source.name, session.notes)
+    print_notes(source.name, session.notes)
     if batch.rows:
-        say(f"{format_count(len(batch.rows), 'image')} done before; --again does them again.")
+        print_message(f"{format_count(len(batch.rows), 'image')} done before; --again does them again.")
     jobs, began = batch.jobs, time.perf_counter()
     try:
-        announce_compilation()
-        results = elsewhere(jobs, arguments.scheduler) if arguments.scheduler else here(jobs, arguments.workers)
+        ensure_compiled()
+        results = run_on_scheduler(jobs, arguments.scheduler) if arguments.scheduler else run_locally(jobs, arguments.workers)
         with StatusLine() as line:
             for done, row in enumerate(batch.write_results(results), start=1):
                 for sentence in filter(None, (row.trouble, *row.notes)):
-                    line.say(f"{row.image}: {sentence}")
-                line.count(done, len(jobs))
+                    line.print_above(f"{row.image}: {sentence}")
+                line.show_count(done, len(jobs))
     except KeyboardInterrupt:
         finished = f"{len(batch.rows)} of {format_count(len(arguments.images), 'image')} were done"
         raise KeyboardInterrupt(f"{finished}; the same command does the others") from None
@@ -106,15 +106,15 @@ def run(arguments: argparse.Namespace) -> int:
             for row in rows
         ]  # fmt: skip
         counts = {"done": len(rows) - failed, "failed": failed, "lacking_files": lacking, "seconds": round(seconds, 3)}
-        print_json(arguments, {"images": images, **counts, "summary": str(output / NAME)})
+        print_json(arguments, {"images": images, **counts, "summary": str(output / SUMMARY_NAME)})
     else:
         for row in rows:
             if not row.trouble:
                 print(f"{make_printable(row.image)}: {format_count(int(str(row.facts['contours'])), 'contour')}")
         more = (f", {failed} failed" if failed else "") + (f", {lacking} without some files" if lacking else "")
-        tables = f"{output / NAME}" + (f" and {output / MEASURES}" if _MEASURES_SUFFIX in suffixes else "")
+        tables = f"{output / SUMMARY_NAME}" + (f" and {output / MEASURES_NAME}" if _MEASURES_SUFFIX in suffixes else "")
         print(make_printable(f"{format_count(len(rows), 'image')} in {seconds:.1f} s{more}; wrote {tables}"))
-    return IN_PART if failed or lacking else 0
+    return EXIT_IN_PART if failed or lacking else 0
 
 
 class Batch:
@@ -168,30 +168,30 @@ class Batch:
         usual = asdict(session.parameters)
         asked = [f"{name}={value}" for name, value in asdict(parameters).items() if value != usual[name]]
         asked += [] if max_steps is None else [f"max_steps={max_steps}"]
-        plain = Row("", session_sha256=compute_fingerprint(source), settings=" ".join([*asked, f"export={','.join(suffixes)}"]))
+        plain = BatchRow("", session_sha256=compute_fingerprint(source), settings=" ".join([*asked, f"export={','.join(suffixes)}"]))
         self._images, self._folder, self._suffixes = images, output, suffixes
         remove_abandoned_drafts(output)
-        self._earlier = _rows(output / NAME)
-        self.rows: dict[int, Row] = {} if again else self._done_before(plain)
+        self._earlier = _read_rows(output / SUMMARY_NAME)
+        self.rows: dict[int, BatchRow] = {} if again else self._find_done_rows(plain)
         self.jobs = tuple(
-            Job(number, replace(plain, image=image), str(Path(image).absolute()), session, parameters, max_steps,
+            BatchJob(number, replace(plain, image=image), str(Path(image).absolute()), session, parameters, max_steps,
                 suffixes)
             for number, image in enumerate(images) if number not in self.rows
         )  # fmt: skip
-        self._stems = self._free_stems()
+        self._stems = self._find_free_stems()
         # their files will be replaced, and no row may outlive its files if the batch is killed
         replaced = {f"{stem}{suffix}".lower() for stem in self._stems.values() for suffix in suffixes}
         self._earlier = [row for row in self._earlier if replaced.isdisjoint(name.lower() for name in row.files)]
 
-    def _done_before(self, plain: Row) -> dict[int, Row]:
+    def _find_done_rows(self, plain: BatchRow) -> dict[int, BatchRow]:
         """Return rows of images that an earlier batch did in the same way and whose files still exist."""
         way = attrgetter("session_sha256", "settings", "version", "trouble")
-        alike: dict[tuple[str, str], list[Row]] = {}
+        alike: dict[tuple[str, str], list[BatchRow]] = {}
         for row in self._earlier:
             if way(row) == way(plain) and all((self._folder / file).is_file() for file in row.files):
                 alike.setdefault((Path(row.image).name, row.image_sha256), []).append(row)
         names = {name for name, _ in alike}
-        done: dict[int, Row] = {}
+        done: dict[int, BatchRow] = {}
         for number, image in enumerate(self._images):
             name = make_printable(Path(image).name)
             if name in names and (rows := alike.get((name, try_fingerprint(Path(image))))):
@@ -200,7 +200,7 @@ class Batch:
         self._earlier = [row for row in self._earlier if id(row) not in known]
         return done
 
-    def _free_stems(self) -> dict[int, str]:
+    def _find_free_stems(self) -> dict[int, str]:
         """Return file names without suffix for the jobs; none belongs to another image, or is an input."""
         own = {Path(make_printable(image)).absolute() for image in self._images}
         others = [row for row in self._earlier if Path(row.image).absolute() not in own]
@@ -221,14 +221,14 @@ class Batch:
             taken |= names
         return stems
 
-    def write_results(self, results: Generator[tuple[Job, Row]]) -> Iterator[Row]:
+    def write_results(self, results: Generator[tuple[BatchJob, BatchRow]]) -> Iterator[BatchRow]:
         """Write the files and the row of each image as it is done, and yield the row; finally sort the table."""
         self._write_table()
         try:
             with closing(results):
                 for job, found in results:
-                    row = self.rows[job.number] = self._written(found, self._stems[job.number])
-                    append_bytes(self._folder / NAME, _lines([row]))
+                    row = self.rows[job.number] = self._write_files(found, self._stems[job.number])
+                    append_bytes(self._folder / SUMMARY_NAME, _format_rows([row]))
                     yield row
         finally:
             self.rows = dict(sorted(self.rows.items()))
@@ -236,7 +236,7 @@ class Batch:
         if _MEASURES_SUFFIX in self._suffixes:
             self._write_measures()
 
-    def _written(self, row: Row, stem: str) -> Row:
+    def _write_files(self, row: BatchRow, stem: str) -> BatchRow:
         """Write all files of an image, or none."""
         contents = {f"{stem}{suffix}": content for suffix, content in row.contents.items()}
         try:
@@ -246,18 +246,18 @@ class Batch:
         finished = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
         return replace(row, files=tuple(contents), contents={}, finished=finished)
 
-    def _table(self) -> list[Row]:
+    def _list_table_rows(self) -> list[BatchRow]:
         """Return the rows of this batch in its order, after earlier ones of other images."""
         own = {make_printable(self._images[number]) for number in self.rows}
         return [row for row in self._earlier if row.image not in own] + [row for _, row in sorted(self.rows.items())]
 
     def _write_table(self) -> None:
-        write_together([(self._folder / NAME, f"{','.join(_SUMMARY_COLUMNS)}\n".encode() + _lines(self._table()))])
+        write_together([(self._folder / SUMMARY_NAME, f"{','.join(_SUMMARY_COLUMNS)}\n".encode() + _format_rows(self._list_table_rows()))])
 
     def _write_measures(self) -> None:
         """Join the tables of measures of all images, one file at a time, with the image as the first column."""
-        files = [self._folder / name for row in self._table() for name in row.files if name.endswith(_MEASURES_SUFFIX)]
-        with draft_files(self._folder / MEASURES) as (draft,), draft.open("w", encoding="utf-8", newline="") as stream:
+        files = [self._folder / name for row in self._list_table_rows() for name in row.files if name.endswith(_MEASURES_SUFFIX)]
+        with draft_files(self._folder / MEASURES_NAME) as (draft,), draft.open("w", encoding="utf-8", newline="") as stream:
             heads = set()
             for file in files:
                 with file.open(encoding="utf-8", newline="") as table:
@@ -292,7 +292,7 @@ _SUMMARY_COLUMNS = ("image", *_FACT_COLUMNS, "trouble", *_LIST_COLUMNS, *_TEXT_C
 """All columns, in their order."""
 
 
-def _rows(path: Path) -> list[Row]:
+def _read_rows(path: Path) -> list[BatchRow]:
     """Read the rows of a table; none where there is no table yet."""
     try:
         content = path.read_bytes()
@@ -303,7 +303,7 @@ def _rows(path: Path) -> list[Row]:
     try:  # a truncated row belongs to an image that was not finished
         text = content[: content.rfind(b"\n") + 1].decode()
         lines = list(csv.DictReader(io.StringIO(text, newline="")))
-        rows = [_row({name: unescape_cell(line.get(name) or "") for name in _SUMMARY_COLUMNS}) for line in lines]
+        rows = [_parse_row({name: unescape_cell(line.get(name) or "") for name in _SUMMARY_COLUMNS}) for line in lines]
     except ValueError:
         raise ValueError(f"{path} is damaged: remove it, or choose another folder.") from None
     if lines and "image" not in lines[0]:
@@ -311,13 +311,13 @@ def _rows(path: Path) -> list[Row]:
     return rows
 
 
-def _row(line: Mapping[str, str]) -> Row:
+def _parse_row(line: Mapping[str, str]) -> BatchRow:
     values: JsonDict = {name: line[name] for name in _TEXT_COLUMNS}
     values |= {name: tuple(filter(None, line[name].split(_LIST_SEPARATOR))) for name in _LIST_COLUMNS}
-    return Row(facts={name: read(line[name]) for name, read in _FACT_COLUMNS.items() if line[name]}, **values)
+    return BatchRow(facts={name: read(line[name]) for name, read in _FACT_COLUMNS.items() if line[name]}, **values)
 
 
-def _lines(rows: Iterable[Row]) -> bytes:
+def _format_rows(rows: Iterable[BatchRow]) -> bytes:
     text = io.StringIO()
     table = csv.DictWriter(text, _SUMMARY_COLUMNS, restval="", lineterminator="\n")
     for row in rows:

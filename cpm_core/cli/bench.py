@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help="a smaller scene, measured once")
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run_benchmarks(arguments: argparse.Namespace) -> None:
     """Measure, and print each time as soon as it is known."""
     began = time.perf_counter()
     machine = {
@@ -39,9 +39,9 @@ def run(arguments: argparse.Namespace) -> None:
         "python": platform.python_version(),
         **{name: version(name) for name in ("numpy", "scipy", "scikit-image", "numba")},
     }
-    values, repeats = _scene(2 if arguments.quick else 6), 1 if arguments.quick else 5
+    values, repeats = _build_scene(2 if arguments.quick else 6), 1 if arguments.quick else 5
     rows: list[JsonDict] = []
-    for what, work in _tasks(values):
+    for what, work in _list_measurements(values):
         work()  # compiles
         rows.append({"what": what, "value": 1e3 * median(repeat(work, number=1, repeat=repeats)), "unit": "ms"})
         if not arguments.json:
@@ -53,14 +53,14 @@ def run(arguments: argparse.Namespace) -> None:
         print(", ".join(f"{name} {value}" for name, value in machine.items()))
 
 
-def _scene(side: int) -> Array:
+def _build_scene(side: int) -> Array:
     """Return gray levels of side x side bright disks on a noisy background."""
     row, col = np.indices((side * _DISK_PITCH, side * _DISK_PITCH)) % _DISK_PITCH - _DISK_PITCH / 2
     disks = np.clip(20.5 - np.hypot(row, col), 0.0, 1.0)
     return 50.0 + 150.0 * disks + np.random.default_rng(0).normal(0.0, 2.0, disks.shape)
 
 
-def _tasks(values: Array) -> Iterator[tuple[str, Callback]]:
+def _list_measurements(values: Array) -> Iterator[tuple[str, Callback]]:
     """Yield a title and a function for each measurement; the function does once what is timed."""
     size, automatic = " x ".join(map(str, values.shape)), PRESETS["automatic"]
     grid = uniform_grid(values.shape)

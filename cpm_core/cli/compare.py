@@ -11,16 +11,16 @@ from typing import cast
 import numpy as np
 
 from cpm_core.cli.arguments import (
-    PART,
-    add,
-    as_number,
+    PART_OPTIONS,
+    add_options,
+    parse_number_or_text,
     check_targets,
-    numbers_of,
-    part_of,
-    places_in,
+    parse_number_list,
+    parse_part,
+    group_coordinates,
 )
-from cpm_core.cli.inputs import fitted, image_of, session_of, starts_from_file, truth_for
-from cpm_core.cli.output import Files, announce_compilation, report, say
+from cpm_core.cli.inputs import fit_parameters, locate_image, load_named_session, read_starts, load_named_truth
+from cpm_core.cli.output import OutputFiles, ensure_compiled, print_report, print_message
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.formats import load_image
@@ -46,7 +46,7 @@ from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
 from cpm_core.shapes.document_shapes import check_axes, select_starts
 from cpm_core.shapes.outlines import drawn_outlines
 
-ABOUT = " ".join(f"{method.name}: {method.about}" for method in CONTOUR_METHODS.values())
+METHODS_HELP = " ".join(f"{method.name}: {method.about}" for method in CONTOUR_METHODS.values())
 """Descriptions of the methods, for the help."""
 
 _PARTICLE_METHODS = tuple(name for name, method in CONTOUR_METHODS.items() if method.of_particles)
@@ -55,9 +55,9 @@ _PARTICLE_METHODS = tuple(name for name, method in CONTOUR_METHODS.items() if me
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add(parser, "image", nargs="?")
-    add(parser, "--session")
-    add(parser.add_argument_group("part of a file"), *PART, "--channel")
+    add_options(parser, "image", nargs="?")
+    add_options(parser, "--session")
+    add_options(parser.add_argument_group("part of a file"), *PART_OPTIONS, "--channel")
     start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
     for flag, form, words in (
         ("--circle", "ROW,COL,RADIUS", "a circle, in px"),
@@ -79,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: those of the session, or all)",
     )
-    others = (f"{name}: {', '.join(_names(name))}" for name in CONTOUR_METHODS if name not in _PARTICLE_METHODS)
+    others = (f"{name}: {', '.join(_list_setting_names(name))}" for name in CONTOUR_METHODS if name not in _PARTICLE_METHODS)
     methods.add_argument(
         "--set",
         metavar="METHOD.NAME=VALUE",
@@ -89,13 +89,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="settings of methods, such as geodesic.balloon=0.5 cpm.smoothing=2; of "
         f"{'; of '.join(others)}; of {' and '.join(_PARTICLE_METHODS)}: the parameters of cpm run",
     )
-    add(
+    add_options(
         methods, "--preset", help=f"named settings (default: of {' and '.join(_PARTICLE_METHODS)} those of the session)"
     )
-    add(methods, "--max-steps")
+    add_options(methods, "--max-steps")
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--truth", metavar="MASK", help="ground truth: a mask, or a file of contours")
-    add(
+    add_options(
         outcome,
         "--export",
         help="write the table (.csv), or the contours of each method in a format of cpm run (such as .svg, .json, "
@@ -103,28 +103,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run_comparison(arguments: argparse.Namespace) -> int:
     """Run the methods; every check that needs no image comes first."""
-    session = session_of(arguments)
+    session = load_named_session(arguments)
     compared = MethodComparison(()) if session.comparison == MethodComparison() else session.comparison
     named = arguments.methods or [name for name in compared.methods if name]
     for name in named:
         if name not in CONTOUR_METHODS:
             raise ValueError(f"{quote_value(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
     names = list(dict.fromkeys(named or CONTOUR_METHODS))
-    settings = _settings(arguments, names, session, compared)
-    drawn = _drawn(arguments, session)
+    settings = _parse_settings(arguments, names, session, compared)
+    drawn = _collect_start_shapes(arguments, session)
     for path in arguments.export:
         check_comparison(path, names)
     targets = [file for path in arguments.export for file in list_comparison_files(Path(path), names)]
     check_targets(targets, arguments)
-    image = _image(arguments, session, targets)
-    start = _start_on(image, drawn, arguments, session)
-    truth = cast("Truth | None", truth_for(arguments, image))
-    announce_compilation()
+    image = _load_gray_image(arguments, session, targets)
+    start = _build_start(image, drawn, arguments, session)
+    truth = cast("Truth | None", load_named_truth(arguments, image))
+    ensure_compiled()
     scores = ("Dice", "F", "Hausd. [px]", "mean [px]") if truth else ()
     if not arguments.json:
-        print(_cells("", "steps", "time", *scores, "contours", "closed"), " end")
+        print(_format_cells("", "steps", "time", *scores, "contours", "closed"), " end")
     found: list[RunReport] = []
     results: list[Result] = []
     for name in names:
@@ -136,12 +136,12 @@ def run(arguments: argparse.Namespace) -> int:
             agreed = (facts.dice, facts.f, facts.hausdorff, facts.mean_distance) if truth else ()
             measures = (f"{value:.3f}" if value is not None and np.isfinite(value) else "-" for value in agreed)
             title, seconds = CONTOUR_METHODS[name].title, f"{facts.seconds:.2f} s"
-            line = _cells(title, facts.steps, seconds, *measures, facts.contours, facts.closed)
+            line = _format_cells(title, facts.steps, seconds, *measures, facts.contours, facts.closed)
             print(line, "", facts.stop_reason, flush=True)
         found.append(facts)
         results.append(build_method_result(facts, moment.state.contours, image, start, settings[name]))
-    files = Files()
-    files.written += map(str, write_comparison(found, results, arguments.export, say, files.refuse))
+    files = OutputFiles()
+    files.written += map(str, write_comparison(found, results, arguments.export, print_message, files.refuse_file))
     given = {"image": image.source, "around": start.around, "truth": truth and truth.source, "unit": "px"}
     # JSON has no infinite distances
     rows = [
@@ -151,29 +151,29 @@ def run(arguments: argparse.Namespace) -> int:
         }
         for one in found
     ]
-    return report(arguments, {**given, "methods": rows}, (), files)
+    return print_report(arguments, {**given, "methods": rows}, (), files)
 
 
-def _cells(title: str, *cells: object) -> str:
+def _format_cells(title: str, *cells: object) -> str:
     """Format the first cells of a line of the table."""
     return f"{title:24}" + "".join(f"{cell!s:>12}" for cell in cells)
 
 
-def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequence[Path]) -> Image:
+def _load_gray_image(arguments: argparse.Namespace, session: SessionFile, targets: Sequence[Path]) -> Image:
     """Load the image, in the gray levels that all methods take."""
-    part = part_of(arguments)
-    path, reading = image_of(arguments.image, session, arguments.session)
+    part = parse_part(arguments)
+    path, reading = locate_image(arguments.image, session, arguments.session)
     check_targets(targets, arguments, path)
     image = load_image(path, **(reading | part))
     channel = arguments.channel or session.parameters.channel
-    fitted(image, replace(session.parameters, channel=channel), scales=False)
+    fit_parameters(image, replace(session.parameters, channel=channel), scales=False)
     if image.colors is not None and channel != LUMINANCE_CHOICE:
         image = replace(image, values=image.gray_levels(channel), colors=None)
     check_axes(session.shapes, image.shape, image.source)
     return image
 
 
-def _settings(
+def _parse_settings(
     arguments: argparse.Namespace, methods: Sequence[str], session: SessionFile, compared: MethodComparison
 ) -> JsonDict:
     """Return the settings of each method: those of the comparison of a session, changed as the arguments ask.
@@ -195,24 +195,24 @@ def _settings(
             raise ValueError(f"--set is {quote_value(text)} but must be METHOD.NAME=VALUE, such as geodesic.balloon=0.5.")
         if method not in found:
             raise ValueError(f"--set {quote_value(text)} is for {quote_value(method)}, which is not one of the compared methods.")
-        if name not in _names(method):
-            raise ValueError(f"{quote_value(name)} is not a setting of {method}: choose among {', '.join(_names(method))}.")
-        changes.setdefault(method, {})[name] = as_number(value)
+        if name not in _list_setting_names(method):
+            raise ValueError(f"{quote_value(name)} is not a setting of {method}: choose among {', '.join(_list_setting_names(method))}.")
+        changes.setdefault(method, {})[name] = parse_number_or_text(value)
     return {name: replace(settings, **changes.get(name, {})) for name, settings in found.items()}
 
 
-def _names(method: str) -> Texts:
+def _list_setting_names(method: str) -> Texts:
     """Return the names of the settings of a method."""
     kind = CONTOUR_METHODS[method].settings
     return tuple(kind.describe_parameters()) if issubclass(kind, Settings) else tuple(Parameters.__dataclass_fields__)
 
 
-def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
+def _collect_start_shapes(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
     """Return the shapes of the command line and of the session; ValueError when there is no start at all."""
-    circles = (numbers_of("--circle", text, "ROW,COL,RADIUS") for text in arguments.circle)
-    polygons = (numbers_of("--polygon", text, "ROW,COL,...") for text in arguments.polygon)
+    circles = (parse_number_list("--circle", text, "ROW,COL,RADIUS") for text in arguments.circle)
+    polygons = (parse_number_list("--polygon", text, "ROW,COL,...") for text in arguments.polygon)
     drawn: list[Shape] = [Circle((row, col), radius) for row, col, radius in circles]
-    drawn += [Polygon(places_in(numbers, 2)) for numbers in polygons]
+    drawn += [Polygon(group_coordinates(numbers, 2)) for numbers in polygons]
     drawn += session.shapes
     if not (drawn_outlines(drawn) or arguments.start):
         raise ValueError(
@@ -220,29 +220,29 @@ def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
             "session with a circle, an ellipse or a polygon."
         )
     if any(isinstance(shape, Region | Barrier | Charge) for shape in session.shapes):
-        say("regions, barriers and charges of the session are left out: the other methods have none.")
-    _say_open("the session", select_starts(session.shapes))
+        print_message("regions, barriers and charges of the session are left out: the other methods have none.")
+    _report_open_starts("the session", select_starts(session.shapes))
     return drawn
 
 
-def _start_on(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespace, session: SessionFile) -> Start:
+def _build_start(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespace, session: SessionFile) -> Start:
     """Return the start: lines that are drawn, and those of the files of ``--start``."""
     found = list(drawn_outlines(drawn))
     for path in arguments.start:
-        shapes, name = starts_from_file(path, image), Path(path).name
+        shapes, name = read_starts(path, image), Path(path).name
         closed = drawn_outlines(shapes)
         if not closed:
             raise ValueError(
                 f"{name} has no closed contour, but methods are compared from closed lines: close its contours, or add "
                 "--circle ROW,COL,RADIUS."
             )
-        _say_open(name, shapes)
+        _report_open_starts(name, shapes)
         found += closed
     return Start(tuple(found), around=arguments.around or session.comparison.around)
 
 
-def _say_open(where: str, shapes: Sequence[Shape]) -> None:
+def _report_open_starts(where: str, shapes: Sequence[Shape]) -> None:
     """Report how many starts are left out since they enclose nothing."""
     if loose := len(shapes) - len(drawn_outlines(shapes)):
         what = format_count(loose, "start without an inside", "starts without an inside")
-        say(f"{where}: {what} left out, as most of the methods need one.")
+        print_message(f"{where}: {what} left out, as most of the methods need one.")

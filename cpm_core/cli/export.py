@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.cli.arguments import add, check_exports, check_targets, whole_number
-from cpm_core.cli.inputs import fitted, image_of, in_volume, reviewed, segmented
+from cpm_core.cli.arguments import add_options, check_exports, check_targets, parse_whole_number
+from cpm_core.cli.inputs import fit_parameters, locate_image, is_volume_session, apply_session_review, segment_shapes
 from cpm_core.cli.output import (
-    Files,
+    OutputFiles,
     StatusLine,
-    announce_compilation,
-    contours_of,
-    report,
-    say,
-    say_notes,
+    ensure_compiled,
+    describe_contour_count,
+    print_report,
+    print_message,
+    print_notes,
 )
 from cpm_core.contours.result import Result
 from cpm_core.formats import (
@@ -55,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "source", metavar="FILE", help=f"session ({SESSION_SUFFIX}), contours, a surface or center lines ({known}), or labels"
     )
     parser.add_argument("--image", metavar="IMAGE", help="the image or volume that it belongs to")
-    parser.add_argument("--page", metavar="N", type=whole_number, help="page of contours in a stack, from 1")
+    parser.add_argument("--page", metavar="N", type=parse_whole_number, help="page of contours in a stack, from 1")
     parser.add_argument(
         "--to",
         metavar="PATH",
@@ -65,10 +65,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"files to write ({', '.join(dict.fromkeys((*CONTOURS_WRITABLE, *VOLUMES_WRITABLE, *CENTERLINES_WRITABLE)))})",
     )
     parser.add_argument("--outlines", action="store_true", help="lines in label masks, open ones too, instead of areas")
-    add(parser, "--space")
+    add_options(parser, "--space")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run_export(arguments: argparse.Namespace) -> int:
     """Write the files, after all checks that need none of them."""
     source = Path(arguments.source)
     check_exports(arguments.path_to, arguments)
@@ -82,47 +82,47 @@ def run(arguments: argparse.Namespace) -> int:
     result: Result | Centerlines
     image = arguments.image
     if suffix == SESSION_SUFFIX:
-        result, image = _of_session(source, arguments)
+        result, image = _load_session_result(source, arguments)
     else:
-        result = _in_volume(source, arguments) if of_volumes else _in_plane(source, arguments)
-    files = Files()
+        result = _read_volume_result(source, arguments) if of_volumes else _read_plane_result(source, arguments)
+    files = OutputFiles()
     options = {"outlines": arguments.outlines, "space": arguments.space or "LPS"}
-    files.export(result, arguments.path_to, image=image, warn=say, **options)
+    files.export_result(result, arguments.path_to, image=image, warn=print_message, **options)
     missing = {path: count_left_out(result, find_format_suffix(path), outlines=arguments.outlines) for path in files.written}
-    said, line = _on_result(result, source)
-    return report(arguments, {"source": str(source), "left_out": missing, **said}, [line], files)
+    said, line = _describe_result(result, source)
+    return print_report(arguments, {"source": str(source), "left_out": missing, **said}, [line], files)
 
 
-def _on_result(result: Result | Centerlines, source: Path) -> tuple[JsonDict, str]:
+def _describe_result(result: Result | Centerlines, source: Path) -> tuple[JsonDict, str]:
     """Describe a result, as plain JSON and as a line."""
     facts: JsonDict = {"contours": len(result.contours), "closed": sum(one.closed for one in result.contours)}
     if isinstance(result, Centerlines):
         facts[PROVENANCE_KEY] = describe_image_provenance(result.source, result.provenance)
-        return facts, f"{source.name}: {contours_of(result, 'center line')}"
+        return facts, f"{source.name}: {describe_contour_count(result, 'center line')}"
     facts[PROVENANCE_KEY] = describe_provenance(result)
     if result.surface is None:
-        return facts, f"{source.name}: {contours_of(result)}"
+        return facts, f"{source.name}: {describe_contour_count(result)}"
     vertices, faces = len(result.surface.vertices), len(result.surface.faces)
     facts |= {"vertices": vertices, "faces": faces}
     return facts, f"{source.name}: a surface of {format_count(faces, 'triangle')}, with {vertices} corners"
 
 
-def _of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, str]:
+def _load_session_result(source: Path, arguments: argparse.Namespace) -> tuple[Result, str]:
     """Return the result that the window shows of a session, and the path of its image."""
     session = load_session(source)
     if arguments.image is None and session.image is None:
         raise ValueError(f"{source.name} does not name an image: add --image IMAGE.")
-    path, reading = image_of(arguments.image, session, source)
+    path, reading = locate_image(arguments.image, session, source)
     check_targets(arguments.path_to, arguments, path)
-    image = (load_volume if in_volume(session) else load_image)(path, **reading)
-    parameters = fitted(image, session.parameters)
-    result = record_drawn_shapes(_found(session, parameters, image, source), session.shapes)
-    return reviewed(result, image, parameters, session), str(path)
+    image = (load_volume if is_volume_session(session) else load_image)(path, **reading)
+    parameters = fit_parameters(image, session.parameters)
+    result = record_drawn_shapes(_restore_or_run(session, parameters, image, source), session.shapes)
+    return apply_session_review(result, image, parameters, session), str(path)
 
 
-def _found(session: SessionFile, parameters: Parameters, image: Image, source: Path) -> Result:
+def _restore_or_run(session: SessionFile, parameters: Parameters, image: Image, source: Path) -> Result:
     """Restore the result of the state that a session shows, or else run it to its end."""
-    announce_compilation()
+    ensure_compiled()
     kept = restore_shown_state(replace(session, parameters=parameters), image)
     if kept is not None:
         state, made_with = kept
@@ -130,14 +130,14 @@ def _found(session: SessionFile, parameters: Parameters, image: Image, source: P
     if not select_starts(session.shapes):
         raise ValueError(f"{source.name} has no start and no contours: draw a start in the window, and save it again.")
     with StatusLine() as line:
-        return segmented(image, session.shapes, parameters, session, progress=line.show_state)
+        return segment_shapes(image, session.shapes, parameters, session, progress=line.show_state)
 
 
-def _in_plane(source: Path, arguments: argparse.Namespace) -> Result:
+def _read_plane_result(source: Path, arguments: argparse.Namespace) -> Result:
     """Read the contours of a file as a result on the given image, or on one of the size that the file states."""
     image = None if arguments.image is None else load_image(arguments.image)
     found = read_contours(source, describe_plane(image), page=arguments.page)
-    say_notes(source.name, found.notes)
+    print_notes(source.name, found.notes)
     if not found.contours:
         raise ValueError(f"{source.name} contains only single points, no contours: choose another file.")
     shape = found.shape if image is None else image.shape
@@ -145,27 +145,27 @@ def _in_plane(source: Path, arguments: argparse.Namespace) -> Result:
         corners = np.concatenate([contour.points for contour in found.contours])
         rows, cols = (np.ceil(corners.max(axis=0)) + 1).astype(int).tolist()
         shape = (max(rows, 1), max(cols, 1))
-        say(f"{source.name} does not state the size of its image: {rows} x {cols} px is taken; name it with --image.")
-    return replace(_read(source, image, shape), contours=found.contours)
+        print_message(f"{source.name} does not state the size of its image: {rows} x {cols} px is taken; name it with --image.")
+    return replace(_build_empty_result(source, image, shape), contours=found.contours)
 
 
-def _in_volume(source: Path, arguments: argparse.Namespace) -> Result | Centerlines:
+def _read_volume_result(source: Path, arguments: argparse.Namespace) -> Result | Centerlines:
     """Read a surface or center lines as a result in the given volume."""
     suffix = source.suffix.lower()
     image = None if arguments.image is None else load_volume(arguments.image)
     if suffix in CENTERLINES_WRITABLE:
-        return load_centerlines(source, image, warn=say)
+        return load_centerlines(source, image, warn=print_message)
     if image is None and suffix not in SURFACES_READABLE:
         image = load_volume(source)
     in_voxels = {path for path in arguments.path_to if find_format_suffix(path) in CONTOURS_WRITABLE}
     if image is None and in_voxels:
         raise ValueError(f"{min(in_voxels)} has the voxels of a volume: name the volume with --image.")
-    surface = load_surface(source, image, warn=say)
-    empty = _read(source, image, (1, 1, 1) if image is None else image.shape)
+    surface = load_surface(source, image, warn=print_message)
+    empty = _build_empty_result(source, image, (1, 1, 1) if image is None else image.shape)
     return replace(empty, surface=surface, spacing=surface.spacing, unit=surface.unit)
 
 
-def _read(source: Path, image: Image | None, shape: Extent) -> Result:
+def _build_empty_result(source: Path, image: Image | None, shape: Extent) -> Result:
     """Return a result without contours, for what has been read from a file."""
     name, spacing = (source.name, (1.0,) * len(shape)) if image is None else (image.source, image.spacing)
     unit = None if image is None or image.unit is None else find_unit(image.unit)

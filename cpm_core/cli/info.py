@@ -5,21 +5,21 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cpm_core.cli.arguments import PART, add, part_of
-from cpm_core.cli.output import IN_PART, facts_on_place, lines_on_place, print_json, say
+from cpm_core.cli.arguments import PART_OPTIONS, add_options, parse_part
+from cpm_core.cli.output import EXIT_IN_PART, collect_geometry_facts, describe_geometry, print_json, print_message
 from cpm_core.formats import holds_volume, load_image, load_volume
 from cpm_core.numerics.types import JsonDict
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add(parser, "images", *PART, "--channel")
+    add_options(parser, "images", *PART_OPTIONS, "--channel")
     parser.add_argument("--volume", action="store_true", help="take all planes of a file that holds several")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def show_info(arguments: argparse.Namespace) -> int:
     """Show the properties of images or volumes; of several, each that cannot be read is reported."""
-    part = part_of(arguments, runs=False)
+    part = parse_part(arguments, runs=False)
     single = len(arguments.images) == 1
     facts: list[JsonDict] = []
     for path in arguments.images:
@@ -29,17 +29,17 @@ def run(arguments: argparse.Namespace) -> int:
         except ValueError as error:
             if single:
                 raise
-            say(str(error))
+            print_message(str(error))
             facts.append({"source": Path(path).name, "path": path, "trouble": str(error)})
             continue
         low, high = map(float, image.gray_range)
-        values = {"shape": list(image.shape), "minimum": low, "maximum": high, **facts_on_place(image)}
+        values = {"shape": list(image.shape), "minimum": low, "maximum": high, **collect_geometry_facts(image)}
         facts.append({"source": image.source, "path": path, **values, "notes": list(image.notes)})
         if not arguments.json:
             axes = ("planes", "rows", "columns")[-image.ndim :]
             size = " x ".join(f"{count} {axis}" for count, axis in zip(image.shape, axes, strict=True))
             print(f"{image.source}: {size}, gray levels {low:g} to {high:g}")
-            print(*lines_on_place(image), *(f"Note: {note}" for note in image.notes), sep="\n")
+            print(*describe_geometry(image), *(f"Note: {note}" for note in image.notes), sep="\n")
     if arguments.json:
         print_json(arguments, {**(facts[0] if single else {}), "images": facts})
-    return IN_PART if any("trouble" in one for one in facts) else 0
+    return EXIT_IN_PART if any("trouble" in one for one in facts) else 0

@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from cpm_core.cli.output import say, say_notes
+from cpm_core.cli.output import print_message, print_notes
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply_marks, restore_kept_contours
@@ -39,16 +39,16 @@ from cpm_core.shapes.document_shapes import collect_charges, collect_regions, co
 from cpm_core.shapes.outlines import start_from_surface, starts_from_contours, starts_from_centerlines
 
 
-def expanded(given: Sequence[str]) -> list[str]:
+def expand_paths(patterns: Sequence[str]) -> list[str]:
     """Return the images that files, folders and patterns name.
 
     A folder stands for the images in it, in the order of the numbers in their names; one with the slices of a DICOM
     series stands for itself. ValueError for a folder or a pattern without images; files need not exist.
     """
     found: list[str] = []
-    for text in given:
+    for text in patterns:
         if Path(text).is_dir():
-            found += _in_folder(Path(text))
+            found += _list_images_in_folder(Path(text))
         elif glob.has_magic(text) and not os.path.lexists(text):
             names = sorted(filter(os.path.isfile, glob.glob(text, recursive=True)), key=natural_sort_key)  # noqa: PTH207 - names as given
             if not names:
@@ -59,17 +59,17 @@ def expanded(given: Sequence[str]) -> list[str]:
     return found
 
 
-def only_image(given: str) -> str:
+def find_only_image(pattern: str) -> str:
     """Return the image that a file, a folder or a pattern names; ValueError when it names several."""
-    found = expanded([given])
+    found = expand_paths([pattern])
     if len(found) > 1:
         raise ValueError(
-            f"{quote_value(given)} names {len(found)} images, but only one can be used here: name it, or use cpm batch."
+            f"{quote_value(pattern)} names {len(found)} images, but only one can be used here: name it, or use cpm batch."
         )
     return found[0]
 
 
-def _in_folder(folder: Path) -> list[str]:
+def _list_images_in_folder(folder: Path) -> list[str]:
     if holds_dicom_series(folder) or is_zarr(folder):
         return [str(folder)]
     try:
@@ -81,7 +81,7 @@ def _in_folder(folder: Path) -> list[str]:
     return sorted(map(str, inside), key=natural_sort_key)
 
 
-def session_of(arguments: argparse.Namespace) -> SessionFile:
+def load_named_session(arguments: argparse.Namespace) -> SessionFile:
     """Load the given session, else return an empty one; ValueError when there is no image."""
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
@@ -89,41 +89,41 @@ def session_of(arguments: argparse.Namespace) -> SessionFile:
     return session
 
 
-def in_volume(session: SessionFile) -> bool:
+def is_volume_session(session: SessionFile) -> bool:
     """Tell whether a session is about a volume."""
     return session.image is not None and len(session.image.shape) == 3
 
 
-def image_of(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, JsonDict]:
+def locate_image(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, JsonDict]:
     """Return the path of the named image, or else of the image of the session, and how to read it."""
     if source is not None:
-        say_notes(Path(source).name, session.notes)
+        print_notes(Path(source).name, session.notes)
     if session.image is None or source is None:
         return Path(named or ""), {}
     if named is not None:
         return Path(named), adapt_reading(Path(named), session.image.reading)
     path, notes = find_session_image(session.image, Path(source).absolute().parent)
-    say_notes(path.name, notes)
+    print_notes(path.name, notes)
     return path, session.image.reading.arguments
 
 
-def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Parameters:
+def fit_parameters(image: Image, parameters: Parameters, *, scales: bool = True) -> Parameters:
     """Print the notes on an image, and return parameters with as many `scales` as it has room for."""
-    notes = image.notes if image.ndim == 3 else notes_on(image, parameters)
+    notes = image.notes if image.ndim == 3 else list_image_notes(image, parameters)
     if scales and image.ndim == 2:
-        parameters, more = with_room(parameters, image)
+        parameters, more = fit_scales_to_image(parameters, image)
         notes += more
-    say_notes(image.source, notes)
+    print_notes(image.source, notes)
     return parameters
 
 
-def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, Texts]:
+def fit_scales_to_image(parameters: Parameters, image: Image) -> tuple[Parameters, Texts]:
     """Return parameters with as many scales as an image has room for, and a note where that changes them."""
     fit = limit_scales(parameters, image.shape)
     return fit, () if fit == parameters else (f"The image is small: scales is set to {fit.scales}.",)
 
 
-def notes_on(image: Image, parameters: Parameters) -> Texts:
+def list_image_notes(image: Image, parameters: Parameters) -> Texts:
     """Return notes on the differences between the file of an image and the gray levels that a run takes."""
     wanted = parameters.channel
     if wanted == "luminance":
@@ -134,7 +134,7 @@ def notes_on(image: Image, parameters: Parameters) -> Texts:
     return tuple(taken if note == LUMINANCE_NOTE else note for note in image.notes)
 
 
-def segmented(
+def segment_shapes(
     image: Image,
     shapes: Sequence[Shape],
     parameters: Parameters,
@@ -156,27 +156,27 @@ def segmented(
     )
 
 
-def reviewed(found: Result, image: Image, parameters: Parameters, session: SessionFile, *, kept: bool = True) -> Result:
+def apply_session_review(found: Result, image: Image, parameters: Parameters, session: SessionFile, *, kept: bool = True) -> Result:
     """Apply the hand edits and the review of a session; `kept` contours belong only to its own image."""
     edited = with_hand_edits(found, image, parameters, session.hand_edits)
     return apply_marks(restore_kept_contours(edited, session.marks) if kept else edited, session.marks)
 
 
-def starts_from_file(path: str, image: Image) -> tuple[Start, ...]:
+def read_starts(path: str, image: Image) -> tuple[Start, ...]:
     """Return starts along the contours of a file; in a volume on its surface, or along its center lines."""
     suffix = Path(path).suffix.lower()
     if image.ndim == 2:
         found = read_contours(path, describe_plane(image))
-        say_notes(Path(path).name, found.notes)
+        print_notes(Path(path).name, found.notes)
         return starts_from_contours(found.contours, found.points)
     if suffix in CONTOURS_READABLE:
         raise ValueError(f"--start {path} has contours, which lie in a plane: name a surface or center lines.")
     if suffix in CENTERLINES_WRITABLE:
-        return tuple(starts_from_centerlines(load_centerlines(path, image, warn=say)))
-    return (start_from_surface(load_surface(path, image, warn=say)),)
+        return tuple(starts_from_centerlines(load_centerlines(path, image, warn=print_message)))
+    return (start_from_surface(load_surface(path, image, warn=print_message)),)
 
 
-def truth_for(arguments: argparse.Namespace, image: Image) -> Truth | VolumeTruth | None:
+def load_named_truth(arguments: argparse.Namespace, image: Image) -> Truth | VolumeTruth | None:
     """Load the given ground truth of this image or volume, if any."""
     if arguments.truth is None:
         return None

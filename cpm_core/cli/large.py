@@ -14,9 +14,9 @@ from cpm_core.chunked.chunk_run import CHUNKED_START_KINDS
 from cpm_core.chunked.run import ChunkedTask, run_chunks
 from cpm_core.chunked.store import RunStore
 from cpm_core.chunked.volume_surface import run_volume
-from cpm_core.cli.arguments import as_number, check_targets, refuse
-from cpm_core.cli.output import Files, StatusLine, announce_compilation, report, say_notes
-from cpm_core.cli.workers import cluster, finished, on_one_core
+from cpm_core.cli.arguments import parse_number_or_text, check_targets, refuse_options
+from cpm_core.cli.output import OutputFiles, StatusLine, ensure_compiled, print_report, print_notes
+from cpm_core.cli.workers import connect_to_dask, map_until_finished, run_on_one_core
 from cpm_core.field.volume_field import check_volume_parameters
 from cpm_core.formats.common.atomic import find_suffix
 from cpm_core.formats.images.ome_zarr import is_zarr, open_multiscale
@@ -42,7 +42,7 @@ def is_large(arguments: argparse.Namespace, path: Path) -> bool:
 def is_large_volume(arguments: argparse.Namespace) -> bool:
     """Tell whether such an image has several planes, none of which is named."""
     path = Path(arguments.image or "")
-    series: Any = arguments.series and as_number(arguments.series)
+    series: Any = arguments.series and parse_number_or_text(arguments.series)
     if arguments.page or arguments.pages or not is_large(arguments, path):
         return False
     return open_multiscale(path, Reading(series=series)).axis_length("z") > 1
@@ -53,9 +53,9 @@ def run_large(
 ) -> int:
     """Find contours, or in a volume bodies, chunk by chunk; the same command continues an interrupted run."""
     drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
-    refuse(arguments, (*drawn, "sphere", "space", "save_session"), _WHOLE_IMAGE_PURPOSE)
+    refuse_options(arguments, (*drawn, "sphere", "space", "save_session"), _WHOLE_IMAGE_PURPOSE)
     files_of: Any = volume_results if volume else results
-    _check(arguments, path, parameters, files_of.WRITABLE)
+    _check_chunked_run(arguments, path, parameters, files_of.WRITABLE)
     if volume:
         check_volume_parameters(parameters)
         if parameters.gamma != 1.0:
@@ -66,21 +66,21 @@ def run_large(
     task = ChunkedTask(source, parameters, arguments.auto, store, arguments.max_steps, arguments.objects)
     began, channels = time.perf_counter(), source.levels.axis_length("c")
     if channels > 1 and source.reading.channel is None:
-        say_notes(source.levels.name, [f"Only the first of its {channels} channels was taken."])
-    announce_compilation()
-    with cluster(arguments.scheduler, arguments.workers) as client, StatusLine() as line:
+        print_notes(source.levels.name, [f"Only the first of its {channels} channels was taken."])
+    ensure_compiled()
+    with connect_to_dask(arguments.scheduler, arguments.workers) as client, StatusLine() as line:
 
         def compute_chunks(
             function: Callable[[Any], Any], jobs: Sequence[Any], title: str
         ) -> Iterator[tuple[int, Any]]:
-            line.begin(title)
-            for done, (at, future) in enumerate(finished(client, partial(on_one_core, function), jobs), start=1):
+            line.begin_count(title)
+            for done, (at, future) in enumerate(map_until_finished(client, partial(run_on_one_core, function), jobs), start=1):
                 result = future.result()
-                line.count(done, len(jobs))
+                line.show_count(done, len(jobs))
                 yield at, result
 
         found: Any = run_volume(task, compute_chunks) if volume else run_chunks(task, compute_chunks, grid.CHUNK_SIDE)
-        files = Files()
+        files = OutputFiles()
         files.written += results.write_results(found, arguments.export, compute_chunks, files_of.WRITERS)
     store.remove()
     seconds, chunks = time.perf_counter() - began, len(found.grid.chunks)
@@ -91,10 +91,10 @@ def run_large(
         f"{source.levels.name}: {format_count(found.count, noun, found.kind)} in {format_size(found.grid.shape, unit)}",
         f"{format_count(chunks, 'chunk')} in {seconds:.1f} s, smoothing {smoothing:g} {unit}",
     ]
-    return report(arguments, facts, lines, files)
+    return print_report(arguments, facts, lines, files)
 
 
-def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters, writable: Mapping[str, str]) -> None:
+def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Parameters, writable: Mapping[str, str]) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
     if arguments.auto not in CHUNKED_START_KINDS:
         raise ValueError(f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(CHUNKED_START_KINDS)}.")

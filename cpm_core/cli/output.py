@@ -25,13 +25,13 @@ from cpm_core.numerics.types import JsonObject
 from cpm_core.parameters.quotation import format_count
 from cpm_core.warm_up import FIRST, is_compiled, warm_up
 
-SCHEMA = 1
+SCHEMA_VERSION = 1
 """Version of the schema of all JSON objects."""
 
 SCHEMA_FILE = Path(__file__).with_name("outcome.schema.json")
 """JSON Schema of what the commands print with ``--json``."""
 
-IN_PART = 1
+EXIT_IN_PART = 1
 """Exit status when only some of several images, pages or files could be done."""
 
 _MINUTES_FROM = 180.0
@@ -41,15 +41,15 @@ _REDRAW_INTERVAL = 0.1
 """Shortest time between two changes of a line of progress [s]."""
 
 
-def say(sentence: str) -> None:
+def print_message(message: str) -> None:
     """Print a message to standard error."""
-    print(make_printable(f"cpm: {sentence}"), file=sys.stderr, flush=True)
+    print(make_printable(f"cpm: {message}"), file=sys.stderr, flush=True)
 
 
-def say_notes(source: str, notes: Iterable[str]) -> None:
+def print_notes(source: str, notes: Iterable[str]) -> None:
     """Print notes on an image or another file to standard error."""
     for note in notes:
-        say(f"{source}: {note}")
+        print_message(f"{source}: {note}")
 
 
 class StatusLine:
@@ -57,15 +57,15 @@ class StatusLine:
 
     def __init__(self) -> None:
         self._due = 0.0
-        self.begin("")
+        self.begin_count("")
 
     def __enter__(self) -> StatusLine:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.show("")
+        self.show_text("")
 
-    def show(self, text: str) -> None:
+    def show_text(self, text: str) -> None:
         """Show a text in place of the last one."""
         if sys.stderr.isatty():
             print(f"\r\x1b[2K{text}", end="", file=sys.stderr, flush=True)
@@ -75,50 +75,50 @@ class StatusLine:
         now = time.monotonic()
         if now >= self._due:
             self._due = now + _REDRAW_INTERVAL
-            self.show(f"step {state.step}  scale {state.scale}  particles {state.count}")
+            self.show_text(f"step {state.step}  scale {state.scale}  particles {state.count}")
 
-    def begin(self, title: str) -> None:
+    def begin_count(self, title: str) -> None:
         """Start counting items of a kind."""
         self._title, self._began = f"{title}: " if title else "", time.monotonic()
 
-    def count(self, done: int, total: int) -> None:
+    def show_count(self, done: int, total: int) -> None:
         """Show how many items are done, and the approximate time for the others."""
         left = (time.monotonic() - self._began) / done * (total - done)
         time_left = f"{left:.0f} s" if left < _MINUTES_FROM else f"{left / 60.0:.0f} min"
-        self.show(f"{self._title}{done} of {total}" + (f", about {time_left} left" if left else ""))
+        self.show_text(f"{self._title}{done} of {total}" + (f", about {time_left} left" if left else ""))
 
-    def say(self, sentence: str) -> None:
+    def print_above(self, message: str) -> None:
         """Print a message above the line."""
-        self.show("")
-        say(sentence)
+        self.show_text("")
+        print_message(message)
 
 
-def announce_compilation() -> None:
+def ensure_compiled() -> None:
     """Compile the kernels of a run in advance if necessary, and tell the user."""
     if not is_compiled():
-        say("the inner loops are compiled for this computer, once; the first run begins some seconds later.")
+        print_message("the inner loops are compiled for this computer, once; the first run begins some seconds later.")
         with StatusLine() as line:
-            warm_up(on_progress=lambda done: line.show(f"compiling: {done:.0%}"), parts=FIRST)
+            warm_up(on_progress=lambda done: line.show_text(f"compiling: {done:.0%}"), parts=FIRST)
 
 
-class Files:
+class OutputFiles:
     """The files that a command writes: those that are written, and the reasons why others are not."""
 
     def __init__(self) -> None:
         self.written: list[str] = []
         self.refused: dict[str, str] = {}
 
-    def export(self, result: Any, paths: Sequence[str], **options: Any) -> None:
+    def export_result(self, result: Any, paths: Sequence[str], **options: Any) -> None:
         """Write a result, with options of `export`, to those of the paths whose formats can hold it."""
-        with self.writing(*paths):
-            export(result, *paths, refused=self.refuse, **options)
+        with self.record_writing(*paths):
+            export(result, *paths, refused=self.refuse_file, **options)
 
-    def refuse(self, path: str | Path, reason: str) -> None:
+    def refuse_file(self, path: str | Path, reason: str) -> None:
         """Record that a file is not written, and why."""
         self.refused[str(path)] = reason
 
     @contextmanager
-    def writing(self, *paths: str) -> Iterator[None]:
+    def record_writing(self, *paths: str) -> Iterator[None]:
         """Record the files that the block writes: all that it does not refuse, or none when it raises ValueError."""
         try:
             yield
@@ -131,10 +131,10 @@ class Files:
 
 def print_json(arguments: argparse.Namespace, facts: JsonObject) -> None:
     """Print the outcome of a command as one JSON object."""
-    print(json.dumps({"command": arguments.name, "schema": SCHEMA, "version": VERSION, **facts}))
+    print(json.dumps({"command": arguments.name, "schema": SCHEMA_VERSION, "version": VERSION, **facts}))
 
 
-def report(arguments: argparse.Namespace, facts: JsonObject, lines: Iterable[str], files: Files, advice: str = "") -> int:
+def print_report(arguments: argparse.Namespace, facts: JsonObject, lines: Iterable[str], files: OutputFiles, advice: str = "") -> int:
     """Print the outcome of a command as JSON, or as sentences with the files that were written; return the exit status.
 
     Files that are not written come first, with `advice`. ValueError when none is written.
@@ -142,16 +142,16 @@ def report(arguments: argparse.Namespace, facts: JsonObject, lines: Iterable[str
     for path, reason in files.refused.items():
         if not files.written:
             raise ValueError(f"{reason} {advice}".rstrip())
-        say(f"{path} was not written: {reason} {advice}".rstrip())
+        print_message(f"{path} was not written: {reason} {advice}".rstrip())
     if arguments.json:
         print_json(arguments, {**facts, "not_written": files.refused})
     else:
         for line in (*lines, *(f"Wrote {path}" for path in files.written)):
             print(make_printable(line))
-    return IN_PART if files.refused else 0
+    return EXIT_IN_PART if files.refused else 0
 
 
-def facts_of_run(result: Result, seconds: float) -> dict[str, object]:
+def collect_run_facts(result: Result, seconds: float) -> dict[str, object]:
     """Return values of a run by name, as they are printed as JSON."""
     return {
         "particles": len(result.particles),
@@ -164,13 +164,13 @@ def facts_of_run(result: Result, seconds: float) -> dict[str, object]:
     }
 
 
-def contours_of(found: Any, kind: str = "contour") -> str:
+def describe_contour_count(found: Any, kind: str = "contour") -> str:
     """Return the number of the contours of a result, in words."""
     closed = sum(contour.closed for contour in found.contours)
     return f"{format_count(len(found.contours), kind)} ({closed} closed)"
 
 
-def longest(lines: Sequence[str]) -> list[str]:
+def list_longest(lines: Sequence[str]) -> list[str]:
     """Return the first ten of some lines on contours, the longest first, with numbers."""
     more = [f"  ... and {len(lines) - 10} shorter ones"] if len(lines) > 10 else []
     return [f"  {number}. {line}" for number, line in enumerate(lines[:10], start=1)] + more
@@ -186,7 +186,7 @@ _MIN_OBLIQUE_ANGLE = 0.05
 """Smallest angle at which axes are called oblique [degrees]."""
 
 
-def lines_on_place(image: Image) -> list[str]:
+def describe_geometry(image: Image) -> list[str]:
     """Return lines on the size of a pixel or voxel, and on orientation and position where they are known."""
     what = "pixel" if image.ndim == 2 else "voxel"
     size = "not given in the file"
@@ -206,7 +206,7 @@ def lines_on_place(image: Image) -> list[str]:
     return lines
 
 
-def facts_on_place(image: Image) -> dict[str, object]:
+def collect_geometry_facts(image: Image) -> dict[str, object]:
     """Return size of a pixel or voxel, orientation and position as values by name."""
     geometry = image.geometry
     place = geometry and {

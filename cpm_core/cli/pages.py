@@ -11,16 +11,16 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.cli.inputs import notes_on
+from cpm_core.cli.inputs import list_image_notes
 from cpm_core.cli.output import (
-    IN_PART,
-    Files,
+    EXIT_IN_PART,
+    OutputFiles,
     StatusLine,
-    announce_compilation,
-    contours_of,
-    facts_of_run,
-    report,
-    say_notes,
+    ensure_compiled,
+    describe_contour_count,
+    collect_run_facts,
+    print_report,
+    print_notes,
 )
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
@@ -44,7 +44,7 @@ def run_pages(
     parameters: Parameters,
     seeds: Callable[[Image], Array],
     *,
-    places: Sequence[Sequence[tuple[float, ...]]],
+    prompt_points: Sequence[Sequence[tuple[float, ...]]],
     drawn: tuple[JsonObject, ...],
     regions: AnyRegions | None,
     charges: Sequence[PlacedCharge],
@@ -68,10 +68,10 @@ def run_pages(
         Limits and placed charges on every page.
     """
     pages = load_pages(path, **part)
-    numbers = numbers_of_pages(arguments.pages, len(pages), pages.name)
+    numbers = parse_page_numbers(arguments.pages, len(pages), pages.name)
     with suppress(ValueError):  # which is reported when the page is run
-        say_notes(pages.name, notes_on(pages[numbers[0] - 1], parameters))
-    announce_compilation()
+        print_notes(pages.name, list_image_notes(pages[numbers[0] - 1], parameters))
+    ensure_compiled()
     began = time.perf_counter()
     found: list[Page] = []
     limits: JsonDict = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
@@ -79,18 +79,18 @@ def run_pages(
     def segment_page(image: Image) -> Result:
         return segment(image, seeds(image), limit_scales(parameters, image.shape), **limits)
 
-    if places[0]:
-        runs = follow_objects(pages, segment_page, np.array(places[0]), np.array(places[1]), numbers)
+    if prompt_points[0]:
+        runs = follow_objects(pages, segment_page, np.array(prompt_points[0]), np.array(prompt_points[1]), numbers)
     else:
         runs = follow_pages(pages, seeds, parameters, numbers=numbers, fresh=not arguments.follow, **limits)
-    interrupted, files = False, Files()
+    interrupted, files = False, OutputFiles()
     try:
         with StatusLine() as line:
             for page in runs:
                 found.append(page)
-                line.count(len(found), len(numbers))
+                line.show_count(len(found), len(numbers))
                 if page.error:
-                    line.say(f"page {page.number}: {page.error}")
+                    line.print_above(f"page {page.number}: {page.error}")
     except KeyboardInterrupt:
         interrupted = True
     whole = StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.has_single_axis, drawn)
@@ -98,44 +98,44 @@ def run_pages(
         raise KeyboardInterrupt
     if not whole.results:
         raise ValueError(f"No page of {pages.name} could be used. Page {found[0].number}: {found[0].error}")
-    with files.writing(*arguments.export):
-        export_stack(whole, *arguments.export, refused=files.refuse)
+    with files.record_writing(*arguments.export):
+        export_stack(whole, *arguments.export, refused=files.refuse_file)
     if interrupted:
         done = f"{len(found)} of {format_count(len(numbers), 'page')} were done, and the files hold them"
         raise KeyboardInterrupt(f"{done}; --pages runs the others")
-    status = _report(arguments, whole, files, time.perf_counter() - began)
-    return status or (IN_PART if len(whole.results) < len(found) else 0)
+    status = _print_page_report(arguments, whole, files, time.perf_counter() - began)
+    return status or (EXIT_IN_PART if len(whole.results) < len(found) else 0)
 
 
-def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
+def parse_page_numbers(text: str, count: int, name: str) -> list[int]:
     """Parse page numbers: all, or numbers and ranges between commas; ValueError for other text."""
-    if given == "all":
+    if text == "all":
         return list(range(1, count + 1))
     numbers: list[int] = []
-    for part in given.replace(" ", "").split(","):
+    for part in text.replace(" ", "").split(","):
         ends = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?", part)
         if ends is None:
-            raise ValueError(f"--pages is {quote_value(given)} but must be all, or numbers and ranges such as 1,3,5-9.")
+            raise ValueError(f"--pages is {quote_value(text)} but must be all, or numbers and ranges such as 1,3,5-9.")
         first, last = int(ends[1]), int(ends[2] or ends[1])
         outside = next((page for page in (first, last) if not 1 <= page <= count), None)
         if outside is not None:
             raise ValueError(f"--pages names page {outside}, but {name} has {format_count(count, 'page')}.")
         numbers += range(first, last + 1) if first <= last else range(first, last - 1, -1)
     if len(set(numbers)) < len(numbers):
-        raise ValueError(f"--pages is {quote_value(given)} but lists a page twice: list each once.")
+        raise ValueError(f"--pages is {quote_value(text)} but lists a page twice: list each once.")
     return numbers
 
 
-def _report(arguments: argparse.Namespace, found: StackResult, files: Files, seconds: float) -> int:
+def _print_page_report(arguments: argparse.Namespace, found: StackResult, files: OutputFiles, seconds: float) -> int:
     plain: list[JsonDict] = []
     lines: list[str] = []
     said: list[str] = []
     for page in found.pages:
         facts: JsonDict = {}
         if page.result is not None:
-            facts = facts_of_run(page.result, 0.0)
+            facts = collect_run_facts(page.result, 0.0)
             del facts["seconds"]  # the time of one page is not known
-            lines.append(f"page {page.number}: {contours_of(page.result)}")
+            lines.append(f"page {page.number}: {describe_contour_count(page.result)}")
         events = [event.sentence for event in page.events]
         said += events
         plain.append({"page": page.number, **facts, "events": events, "trouble": page.error})
@@ -143,4 +143,4 @@ def _report(arguments: argparse.Namespace, found: StackResult, files: Files, sec
     counts = f"{format_count(len(found.pages), 'page')}, {format_count(tracks, 'track')} in {seconds:.2f} s"
     last = f"{found.source}: {counts}" + (f", {failed} failed" if failed else "")
     whole = {"tracks": tracks, "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
-    return report(arguments, {"pages": plain, **whole}, [*lines, *said, last], files)
+    return print_report(arguments, {"pages": plain, **whole}, [*lines, *said, last], files)

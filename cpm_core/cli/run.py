@@ -11,40 +11,40 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.arguments import (
-    EXPORTED,
-    PART,
-    add,
-    add_parameters,
+    EXPORT_FORMATS_HELP,
+    PART_OPTIONS,
+    add_options,
+    add_parameter_options,
     check_exports,
     check_targets,
-    numbers_of,
-    parameters_of,
-    part_of,
-    places_in,
-    refuse,
+    parse_number_list,
+    parse_parameters,
+    parse_part,
+    group_coordinates,
+    refuse_options,
 )
 from cpm_core.cli.inputs import (
-    fitted,
-    image_of,
-    in_volume,
-    reviewed,
-    segmented,
-    session_of,
-    starts_from_file,
-    truth_for,
+    fit_parameters,
+    locate_image,
+    is_volume_session,
+    apply_session_review,
+    segment_shapes,
+    load_named_session,
+    read_starts,
+    load_named_truth,
 )
 from cpm_core.cli.large import is_large, is_large_volume, run_large
 from cpm_core.cli.output import (
-    Files,
+    OutputFiles,
     StatusLine,
-    announce_compilation,
-    contours_of,
-    facts_of_run,
-    facts_on_place,
-    lines_on_place,
-    longest,
-    report,
-    say,
+    ensure_compiled,
+    describe_contour_count,
+    collect_run_facts,
+    collect_geometry_facts,
+    describe_geometry,
+    list_longest,
+    print_report,
+    print_message,
 )
 from cpm_core.cli.pages import run_pages
 from cpm_core.contours.agreement import compare
@@ -85,16 +85,16 @@ _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
 _MAX_PRINTED_OBJECTS = 10
 """Largest number of objects that are printed one by one."""
 
-Drawn = Mapping[str, Sequence[tuple[float, ...]]]
+DrawnNumbers = Mapping[str, Sequence[tuple[float, ...]]]
 """Numbers that the drawing options were given, by option."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add(parser, "image", nargs="?")
-    add(parser, "--session")
+    add_options(parser, "image", nargs="?")
+    add_options(parser, "--session")
     part = parser.add_argument_group("part of a file")
-    add(part, *PART)
+    add_options(part, *PART_OPTIONS)
     part.add_argument(
         "--pages",
         metavar="all|N-M,...",
@@ -132,14 +132,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
     start.add_argument("--auto", choices=SEEDING_KINDS, help="everywhere, on the strongest edges, or midway between edges")
     parameters = parser.add_argument_group("parameters")
-    add(parameters, "--preset", help="named settings (default: the publication's values, or the session's)")
-    add_parameters(parameters)
+    add_options(parameters, "--preset", help="named settings (default: the publication's values, or the session's)")
+    add_parameter_options(parameters)
     where = parser.add_argument_group("where an image of OME-Zarr is run, which --auto does chunk by chunk")
-    add(where.add_mutually_exclusive_group(), "--workers", "--scheduler")
+    add_options(where.add_mutually_exclusive_group(), "--workers", "--scheduler")
     outcome = parser.add_argument_group("outcome")
-    add(outcome, "--max-steps")
-    add(outcome, "--space")
-    add(outcome, "--export", help=f"write the contours {EXPORTED}")
+    add_options(outcome, "--max-steps")
+    add_options(outcome, "--space")
+    add_options(outcome, "--export", help=f"write the contours {EXPORT_FORMATS_HELP}")
     outcome.add_argument(
         "--truth", metavar="FILE", help="compare with a ground truth: a mask, contours, or a label volume"
     )
@@ -148,14 +148,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run_segmentation(arguments: argparse.Namespace) -> int:
     """Find contours or a surface; every check that needs no image comes first."""
-    session = session_of(arguments)
+    session = load_named_session(arguments)
     of_volumes = {*SURFACES_READABLE, *CENTERLINES_WRITABLE}
     volume = bool(
         arguments.sphere
         or arguments.volume
-        or in_volume(session)
+        or is_volume_session(session)
         or is_large_volume(arguments)
         or any(Path(path).suffix.lower() in of_volumes for path in arguments.start)
     )
@@ -167,41 +167,41 @@ def run(arguments: argparse.Namespace) -> int:
         **dict.fromkeys(("region", "barrier"), f"{place},{place if volume else '...'}"),
         **dict.fromkeys(("object", "not"), place),
     }
-    drawn: Drawn = {
-        name: [numbers_of(f"--{name}", text, form) for text in getattr(arguments, name)] for name, form in forms.items()
+    drawn: DrawnNumbers = {
+        name: [parse_number_list(f"--{name}", text, form) for text in getattr(arguments, name)] for name, form in forms.items()
     }
     if drawn["not"] and not drawn["object"]:
         raise ValueError("--not is given without --object: name a position inside the object as well.")
     if arguments.objects:
-        refuse(arguments, ("object", "pages"), "one object, or a stack, but --objects finds all of an image")
+        refuse_options(arguments, ("object", "pages"), "one object, or a stack, but --objects finds all of an image")
     preset = arguments.preset or ("volume" if volume and not arguments.session else None)
-    part = part_of(arguments, volume=volume)
-    parameters = parameters_of(arguments, PRESETS[preset] if preset else session.parameters)
-    path, reading = image_of(arguments.image, session, arguments.session)
+    part = parse_part(arguments, volume=volume)
+    parameters = parse_parameters(arguments, PRESETS[preset] if preset else session.parameters)
+    path, reading = locate_image(arguments.image, session, arguments.session)
     if is_large(arguments, path):
         return run_large(arguments, path, reading | part, parameters, volume=volume)
-    refuse(arguments, ("scheduler", "workers"), "images in folders of Zarr that are run everywhere, by --auto")
+    refuse_options(arguments, ("scheduler", "workers"), "images in folders of Zarr that are run everywhere, by --auto")
     if arguments.pages is None:
         check_exports(arguments.export, arguments, path)
         return _run_image(arguments, session, path, reading | part, parameters, drawn)
     if drawn["object"] and not arguments.follow:
         raise ValueError("--object is on the first of the pages: add --follow, which finds the object on the others.")
-    refuse(arguments, ("page", "truth", "save_session"), "one image, but --pages runs several")
+    refuse_options(arguments, ("page", "truth", "save_session"), "one image, but --pages runs several")
     for target in arguments.export:
         check_target(target, STACKS_WRITABLE, "for all pages of a stack")
     check_targets(arguments.export, arguments, path)
     reading.pop("page", None)
-    shapes = _shapes(drawn, arguments)
+    shapes = _build_drawn_shapes(drawn, arguments)
     return run_pages(
         arguments,
         path,
         reading | part,
         parameters,
         lambda image: compute_seeds(
-            image, _starting(arguments, session, image, shapes), parameters.smoothing, parameters.channel
+            image, _collect_run_shapes(arguments, session, image, shapes), parameters.smoothing, parameters.channel
         ),
-        places=(drawn["object"], drawn["not"]),
-        drawn=(*describe_shapes((*session.shapes, *shapes)), *_files_drawn(arguments)),
+        prompt_points=(drawn["object"], drawn["not"]),
+        drawn=(*describe_shapes((*session.shapes, *shapes)), *_list_start_files(arguments)),
         regions=collect_regions((*session.shapes, *shapes), session.objects.barriers),
         charges=collect_charges(session.shapes),
     )
@@ -213,21 +213,21 @@ def _run_image(
     path: Path,
     part: JsonObject,
     parameters: Parameters,
-    drawn: Drawn,
+    drawn: DrawnNumbers,
 ) -> int:
     """Find the contours of one image, or the surface in one volume."""
     volume = "sphere" in drawn
     image = (load_volume if volume else load_image)(path, **part)
-    parameters = fitted(image, parameters, scales=arguments.scales is None)
-    truth = truth_for(arguments, image)
+    parameters = fit_parameters(image, parameters, scales=arguments.scales is None)
+    truth = load_named_truth(arguments, image)
     for place in drawn["object"]:
         if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
             at = ",".join(f"{number:g}" for number in place)
             raise ValueError(f"--object is {at} but lies outside the image, which has {format_size(image.shape)}.")
     started = time.perf_counter()
-    shapes = _shapes(drawn, arguments, image if volume else None)
-    starting = _starting(arguments, session, image, shapes)
-    announce_compilation()
+    shapes = _build_drawn_shapes(drawn, arguments, image if volume else None)
+    starting = _collect_run_shapes(arguments, session, image, shapes)
+    ensure_compiled()
     recorder = RunRecorder()
     with StatusLine() as line:
 
@@ -235,16 +235,16 @@ def _run_image(
             recorder(state)
             line.show_state(state)
 
-        regions = _planes(drawn, session) if volume else None
-        found = segmented(
+        regions = _build_volume_regions(drawn, session) if volume else None
+        found = segment_shapes(
             image, starting, parameters, session, max_steps=arguments.max_steps, progress=record_state, regions=regions
         )
-    made = record_drawn_shapes(found, (*session.shapes, *shapes), _files_drawn(arguments))
+    made = record_drawn_shapes(found, (*session.shapes, *shapes), _list_start_files(arguments))
     chosen: Sequence[Selection] = ()
     if volume:
-        result = shown = _surface(made, drawn)
+        result = shown = _select_bodies(made, drawn)
     else:
-        result = shown = reviewed(made, image, parameters, session, kept=arguments.image is None)
+        result = shown = apply_session_review(made, image, parameters, session, kept=arguments.image is None)
         if drawn["object"] or arguments.objects:
             parted = partition(result)
             chosen = select_all(parted) if arguments.objects else [parted.select(drawn["object"], drawn["not"])]
@@ -254,13 +254,13 @@ def _run_image(
             drew = (*result.provenance.shapes, *boundary.provenance.shapes)
             shown = replace(boundary, provenance=replace(result.provenance, method="objects", shapes=drew))
     seconds = time.perf_counter() - started
-    files = Files()
-    files.export(
+    files = OutputFiles()
+    files.export_result(
         shown,
         arguments.export,
         image=path,
         space=arguments.space or "LPS",
-        warn=lambda sentence: say(f"{sentence} {_CLOSE_ADVICE[:-1]}, or write SVG, GeoJSON or CSV."),
+        warn=lambda sentence: print_message(f"{sentence} {_CLOSE_ADVICE[:-1]}, or write SVG, GeoJSON or CSV."),
     )
     if arguments.save_session is not None:
         own = arguments.image is None
@@ -275,25 +275,25 @@ def _run_image(
             pages={},
             notes=(),
         )
-        with files.writing(arguments.save_session):
+        with files.record_writing(arguments.save_session):
             save_session(add_recorded_run(whole, recorder), Path(arguments.save_session))
-    facts, lines = _on_surface(result, seconds) if volume else _on_contours(result, chosen, seconds)
+    facts, lines = _describe_surface(result, seconds) if volume else _describe_contours(result, chosen, seconds)
     if not volume:
         written = [path for path in files.written if path in arguments.export]
         facts["left_out"] = {path: count_left_out(shown, find_format_suffix(path)) for path in written}
     if truth is not None:
-        facts["truth"], sentence = _agreement(shown, truth)
+        facts["truth"], sentence = _measure_truth_agreement(shown, truth)
         lines.append(sentence)
     advice = _CLOSE_ADVICE if any(count_left_out(shown, find_format_suffix(path)) for path in files.refused) else ""
-    return report(arguments, facts, lines, files, advice)
+    return print_report(arguments, facts, lines, files, advice)
 
 
 def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: bool) -> None:
     """Raise ValueError for options that have no meaning for this run."""
     if volume:
-        refuse(arguments, ("circle", "objects", "pages", "save_session"), "images, but a volume is run")
+        refuse_options(arguments, ("circle", "objects", "pages", "save_session"), "images, but a volume is run")
     else:
-        refuse(arguments, ("space",), "volumes, but an image is run")
+        refuse_options(arguments, ("space",), "volumes, but an image is run")
     given = [*arguments.circle, *arguments.sphere, *arguments.stroke, *arguments.points, *arguments.start]
     named = arguments.objects or (arguments.object and not volume)
     if not (given or arguments.auto or select_starts(session.shapes) or named):
@@ -313,31 +313,31 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: 
         check_writable(Path(arguments.save_session))
 
 
-def _shapes(drawn: Drawn, arguments: argparse.Namespace, volume: Image | None = None) -> tuple[Shape, ...]:
+def _build_drawn_shapes(drawn: DrawnNumbers, arguments: argparse.Namespace, volume: Image | None = None) -> tuple[Shape, ...]:
     """Return the shapes of the command line, in an image or in a volume, where limits are no shapes."""
     axes = 2 if volume is None else 3
-    shapes: list[Shape] = [Stroke(places_in(numbers, axes)) for numbers in drawn["stroke"]]
+    shapes: list[Shape] = [Stroke(group_coordinates(numbers, axes)) for numbers in drawn["stroke"]]
     shapes += [Points(as_line(load_points(path, axes))) for path in arguments.points]
     everywhere = [Everywhere(arguments.auto)] if arguments.auto else []
     if volume is not None:
         spheres = (Sphere.from_voxel_size(tuple(center), radius, volume.spacing) for *center, radius in drawn["sphere"])
         return (*spheres, *shapes, *everywhere)
     circles = (Circle((row, col), radius) for row, col, radius in drawn["circle"])
-    regions = (Region(places_in(numbers, 2)) for numbers in drawn["region"])
-    barriers = (Barrier(places_in(numbers, 2)) for numbers in drawn["barrier"])
+    regions = (Region(group_coordinates(numbers, 2)) for numbers in drawn["region"])
+    barriers = (Barrier(group_coordinates(numbers, 2)) for numbers in drawn["barrier"])
     return (*circles, *shapes, *regions, *barriers, *everywhere)
 
 
-def _starting(
+def _collect_run_shapes(
     arguments: argparse.Namespace, session: SessionFile, image: Image, drawn: Sequence[Shape]
 ) -> tuple[Shape, ...]:
     """Return all shapes of a run: those of the session, those drawn, and those of files."""
-    files = (start for path in arguments.start for start in starts_from_file(path, image))
+    files = (start for path in arguments.start for start in read_starts(path, image))
     shapes = (*session.shapes, *drawn, *files)
     return shapes if select_starts(shapes) else (*shapes, Everywhere("grid"))  # only an object was named
 
 
-def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
+def _build_volume_regions(drawn: DrawnNumbers, session: SessionFile) -> AnyRegions | None:
     """Return boxes of interest and planes as barriers, with the limits of a session; None where none is drawn."""
     if not (drawn["region"] or drawn["barrier"]):
         return None
@@ -349,12 +349,12 @@ def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
     return VolumeRegions((*before.interest, *boxes), (*before.barriers, *planes))
 
 
-def _files_drawn(arguments: argparse.Namespace) -> list[JsonDict]:
+def _list_start_files(arguments: argparse.Namespace) -> list[JsonDict]:
     """Return the files whose contours a run starts from, as session files hold shapes."""
     return [{"shape": "points", "file": Path(path).name} for path in arguments.start]
 
 
-def _surface(found: Result, drawn: Drawn) -> Result:
+def _select_bodies(found: Result, drawn: DrawnNumbers) -> Result:
     """Restrict the surface of a result to the bodies that contain the positive points, if any."""
     if not drawn["object"]:
         return found
@@ -364,11 +364,11 @@ def _surface(found: Result, drawn: Drawn) -> Result:
     return replace(found, surface=chosen.surface)
 
 
-def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[JsonDict, list[str]]:
+def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe contours, as values by name and as sentences."""
-    facts: JsonDict = {**facts_of_run(result, seconds), "bridges": len(result.bridges), PROVENANCE_KEY: describe_provenance(result)}
-    lines = [f"{result.source}: {contours_of(result)}"]
-    lines += longest(
+    facts: JsonDict = {**collect_run_facts(result, seconds), "bridges": len(result.bridges), PROVENANCE_KEY: describe_provenance(result)}
+    lines = [f"{result.source}: {describe_contour_count(result)}"]
+    lines += list_longest(
         [
             f"length {contour.length:.1f} px, "
             + (f"closed, area {contour.area:.1f} px²" if contour.closed else "open")
@@ -395,34 +395,34 @@ def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) ->
     if result.bridges:
         farthest = max(bridge.length for bridge in result.bridges)
         lines.append(f"Bridged {format_count(len(result.bridges), 'gap')}, longest {farthest:.1f} px")
-    return facts, [*lines, *_on_run(result, seconds)]
+    return facts, [*lines, *_describe_run(result, seconds)]
 
 
-def _on_surface(result: Result, seconds: float) -> tuple[JsonDict, list[str]]:
+def _describe_surface(result: Result, seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe a surface, as values by name and as sentences."""
     surface = result.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts: JsonDict = {
-        **facts_of_run(result, seconds),
+        **collect_run_facts(result, seconds),
         "vertices": vertices,
         "faces": faces,
         "volume": round(surface.volume, 3) if surface is not None and surface.closed else None,
         "area": round(surface.area, 3) if surface is not None else None,
     }
     lines = [f"{result.source}: a surface of {format_count(faces, 'triangle')}, with {vertices} corners"]
-    lines += _on_run(result, seconds)
+    lines += _describe_run(result, seconds)
     if result.image is not None:
-        facts |= facts_on_place(result.image)
-        lines += lines_on_place(result.image)
+        facts |= collect_geometry_facts(result.image)
+        lines += describe_geometry(result.image)
     return facts, lines
 
 
-def _on_run(result: Result, seconds: float) -> Iterator[str]:
+def _describe_run(result: Result, seconds: float) -> Iterator[str]:
     yield f"{format_count(len(result.particles), 'particle')}, {format_count(result.steps, 'step')} in {seconds:.2f} s"
     yield f"Stopped: {result.stop_reason}"
 
 
-def _agreement(result: Result, truth: Truth | VolumeTruth) -> tuple[JsonDict, str]:
+def _measure_truth_agreement(result: Result, truth: Truth | VolumeTruth) -> tuple[JsonDict, str]:
     """Measure how well contours, or a surface, agree with a ground truth: values by name, and a sentence."""
     found: Any
     measures, of, unit = ["dice", "jaccard", "precision", "recall", "f", "hausdorff"], {}, "px"

@@ -6,16 +6,16 @@ import argparse
 import time
 
 from cpm_core.cli.arguments import (
-    EXPORTED,
-    PART,
-    add,
-    add_parameters,
+    EXPORT_FORMATS_HELP,
+    PART_OPTIONS,
+    add_options,
+    add_parameter_options,
     check_exports,
-    parameters_of,
-    part_of,
+    parse_parameters,
+    parse_part,
 )
-from cpm_core.cli.inputs import fitted
-from cpm_core.cli.output import Files, announce_compilation, contours_of, longest, report
+from cpm_core.cli.inputs import fit_parameters
+from cpm_core.cli.output import OutputFiles, ensure_compiled, describe_contour_count, list_longest, print_report
 from cpm_core.formats import CENTERLINES_WRITABLE, load_image, load_volume, find_format_suffix
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_image_provenance
 from cpm_core.medial_axis.centerlines import Centerlines
@@ -44,7 +44,7 @@ _POLARITIES = ("auto", "dark", "light")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add(parser, "image")
+    add_options(parser, "image")
     parser.add_argument("--volume", action="store_true", help="IMAGE is a volume, as with --export LINES.swc")
     parser.add_argument(
         "--of",
@@ -56,43 +56,43 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--within", metavar="MASK", help="the skeleton of the objects of this mask, an image of the same size"
     )
     parser.add_argument("--outside", action="store_true", help="the skeleton of the background, too")
-    add(parser.add_argument_group("part of a file"), *PART)
-    add_parameters(parser.add_argument_group("parameters"), _SKELETON_PARAMETERS)
+    add_options(parser.add_argument_group("part of a file"), *PART_OPTIONS)
+    add_parameter_options(parser.add_argument_group("parameters"), _SKELETON_PARAMETERS)
     outcome = parser.add_argument_group("outcome")
-    add(outcome, "--space")
-    add(outcome, "--export", help=f"write the skeleton {EXPORTED}")
+    add_options(outcome, "--space")
+    add_options(outcome, "--export", help=f"write the skeleton {EXPORT_FORMATS_HELP}")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run_skeleton(arguments: argparse.Namespace) -> int:
     """Find skeletons or center lines, after all checks that need no image."""
     volume = arguments.volume or any(find_format_suffix(path) in CENTERLINES_WRITABLE for path in arguments.export)
     if arguments.space and not volume:
         raise ValueError("--space is for center lines in a volume: add --volume, or leave it out.")
-    part = part_of(arguments, volume=volume)
-    parameters = parameters_of(arguments, PRESETS["volume" if volume else "noisy"])
+    part = parse_part(arguments, volume=volume)
+    parameters = parse_parameters(arguments, PRESETS["volume" if volume else "noisy"])
     check_exports(arguments.export, arguments)
     for path in arguments.export if volume else ():
         if find_format_suffix(path) not in CENTERLINES_WRITABLE:
             raise ValueError(f"{path} holds no center lines in a volume: end its name in {', '.join(CENTERLINES_WRITABLE)}.")
     load = load_volume if volume else load_image
     image = load(arguments.image, **part)
-    fitted(image, parameters, scales=False)
+    fit_parameters(image, parameters, scales=False)
     mask = None if arguments.within is None else load(arguments.within).values > 0.0
-    announce_compilation()
+    ensure_compiled()
     started = time.perf_counter()
     found = skeleton(image, parameters, of=arguments.of, within=mask, outside=arguments.outside)
     seconds = time.perf_counter() - started
-    files = Files()
-    files.export(found, arguments.export, **({"space": arguments.space or "LPS"} if volume else {}))
-    return report(arguments, *_outcome(found, seconds), files)
+    files = OutputFiles()
+    files.export_result(found, arguments.export, **({"space": arguments.space or "LPS"} if volume else {}))
+    return print_report(arguments, *_describe_skeleton(found, seconds), files)
 
 
-def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[JsonDict, list[str]]:
+def _describe_skeleton(found: Skeleton | Centerlines, seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe a skeleton, or center lines in a volume, as values by name and as sentences."""
     if isinstance(found, Centerlines):
         lengths, unit = found.lengths.tolist(), found.unit or "voxels"
         facts: JsonDict = {"unit": found.unit, PROVENANCE_KEY: describe_image_provenance(found.source, found.provenance)}
-        first = contours_of(found, "center line")
+        first = describe_contour_count(found, "center line")
     else:
         lengths, unit = [contour.length for contour in found.contours], "px"
         of = {-1: "dark", 0: "all", 1: "light"}[found.polarity]
@@ -101,7 +101,7 @@ def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[JsonDict, l
         wide = f" and up to {found.width:.0f} px wide" if found.width else ""
         what = "" if of == "all" else f" of what is {of}{wide}"
         thick = f"thickness up to {found.thickness:.1f} px,"
-        first = f"skeleton{what} of {contours_of(found, 'line')}, {thick}"
+        first = f"skeleton{what} of {describe_contour_count(found, 'line')}, {thick}"
     facts |= {
         "contours": len(found.contours),
         "closed": sum(contour.closed for contour in found.contours),
@@ -113,4 +113,4 @@ def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[JsonDict, l
         f"length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}"
         for length, radii in zip(lengths, found.radii, strict=True)
     ]
-    return facts, [f"{found.source}: {first} in {seconds:.2f} s", *longest(lines)]
+    return facts, [f"{found.source}: {first} in {seconds:.2f} s", *list_longest(lines)]

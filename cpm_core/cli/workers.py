@@ -18,8 +18,8 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.inputs import notes_on, reviewed, segmented, with_room
-from cpm_core.cli.output import facts_of_run
+from cpm_core.cli.inputs import list_image_notes, apply_session_review, segment_shapes, fit_scales_to_image
+from cpm_core.cli.output import collect_run_facts
 from cpm_core.contours.result import Result
 from cpm_core.formats import to_bytes, load_image, describe_omissions
 from cpm_core.formats.common.content import try_fingerprint, missing_package_message
@@ -41,7 +41,7 @@ _PROCESS_DIED = "The process that worked on it ended unexpectedly; perhaps there
 
 
 @frozen
-class Row:
+class BatchRow:
     """Outcome for one image.
 
     Attributes
@@ -82,11 +82,11 @@ class Row:
 
 
 @frozen
-class Job:
+class BatchJob:
     """A run on one image."""
 
     number: int  # index of the image
-    row: Row  # values known in advance
+    row: BatchRow  # values known in advance
     path: str
     session: SessionFile  # start, regions, charges and review
     parameters: Parameters
@@ -94,18 +94,18 @@ class Job:
     suffixes: Texts  # formats to write
 
 
-def do(job: Job) -> Row:
+def run_job(job: BatchJob) -> BatchRow:
     """Find the contours of one image; files are only encoded here, and the batch writes them."""
     try:
         began = time.perf_counter()
         named, shapes = job.session.image, job.session.shapes
         image = load_image(job.path, **adapt_reading(Path(job.path), DEFAULT_READING if named is None else named.reading))
-        parameters, small = with_room(job.parameters, image)
-        found = segmented(image, shapes, parameters, job.session, max_steps=job.max_steps)
-        result = reviewed(record_drawn_shapes(found, shapes), image, parameters, job.session, kept=False)
-        facts = facts_of_run(result, time.perf_counter() - began)
-        contents, notes = _files(result, job.suffixes)
-        notes = (*notes_on(image, parameters), *small, *notes)
+        parameters, small = fit_scales_to_image(job.parameters, image)
+        found = segment_shapes(image, shapes, parameters, job.session, max_steps=job.max_steps)
+        result = apply_session_review(record_drawn_shapes(found, shapes), image, parameters, job.session, kept=False)
+        facts = collect_run_facts(result, time.perf_counter() - began)
+        contents, notes = _encode_files(result, job.suffixes)
+        notes = (*list_image_notes(image, parameters), *small, *notes)
         return replace(job.row, facts=facts, contents=contents, notes=notes, image_sha256=image.sha256)
     except Exception as error:  # a defect must not stop the other images
         reason = str(error)
@@ -117,7 +117,7 @@ def do(job: Job) -> Row:
         return replace(job.row, trouble=reason, image_sha256=try_fingerprint(Path(job.path)))
 
 
-def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], Texts]:
+def _encode_files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], Texts]:
     """Encode the files of a result by suffix, and note which hold less or fail; ValueError when all fail."""
     files: dict[str, bytes] = {}
     notes: list[str] = []
@@ -132,9 +132,9 @@ def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], T
     return files, tuple(notes)
 
 
-def here(
-    jobs: Sequence[Job], workers: int | None, check_cancelled: Callback | None = None
-) -> Generator[tuple[Job, Row], None, None]:
+def run_locally(
+    jobs: Sequence[BatchJob], workers: int | None, check_cancelled: Callback | None = None
+) -> Generator[tuple[BatchJob, BatchRow], None, None]:
     """Run jobs on this computer and yield results as they finish.
 
     There is one process per core unless `workers` gives a number. With one, jobs run in this process, unless there is
@@ -145,37 +145,37 @@ def here(
     each = 1 if workers else max(1, count_cores() // max(1, count))  # if there are more cores than jobs
     if count <= 1 and check_cancelled is None:
         with limit_cores(each):
-            yield from ((job, do(job)) for job in jobs)
+            yield from ((job, run_job(job)) for job in jobs)
         return
     if not is_compiled():  # once, instead of in every process
         warm_up()
     waiting, suspects = list(reversed(jobs)), []
     while waiting:
-        for job, row in _in_processes(waiting, count, each, check_cancelled):
+        for job, row in _run_in_processes(waiting, count, each, check_cancelled):
             if row is None:
                 suspects.append(job)
             else:
                 yield job, row
     for job in suspects:
-        for _, row in _in_processes([job], 1, each, check_cancelled):
+        for _, row in _run_in_processes([job], 1, each, check_cancelled):
             yield job, row or replace(job.row, trouble=_PROCESS_DIED)
 
 
-def _in_processes(
-    waiting: list[Job], count: int, each: int, check_cancelled: Callback | None
-) -> Generator[tuple[Job, Row | None], None, None]:
+def _run_in_processes(
+    waiting: list[BatchJob], count: int, cores_each: int, check_cancelled: Callback | None
+) -> Generator[tuple[BatchJob, BatchRow | None], None, None]:
     """Run jobs from the end of a list in `count` processes, each on `cores_each` cores.
 
     When a process dies, the jobs in progress have no row, and the others stay in the list.
     """
-    pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _begin, (each,))
-    working: dict[Future[Row], Job] = {}
+    pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _initialize_worker, (cores_each,))
+    working: dict[Future[BatchRow], BatchJob] = {}
     broken = False
     try:
         while working or (waiting and not broken):
             while waiting and not broken and len(working) < count:  # no more, so that only few results wait in memory
                 try:
-                    working[pool.submit(do, waiting[-1])] = waiting[-1]
+                    working[pool.submit(run_job, waiting[-1])] = waiting[-1]
                     waiting.pop()
                 except BrokenProcessPool:
                     broken = True
@@ -195,10 +195,10 @@ def _in_processes(
             process.kill()
 
 
-def _begin(use: int) -> None:
+def _initialize_worker(core_count: int) -> None:
     """Let a new process use `core_count` cores, and exit when its parent is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends it
-    limit_cores(use).__enter__()
+    limit_cores(core_count).__enter__()
     parent = multiprocessing.parent_process()
 
     def end_with_parent() -> None:
@@ -209,15 +209,15 @@ def _begin(use: int) -> None:
     threading.Thread(target=end_with_parent, daemon=True).start()
 
 
-def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], None, None]:
+def run_on_scheduler(jobs: Sequence[BatchJob], address: str) -> Generator[tuple[BatchJob, BatchRow], None, None]:
     """Run jobs on the workers of a dask scheduler, which must see the same files under the same names.
 
     ValueError as for `cluster`.
     """
     waiting = dict(enumerate(jobs))
-    with cluster(address) as client:
+    with connect_to_dask(address) as client:
         try:
-            for at, future in finished(client, do, jobs):
+            for at, future in map_until_finished(client, run_job, jobs):
                 job, failure = waiting.pop(at), future.exception()
                 yield (
                     job,
@@ -230,7 +230,7 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], N
 
 
 @contextmanager
-def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
+def connect_to_dask(address: str | None, workers: int | None = None) -> Iterator[Any]:
     """Connect to the dask scheduler at an address, or start one with local workers, by default one per core.
 
     ValueError when dask is not installed, or no scheduler answers at the address.
@@ -263,7 +263,7 @@ def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
                 client.close(timeout=5)
 
 
-def finished(
+def map_until_finished(
     client: Any, function: Callable[[Any], Any], jobs: Sequence[Any]
 ) -> Generator[tuple[int, Any], None, None]:
     """Apply a function to jobs on the workers of a client; yield the index and the future of each as it finishes.
@@ -282,7 +282,7 @@ def finished(
             client.cancel(list(waiting))
 
 
-def on_one_core(function: Callable[[Any], Any], job: Any) -> Any:
+def run_on_one_core(function: Callable[[Any], Any], job: Any) -> Any:
     """Run a job on one core, as others have workers of their own, and leave nothing of it in memory."""
     if not gc.get_freeze_count():
         gc.freeze()  # the collector need not visit modules after each job

@@ -38,7 +38,7 @@ def check(qtbot: QtBot, dialog: ExportDialog, *wanted: str) -> None:
             item.parent().setExpanded(True)
             dialog.list.setCurrentItem(item)
             qtbot.keyClick(dialog.list, Qt.Key.Key_Space)
-    assert {f"{file.what}:{file.suffix}" for file in dialog.files} == set(wanted)
+    assert {f"{file.kind}:{file.suffix}" for file in dialog.files} == set(wanted)
 
 
 def export(qtbot: QtBot, window: MainWindow, folder: Path, *wanted: str) -> list[Path]:

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.model.text.wording import FORMULAS
+from cpm_app.model.text.wording import PARAMETER_FORMULAS
 from cpm_app.session.exchange.messages import Core
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views import layers as canvas_layers
@@ -243,7 +243,7 @@ def test_a_method_is_a_class_that_the_window_runs_without_knowing_it(opened, han
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_a_parameter_is_known_in_every_place_that_names_parameters(name, capsys) -> None:
     assert name in {field.name for field in fields(Parameters)}
-    assert name in FORMULAS or name == "w1"  # of which the window sets the ratio to w2
+    assert name in PARAMETER_FORMULAS or name == "w1"  # of which the window sets the ratio to w2
     with pytest.raises(SystemExit):
         main(["run", "--help"])
     assert f"--{name.replace('_', '-')}" in capsys.readouterr().out

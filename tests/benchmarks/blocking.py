@@ -20,8 +20,8 @@ from PySide6.QtWidgets import QDialog
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from cpm_app.model.document import edits
-from cpm_app.model.document.modes import use_mode
-from cpm_app.model.preferences.table import THEME
+from cpm_app.model.document.modes import switch_mode
+from cpm_app.model.preferences.table import THEME_PREFERENCE
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.application import make_application
 from cpm_app.views.features.files import OpenSaveFeature
@@ -86,7 +86,7 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
     yield "run, first contours", session.run
     yield (
         "a run from everywhere",
-        lambda: (session.edit("all", lambda d: use_mode(d, "automatic")), session.run()),
+        lambda: (session.edit("all", lambda d: switch_mode(d, "automatic")), session.run()),
         offered,
     )
     yield "step back on the timeline", lambda: do("timeline_back")
@@ -116,7 +116,7 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
         yield f"dialog {name}", lambda name=name: do(name)
         yield f"close {name}", lambda: [dialog.close() for dialog in window.findChildren(QDialog) if dialog.isVisible()]
     for name in ("dark", "light"):
-        yield f"theme {name}", lambda name=name: window.preferences.choose(THEME, name)
+        yield f"theme {name}", lambda name=name: window.preferences.choose(THEME_PREFERENCE, name)
 
 
 def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:

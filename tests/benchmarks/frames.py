@@ -24,7 +24,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QObject, QTimer
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from cpm_app.model.document import edits
-from cpm_app.model.state.resolve import FIRST_PACE, PACES
+from cpm_app.model.state.resolve import INITIAL_PACE_INDEX, RUN_PACES
 from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.application import make_application
@@ -155,6 +155,6 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
 
 if __name__ == "__main__":
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
-    pace = (float(sys.argv[2]) or None) if len(sys.argv) > 2 else PACES[FIRST_PACE]
+    pace = (float(sys.argv[2]) or None) if len(sys.argv) > 2 else RUN_PACES[INITIAL_PACE_INDEX]
     measure(disc(), grid((1400,) * 2, 9.9), 0, seconds, pace)
     measure(balls(), grid((256,) * 3, 16.0), 20_000, seconds, pace)

@@ -27,7 +27,7 @@ from cpm_core.chunked.grid import ChunkedSource, build_grid
 from cpm_core.chunked.run import CONTOURS_KIND, ChunkedTask, find_contours_in_chunk, run_chunks
 from cpm_core.chunked.store import RunStore
 from cpm_core.chunked.survey import GrayScaling, ImageStatistics
-from cpm_core.cli.workers import cluster, finished, on_one_core
+from cpm_core.cli.workers import connect_to_dask, map_until_finished, run_on_one_core
 from cpm_core.contours.agreement import DEFAULT_TOLERANCE, distances_to_contours
 from cpm_core.contours.contour import Contour, sample_contours
 from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
@@ -132,12 +132,12 @@ def speed(path, count):
     grid = build_grid(source.levels.shape, parameters, 2.0)
     chunks = [chunk for chunk in grid.chunks if min(side.start for side in chunk.core) > 0][: count + 2]
     for workers in (1, 2):
-        with tempfile.TemporaryDirectory() as folder, cluster(None, workers) as client:
+        with tempfile.TemporaryDirectory() as folder, connect_to_dask(None, workers) as client:
             task = ChunkedTask(source, parameters, "gradient", RunStore(Path(folder)))
-            work = partial(on_one_core, partial(find_contours_in_chunk, task, grid, whole))
+            work = partial(run_on_one_core, partial(find_contours_in_chunk, task, grid, whole))
             for some in (chunks[:workers], chunks[2:]):
                 began = time.perf_counter()
-                for _, future in finished(client, work, some):
+                for _, future in map_until_finished(client, work, some):
                     future.result()
             print(f"{workers} workers: {len(some)} chunks in {time.perf_counter() - began:.1f} s", flush=True)
 
@@ -161,7 +161,7 @@ def of_many_sizes(side):
 
 def serial(function, some, title):
     began = time.process_time()
-    yield from ((at, on_one_core(function, job)) for at, job in enumerate(some))
+    yield from ((at, run_on_one_core(function, job)) for at, job in enumerate(some))
     print(f"{title}: {len(some)} chunks, {time.process_time() - began:.1f} s of processor time", flush=True)
 
 

@@ -9,8 +9,8 @@ the unchanged run within 2 px: 1 means that the slider changes no contour.
 import sys
 
 import numpy as np
-from cpm_app.model.display.effects import MOTION
-from cpm_app.model.parameters.controls import controls, with_value
+from cpm_app.model.display.effects import MOTION_PARAMETERS
+from cpm_app.model.parameters.controls import build_controls, set_control_value
 from scipy.spatial import cKDTree
 from skimage import data
 
@@ -19,7 +19,7 @@ from cpm_core.contours.contour import sample_contours
 from cpm_core.model.starts import uniform_grid
 
 SAMPLES = (("coins", 40.0, 200.0, 10.0), ("camera", 150.0, 200.0, 12.0), ("cell", 350.0, 340.0, 30.0))
-SLIDERS = {control.name: control for control in controls() if control.name in (*MOTION, "reach", "weakest_edge")}
+SLIDERS = {control.name: control for control in build_controls() if control.name in (*MOTION_PARAMETERS, "reach", "weakest_edge")}
 
 
 def agreement(points, others):
@@ -61,10 +61,10 @@ def main():
             states = list(to_rest(engine, start, usual))
             points = sample_contours(engine.result(states[-1], usual).contours)
             for slider, control in SLIDERS.items():
-                if preset == "automatic" and slider not in MOTION:
+                if preset == "automatic" and slider not in MOTION_PARAMETERS:
                     continue
                 for value in (control.slider_low, control.slider_high):
-                    changed = with_value(usual, slider, value)
+                    changed = set_control_value(usual, slider, value)
                     moments = {"start": start, "middle": states[len(states) // 2], "rest": states[-1].resume()}
                     for moment, state in moments.items():
                         figures = measured(engine, state, changed, points)

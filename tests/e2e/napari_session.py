@@ -8,7 +8,7 @@ from pathlib import Path
 import cpm_app.napari
 import napari
 import numpy as np
-from cpm_app.napari.widget import OBJECTS, RUN, FindWidget
+from cpm_app.napari.widget import FIND_OBJECTS, RUN_FROM_SHAPES, FindWidget
 from npe2 import PluginManager, PluginManifest
 from qtpy.QtCore import QElapsedTimer, QEventLoop
 from qtpy.QtWidgets import QApplication
@@ -35,7 +35,7 @@ def wait(condition):
     clock.start()
     while not condition() and not clock.hasExpired(240_000):
         QApplication.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 50)
-    assert condition(), widget.said.value
+    assert condition(), widget.message.value
 
 
 def find(way, *, cancel=False, **chosen):
@@ -47,11 +47,11 @@ def find(way, *, cancel=False, **chosen):
         getattr(widget, name).value = chosen[name]
     widget.button.changed.emit(True)
     if cancel:
-        wait(lambda: "Step" in widget.said.value)
+        wait(lambda: "Step" in widget.message.value)
         assert "particles" in viewer.layers
         widget.button.changed.emit(True)
     wait(lambda: widget.button.text == "Find")
-    return widget.said.value
+    return widget.message.value
 
 
 manifest = PluginManifest.from_file(Path(cpm_app.napari.__file__).with_name("napari.yaml"))
@@ -80,14 +80,14 @@ for name in ("b.svg", "b.zip", "b.dxf", "b.json"):
 viewer.layers.clear()
 _, widget = viewer.window.add_plugin_dock_widget(manifest.name, "Find objects and contours")
 assert isinstance(widget, FindWidget)
-assert find(OBJECTS) == "Open an image first, or a volume."
+assert find(FIND_OBJECTS) == "Open an image first, or a volume."
 image = viewer.add_image(disks((30, 30), (30, 70), (70, 30)), name="image", scale=(0.5, 0.5), translate=(7, 3))
-assert "Add a layer of points" in find(OBJECTS)
-assert "Draw a shape" in find(RUN)
+assert "Add a layer of points" in find(FIND_OBJECTS)
+assert "Draw a shape" in find(RUN_FROM_SHAPES)
 
 # objects at points, which lie in their own layer by its own scale; a further point in the same object gives no other
 inside = viewer.add_points([(22.0, 18.0), (23.0, 17.0), (22.0, 38.0)], name="inside")
-assert "image labels, image contours" in find(OBJECTS, points=inside)
+assert "image labels, image contours" in find(FIND_OBJECTS, points=inside)
 labels, contours = viewer.layers["image labels"], viewer.layers["image contours"]
 np.testing.assert_allclose(np.bincount(labels.data.ravel())[1:], np.pi * 15**2, rtol=0.03)
 assert labels.data[30, 30] == 1
@@ -101,47 +101,47 @@ labels.selected_label = 2
 outside = viewer.add_points([(22.0, 18.0)], name="outside")
 labels.data = np.where(labels.data, 2, 0)  # both are one
 inside.data = [(22.0, 38.0)]
-find(OBJECTS, points=inside, outside=outside, objects=labels)
+find(FIND_OBJECTS, points=inside, outside=outside, objects=labels)
 assert labels.data[30, 30] == 0
 assert labels.data[30, 70] == 2
 labels.selected_label = 7
-assert "No pixel has the label 7" in find(OBJECTS, points=inside, objects=labels)
+assert "No pixel has the label 7" in find(FIND_OBJECTS, points=inside, objects=labels)
 
 # a box around an object
 inside.data = np.empty((0, 2))
 box = np.array([(34.0, 10.0), (34.0, 26.0), (50.0, 26.0), (50.0, 10.0)])
 boxes = viewer.add_shapes([box], shape_type="rectangle", name="boxes")
 assert widget.shapes.value is boxes  # it need not be chosen
-find(OBJECTS, points=inside, shapes=boxes)
+find(FIND_OBJECTS, points=inside, shapes=boxes)
 np.testing.assert_allclose(np.argwhere(labels.data).mean(axis=0), (70, 30), atol=0.5)
 
 # a run from a circle, and one from labels; the contour is where the edge is
 circle = viewer.add_shapes([np.add(box, 2)], shape_type="ellipse", name="circle")
-find(RUN, shapes=circle)
+find(RUN_FROM_SHAPES, shapes=circle)
 np.testing.assert_allclose(np.hypot(*(viewer.layers["image contours"].data[0] - (70, 30)).T), 15, atol=1.0)
-find(RUN, objects=labels)
+find(RUN_FROM_SHAPES, objects=labels)
 np.testing.assert_allclose(np.hypot(*(viewer.layers["image contours"].data[0] - (70, 30)).T), 15, atol=1.0)
 widget.sliders[1].value = 1.9
-assert "w2 is 1.75 but must be above w1" in find(RUN, shapes=circle)
+assert "w2 is 1.75 but must be above w1" in find(RUN_FROM_SHAPES, shapes=circle)
 
 # a volume: bodies at points, and a surface from a line in a slice
 viewer.layers.clear()
 volume = viewer.add_image(disks((20, 20, 20), radius=9), name="volume", scale=(2, 1, 1))
 inside = viewer.add_points([(40.0, 20.0, 20.0)], name="inside")
-find(OBJECTS, image=volume, points=inside)
+find(FIND_OBJECTS, image=volume, points=inside)
 ball, surface = viewer.layers["volume labels"], viewer.layers["volume surface"]
 np.testing.assert_allclose((ball.data > 0).sum(), 4 / 3 * np.pi * 9**3, rtol=0.1)
 np.testing.assert_allclose(surface.data_to_world(surface.data[0].mean(axis=0)), (40, 20, 20), atol=1.0)
 outside = viewer.add_points([(50.0, 20.0, 20.0)], name="outside")
-find(OBJECTS, points=inside, outside=outside, objects=ball)
+find(FIND_OBJECTS, points=inside, outside=outside, objects=ball)
 assert ball.data[20, 20, 20]
 assert not ball.data[25, 20, 20]
 square = np.array([(40, 16.0, 16.0), (40, 16.0, 24.0), (40, 24.0, 24.0), (40, 24.0, 16.0)])
 line = viewer.add_shapes([square], shape_type="polygon", name="line")
-assert "objects are found at points" in find(OBJECTS, points=inside, shapes=line)
-assert find(RUN, shapes=line, cancel=True) == "Canceled."
+assert "objects are found at points" in find(FIND_OBJECTS, points=inside, shapes=line)
+assert find(RUN_FROM_SHAPES, shapes=line, cancel=True) == "Canceled."
 assert "particles" not in viewer.layers
-find(RUN, shapes=line)
+find(RUN_FROM_SHAPES, shapes=line)
 surface = viewer.layers["volume surface"]
 np.testing.assert_allclose(np.linalg.norm(surface.data[0] - 20, axis=1).mean(), 9, atol=0.5)
 assert surface.save(str(FOLDER / "ball.stl"), plugin=manifest.name)

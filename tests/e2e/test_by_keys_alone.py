@@ -116,7 +116,7 @@ def select_and_name_an_object(window: MainWindow, keys: Keys) -> None:
     keys.wait(lambda: workspace.object_selection.ready)
     keys.press(KEY.Key_Escape, KEY.Key_Return)  # drop what is offered, show the cross-hair
     crosshair = window.canvas_area.crosshair
-    keys.wait(lambda: crosshair.at is not None)
+    keys.wait(lambda: crosshair.position is not None)
     for _ in range(6):
         keys.press(KEY.Key_Down, held=SHIFT)
     keys.press(KEY.Key_Return)

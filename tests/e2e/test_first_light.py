@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cpm_app.model.document.samples import samples
+from cpm_app.model.document.samples import load_samples
 from cpm_app.views.application import make_application
 from cpm_app.views.features.files import StartFeature
 from cpm_app.views.main_window import open_window
@@ -85,7 +85,7 @@ def test_no_particle_crosses_a_barrier_drawn_by_hand(window, qtbot) -> None:
 
 
 def test_every_sample_opens_ready_and_runs(window, qtbot) -> None:
-    for sample in samples():
+    for sample in load_samples():
         window.session.open(sample.path)
         qtbot.waitUntil(lambda: window.session.idle, timeout=PATIENCE)
         assert window.session.document.image.name == sample.path.name

@@ -10,10 +10,10 @@ from typing import Literal
 
 import numpy as np
 
-from cpm_app.model.document.contours import reviewed_result
+from cpm_app.model.document.contours import apply_document_review
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.objects import objects_result
-from cpm_app.model.text.language import from_core, tr, written
+from cpm_app.model.document.objects import build_objects_result
+from cpm_app.model.text.language import translate_core_text, tr, localize_number
 from cpm_core import Contour, Image, Result, Skeleton
 from cpm_core.formats import (
     ANIMATIONS_WRITABLE,
@@ -29,9 +29,9 @@ from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import frozen
 
-What = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
+ExportKind = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
 
-KINDS = {
+EXPORT_TITLES = {
     "objects": (tr("Objects"), tr("Export objects")),
     "contours": (tr("Contours except rejected"), tr("Export contours")),
     "skeleton": (tr("Skeleton"), tr("Export skeleton")),
@@ -96,32 +96,32 @@ _FILE_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertic
 """Endings of files whose suffix only tells formats of a writer apart, and the one 3D Slicer expects."""
 
 
-def formats(what: What = "contours", in_volume: bool = False, of_dicom: bool = False) -> dict[str, str]:
+def list_export_formats(kind: ExportKind = "contours", in_volume: bool = False, of_dicom: bool = False) -> dict[str, str]:
     """Return the names of the formats for a kind of content, by suffix; those without a fixed place are last.
 
     DICOM segmentations are offered where the image is `of_dicom` and the package that writes them is installed. A
     frozen application without matplotlib, which cannot be added to it, offers no figures.
     """
-    writable = VOLUMES_WRITABLE if in_volume and what == "objects" else _FORMATS_BY_KIND.get(what, CONTOURS_WRITABLE)
-    names = {"space": writable, "run": _ANIMATION_NAMES, "turntable": _ANIMATION_NAMES}.get(what, _FORMAT_NAMES)
-    lacking = {*_ALIAS_SUFFIXES, *_OMITTED_SUFFIXES.get(what, "").split()}
+    writable = VOLUMES_WRITABLE if in_volume and kind == "objects" else _FORMATS_BY_KIND.get(kind, CONTOURS_WRITABLE)
+    names = {"space": writable, "run": _ANIMATION_NAMES, "turntable": _ANIMATION_NAMES}.get(kind, _FORMAT_NAMES)
+    lacking = {*_ALIAS_SUFFIXES, *_OMITTED_SUFFIXES.get(kind, "").split()}
     if getattr(sys, "frozen", False) and not has_matplotlib():
         lacking |= FIGURE_SUFFIXES
     if not of_dicom or find_spec("highdicom") is None:
         lacking.add(".seg.dcm")
     known = {suffix: name for suffix, name in names.items() if suffix in writable}
-    known |= {suffix: from_core(text) for suffix, text in writable.items() if suffix not in known}
+    known |= {suffix: translate_core_text(text) for suffix, text in writable.items() if suffix not in known}
     return {suffix: name for suffix, name in known.items() if suffix not in lacking}
 
 
-def file_name(base: str, what: What, suffix: str, alone: bool) -> str:
+def export_file_name(base: str, kind: ExportKind, suffix: str, alone: bool) -> str:
     """Return the name of a file; labelme opens one that is `alone` with the image if it has the name of the image."""
     if suffix == ".labelme.json" and alone:
         return f"{base}.json"
-    return f"{base}_{what}{_FILE_ENDINGS.get(suffix, suffix) if what != 'pages' else suffix}"
+    return f"{base}_{kind}{_FILE_ENDINGS.get(suffix, suffix) if kind != 'pages' else suffix}"
 
 
-BY_HAND = frozenset({".labelme.json"})
+HAND_EDITED_SUFFIXES = frozenset({".labelme.json"})
 """Suffixes of formats that are edited by hand, where few vertices are better."""
 
 
@@ -130,7 +130,7 @@ class ExportFile:
     """A file to write: its path, the kind of its content, and the suffix of its format."""
 
     path: Path
-    what: What
+    kind: ExportKind
     suffix: str
 
 
@@ -158,25 +158,25 @@ class ExportOrder:
     objects: frozenset[int] | None = None
     contours: frozenset[int] | None = None
     tolerance: float = 0.0
-    everywhere: bool = False
+    simplify_all_formats: bool = False
     space: Convention = "LPS"
     in_units: bool = True
 
-    def thins(self, suffix: str) -> bool:
+    def should_simplify(self, suffix: str) -> bool:
         """Tell whether vertices are left out in a format."""
-        return self.tolerance > 0.0 and (self.everywhere or suffix in BY_HAND)
+        return self.tolerance > 0.0 and (self.simplify_all_formats or suffix in HAND_EDITED_SUFFIXES)
 
 
-def has_objects(document: Document) -> bool:
+def has_objects_to_export(document: Document) -> bool:
     """Tell whether a document has objects to export, for which no run is needed."""
     return any(not item.hidden for item in document.objects.items)
 
 
-def chosen(
-    found: Result | Skeleton | None, document: Document, order: ExportOrder, what: What, image: Image | None = None
+def prepare_export(
+    found: Result | Skeleton | None, document: Document, order: ExportOrder, kind: ExportKind, image: Image | None = None
 ) -> Result | Skeleton:
     """Return what is exported, with all its vertices; ValueError where there is nothing of the kind."""
-    result = objects_result(document, order.objects) if what == "objects" else found
+    result = build_objects_result(document, order.objects) if kind == "objects" else found
     if result is None:
         raise ValueError(tr("There is nothing to export yet: start a run first."))
     known = document.image
@@ -186,9 +186,9 @@ def chosen(
         result = replace(result, spacing=(1.0,) * len(result.spacing), unit=None)
     if isinstance(result, Skeleton):
         return result
-    if what == "objects":  # tables measure gray levels in the image, and it says where a volume lies in space
+    if kind == "objects":  # tables measure gray levels in the image, and it says where a volume lies in space
         return replace(result, image=image)
-    shown = reviewed_result(document, result)
+    shown = apply_document_review(document, result)
     if order.contours is None:
         return shown
     contours = tuple(contour for contour in shown.contours if contour.number in order.contours)
@@ -197,14 +197,14 @@ def chosen(
     return replace(shown, contours=contours, bridges=bridges)
 
 
-def thinned(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:
+def simplify_result(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:
     """Leave out vertices of a result, so that its lines move by no more than a tolerance [px]."""
     if isinstance(result, Skeleton):  # whose vertices have radii
         return result
-    return replace(result, contours=tuple(_thinned(contour, tolerance) for contour in result.contours))
+    return replace(result, contours=tuple(_simplify_contour(contour, tolerance) for contour in result.contours))
 
 
-def _thinned(contour: Contour, tolerance: float) -> Contour:
+def _simplify_contour(contour: Contour, tolerance: float) -> Contour:
     points = contour.points
     if not contour.closed:
         return replace(contour, points=np.array(polyline.simplify_path(points.tolist(), tolerance)))
@@ -214,15 +214,15 @@ def _thinned(contour: Contour, tolerance: float) -> Contour:
     return replace(contour, points=np.array(few)) if len(few) > 2 else contour
 
 
-def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
+def describe_export(result: Result | Skeleton, kind: ExportKind, suffix: str) -> str:
     """Tell what a file with a suffix holds of a result, and what it leaves out."""
     surface, missing = result.surface if isinstance(result, Result) else None, count_left_out(result, suffix)
-    if what == "objects":
+    if kind == "objects":
         groups = {one.group for one in result.contours}
         count = len(groups if surface is None or surface.numbers is None else set(surface.numbers.tolist()))
         text = tr("1 object") if count == 1 else tr("{count} objects", count=count)
     elif surface is not None:
-        return tr("a surface of {count} triangles", count=written(f"{len(surface.faces):,}"))
+        return tr("a surface of {count} triangles", count=localize_number(f"{len(surface.faces):,}"))
     else:
         count = len(result.contours) - missing
         text = tr("1 contour") if count == 1 else tr("{count} contours", count=count)

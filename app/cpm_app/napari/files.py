@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_app.napari.layers import LayerData, contours_of, layer_of_contours
+from cpm_app.napari.layers import LayerData, contours_from_layer, build_contour_layer
 from cpm_core import Result, Surface, export
 from cpm_core.formats import CONTOURS_READABLE, read_contours
 from cpm_core.numerics.types import JsonObject
@@ -18,29 +18,29 @@ from cpm_core.objects import boundaries_result
 
 def reader_of(path: str | Sequence[str]) -> Callable[[str | Sequence[str]], list[LayerData]] | None:
     """Return the function that reads these files; None for files of other kinds."""
-    paths = _all(path)
-    return _read if paths and all(one.suffix.lower() in CONTOURS_READABLE for one in paths) else None
+    paths = _list_paths(path)
+    return _read_layers if paths and all(one.suffix.lower() in CONTOURS_READABLE for one in paths) else None
 
 
-def _read(path: str | Sequence[str]) -> list[LayerData]:
+def _read_layers(path: str | Sequence[str]) -> list[LayerData]:
     layers: list[LayerData] = []
-    for file in _all(path):
+    for file in _list_paths(path):
         found = read_contours(file)
         if found.contours:
-            layers.append(layer_of_contours(found.contours, file.stem, found.shape or ()))
+            layers.append(build_contour_layer(found.contours, file.stem, found.shape or ()))
         if len(found.points):
             layers.append((found.points, {"name": f"{file.stem} points", "size": 3}, "points"))
     return layers
 
 
-def _all(path: str | Sequence[str]) -> list[Path]:
+def _list_paths(path: str | Sequence[str]) -> list[Path]:
     return [Path(path)] if isinstance(path, str) else [Path(one) for one in path]
 
 
 def write_shapes(path: str, data: Any, settings: JsonObject) -> list[str]:
     """Write a layer of shapes in the format that the suffix names."""
-    contours, shape = contours_of(data, settings)
-    return _written(boundaries_result(contours, (), shape, (1.0, 1.0), None, settings["name"]), path)
+    contours, shape = contours_from_layer(data, settings)
+    return _export_result(boundaries_result(contours, (), shape, (1.0, 1.0), None, settings["name"]), path)
 
 
 def write_surface(path: str, data: Any, settings: JsonObject) -> list[str]:
@@ -49,10 +49,10 @@ def write_surface(path: str, data: Any, settings: JsonObject) -> list[str]:
     spacing = tuple(np.asarray(settings["scale"], dtype=float).tolist())
     shape = tuple((np.ceil(vertices.max(axis=0)) + 1).astype(int).tolist())
     empty = boundaries_result((), (), shape, spacing, None, settings["name"])
-    return _written(replace(empty, surface=Surface(vertices, faces, spacing)), path)
+    return _export_result(replace(empty, surface=Surface(vertices, faces, spacing)), path)
 
 
-def _written(result: Result, path: str) -> list[str]:
+def _export_result(result: Result, path: str) -> list[str]:
     try:
         export(result, path)
     except ValueError as error:  # napari takes a ValueError to mean that there is no writer

@@ -17,17 +17,17 @@ from cpm_core.numerics import Array, Index
 from cpm_core.objects import boundaries_result, partition_without_run
 from cpm_core.shapes import starts_from_contours
 
-Said = tuple[str, Array | None]
+WorkProgress = tuple[str, Array | None]
 """Progress: a sentence, and positions of particles, shape (N, D), if any."""
 
-Work = Generator[Said, None, Any]
+Work = Generator[WorkProgress, None, Any]
 """Computation that yields its progress, where it can be interrupted, and returns its outcome."""
 
 _REPORT_INTERVAL = 0.1
 """Shortest time between two reports of a run [s]."""
 
 
-def objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[cpm.Contour]) -> Work:
+def find_objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[cpm.Contour]) -> Work:
     """Find an object at each positive point, in the box of each closed line, and along each open one.
 
     Parameters
@@ -79,7 +79,7 @@ def objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[
     return replace(empty, surface=surface)
 
 
-def corrected(image: cpm.Image, labels: Index, number: int, inside: Array, outside: Array) -> Work:
+def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, outside: Array) -> Work:
     """Correct the object of a label by points; all others stay as they are.
 
     Parameters
@@ -124,7 +124,7 @@ def corrected(image: cpm.Image, labels: Index, number: int, inside: Array, outsi
     return np.where(better & ((labels == 0) | mask), number, np.where(mask, 0, labels))
 
 
-def run(image: cpm.Image, seeds: Array, parameters: Callable[[], cpm.Parameters]) -> Work:
+def run_from_seeds(image: cpm.Image, seeds: Array, parameters: Callable[[], cpm.Parameters]) -> Work:
     """Run from seeds (N, D) to a result; each step takes the parameters of its moment.
 
     Yields the progress from time to time, and returns a `Result`.
@@ -138,7 +138,7 @@ def run(image: cpm.Image, seeds: Array, parameters: Callable[[], cpm.Parameters]
     return states.result
 
 
-def seeds_of(drawn: Sequence[cpm.Contour], labels: Index | None) -> Array:
+def collect_drawn_seeds(drawn: Sequence[cpm.Contour], labels: Index | None) -> Array:
     """Return seeds (N, D) along drawn lines, and along the boundaries of labels.
 
     `labels` have shape (H, W) or (P, H, W). ValueError when there are neither.

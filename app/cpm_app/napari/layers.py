@@ -25,7 +25,7 @@ _SHAPE_KEY = "image_shape"
 """Key of the shape of the image in the metadata of a layer."""
 
 
-def layer_of_contours(contours: Sequence[Contour], name: str, shape: Sequence[int], **settings: Any) -> LayerData:
+def build_contour_layer(contours: Sequence[Contour], name: str, shape: Sequence[int], **settings: Any) -> LayerData:
     """Build a layer of shapes with a polygon or a path for each contour, and its measures as features."""
     lines = [contour for contour in contours if len(contour.points) > 1]
     rows = measure(lines, contrast=False)
@@ -48,21 +48,21 @@ def layer_of_contours(contours: Sequence[Contour], name: str, shape: Sequence[in
     return [contour.points for contour in lines], {"name": name, **look, **settings}, "shapes"
 
 
-def layers_of_result(result: Result, name: str, **settings: Any) -> list[LayerData]:
+def build_result_layers(result: Result, name: str, **settings: Any) -> list[LayerData]:
     """Build layers of labels and of contours, or in a volume the surface; `settings` place them like their image."""
     layers: list[LayerData] = [(result.labels.copy(), {"name": f"{name} labels", **settings}, "labels")]
     if result.surface is not None:
         look = {"name": f"{name} surface", **settings}
         return [*layers, ((result.surface.vertices, result.surface.faces), look, "surface")]
-    return [*layers, layer_of_contours(result.contours, f"{name} contours", result.shape, **settings)]
+    return [*layers, build_contour_layer(result.contours, f"{name} contours", result.shape, **settings)]
 
 
-def contours_of(data: Sequence[Array], settings: JsonObject) -> tuple[tuple[Contour, ...], Integers]:
+def contours_from_layer(data: Sequence[Array], settings: JsonObject) -> tuple[tuple[Contour, ...], Integers]:
     """Return the contours of a layer of shapes in a plane, with names and colors, and the shape of their image.
 
     `data` are vertices of each shape, shape (K, D); the last two axes are rows and columns [px].
     """
-    drawn = drawn_lines([np.asarray(corners)[:, -2:] for corners in data], settings["shape_type"])
+    drawn = lines_from_shapes([np.asarray(corners)[:, -2:] for corners in data], settings["shape_type"])
     names = settings["features"].get("name", [""] * len(drawn))
     shades = [parse_color([round(255 * float(part)) for part in shade]) for shade in settings["edge_color"]]
     contours = tuple(
@@ -76,7 +76,7 @@ def contours_of(data: Sequence[Array], settings: JsonObject) -> tuple[tuple[Cont
     return contours, tuple(known)
 
 
-def drawn_lines(data: Iterable[Array], kinds: Iterable[str]) -> list[Contour]:
+def lines_from_shapes(data: Iterable[Array], kinds: Iterable[str]) -> list[Contour]:
     """Convert drawn shapes, each with vertices (K, D), to lines.
 
     napari represents an ellipse by the corners of its box.

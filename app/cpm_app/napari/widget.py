@@ -16,15 +16,15 @@ from qtpy.QtWidgets import QLineEdit
 
 import cpm_core as cpm
 from cpm_app.napari import finding
-from cpm_app.napari.layers import LayerData, drawn_lines, layers_of_result
+from cpm_app.napari.layers import LayerData, lines_from_shapes, build_result_layers
 from cpm_core.image.drawing import PARTICLE_COLOR
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import JsonDict
 
-OBJECTS = "Objects at the points"
+FIND_OBJECTS = "Objects at the points"
 """Choice that finds an object at each point."""
 
-RUN = "Run from the shapes"
+RUN_FROM_SHAPES = "Run from the shapes"
 """Choice that starts particles along the shapes."""
 
 _SLIDER_NAMES = ("beta", "w1", "w2", "annealing")
@@ -62,9 +62,9 @@ class FindWidget(Container):  # type: ignore[misc]
 
     def __init__(self, napari_viewer: Viewer) -> None:
         self._viewer = napari_viewer
-        self._worker: GeneratorWorker[finding.Said, None, list[LayerData] | str] | None = None
+        self._worker: GeneratorWorker[finding.WorkProgress, None, list[LayerData] | str] | None = None
         self._parameters = cpm.Parameters()
-        self.button, self.said = PushButton(text="Find"), Label(value="")
+        self.button, self.message = PushButton(text="Find"), Label(value="")
         self.sliders = [
             FloatSlider(
                 name=name, label=info.title, min=info.slider_low, max=info.slider_high, step=info.step,
@@ -76,74 +76,74 @@ class FindWidget(Container):  # type: ignore[misc]
         super().__init__(
             widgets=[
                 create_widget(annotation=Image, name="image", label="Image"),
-                ComboBox(name="way", label="Find", choices=[OBJECTS, RUN]),
+                ComboBox(name="way", label="Find", choices=[FIND_OBJECTS, RUN_FROM_SHAPES]),
                 *(
                     create_widget(annotation=kind, name=name, label=title, options={"tooltip": tooltip})
                     for name, (kind, title, tooltip) in _LAYER_CHOICES.items()
                 ),
                 *self.sliders,
                 self.button,
-                self.said,
+                self.message,
             ]
         )
-        self.said.native.setWordWrap(True)
+        self.message.native.setWordWrap(True)
         for slider in self.sliders:
             slider.native.findChild(QLineEdit).setMinimumWidth(_MIN_NUMBER_WIDTH)
-            slider.changed.connect(self._steer)
-        self.image.changed.connect(self._use_preset)
-        self.way.changed.connect(self._show_rows)
-        self.button.changed.connect(self._press)
-        napari_viewer.layers.events.inserted.connect(lambda event: self._offer(event.value))
-        self._use_preset()
-        self._show_rows()
+            slider.changed.connect(self._on_slider_changed)
+        self.image.changed.connect(self._apply_preset)
+        self.way.changed.connect(self._update_rows)
+        self.button.changed.connect(self._on_button_clicked)
+        napari_viewer.layers.events.inserted.connect(lambda event: self._on_layer_inserted(event.value))
+        self._apply_preset()
+        self._update_rows()
 
-    def _offer(self, layer: Layer) -> None:
+    def _on_layer_inserted(self, layer: Layer) -> None:
         """Choose shapes that the user has begun to draw; layers of results are told by their metadata."""
         if isinstance(layer, Shapes) and not layer.metadata and self.shapes.value is None:
             self.shapes.reset_choices()
             self.shapes.value = layer
 
-    def _show_rows(self) -> None:
+    def _update_rows(self) -> None:
         for row in (self.points, self.outside, *self.sliders):
-            row.visible = (row in self.sliders) == (self.way.value == RUN)
+            row.visible = (row in self.sliders) == (self.way.value == RUN_FROM_SHAPES)
 
     @property
     def _preset(self) -> cpm.Parameters:
         return cpm.PRESETS["shape" if self.image.value is None or self.image.value.ndim == 2 else "volume"]
 
-    def _use_preset(self) -> None:
+    def _apply_preset(self) -> None:
         for slider in self.sliders:
             slider.value = getattr(self._preset, slider.name)
 
-    def _steer(self) -> None:
+    def _on_slider_changed(self) -> None:
         """Pass the values of the sliders to the next step of a run, and to the next run."""
         try:
-            self._parameters = self._chosen()
-            self.said.value = ""
+            self._parameters = self._parameters_from_sliders()
+            self.message.value = ""
         except ValueError as error:
-            self.said.value = str(error)
+            self.message.value = str(error)
 
-    def _chosen(self) -> cpm.Parameters:
+    def _parameters_from_sliders(self) -> cpm.Parameters:
         return replace(self._preset, **{slider.name: slider.value for slider in self.sliders})
 
-    def _press(self) -> None:
+    def _on_button_clicked(self) -> None:
         if self._worker is not None:
             self._worker.quit()
             return
         try:
-            work, build_layers = self._work()
+            work, build_layers = self._prepare_work()
         except ValueError as error:
-            self.said.value = str(error)
+            self.message.value = str(error)
             return
         self.button.text = "Cancel"
-        self._worker = create_worker(_steps, work, build_layers, _progress={"desc": "CPM"})
-        self._worker.yielded.connect(self._report)
-        self._worker.aborted.connect(lambda: self._report(("Canceled.", None)))
-        self._worker.returned.connect(self._take)
-        self._worker.finished.connect(self._end)
+        self._worker = create_worker(_find_layers, work, build_layers, _progress={"desc": "CPM"})
+        self._worker.yielded.connect(self._on_progress)
+        self._worker.aborted.connect(lambda: self._on_progress(("Canceled.", None)))
+        self._worker.returned.connect(self._on_layers_found)
+        self._worker.finished.connect(self._on_finished)
         self._worker.start()
 
-    def _work(self) -> tuple[finding.Work, Callable[[Any], list[LayerData]]]:
+    def _prepare_work(self) -> tuple[finding.Work, Callable[[Any], list[LayerData]]]:
         """Return the computation for the chosen layers, and the function that builds layers of its outcome."""
         layer, shapes, chosen = (choice.value for choice in (self.image, self.shapes, self.objects))
         if layer is None:
@@ -153,52 +153,52 @@ class FindWidget(Container):  # type: ignore[misc]
         labels = None if chosen is None else np.asarray(chosen.data)
         if labels is not None and labels.shape != image.shape:
             raise ValueError(f"{chosen.name} and {layer.name} have different sizes: choose the labels of the image.")
-        places = [self._placed(shapes, corners) for corners in shapes.data] if shapes else []
-        drawn = drawn_lines(places, shapes.shape_type if shapes else ())
+        places = [self._map_to_image(shapes, corners) for corners in shapes.data] if shapes else []
+        drawn = lines_from_shapes(places, shapes.shape_type if shapes else ())
         inside, outside = (
-            np.empty((0, image.ndim)) if points is None else self._placed(points, points.data)
+            np.empty((0, image.ndim)) if points is None else self._map_to_image(points, points.data)
             for points in (self.points.value, self.outside.value)
         )
-        if self.way.value == RUN:
-            self._parameters = self._chosen()
-            work = finding.run(image, finding.seeds_of(drawn, labels), lambda: self._parameters)
+        if self.way.value == RUN_FROM_SHAPES:
+            self._parameters = self._parameters_from_sliders()
+            work = finding.run_from_seeds(image, finding.collect_drawn_seeds(drawn, labels), lambda: self._parameters)
         elif labels is not None and len(inside) + len(outside):
             name, number = chosen.name, chosen.selected_label
-            corrected = finding.corrected(image, labels, number, inside, outside)
+            corrected = finding.correct_label(image, labels, number, inside, outside)
             return corrected, lambda found: [(found, {"name": name}, "labels")]
         elif labels is not None or not len(inside) + len(drawn):
             raise ValueError("Add a layer of points and click into the objects, or draw boxes around them as shapes.")
         else:
-            work = finding.objects_at(image, inside, outside, drawn)
+            work = finding.find_objects_at(image, inside, outside, drawn)
         placing = {name: getattr(layer, name) for name in _PLACING_ATTRIBUTES}
-        return work, lambda found: layers_of_result(found, layer.name, **placing)
+        return work, lambda found: build_result_layers(found, layer.name, **placing)
 
-    def _placed(self, layer: Points | Shapes, places: Array) -> Array:
+    def _map_to_image(self, layer: Points | Shapes, positions: Array) -> Array:
         """Map positions of a layer to pixels of the image; axes that the layer lacks are at the viewer's point."""
         world, image = np.array(self._viewer.dims.point, dtype=float), self.image.value
-        found = np.empty((len(places), image.ndim))
-        for row, place in zip(found, places, strict=True):
+        found = np.empty((len(positions), image.ndim))
+        for row, place in zip(found, positions, strict=True):
             world[-layer.ndim :] = layer.data_to_world(place)
             row[:] = image.world_to_data(world[-image.ndim :])
         return found
 
-    def _report(self, said: finding.Said) -> None:
-        self.said.value, position = said
+    def _on_progress(self, progress: finding.WorkProgress) -> None:
+        self.message.value, position = progress
         if position is not None:
             placing = {name: getattr(self.image.value, name) for name in _PLACING_ATTRIBUTES}
             look = {"name": _PARTICLE_LAYER, "size": 2, "border_width": 0, "face_color": PARTICLE_COLOR, **placing}
-            self._show(position, look, "points")
+            self._show_layer(position, look, "points")
 
-    def _take(self, found: list[LayerData] | str) -> None:
+    def _on_layers_found(self, found: list[LayerData] | str) -> None:
         """Show the layers that were found, or the error."""
         if isinstance(found, str):
-            self.said.value = found
+            self.message.value = found
             return
-        self.said.value = "In the layers: " + ", ".join(settings["name"] for _, settings, _ in found)
+        self.message.value = "In the layers: " + ", ".join(settings["name"] for _, settings, _ in found)
         for layer in found:
-            self._show(*layer)
+            self._show_layer(*layer)
 
-    def _show(self, data: Any, settings: JsonDict, kind: str) -> None:
+    def _show_layer(self, data: Any, settings: JsonDict, kind: str) -> None:
         """Replace the layer of the same name, which remains chosen where its data can be replaced."""
         with suppress(KeyError):
             known = self._viewer.layers[settings["name"]]
@@ -208,17 +208,17 @@ class FindWidget(Container):  # type: ignore[misc]
             self._viewer.layers.remove(known)
         self._viewer.add_layer(Layer.create(data, settings, kind))
 
-    def _end(self) -> None:
+    def _on_finished(self) -> None:
         self._worker, self.button.text = None, "Find"
         with suppress(KeyError):
             self._viewer.layers.remove(self._viewer.layers[_PARTICLE_LAYER])
 
 
-def _steps(
-    work: finding.Work, made: Callable[[Any], list[LayerData]]
-) -> Generator[finding.Said, None, list[LayerData] | str]:
+def _find_layers(
+    work: finding.Work, build_layers: Callable[[Any], list[LayerData]]
+) -> Generator[finding.WorkProgress, None, list[LayerData] | str]:
     """Return the layers of the outcome of a computation, or the sentence of its error."""
     try:
-        return made((yield from work))
+        return build_layers((yield from work))
     except ValueError as error:
         return str(error)

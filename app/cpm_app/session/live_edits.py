@@ -50,8 +50,8 @@ class Live:
     def begin(self, run: int, document: Document) -> None:
         """Record that the run of this generation starts from a document."""
         self._run = run
-        self._late[run], self.executed[run] = document.late, document.sources
-        self._drawn, self._last_shapes = document.sources, document.shapes
+        self._late[run], self.executed[run] = document.start_inputs, document.start_counts
+        self._drawn, self._last_shapes = document.start_counts, document.shapes
 
     def use(self, run: int) -> None:
         """Make the run of the timeline that began as this generation the current one."""
@@ -61,9 +61,9 @@ class Live:
     def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
         """Take over the runs of a session: their first documents and the sources of their particles."""
         document = self._board.scene.document
-        self._drawn, self._last_shapes = document.sources, document.shapes
+        self._drawn, self._last_shapes = document.start_counts, document.shapes
         for run, (first, executed) in begun.items():
-            self._late[run], self.executed[run] = replace(first, image=document.image).late, executed
+            self._late[run], self.executed[run] = replace(first, image=document.image).start_inputs, executed
 
     def forget(self) -> None:
         """Remove all runs, because another image has been opened."""
@@ -88,8 +88,8 @@ class Live:
         executed = self._executed
         # The window asks many times a second, and many thousand points take a while to compare.
         if document.shapes is not self._outdated[0] or executed is not self._outdated[1]:
-            self._outdated = document.shapes, executed, bool(executed - document.sources)
-        return self._outdated[2] or document.late != self._late.get(self._run, ())
+            self._outdated = document.shapes, executed, bool(executed - document.start_counts)
+        return self._outdated[2] or document.start_inputs != self._late.get(self._run, ())
 
     def follow(self, before: Document, after: Document, complete: bool) -> None:
         """Send the changes of the document to the worker; unless `complete`, the gesture is still going on."""
@@ -116,7 +116,7 @@ class Live:
         if document.shapes is self._last_shapes:
             return  # most often only parameters changed, and many points take a while to compare
         self._last_shapes = document.shapes
-        drawn = document.sources
+        drawn = document.start_counts
         lost, gained = self._drawn - drawn, drawn - self._drawn
         self._drawn = drawn
         if not self._board.status.started or lost.total() == gained.total():
@@ -139,8 +139,8 @@ class Live:
         Run and document stay consistent, so that the run is not out of date afterwards.
         """
         board = self._board
-        rest = edits.erase(board.scene.document, path, radius)
-        lost = self._executed & (board.scene.document.sources - rest.sources)
+        rest = edits.erase_shapes(board.scene.document, path, radius)
+        lost = self._executed & (board.scene.document.start_counts - rest.start_counts)
         self._execute(self._executed - lost)
         if not self._board.status.started:
             return rest, False

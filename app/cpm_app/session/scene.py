@@ -10,10 +10,10 @@ from collections.abc import Mapping
 from dataclasses import field
 from functools import cached_property
 
-from cpm_app.model.display.differences import Apart, Difference
+from cpm_app.model.display.differences import SurfaceDifference, Difference
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.objects import AnySelection, made
+from cpm_app.model.document.objects import AnySelection, object_from_selection
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import Slices
 from cpm_app.session.exchange.contour_tracking import TrackedContours
@@ -100,7 +100,7 @@ class Proposal:
     @cached_property
     def item(self) -> SegmentedObject:
         """The object that accepting it would create, of the first class unless it was followed; needs a boundary."""
-        return self.followed or made(self.selection, self.clicks, self.number or 1, 1)
+        return self.followed or object_from_selection(self.selection, self.clicks, self.number or 1, 1)
 
 
 @record
@@ -140,7 +140,7 @@ class ShownObjects:
 
     proposals: tuple[Proposal, ...] = ()
     preview: Preview | None = None
-    chosen: frozenset[int] = frozenset()
+    selected: frozenset[int] = frozenset()
     hovered: int = 0
 
 
@@ -226,7 +226,7 @@ class Scene:
     probed: Probed | None = None
     truth: Truth | VolumeTruth | None = None
     differences: tuple[Difference, ...] = ()
-    apart: tuple[Apart, ...] = ()
+    surface_differences: tuple[SurfaceDifference, ...] = ()
     objects: ShownObjects = field(default_factory=ShownObjects)
     slices: Slices | None = None
     volume: Image | None = None

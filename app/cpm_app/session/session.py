@@ -10,14 +10,14 @@ from PySide6.QtCore import QObject, Qt, QTimer
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document, ImageReference, Mode
-from cpm_app.model.document.modes import MODES, fresh_parameters, needs_start, starting, use_mode
-from cpm_app.model.document.samples import sample_like
-from cpm_app.model.document.saving import restored
+from cpm_app.model.document.modes import MODES, initial_parameters, needs_start, adapt_shapes_to_mode, switch_mode
+from cpm_app.model.document.samples import find_copied_sample
+from cpm_app.model.document.saving import from_session_file
 from cpm_app.model.export import ExportOrder
-from cpm_app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
+from cpm_app.model.state.resolve import INITIAL_PACE_INDEX, RUN_PACES, WindowTexts, resolve_texts
 from cpm_app.model.state.situation import RunStatus, Situation, can_step
-from cpm_app.model.text.keys import with_keys
-from cpm_app.model.text.language import from_core, reason, tr
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import translate_core_text, explain_error, tr
 from cpm_app.model.volume.slices import Slices
 from cpm_app.session.exchange.mailbox import Pacer
 from cpm_app.session.exchange.messages import Core, ImageReady, NotOpened, Opened
@@ -64,7 +64,7 @@ class Session(QObject):
         self.tasks = Tasks(self._worker_thread.report, self._wake, self)
         self.tasks.changed.connect(self.show_status)
         self._numbered = 0
-        self._resolved: tuple[Situation, Resolved] | None = None
+        self._resolved: tuple[Situation, WindowTexts] | None = None
         self.history = History()
         """The changes that can be undone and redone."""
         self.live = Live(board, self.post)
@@ -75,7 +75,7 @@ class Session(QObject):
         self._timer.setTimerType(Qt.TimerType.PreciseTimer)
         self._timer.setInterval(LOOK)
         self._timer.timeout.connect(self._frame)
-        self.set_pace(PACES[FIRST_PACE])
+        self.set_pace(RUN_PACES[INITIAL_PACE_INDEX])
         self._opener = Opener(core, self.tasks)
         self._mode_before = self.document.mode
         """The mode in use when the image that is being opened was requested."""
@@ -92,7 +92,7 @@ class Session(QObject):
             RunsRestored,
             lambda kept: self.live.restore(kept.begun) if kept.generation == self.image_generation else None,
         )
-        self.listen(NotOpened, lambda refused: self.say(refused.sentence, True, OPENING))
+        self.listen(NotOpened, lambda refused: self.say(refused.message, True, OPENING))
 
     # State
 
@@ -144,11 +144,11 @@ class Session(QObject):
         return Situation(self.document, self.status, self.history.undo_name, self.history.redo_name, self.selected)
 
     @property
-    def resolved(self) -> Resolved:
+    def resolved(self) -> WindowTexts:
         """Everything that the window shows and enables, derived from the situation."""
         situation = self.situation
         if self._resolved is None or self._resolved[0] != situation:
-            self._resolved = situation, resolve(situation)
+            self._resolved = situation, resolve_texts(situation)
         return self._resolved[1]
 
     @property
@@ -176,7 +176,7 @@ class Session(QObject):
         try:
             after = edit(before)
         except ValueError as error:
-            self.say(reason(error), True, EDITING)
+            self.say(explain_error(error), True, EDITING)
             return
         if after != before or erasure is not None:
             rest = self._rest_before(after) if gesture else None
@@ -189,7 +189,7 @@ class Session(QObject):
     def use_mode(self, mode: Mode) -> None:
         """Change the mode."""
         name = tr("mode “{mode}”", mode=MODES[mode].title.replace("&", ""))
-        self.edit(name, lambda document: document if document.mode == mode else use_mode(document, mode))
+        self.edit(name, lambda document: document if document.mode == mode else switch_mode(document, mode))
 
     def seal(self) -> None:
         """End a gesture, so that the next edit is undone separately."""
@@ -222,7 +222,7 @@ class Session(QObject):
         """Remove the selected shape."""
         index = self.selected
         if index is not None:
-            name = tr("delete {shape}", shape=from_core(self.document.shapes[index].title))
+            name = tr("delete {shape}", shape=translate_core_text(self.document.shapes[index].title))
             self.select(None)
             self.edit(name, lambda document: edits.delete_shape(document, index))
 
@@ -273,7 +273,7 @@ class Session(QObject):
                 kept_on = tr(
                     "The run stays on the timeline: click it there or press {key:timeline_last} to return to it."
                 )
-                self.say(with_keys(kept_on))
+                self.say(insert_keys(kept_on))
 
     def hold(self, command: Command) -> None:
         """Send a command after which the run stays at some step."""
@@ -321,7 +321,7 @@ class Session(QObject):
         """
         parameters = self.document.parameters
         if self.scene.slices is not None:
-            return self.former_parameters or fresh_parameters("shape")
+            return self.former_parameters or initial_parameters("shape")
         clamped = parameters.scales == self._used_scales
         return replace(parameters, scales=self._asked_scales) if clamped else parameters
 
@@ -339,8 +339,8 @@ class Session(QObject):
         says which part of the file is read, and how.
         """
         path = Path(path)
-        sample = sample_like(path)
-        kept = self.wanted_parameters if self.keeps_parameters else fresh_parameters(self.document.mode)
+        sample = find_copied_sample(path)
+        kept = self.wanted_parameters if self.keeps_parameters else initial_parameters(self.document.mode)
         parameters = sample.parameters if sample else kept
         self.begin(Wanted(path, parameters, resumes=resumes, as_volume=as_volume, reading=reading))
 
@@ -410,7 +410,7 @@ class Session(QObject):
             if document.marks != before.marks:
                 contours = ReviewedContours.of(contours.tracked, document.marks)
             # a pixel size set by hand has to apply before everything else that depends on the edit
-            sized = image if image is None or document.image is None else document.image.sized(image)
+            sized = image if image is None or document.image is None else document.image.with_known_pixel_size(image)
             self._board.scene = replace(scene, image=sized, document=document, selected=selected, contours=contours)
             if sized is not None and sized is not image:
                 self.post(run_call(None, Run.rescale, sized, document))
@@ -470,10 +470,10 @@ class Session(QObject):
         self.post(run_call(None, Run.use, self._board.generation, opened.method, opened.parameters))
         # With its own document from the start: the shapes of the previous one may have another number of axes.
         before, document = self.document, _document(opened, self._mode_before)
-        slices = Slices.of(opened.image.shape)
+        slices = Slices.through_middle(opened.image.shape)
         first = next((shape for shape in document.shapes if isinstance(shape, Sphere)), None)
         if slices is not None and first is not None:
-            slices = slices.through(first.center)
+            slices = slices.with_voxel(first.center)
         self.show(Scene(opened.image, opened.display, document=document, slices=slices))
         self.image_changed.emit()
         self._board.forget()
@@ -488,7 +488,7 @@ class Session(QObject):
         if before.mode != self._mode_before and opened.saved is None and opened.image.ndim == 2:
             self.use_mode(before.mode)  # selected meanwhile
         if opened.notes:
-            self.say(" ".join(map(from_core, opened.notes)))
+            self.say(" ".join(map(translate_core_text, opened.notes)))
 
     def _restore_runs(self, opened: Opened) -> None:
         """Restore the runs of a session if its image is unchanged."""
@@ -506,12 +506,12 @@ class Session(QObject):
 
 def _document(opened: Opened, mode: Mode) -> Document:
     """Return the document that an image or a session begins with; only a sample or a session changes the mode."""
-    image, path, sample = opened.image, opened.path, sample_like(opened.path)
+    image, path, sample = opened.image, opened.path, find_copied_sample(opened.path)
     if image.ndim == 3 and opened.saved is None and sample is None:
         mode = "shape"  # starts everywhere take long in a volume, which has no skeletons either
-    reference = ImageReference.of(path, image, opened.reading)
+    reference = ImageReference.from_image(path, image, opened.reading)
     if opened.saved is not None:
-        return restored(opened.saved.file, reference, opened.parameters)
+        return from_session_file(opened.saved.file, reference, opened.parameters)
     if sample is not None:
         return Document(reference, sample.shapes, opened.parameters, mode=sample.mode)
-    return Document(reference, starting(mode, ()), opened.parameters, mode=mode)
+    return Document(reference, adapt_shapes_to_mode(mode, ()), opened.parameters, mode=mode)

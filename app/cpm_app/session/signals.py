@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.state.situation import Phase, RunStatus
-from cpm_app.model.text.language import shortened, tr
+from cpm_app.model.text.language import elide_middle, tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
     Compiling,
@@ -155,26 +155,26 @@ class Board(QObject):
         for take in tuple(self._listeners.get(type(report), ())):
             take(report)
 
-    def say(self, sentence: str, trouble: bool = False, topic: str = "") -> None:
+    def say(self, message: str, trouble: bool = False, category: str = "") -> None:
         """Show one sentence to the user; its category, such as `EXPORTING`, decides when it is cleared."""
-        self.said.emit(shortened(sentence), trouble, topic)
+        self.said.emit(elide_middle(message), trouble, category)
 
-    def trouble(self, sentence: str, topic: str) -> None:
+    def trouble(self, message: str, category: str) -> None:
         """Show the error of work that is repeated; an empty one clears it, because the work has succeeded.
 
         The same error is shown only once, so that the user can dismiss it.
         """
-        before = self._troubles.pop(topic, "")
-        if sentence:
-            self._troubles[topic] = sentence
-            if sentence != before:
-                self.say(sentence, True, topic)
+        before = self._troubles.pop(category, "")
+        if message:
+            self._troubles[category] = message
+            if message != before:
+                self.say(message, True, category)
         elif before:
-            self.attempt(topic)
+            self.attempt(category)
 
-    def attempt(self, *topics: str) -> None:
+    def attempt(self, *categories: str) -> None:
         """Clear the messages of some categories, because what they were about is attempted again."""
-        for topic in topics:
+        for topic in categories:
             self.attempted.emit(topic)
 
     # The run
@@ -218,7 +218,7 @@ class Board(QObject):
 
     def _take_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
         if isinstance(found, ReconstructionFailed):
-            trouble = found.sentence
+            trouble = found.message
             if self.scene.contours.items:
                 trouble = tr("{trouble} The contours that are shown are those of an earlier step.", trouble=trouble)
             self.trouble(trouble, CONTOURS)
@@ -274,7 +274,7 @@ class Board(QObject):
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
                 written = tr("Written: {path}", path=path)
-                self.say(f"{written} ({counts})" if counts else written, topic=EXPORTING)
+                self.say(f"{written} ({counts})" if counts else written, category=EXPORTING)
             case CommandFailed(sentence, topic):
                 self.say(sentence, True, topic)
             case Compiling(percent) if "preparing" in self._busy:

@@ -10,7 +10,7 @@ from PySide6.QtCore import QLibraryInfo, QLocale, QTimer, QTranslator
 from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
 
-from cpm_app.model.text.language import language, use_marks
+from cpm_app.model.text.language import current_language, use_number_marks
 from cpm_app.views.features.help import HelpFeature
 from cpm_app.views.main_window import open_window
 from cpm_app.views.theme.icons import program_icon
@@ -32,13 +32,13 @@ def make_application() -> QApplication:
     application.setDesktopFileName("cpm")
     application.setStyle("Fusion")
     application.setWindowIcon(program_icon())
-    locale = locale_of(language(), QLocale.system())
+    locale = locale_of(current_language(), QLocale.system())
     QLocale.setDefault(locale)
-    use_marks(locale.decimalPoint(), locale.groupSeparator())
+    use_number_marks(locale.decimalPoint(), locale.groupSeparator())
     # Qt's own dialogs, for files and colors, use the language of the window if Qt has it
     translator = QTranslator(application)
     if translator.load(
-        QLocale(language()), "qtbase", "_", QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
+        QLocale(current_language()), "qtbase", "_", QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
     ):
         application.installTranslator(translator)
     pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)

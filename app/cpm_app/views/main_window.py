@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QTimer
 
-from cpm_app.model.document.samples import samples
+from cpm_app.model.document.samples import load_samples
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.features import FEATURES
@@ -36,7 +36,7 @@ def open_window(path: str | None = None) -> MainWindow:
     window, session = make_window(workspace), workspace.session
 
     def open_first_image() -> None:
-        session.open(path or samples()[0].path)
+        session.open(path or load_samples()[0].path)
         session.warm_up()
 
     window.show()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from cpm_app.model.document.contours import judge
+from cpm_app.model.document.contours import set_verdict
 from cpm_app.session.features.comparison import NOW
 from cpm_app.views.features.compare import CompareFeature
 from PySide6.QtCore import QPoint, QPointF, Qt
@@ -49,11 +49,11 @@ def drag(divider, by: int) -> None:
 def test_both_sides_show_their_result_at_the_same_place(ready, wipe, hand) -> None:
     review = ready.workspace.review
     targets = review.targets(review.items)
-    ready.session.edit("reject", lambda document: judge(document, targets, "rejected"))
+    ready.session.edit("reject", lambda document: set_verdict(document, targets, "rejected"))
     mirror = wipe.mirror
     assert [name.text() for name in wipe.names] == [
         "Shown now",
-        ready.workspace.comparison.rows[ready.workspace.comparison.chosen].title,
+        ready.workspace.comparison.rows[ready.workspace.comparison.selected].title,
     ]
     assert sum(mirror.layers.contours.counts) > 0
     assert sum(hand.canvas.layers.contours.counts) == 0
@@ -82,5 +82,5 @@ def test_the_divider_is_dragged_and_moved_by_arrow_keys_and_esc_ends_it(ready, w
     assert wipe.share == 1.0
     hand.key(KEY.Key_Escape)
     assert wipe.mirror is None
-    assert ready.workspace.comparison.chosen == NOW
+    assert ready.workspace.comparison.selected == NOW
     assert hand.canvas.hasFocus()

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cpm_app.model.display.display_image import DisplayImage
-from cpm_app.model.display.lengths import bar
+from cpm_app.model.display.lengths import find_scale_bar
 from cpm_app.views.layers.annotations import LONGEST
 from hypothesis import given
 from hypothesis import strategies as st
@@ -28,7 +28,7 @@ def length_said(label: str, unit: str) -> float:
 
 @given(st.floats(0.01, 100.0), st.floats(1e-4, 1e3), st.sampled_from([*METRES, "furlong", None]))
 def test_a_bar_is_as_long_as_its_label_within_a_pixel(zoom, size, unit):
-    shown = bar(LONGEST / zoom, size, unit)
+    shown = find_scale_bar(LONGEST / zoom, size, unit)
     on_screen = shown.pixels * zoom
     said = length_said(shown.label, unit or "px")
     assert on_screen * (size if unit else 1.0) / zoom == pytest.approx(said, rel=1e-9)
@@ -41,7 +41,7 @@ def show(window, unit: str | None) -> None:
     session = window.session
     values = np.random.default_rng(0).uniform(size=(64, 64))
     image = Image(values, spacing=(0.25, 0.5), unit=unit)
-    session.show(replace(session.scene, image=image, display=DisplayImage.of(np.zeros((64, 64), np.uint8))))
+    session.show(replace(session.scene, image=image, display=DisplayImage.from_shades(np.zeros((64, 64), np.uint8))))
 
 
 def test_the_bar_follows_the_zoom_and_is_shown_only_with_a_unit(window, hand):

@@ -25,7 +25,7 @@ MOST_BESIDE = 2 * 256
 @settings(deadline=None, max_examples=30)
 @given(SIDES, SIDES, st.integers(0, 2**31))
 def test_a_pixel_of_a_level_is_the_mean_of_those_that_it_covers(rows, cols, seed):
-    display = DisplayImage.of(np.random.default_rng(seed).integers(0, 256, (rows, cols), np.uint8))
+    display = DisplayImage.from_shades(np.random.default_rng(seed).integers(0, 256, (rows, cols), np.uint8))
     assert max(display.levels[-1].shape) <= 256
     for number, level in enumerate(display.levels):
         size = 2**number
@@ -38,7 +38,7 @@ def test_a_pixel_of_a_level_is_the_mean_of_those_that_it_covers(rows, cols, seed
 @settings(deadline=None, max_examples=50)
 @given(SIDES, SIDES, st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.001, 1.0), st.floats(0.001, 60.0))
 def test_a_part_covers_what_is_seen_with_no_more_pixels_than_the_screen_needs(rows, cols, down, right, share, zoom):
-    display = DisplayImage.of(np.zeros((rows, cols), np.uint8))
+    display = DisplayImage.from_shades(np.zeros((rows, cols), np.uint8))
     seen = QRectF(right * cols - 0.5, down * rows - 0.5, share * cols, share * rows)
     seen = seen.intersected(QRectF(-0.5, -0.5, cols, rows))
     level, top, left, bottom, end = part_of(display, seen, zoom)
@@ -65,7 +65,7 @@ def test_finer_levels_of_a_file_are_read_where_the_screen_has_room_for_them():
             return values[part]
 
     image = Image(values[::2, ::2], finer=(Level(),))
-    display = DisplayImage.within(image, IntensityWindow(0.0, 255.0))
+    display = DisplayImage.from_image(image, IntensityWindow(0.0, 255.0))
     assert display.shape == image.shape
     seen = QRectF(300.0, 400.0, 100.0, 50.0)
     assert part_of(display, seen, 1.0)[0] == 0
@@ -89,7 +89,7 @@ def test_of_an_image_that_is_exposed_as_a_whole_only_what_is_on_the_screen_is_re
 
     item = TiledImage(0.0)
     image = Image(np.zeros((3000, 3000), np.uint8), finer=(Level(),))
-    item.show_image(DisplayImage.within(image, IntensityWindow(0.0, 255.0)))
+    item.show_image(DisplayImage.from_image(image, IntensityWindow(0.0, 255.0)))
     screen, option = QImage(300, 200, QImage.Format.Format_RGB32), QStyleOptionGraphicsItem()
     painter = QPainter(screen)
     painter.scale(4.0, 4.0)
@@ -107,7 +107,7 @@ def test_the_picture_of_a_part_holds_its_very_pixels(rows, cols, colored, seed):
     shape = (rows + 5, cols + 7, 3) if colored else (rows + 5, cols + 7)
     pixels = np.random.default_rng(seed).integers(0, 256, shape, np.uint8)
     item = TiledImage(0.0)
-    item.show_image(DisplayImage.of(pixels))
+    item.show_image(DisplayImage.from_shades(pixels))
     picture = item._picture((0, 3, 2, 3 + rows, 2 + cols))
     seen = np.frombuffer(picture.constBits(), np.uint8).reshape(rows, -1, 4)[:, :cols, 2::-1]
     expected = pixels[3 : 3 + rows, 2 : 2 + cols]

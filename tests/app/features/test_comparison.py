@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import PIL.Image
 import pytest
-from cpm_app.model.document.modes import acting_in
-from cpm_app.model.document.objects import objects_result
-from cpm_app.model.parameters.controls import controls
+from cpm_app.model.document.modes import find_effective_controls
+from cpm_app.model.document.objects import build_objects_result
+from cpm_app.model.parameters.controls import build_controls
 from cpm_app.session.features.comparison import NOW, Row
 from cpm_app.views.comparison.panel import ComparePanel
 from cpm_app.views.features.compare import CompareFeature
@@ -31,7 +31,7 @@ pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
-OFFERED = [control.name for control in controls() if control.name in acting_in("shape")]
+OFFERED = [control.name for control in build_controls() if control.name in find_effective_controls("shape")]
 
 
 def opened(window: MainWindow, hand: Hand, entry: str) -> ComparePanel:
@@ -172,7 +172,7 @@ def test_what_a_method_has_found_becomes_an_object(ready, methods, hand) -> None
     (item,) = ready.session.document.objects.items
     assert item.name == "Geodesic active contour"
     assert (item.mask(disc().shape) == (disc() > 100)).mean() > 0.97
-    assert [contour.closed for contour in objects_result(ready.session.document).contours] == [True]
+    assert [contour.closed for contour in build_objects_result(ready.session.document).contours] == [True]
     ready.session.undo()
     assert not ready.session.document.objects.items
 

@@ -13,7 +13,7 @@ import PIL.Image
 import pytest
 import tifffile
 from cpm_app.model.document import edits
-from cpm_app.model.export import file_name, formats
+from cpm_app.model.export import export_file_name, list_export_formats
 from cpm_app.views.export import dialog as export_dialog
 from cpm_app.views.export.dialog import ExportDialog
 from cpm_app.views.features.exchange import ExportFeature
@@ -173,9 +173,9 @@ def test_files_are_replaced_only_where_the_user_agrees(two, hand, monkeypatch) -
 
 
 def test_every_format_is_offered() -> None:
-    assert {*formats("objects"), *formats("contours")} == set(CONTOURS_WRITABLE) - {".tiff", ".nii", ".roi"}
+    assert {*list_export_formats("objects"), *list_export_formats("contours")} == set(CONTOURS_WRITABLE) - {".tiff", ".nii", ".roi"}
     for what in ("objects", "contours"):
-        names = [file_name("a", what, suffix, False) for suffix in formats(what)]
+        names = [export_file_name("a", what, suffix, False) for suffix in list_export_formats(what)]
         assert len(set(names)) == len(names)
 
 

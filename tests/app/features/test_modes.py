@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import ImageReference
-from cpm_app.model.document.modes import use_mode
-from cpm_app.model.document.saving import restored, to_file
+from cpm_app.model.document.modes import switch_mode
+from cpm_app.model.document.saving import from_session_file, to_session_file
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolButton
 
@@ -30,7 +30,7 @@ def test_modes_are_switched_with_mouse_and_keys_and_undone_in_one_step(ready, ha
     before = session.document
     button = ready.findChild(QToolButton, "mode_automatic")
     hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
-    assert session.document == use_mode(before, "automatic")
+    assert session.document == switch_mode(before, "automatic")
     assert button.isChecked()
     hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert button.isChecked()
@@ -171,4 +171,4 @@ def test_objects_have_a_skeleton_of_their_own_that_follows_them(window, hand) ->
     session.edit("larger", lambda document: replace(document, objects=SegmentedObjects((larger,))))
     hand.wait(lambda: session.scene.skeleton not in (None, first) and session.idle)
     assert np.concatenate(session.scene.skeleton.radii).max() == pytest.approx(6.0, abs=0.1)
-    assert restored(to_file(session.document, {}), IMAGE, PRESETS["noisy"]).outlined == session.document.outlined
+    assert from_session_file(to_session_file(session.document, {}), IMAGE, PRESETS["noisy"]).outlined == session.document.outlined

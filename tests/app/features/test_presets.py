@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from cpm_app.model.parameters.presets import Preset, built_in, checked_name, read, written
+from cpm_app.model.parameters.presets import Preset, built_in_presets, check_preset_name, decode_preset, encode_preset
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.views.features.run import RunControlFeature
 from cpm_app.views.panels import presets as dialogs
@@ -34,7 +34,7 @@ def store(tmp_path, qapp) -> PresetStore:
 
 def free(name: str) -> bool:
     """Whether a preset may have a name: it is not blank, and none of the program has it."""
-    return " ".join(name.split()) not in {"", *(preset.name for preset in built_in())}
+    return " ".join(name.split()) not in {"", *(preset.name for preset in built_in_presets())}
 
 
 @given(
@@ -52,8 +52,8 @@ def free(name: str) -> bool:
     st.text(min_size=1, max_size=40).filter(free),
 )
 def test_a_preset_is_read_as_it_was_written(parameters, name) -> None:
-    preset = Preset(checked_name(name), parameters, "about")
-    assert read(written(preset)) == preset
+    preset = Preset(check_preset_name(name), parameters, "about")
+    assert decode_preset(encode_preset(preset)) == preset
 
 
 @pytest.mark.parametrize(
@@ -66,13 +66,13 @@ def test_a_preset_is_read_as_it_was_written(parameters, name) -> None:
 )
 def test_a_file_that_is_no_preset_is_rejected_with_a_message(change, message) -> None:
     with pytest.raises(ValueError, match=message):
-        read(json.dumps(change(json.loads(written(OWN)))).encode())
+        decode_preset(json.dumps(change(json.loads(encode_preset(OWN)))).encode())
 
 
 @given(st.binary(max_size=300))
 def test_arbitrary_bytes_raise_only_a_value_error(content) -> None:
     with pytest.raises(ValueError):
-        read(content)
+        decode_preset(content)
 
 
 def test_a_preset_is_saved_found_and_deleted_and_damaged_files_are_ignored(store, qtbot) -> None:

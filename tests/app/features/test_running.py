@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cpm_app.model.display.display_image import display_of_edge_map
-from cpm_app.model.display.effects import MOTION
+from cpm_app.model.display.display_image import shade_edge_map
+from cpm_app.model.display.effects import MOTION_PARAMETERS
 from cpm_app.model.document import edits
 from cpm_app.views.widgets.containers import ElidedLabel
 from PySide6.QtCore import Qt
@@ -143,12 +143,12 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
     hand.key(KEY.Key_7, ALT)
     hand.wait(lambda: len(seen) == 1)
     engine = Engine(window.session.image, PRESETS["shape"])
-    np.testing.assert_array_equal(seen[0]["edge_map"].shades, display_of_edge_map(engine.edge_map(PRESETS["shape"])))
+    np.testing.assert_array_equal(seen[0]["edge_map"].shades, shade_edge_map(engine.edge_map(PRESETS["shape"])))
     assert seen[0].get("field") is None
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
     hand.wait(lambda: len(seen) == 2)
     np.testing.assert_array_equal(
-        seen[1]["edge_map"].shades, display_of_edge_map(engine.edge_map(replace(PRESETS["shape"], smoothing=2.0)))
+        seen[1]["edge_map"].shades, shade_edge_map(engine.edge_map(replace(PRESETS["shape"], smoothing=2.0)))
     )
     window.panels["layers"].boxes["field"].click()
     hand.wait(lambda: len(seen) == 3)
@@ -158,7 +158,7 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
     assert len(seen) == 3
 
 
-@pytest.mark.parametrize("name", MOTION)
+@pytest.mark.parametrize("name", MOTION_PARAMETERS)
 def test_at_rest_a_moved_slider_continues_the_run_and_undo_brings_the_rest_back(ready, hand, name) -> None:
     session, row = ready.session, ready.panels["run"].parameters.rows[name]
     hand.key(KEY.Key_Space)
@@ -198,7 +198,7 @@ def test_what_the_sliders_of_the_motion_change_is_shown_next_to_them(ready, hand
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle)
     outline = ready.session.scene.contours.items[0].measures.length
-    words = [rows[name].effect.text() for name in MOTION]
+    words = [rows[name].effect.text() for name in MOTION_PARAMETERS]
     assert words[:2] == ["at rest", f"{outline:.0f} px of contours"]
     assert words[2].startswith("fills gaps up to ")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cpm_app.model.display.display_image import display_of_potential
+from cpm_app.model.display.display_image import shade_potential
 
 from cpm_core.segmentation.engine import Engine
 
@@ -16,7 +16,7 @@ ROW, COL = np.indices((SIDE, SIDE)) - (SIDE - 1) / 2
 
 def test_where_the_potential_is_higher_it_is_shown_no_darker():
     potential = ROW + 0.3 * COL
-    shown = display_of_potential(potential).ravel()[np.argsort(potential, axis=None)]
+    shown = shade_potential(potential).ravel()[np.argsort(potential, axis=None)]
     assert (np.diff(shown.astype(int)) >= 0).all()
     assert (shown[0], shown[-1]) == (0, 255)
 
@@ -28,7 +28,7 @@ def test_potential_and_field_are_shown_on_request(ready, hand):
     hand.wait(lambda: potential.shades is not None)
     parameters = session.document.parameters
     engine = Engine(session.image, parameters)
-    assert np.array_equal(potential.shades, display_of_potential(engine.potential(parameters)))
+    assert np.array_equal(potential.shades, shade_potential(engine.potential(parameters)))
     ready.actions_by_name["layer_field"].trigger()
     hand.wait(lambda: len(field.drawn) > 0)
     arrows = field.drawn

@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 def another(option: Amount | Choice | Switch, value: object) -> object:
     """Some other value of an option."""
     if isinstance(option, Choice):
-        return next(way for way in reversed(option.ways) if way not in (value, "hand"))
+        return next(way for way in reversed(option.choices) if way not in (value, "hand"))
     if isinstance(option, Switch):
         return not value
     return option.low if value != option.low else option.high

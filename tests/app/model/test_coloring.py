@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from cpm_app.model.display.coloring import QUANTITIES, SHADES, age, colored, speed
+from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, particle_age, color_particles, particle_speed
 from cpm_app.model.display.lengths import round_up
 from cpm_app.session.timeline.moments import RunRecord
 from cpm_app.views.theme import color_maps
@@ -41,23 +41,23 @@ def test_more_of_a_quantity_never_gives_a_lower_shade(name, seed, count):
     state = moment(count, seed)
     numbered = np.sort(np.random.default_rng(seed).integers(0, count + 1, 7)).astype(float)
     inserted = SimpleNamespace(step=np.arange(1.0, 8.0), numbered=numbered)
-    values = QUANTITIES[name].of(state, inserted)
-    shown = colored(QUANTITIES[name], state, inserted)
+    values = QUANTITIES[name].measure(state, inserted)
+    shown = color_particles(QUANTITIES[name], state, inserted)
     known = np.isfinite(values)
-    assert (shown.marks[~known] == SHADES).all()
-    assert (shown.marks[known] < SHADES).all()
-    assert (np.diff(shown.marks[known][np.argsort(values[known], kind="stable")].astype(int)) >= 0).all()
+    assert (shown.color_indices[~known] == SHADE_COUNT).all()
+    assert (shown.color_indices[known] < SHADE_COUNT).all()
+    assert (np.diff(shown.color_indices[known][np.argsort(values[known], kind="stable")].astype(int)) >= 0).all()
 
 
 @pytest.mark.parametrize("name", ["viridis", "cividis", "magma"])
 def test_a_higher_shade_is_brighter(name):
-    red, green, blue = color_maps.table(name, SHADES).astype(float).T
+    red, green, blue = color_maps.table(name, SHADE_COUNT).astype(float).T
     assert (np.diff(0.2126 * red + 0.7152 * green + 0.0722 * blue) > 0).all()
 
 
 def test_speeds_of_all_scales_are_in_px_of_the_image():
     state = moment(5)
-    assert speed(replace(state, scale=2), NOBODY_BORN) == pytest.approx(4.0 * speed(state, NOBODY_BORN))
+    assert particle_speed(replace(state, scale=2), NOBODY_BORN) == pytest.approx(4.0 * particle_speed(state, NOBODY_BORN))
 
 
 def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(compiled_loops):
@@ -71,7 +71,7 @@ def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(comp
         for identity in state.particles.identity.tolist():
             seen.setdefault(identity, state.step)
     metrics = recorder.metrics()
-    told = age(state, metrics)
+    told = particle_age(state, metrics)
     expected = [state.step - seen[identity] for identity in state.particles.identity.tolist()]
     assert len(set(expected)) > 2
     assert told.tolist() == expected

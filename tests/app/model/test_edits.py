@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
-from cpm_app.model.parameters.controls import controls, slider_range, value_of
+from cpm_app.model.parameters.controls import build_controls, slider_range, control_value
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -48,7 +48,7 @@ def test_every_kind_of_start_gives_seeds_and_no_limit_does() -> None:
     image_seeds = {Everywhere("grid"): np.array([[1.0, 1.0], [9.0, 9.0]])}
     document = Document(shapes=(Barrier(line), Stroke(line), Region((*line, (40.0, 30.0))), Everywhere("grid")))
     assert document.starts == (Stroke(line), Everywhere("grid"))
-    seeds = document.seeds(image_seeds)
+    seeds = document.collect_seeds(image_seeds)
     assert seeds[-2:].tolist() == image_seeds[Everywhere("grid")].tolist()
     stroke = seeds[:-2]
     assert (stroke[:, 0] == 10.0).all()
@@ -78,20 +78,20 @@ def test_the_ratio_sets_w1_and_survives_a_change_of_w2(ratio: float, w2: float) 
     assert document.parameters.w1 == pytest.approx(ratio * Parameters().w2)
     document = edits.set_parameter(document, "w2", w2)
     assert document.parameters.w2 == w2
-    assert value_of(document.parameters, "ratio") == pytest.approx(ratio)
+    assert control_value(document.parameters, "ratio") == pytest.approx(ratio)
 
 
-@pytest.mark.parametrize("control", controls(), ids=lambda control: control.name)
+@pytest.mark.parametrize("control", build_controls(), ids=lambda control: control.name)
 def test_every_control_shows_its_default_and_takes_both_ends_of_its_slider(control) -> None:
-    assert value_of(Parameters(), control.name) == pytest.approx(control.default)
+    assert control_value(Parameters(), control.name) == pytest.approx(control.default)
     assert control.meaning.endswith(".")
     assert control.effect_of_larger.endswith(".")
     for value in (control.slider_low, control.slider_high):
         changed = edits.set_parameter(Document(), control.name, value)
-        assert value_of(changed.parameters, control.name) == pytest.approx(value)
+        assert control_value(changed.parameters, control.name) == pytest.approx(value)
 
 
-@pytest.mark.parametrize("control", controls(), ids=lambda control: control.name)
+@pytest.mark.parametrize("control", build_controls(), ids=lambda control: control.name)
 def test_sliders_in_gray_levels_go_with_the_contrast_of_the_image_and_no_others(control) -> None:
     plain = (control.slider_low, control.slider_high)
     half, full, twice = (slider_range(control, contrast) for contrast in (127.5, 255.0, 510.0))

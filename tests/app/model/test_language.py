@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 from cpm_app import __main__ as start
-from cpm_app.__main__ import CANNOT_OPEN, main
+from cpm_app.__main__ import EXIT_CANNOT_OPEN, main
 from cpm_app.model.text import language
 from cpm_app.session.storage.preferences import Preferences
 
@@ -131,7 +131,7 @@ def test_what_lacks_a_translation_stays_english_and_is_listed(update, monkeypatc
     assert update.main() == 1
     assert "de: not translated: No such sentence {count}" in capsys.readouterr().out
     language.use_language("de")
-    assert language.language() == "de"
+    assert language.current_language() == "de"
     assert language.tr("Force") == "Kraft"
     assert language.tr("No such sentence {count}") == "No such sentence {count}"
     language.use_language("en")
@@ -139,10 +139,10 @@ def test_what_lacks_a_translation_stays_english_and_is_listed(update, monkeypatc
 
 
 def test_the_preferred_language_is_in_use_before_the_window_is_loaded(qapp, monkeypatch) -> None:
-    Preferences().put(language.KEY, "de")
+    Preferences().put(language.LANGUAGE_KEY, "de")
     seen = []
-    monkeypatch.setattr(start, "why_no_window", lambda: seen.append(language.language()) or "no window")
-    assert main([]) == CANNOT_OPEN
+    monkeypatch.setattr(start, "explain_no_window", lambda: seen.append(language.current_language()) or "no window")
+    assert main([]) == EXIT_CANNOT_OPEN
     assert seen == ["de"]
     language.use_language("en")
 
@@ -167,8 +167,8 @@ def test_the_system_names_the_language_where_the_environment_does_not(
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
     try:
-        language.use_language(language.OF_THE_DESKTOP, of_the_system)
-        assert language.language() == used
+        language.use_language(language.SYSTEM_LANGUAGE, of_the_system)
+        assert language.current_language() == used
     finally:
         language.use_language("en")
 
@@ -177,15 +177,15 @@ def test_the_system_names_the_language_where_the_environment_does_not(
 def test_a_language_can_be_chosen_exactly_when_its_translation_has_its_name(name) -> None:
     entry = r'^msgid "English"\nmsgstr "(.*)"$'
     named = re.search(entry, (LANGUAGES / name / "LC_MESSAGES" / "cpm.po").read_text(encoding="utf-8"), re.MULTILINE)
-    assert language.languages().get(name, "") == named.group(1)
+    assert language.list_languages().get(name, "") == named.group(1)
 
 
 def test_a_whole_sentence_of_the_core_is_translated_and_others_stay_english() -> None:
     try:
         language.use_language("de")
         error = PermissionError(errno.EACCES, os.strerror(errno.EACCES), "folder/a.png")
-        assert language.reason(error) == "a.png: Keine Berechtigung"
-        assert language.reason(ValueError("x is 3 but must be below 2.")) == "x is 3 but must be below 2."
+        assert language.explain_error(error) == "a.png: Keine Berechtigung"
+        assert language.explain_error(ValueError("x is 3 but must be below 2.")) == "x is 3 but must be below 2."
     finally:
         language.use_language("en")
 

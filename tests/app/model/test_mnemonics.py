@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cpm_app.model.text.keys import distinct, letter_of
+from cpm_app.model.text.keys import make_mnemonics_unique, find_mnemonic
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,45 +16,45 @@ def bare(text: str) -> str:
 
 @given(TEXTS)
 def test_no_letter_is_marked_twice(texts):
-    letters = [letter for letter in map(letter_of, distinct(texts)) if letter]
+    letters = [letter for letter in map(find_mnemonic, make_mnemonics_unique(texts)) if letter]
 
     assert len(letters) == len(set(letters))
 
 
 @given(TEXTS)
 def test_the_first_text_with_a_letter_keeps_it(texts):
-    made = distinct(texts)
+    made = make_mnemonics_unique(texts)
 
     first = {}
     for text, other in zip(texts, made, strict=True):
-        if letter_of(text) and letter_of(text) not in first:
-            first[letter_of(text)] = other
+        if find_mnemonic(text) and find_mnemonic(text) not in first:
+            first[find_mnemonic(text)] = other
             assert other == text
 
 
 @given(st.lists(st.text(alphabet="abc &", max_size=8), max_size=8))
 def test_texts_in_letters_stay_the_same_but_for_the_mark(texts):
-    assert [bare(text) for text in distinct(texts)] == [bare(text) for text in texts]
+    assert [bare(text) for text in make_mnemonics_unique(texts)] == [bare(text) for text in texts]
 
 
 @given(TEXTS)
 def test_texts_that_are_told_apart_stay_so(texts):
-    once = distinct(texts)
+    once = make_mnemonics_unique(texts)
 
-    assert distinct(once) == once
+    assert make_mnemonics_unique(once) == once
 
 
 def test_another_letter_is_the_first_of_a_word_if_one_is_free():
-    assert distinct(["&Save", "&Send file"]) == ["&Save", "Send &file"]
+    assert make_mnemonics_unique(["&Save", "&Send file"]) == ["&Save", "Send &file"]
 
 
 def test_a_letter_behind_a_text_is_exchanged_there():
-    assert distinct(["開く(&O)", "最近(&O)"]) == ["開く(&O)", "最近(&A)"]
+    assert make_mnemonics_unique(["開く(&O)", "最近(&O)"]) == ["開く(&O)", "最近(&A)"]
 
 
 def test_a_text_whose_letters_are_all_taken_has_none():
-    assert distinct(["&a", "&a"]) == ["&a", "a"]
+    assert make_mnemonics_unique(["&a", "&a"]) == ["&a", "a"]
 
 
 def test_a_doubled_sign_stands_for_itself():
-    assert distinct(["&Cut", "R&&D &Costs"]) == ["&Cut", "&R&&D Costs"]
+    assert make_mnemonics_unique(["&Cut", "R&&D &Costs"]) == ["&Cut", "&R&&D Costs"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.document.saving import changed_parts
+from cpm_app.model.document.saving import describe_changes
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats import to_bytes
@@ -39,15 +39,15 @@ FRAME, DOT = selected((4.5, 25.5), (9.5, 20.5)), selected((11.5, 18.5))
 
 def accepted(document: Document, selection: Selection, clicks: tuple[Click, ...], number: int = 0) -> Document:
     known = document.objects
-    given = objects.made(selection, clicks, number or known.next_number, known.category)
-    return objects.accept(document, (given,), ends=True)
+    given = objects.object_from_selection(selection, clicks, number or known.next_number, known.category)
+    return objects.accept_objects(document, (given,), ends=True)
 
 
 @pytest.fixture
 def document() -> Document:
     """A document with a frame, and a dot of another class in its hole."""
     one = accepted(Document(IMAGE), FRAME, (HERE,))
-    return accepted(objects.classify(one, (), 2), DOT, (THERE,))
+    return accepted(objects.classify_objects(one, (), 2), DOT, (THERE,))
 
 
 def numbers(document: Document) -> list[int]:
@@ -59,21 +59,21 @@ def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own
     assert (frame.number, dot.number) == (1, 2)
     assert [np.array(curve).tolist() for curve in frame.boundary] == [c.points.tolist() for c in FRAME.contours]
     assert (frame.clicks, frame.confidence, frame.strength, dot.category) == ((HERE,), 0.5, 3.0, 2)
-    assert numbers(accepted(objects.delete(document, (1,)), FRAME, (HERE,))) == [2, 3]
+    assert numbers(accepted(objects.delete_objects(document, (1,)), FRAME, (HERE,))) == [2, 3]
 
 
 def test_rejected_objects_are_kept_with_numbers_of_their_own_until_they_are_accepted_or_deleted(document) -> None:
-    offered = objects.made(selected((30.5, 36.5)), (HERE,), 7, 1)
-    left = objects.reject(document, (2,), (offered,))
+    offered = objects.object_from_selection(selected((30.5, 36.5)), (HERE,), 7, 1)
+    left = objects.reject_objects(document, (2,), (offered,))
     assert (numbers(left), [item.number for item in left.objects.rejected]) == ([1], [2, 3])
-    again = objects.accept(left, left.objects.rejected[:1])
+    again = objects.accept_objects(left, left.objects.rejected[:1])
     assert (numbers(again), [item.number for item in again.objects.rejected]) == ([1, 2], [3])
-    assert objects.delete(again, (3,)).objects.rejected == ()
+    assert objects.delete_objects(again, (3,)).objects.rejected == ()
 
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
-    named = objects.rename(document, (2,), " dot ")
-    changing = objects.select(named, objects.first_clicks(named.objects[2], IMAGE.shape), 2)
+    named = objects.rename_objects(document, (2,), " dot ")
+    changing = objects.set_selection_clicks(named, objects.initial_clicks(named.objects[2], IMAGE.shape), 2)
     assert (changing.objects.clicks, changing.objects.edited, changing.objects.category) == ((THERE,), 2, 2)
     changed = accepted(changing, FRAME, (THERE, HERE), 2)
     item = changed.objects[2]
@@ -82,42 +82,42 @@ def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
 
 
 def test_deleting_the_object_that_is_being_changed_ends_the_change(document) -> None:
-    rest = objects.delete(objects.select(document, (HERE,), 2), (2,))
+    rest = objects.delete_objects(objects.set_selection_clicks(document, (HERE,), 2), (2,))
     assert (numbers(rest), rest.objects.edited, rest.objects.clicks) == ([1], 0, ())
 
 
 def test_names_colors_classes_and_states_are_those_of_the_objects_given(document) -> None:
-    changed = objects.amend(objects.amend(document, (1,), hidden=True, color="#123456"), (2,), frozen=True)
+    changed = objects.update_objects(objects.update_objects(document, (1,), hidden=True, color="#123456"), (2,), frozen=True)
     frame, dot = changed.objects.items
     assert (frame.hidden, frame.frozen, dot.hidden, dot.frozen) == (True, False, False, True)
     assert (changed.objects.color_of(frame), changed.objects.color_of(dot)) == ("#123456", changed.objects.classes[1].color)
-    again = objects.classify(changed, (1,), 3)
+    again = objects.classify_objects(changed, (1,), 3)
     assert again.objects.color_of(again.objects[1]) == again.objects.classes[2].color
 
 
 def test_frozen_objects_are_barriers_of_a_run(document) -> None:
     assert document.regions is None
-    frozen = objects.amend(document, (1,), frozen=True)
+    frozen = objects.update_objects(document, (1,), frozen=True)
     assert len(frozen.regions.barriers) == 2
     assert frozen.regions.barriers[0][0] == frozen.regions.barriers[0][-1]
 
 
 def test_the_start_from_an_object_is_its_outer_boundary(document) -> None:
-    (shape,) = objects.as_starts(document, (1,)).shapes
+    (shape,) = objects.add_objects_as_starts(document, (1,)).shapes
     assert isinstance(shape, Polygon)
     assert set(shape.points) == {tuple(corner) for corner in square(4.5, 25.5).tolist()}
 
 
 def test_exported_labels_are_the_numbers_of_the_objects_and_holes_have_none(document) -> None:
-    rest = objects.delete(accepted(document, selected((30.5, 36.5)), (HERE,)), (2,))
-    labels = paint_labels(objects.objects_result(rest))
+    rest = objects.delete_objects(accepted(document, selected((30.5, 36.5)), (HERE,)), (2,))
+    labels = paint_labels(objects.build_objects_result(rest))
     assert labels[7, 7] > 0
     assert labels[15, 15] == 0
     assert labels[33, 33] not in (0, labels[7, 7])
 
 
 def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> None:
-    result = objects.objects_result(objects.name_class(document, 2, "nucleus"))
+    result = objects.build_objects_result(objects.name_class(document, 2, "nucleus"))
     assert {contour.name for contour in result.contours} == {"object 1", "nucleus 2"}
     assert {contour.group for contour in result.contours} == {1, 2}
     assert [bridge.length for bridge in result.bridges] == [21.0, 7.0]
@@ -125,13 +125,13 @@ def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> Non
     assert "nucleus 2" in text
     assert "ridged" in text
     assert "Net area mm^2" in text
-    hidden = objects.amend(document, (1, 2), hidden=True)
-    assert objects.objects_result(hidden) is None
+    hidden = objects.update_objects(document, (1, 2), hidden=True)
+    assert objects.build_objects_result(hidden) is None
 
 
 def test_a_guard_counts_the_objects_that_are_not_saved() -> None:
     none = Document(IMAGE)
     two = accepted(accepted(none, FRAME, (HERE,)), selected((2.0, 3.5)), (THERE,))
-    assert changed_parts(two, none) == ("2 objects",)
-    assert changed_parts(objects.rename(two, (2,), "spot"), two) == ("1 object",)
-    assert changed_parts(objects.delete(two, [1]), two) == ("the objects",)
+    assert describe_changes(two, none) == ("2 objects",)
+    assert describe_changes(objects.rename_objects(two, (2,), "spot"), two) == ("1 object",)
+    assert describe_changes(objects.delete_objects(two, [1]), two) == ("the objects",)

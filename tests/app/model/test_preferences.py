@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 from cpm_app.model.display import lengths
-from cpm_app.model.display.lengths import PixelSize, shown_in
+from cpm_app.model.display.lengths import PixelSize, preferred_pixel_size
 from cpm_app.model.preferences import shortcuts
-from cpm_app.model.preferences.shortcuts import Keyed
-from cpm_app.model.preferences.table import CONTOUR_WIDTH, PREFERENCES, THEME, Choice, Number
+from cpm_app.model.preferences.shortcuts import ActionKeys
+from cpm_app.model.preferences.table import CONTOUR_WIDTH, ALL_PREFERENCES, THEME_PREFERENCE, ChoicePreference, NumberPreference
 from cpm_app.session.storage.preferences import Preferences
 from hypothesis import given
 from hypothesis import strategies as st
@@ -20,30 +20,30 @@ STORED = st.one_of(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("preference", PREFERENCES, ids=lambda preference: preference.name)
+@pytest.mark.parametrize("preference", ALL_PREFERENCES, ids=lambda preference: preference.name)
 def test_a_preference_has_words_a_page_and_a_default_that_it_accepts(preference) -> None:
     assert preference.label
-    assert preference.taken(preference.default) == preference.default
-    assert preference.taken(str(preference.default).lower()) == preference.default
+    assert preference.parse_stored(preference.default) == preference.default
+    assert preference.parse_stored(str(preference.default).lower()) == preference.default
 
 
 @given(stored=STORED)
 def test_any_stored_value_is_taken_within_the_limits_or_not_at_all(stored) -> None:
-    for preference in PREFERENCES:
-        taken = preference.taken(stored)
+    for preference in ALL_PREFERENCES:
+        taken = preference.parse_stored(stored)
         assert taken is None or type(taken) is type(preference.default)
-        if isinstance(preference, Number) and taken is not None:
+        if isinstance(preference, NumberPreference) and taken is not None:
             assert preference.low <= taken <= preference.high
-        if isinstance(preference, Choice) and taken is not None:
-            assert taken in preference.ways
+        if isinstance(preference, ChoicePreference) and taken is not None:
+            assert taken in preference.choices
 
 
 def test_a_broken_value_becomes_the_default() -> None:
     preferences = Preferences()
     preferences.put(CONTOUR_WIDTH.name, "wide")
-    preferences.put(THEME.name, "sepia")
+    preferences.put(THEME_PREFERENCE.name, "sepia")
     assert preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
-    assert preferences.value(THEME) == "system"
+    assert preferences.value(THEME_PREFERENCE) == "system"
 
 
 def test_a_value_comes_back_from_the_file_and_the_default_is_not_stored() -> None:
@@ -80,7 +80,7 @@ def in_unit():
 )
 def test_lengths_are_shown_in_the_preferred_unit_where_that_is_possible(in_unit, unit, spacing, wanted, shown) -> None:
     in_unit(wanted)
-    found = shown_in(spacing, unit)
+    found = preferred_pixel_size(spacing, unit)
     assert found.unit == shown.unit
     assert found.spacing == pytest.approx(shown.spacing)
     assert found.factor == pytest.approx(shown.factor)
@@ -98,24 +98,24 @@ def test_lengths_are_shown_in_the_preferred_unit_where_that_is_possible(in_unit,
 )
 def test_a_measured_length_follows_the_same_rule(in_unit, spacing, unit, wanted, said) -> None:
     in_unit(wanted)
-    assert lengths.measured(24.68, spacing, unit) == said
+    assert lengths.format_measured_length(24.68, spacing, unit) == said
 
 
-ACTIONS = (Keyed("run", "Run", "Run", ("Space",)), Keyed("open", "Open", "File", ("Ctrl+O",)),
-           Keyed("redo", "Redo", "Edit", ("Ctrl+Y", "Ctrl+Shift+Z")), Keyed("about", "About", "Help", ()))  # fmt: skip
+ACTIONS = (ActionKeys("run", "Run", "Run", ("Space",)), ActionKeys("open", "Open", "File", ("Ctrl+O",)),
+           ActionKeys("redo", "Redo", "Edit", ("Ctrl+Y", "Ctrl+Shift+Z")), ActionKeys("about", "About", "Help", ()))  # fmt: skip
 
 
 @given(st.lists(st.tuples(st.sampled_from(ACTIONS), st.sampled_from(["", "Space", "Ctrl+O", "Ctrl+Y", "F5"]))))
 def test_no_key_ever_belongs_to_two_actions(changes) -> None:
     chosen = {}
     for action, key in changes:
-        chosen = shortcuts.with_key(key, action, ACTIONS, chosen)
-        assert shortcuts.keys_of(action, chosen) == ((key,) if key else ())
-        held = [key for one in ACTIONS for key in shortcuts.keys_of(one, chosen)]
+        chosen = shortcuts.assign_key(key, action, ACTIONS, chosen)
+        assert shortcuts.find_action_keys(action, chosen) == ((key,) if key else ())
+        held = [key for one in ACTIONS for key in shortcuts.find_action_keys(one, chosen)]
         assert len(held) == len(set(held))
-        assert shortcuts.read(shortcuts.written(chosen)) == chosen
+        assert shortcuts.parse_shortcuts(shortcuts.encode_shortcuts(chosen)) == chosen
 
 
 def test_an_action_with_its_default_keys_is_not_stored() -> None:
-    chosen = shortcuts.with_key("F5", ACTIONS[0], ACTIONS, {})
-    assert shortcuts.with_key("Space", ACTIONS[0], ACTIONS, chosen) == {}
+    chosen = shortcuts.assign_key("F5", ACTIONS[0], ACTIONS, {})
+    assert shortcuts.assign_key("Space", ACTIONS[0], ACTIONS, chosen) == {}

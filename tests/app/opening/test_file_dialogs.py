@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.document.samples import samples
+from cpm_app.model.document.samples import load_samples
 from cpm_app.session.storage.folders import first_folder, remember_folder
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.features.compare import CompareFeature
@@ -73,7 +73,7 @@ def test_a_folder_chosen_for_an_image_holds_for_this_image_and_this_kind_of_file
 
 
 def test_without_an_image_of_the_user_a_dialog_begins_where_the_last_one_ended(qapp, tmp_path) -> None:
-    preferences, sample = Preferences(), of_image(samples()[0].path)
+    preferences, sample = Preferences(), of_image(load_samples()[0].path)
     assert first_folder(preferences, sample, "export") == Path.home()
     remember_folder(preferences, of_image(tmp_path / "a.png"), "export", tmp_path / "a.svg")
     assert first_folder(preferences, sample, "export") == first_folder(preferences, Document(), "export") == tmp_path

@@ -109,13 +109,13 @@ def test_objects_that_are_exported_and_imported_are_the_same(volume, hand, tmp_p
         volume.actions_by_name["import_contours"].trigger()
         hand.wait(lambda: len(session.document.objects.items) == 2)
     assert [item.number for item in session.document.objects.items] == [4, 9]
-    session.edit("name", lambda document: objects.rename(document, [4], "Niere"))
-    session.edit("color", lambda document: objects.amend(document, [9], color="#102030", name="Zyste"))
+    session.edit("name", lambda document: objects.rename_objects(document, [4], "Niere"))
+    session.edit("color", lambda document: objects.update_objects(document, [9], color="#102030", name="Zyste"))
     before = session.document.objects.items
     what = ExportFile(tmp_path / name, "objects", find_format_suffix(name))
     session.export(ExportOrder((what,)))
     hand.wait(lambda: (tmp_path / name).exists() and session.idle)
-    session.edit("delete", lambda document: objects.delete(document, [4, 9]))
+    session.edit("delete", lambda document: objects.delete_objects(document, [4, 9]))
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tmp_path / name), ""))
     with answering("Objects"):
         if name.endswith(".seg.nrrd"):

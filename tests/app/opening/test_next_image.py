@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.model.document.modes import fresh_parameters, starting
+from cpm_app.model.document.modes import initial_parameters, adapt_shapes_to_mode
 from cpm_app.model.preferences.table import KEEP_PARAMETERS
 from cpm_app.session.exchange.messages import Core
 from cpm_app.views.features.files import OpenSaveFeature
@@ -92,7 +92,7 @@ def open_image(window: MainWindow, hand, path: Path) -> None:
 def test_a_new_image_begins_with_the_parameters_of_its_mode_not_with_those_of_the_last_one(window, hand, other) -> None:
     tune(window)
     open_image(window, hand, other)
-    assert window.session.document.parameters == fresh_parameters("shape") == FRESH
+    assert window.session.document.parameters == initial_parameters("shape") == FRESH
 
 
 def test_parameters_are_kept_for_the_next_image_by_choice(window, hand, other) -> None:
@@ -132,8 +132,8 @@ def test_a_mode_chosen_while_an_image_is_being_opened_is_that_of_the_image_with_
     held.set()
     hand.wait(lambda: window.session.document.image.name == "other.npy" and window.session.idle)
     document = window.session.document
-    assert (document.mode, document.parameters) == ("automatic", fresh_parameters("automatic"))
-    assert document.starts == starting("automatic", ())
+    assert (document.mode, document.parameters) == ("automatic", initial_parameters("automatic"))
+    assert document.starts == adapt_shapes_to_mode("automatic", ())
     window.session.run()
     hand.wait_for_phase("finished")
 

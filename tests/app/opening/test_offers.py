@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cpm_app.model.document.modes import ADVICE
+from cpm_app.model.document.modes import PRESET_OFFERS
 from cpm_app.views.widgets.containers import OfferBar
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
@@ -47,7 +47,7 @@ def test_settings_for_the_kind_are_used_by_one_click_and_taken_back_by_one_key(w
     open_image(window, hand, nuclei)
     before = window.session.document
     assert before.parameters == PRESETS["shape"]
-    assert bar(window).text == ADVICE["fluorescence"]
+    assert bar(window).text == PRESET_OFFERS["fluorescence"]
     press(hand, bar(window).buttons[0])
     document = window.session.document
     assert (document.mode, document.shapes) == ("automatic", (Everywhere("grid"),))

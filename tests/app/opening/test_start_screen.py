@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.model.document.samples import samples
+from cpm_app.model.document.samples import load_samples
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.storage.pictures import SIZE
 from cpm_app.views.application import make_application
@@ -70,7 +70,7 @@ def test_a_sample_is_opened_by_a_click(window, hand) -> None:
     grid = screen(window).samples
     place = grid.visualItemRect(grid.item(0)).center()
     hand.qtbot.mouseClick(grid.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    hand.wait(lambda: window.session.document.image.name == samples()[0].path.name)
+    hand.wait(lambda: window.session.document.image.name == load_samples()[0].path.name)
     hand.wait(lambda: window.session.idle)
 
 
@@ -120,7 +120,7 @@ def test_where_nothing_can_be_opened_the_start_screen_is_shown(qtbot: QtBot, wor
 
 
 def test_a_file_that_cannot_be_opened_is_not_mistaken_for_the_sample_that_is_open(window, hand, tmp_path) -> None:
-    open_image(window, hand, samples()[0].path)
+    open_image(window, hand, load_samples()[0].path)
     broken = tmp_path / "broken.nii"
     broken.write_bytes(b"no image")
     drop(window, broken)
@@ -141,7 +141,7 @@ def drop(window: MainWindow, path: Path) -> None:
     window.dropEvent(QDropEvent(place, Qt.DropAction.CopyAction, data, both, Qt.KeyboardModifier.NoModifier))
 
 
-@pytest.mark.parametrize("sample", [samples()[0], samples()[-1]], ids=lambda sample: sample.path.name)
+@pytest.mark.parametrize("sample", [load_samples()[0], load_samples()[-1]], ids=lambda sample: sample.path.name)
 def test_a_copy_of_a_sample_starts_as_the_sample_does(window, hand, tmp_path, sample) -> None:
     copy = Path(shutil.copy(sample.path, tmp_path))
     open_image(window, hand, copy)
@@ -155,7 +155,7 @@ def test_a_copy_of_a_sample_starts_as_the_sample_does(window, hand, tmp_path, sa
 def test_a_start_with_a_sample_offers_the_newest_work(window, hand, other, image_file) -> None:
     bar = window.offers
     window.feature(StartFeature).welcome()
-    open_image(window, hand, samples()[0].path)
+    open_image(window, hand, load_samples()[0].path)
     assert "disc.npy" in bar.text
     hand.qtbot.mouseClick(bar.buttons[1], Qt.MouseButton.LeftButton)
     assert screen(window).isVisible()

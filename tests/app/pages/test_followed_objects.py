@@ -98,7 +98,7 @@ def is_disk(item, disk_of: tuple[float, float, float]) -> bool:
 def test_what_was_accepted_is_offered_on_the_next_page_with_its_number_name_class_and_color(stack, hand):
     window = stack(MOVING)
     take(window, hand, *(each[:2] for each in MOVING[0]))
-    window.session.edit("name", lambda d: objects.amend(d, (2,), name="left", color="#123456", category=3))
+    window.session.edit("name", lambda d: objects.update_objects(d, (2,), name="left", color="#123456", category=3))
     go(window, hand, 2)
     assert not items(window)
     assert [each.item.number for each in window.workspace.object_selection.proposals] == [1, 2]

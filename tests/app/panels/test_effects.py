@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cpm_app.model.display.effects import MOTION, contours_left, figures
+from cpm_app.model.display.effects import MOTION_PARAMETERS, describe_contours_left, measure_motion
 from cpm_app.model.document import edits
-from cpm_app.model.parameters.controls import MAIN, controls, with_value
+from cpm_app.model.parameters.controls import MAIN_CONTROLS, build_controls, set_control_value
 from cpm_app.views.window.window import MainWindow
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -56,11 +56,11 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
 
 
 def test_motion_comes_first_then_what_matters_for_starts_then_what_decides_which_contours_there_are() -> None:
-    names = [control.name for control in controls()]
+    names = [control.name for control in build_controls()]
     filters = ("edge_floor", "max_gap", "min_strength", "min_length")
-    advanced = [control.name for control in controls() if control.advanced and control.name not in MAIN]
+    advanced = [control.name for control in build_controls() if control.advanced and control.name not in MAIN_CONTROLS]
     assert names[:6] == ["beta", "ratio", "annealing", "reach", "weakest_edge", "smoothing"]
-    assert max(map(names.index, MAIN)) < min(map(names.index, filters))
+    assert max(map(names.index, MAIN_CONTROLS)) < min(map(names.index, filters))
     assert max(map(names.index, filters)) < min(map(names.index, advanced))
 
 
@@ -76,20 +76,20 @@ ENGINE = Engine(CROSSED, START)
 @cache
 def moved(name: str, value: float) -> tuple[list[Mapping[str, float]], float]:
     """Figures of the steps after a slider has been moved during a run, and the length at rest [px]."""
-    state, changed, steps = ENGINE.start(circle((26.0, 20.0), 4.0)), with_value(START, name, value), []
+    state, changed, steps = ENGINE.start(circle((26.0, 20.0), 4.0)), set_control_value(START, name, value), []
     while state.step < 5:
         state = ENGINE.step(state, START)
     while not state.stop_reason:
         state = ENGINE.step(state, changed)
-        steps.append(figures(state, changed, 0.0))
+        steps.append(measure_motion(state, changed, 0.0))
     return steps[:20], sum(contour.length for contour in ENGINE.result(state, changed).contours)
 
 
-@pytest.mark.parametrize("name", MOTION)
+@pytest.mark.parametrize("name", MOTION_PARAMETERS)
 @settings(max_examples=12, deadline=None)
 @given(st.data())
 def test_the_number_next_to_a_slider_goes_where_its_explanation_says(name, data) -> None:
-    control = next(one for one in controls() if one.name == name)
+    control = next(one for one in build_controls() if one.name == name)
     value = st.sampled_from(np.linspace(control.slider_low, control.slider_high, 6).tolist())
     less, more = sorted((data.draw(value), data.draw(value)))
     assume(less < more)
@@ -106,10 +106,10 @@ def test_the_number_next_to_a_slider_goes_where_its_explanation_says(name, data)
 def test_contours_that_a_filter_leaves_are_counted() -> None:
     line = np.column_stack([np.zeros(20), np.arange(20.0)])
     rows = measure([Contour(line, False), Contour(line[:5], False), Contour(line[::4] + 40.0, True)])
-    assert contours_left(rows, "min_length", 100.0, 4) == "4 → 0 contours"
-    assert contours_left(rows, "min_length", 10.0, None) == "2 contours"
-    assert contours_left(rows, "min_length", 25.0, None) == "1 contour"
-    assert contours_left((), "min_length", 25.0, None) == ""
+    assert describe_contours_left(rows, "min_length", 100.0, 4) == "4 → 0 contours"
+    assert describe_contours_left(rows, "min_length", 10.0, None) == "2 contours"
+    assert describe_contours_left(rows, "min_length", 25.0, None) == "1 contour"
+    assert describe_contours_left((), "min_length", 25.0, None) == ""
 
 
 @pytest.mark.usefixtures("found")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cpm_app.model.display.plots import PLOTS, RunMetrics
-from cpm_app.model.parameters.controls import controls, value_of
+from cpm_app.model.parameters.controls import build_controls, control_value
 from cpm_app.views.layers.fields import ARROW_SPACING, arrow_lines, arrows
 from cpm_app.views.panels.run import Chart
 from PySide6.QtCore import QPoint, QRectF, Qt
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.shared_window
 
 def test_every_tooltip_has_symbol_effect_default_and_the_range_of_its_slider(window) -> None:
     rows = window.panels["run"].parameters.rows
-    assert list(rows) == [control.name for control in controls()]
+    assert list(rows) == [control.name for control in build_controls()]
     for name, row in rows.items():
         control, ends = row.control, []
         row.slider.moved_to.connect(ends.append)
@@ -43,7 +43,7 @@ def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, h
             row.slider.setValue(row.slider.maximum())
             assert window.session.document.parameters != begun
             click(target, Qt.MouseButton.LeftButton)
-            assert value_of(window.session.document.parameters, name) == pytest.approx(value_of(begun, name))
+            assert control_value(window.session.document.parameters, name) == pytest.approx(control_value(begun, name))
 
 
 def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:

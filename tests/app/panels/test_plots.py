@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cpm_app.model.display.lengths import short_text
+from cpm_app.model.display.lengths import format_short_number
 from cpm_app.model.display.plots import PLOTS, RunMetrics
 from cpm_app.session.timeline.moments import RunRecord
 from cpm_app.views.panels.run import Chart
@@ -68,4 +68,4 @@ def columns(metrics: RunMetrics) -> list[tuple[str, np.ndarray]]:
 
 
 def test_no_number_is_written_with_an_e():
-    assert [short_text(value) for value in (12345.0, 0.857143, 1e-4, 0.0)] == ["12300", "0.857", "0.0001", "0"]
+    assert [format_short_number(value) for value in (12345.0, 0.857143, 1e-4, 0.0)] == ["12300", "0.857", "0.0001", "0"]

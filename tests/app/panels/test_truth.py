@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cpm_app.model.display.differences import differences
-from cpm_app.model.document.contours import judge
-from cpm_app.model.document.imported import add_objects, objects_of
+from cpm_app.model.display.differences import find_boundary_differences
+from cpm_app.model.document.contours import set_verdict
+from cpm_app.model.document.imported import add_objects, objects_from_contours
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.comparison import NOW, Row
 from cpm_app.views.features.compare import CompareFeature
@@ -112,7 +112,7 @@ def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> 
     before, agreed = figure(compared, "dice"), compared.workspace.comparison.agreed
     review = compared.workspace.review
     targets = review.targets(review.items)
-    compared.session.edit("reject", lambda document: judge(document, targets, "rejected"))
+    compared.session.edit("reject", lambda document: set_verdict(document, targets, "rejected"))
     hand.wait(lambda: figure(compared, "dice") == 0.0)
     assert math.isinf(compared.workspace.comparison.agreed[NOW].hausdorff)
     compared.session.undo()
@@ -122,7 +122,7 @@ def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> 
 
 def test_objects_are_compared_where_there_are_any(compared, hand) -> None:
     before = figure(compared, "dice")
-    (item,) = objects_of(truth_row(compared).found.contours)
+    (item,) = objects_from_contours(truth_row(compared).found.contours)
     compared.session.edit("add", lambda document: add_objects(document, [item]))
     hand.wait(lambda: figure(compared, "dice") > 0.99)
     compared.session.undo()
@@ -187,13 +187,13 @@ def test_differences_are_the_segments_beyond_the_tolerance_largest_first() -> No
     bulge = found.points.copy()
     bulge[found.points[:, 0] == 30.0, 0] += 6.0  # the lower side is pushed out
     truth = truth_from_contours([found], (48, 48))
-    there = differences([Contour(bulge, True)], compare([Contour(bulge, True)], truth))
+    there = find_boundary_differences([Contour(bulge, True)], compare([Contour(bulge, True)], truth))
     assert {difference.kind for difference in there} == {"missing", "wrong"}
     assert there[0].farthest == pytest.approx(6.0)
     assert [d.farthest for d in there] == sorted((d.farthest for d in there), reverse=True)
     for difference in there:
         assert difference.points[:, 0].min() >= 26.0
-    same = differences([found], compare([found], truth))
+    same = find_boundary_differences([found], compare([found], truth))
     assert same == ()
 
 

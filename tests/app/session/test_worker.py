@@ -363,7 +363,7 @@ def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(ben
     bench.settle()
     (failed,) = [report for report in bench.reports if isinstance(report, RunFailed)]
     assert failed.generation == 2
-    assert "kernel fell over" in failed.sentence
+    assert "kernel fell over" in failed.message
     assert "kernel fell over" in caplog.text
     bench.worker_thread.post(run_call(None, Run.set_parameters, Parameters()))
     bench.worker_thread.post(run_call(2, Run.go, 2))

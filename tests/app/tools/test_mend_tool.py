@@ -120,9 +120,9 @@ def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
     QCursor.setPos(mended.mapToGlobal(QPoint(2, 2)))
     mended.actions_by_name["cross_hair"].trigger()
     crosshair = mended.canvas_area.crosshair
-    crosshair.move(*(np.array(at(-2.0, DRAWN)) - crosshair.at))
+    crosshair.move(*(np.array(at(-2.0, DRAWN)) - crosshair.position))
     hand.key(KEY.Key_Return)
-    crosshair.move(*(np.array(at(-2.0, TRUE + 1)) - crosshair.at))
+    crosshair.move(*(np.array(at(-2.0, TRUE + 1)) - crosshair.position))
     hand.key(KEY.Key_Return)
     assert radii(bone(mended)).min() == pytest.approx(TRUE, abs=1.0), "pulled by keys"
     hand.key(KEY.Key_Escape)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cpm_app.model.document.objects import delete
+from cpm_app.model.document.objects import delete_objects
 from cpm_app.session.features import object_list, object_selection, selector
 from cpm_app.session.features.object_selection import percent
 from cpm_app.session.features.selector import all_objects
@@ -413,7 +413,7 @@ def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window,
     np.testing.assert_array_equal(offered(objects), everywhere.selection.mask)
     hand.key(KEY.Key_Escape)
     window.actions_by_name["start_grid"].trigger()
-    window.session.edit("forget", lambda d: delete(d, [item.number for item in d.objects.rejected]))
+    window.session.edit("forget", lambda d: delete_objects(d, [item.number for item in d.objects.rejected]))
     window.session.edit("draw", lambda d: replace(d, shapes=(Circle((row, col), 0.5 * radius),)))
     window.session.run()
     hand.wait_for_phase("finished")

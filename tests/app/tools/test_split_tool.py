@@ -97,7 +97,7 @@ def test_keys_part_them(pair, hand) -> None:
     crosshair = pair.canvas_area.crosshair
     hand.key(KEY.Key_Return)
     for place in ((24.0, 20.0), (39.0, 44.0)):
-        crosshair.move(place[0] - crosshair.at[0], place[1] - crosshair.at[1])
+        crosshair.move(place[0] - crosshair.position[0], place[1] - crosshair.position[1])
         hand.key(KEY.Key_Return)
     check_halves(pair)
 

@@ -42,16 +42,16 @@ def drawn(window):
 
 def test_enter_shows_the_cross_hair_in_the_center_and_arrows_move_it(window, hand, keys) -> None:
     crosshair = window.canvas_area.crosshair
-    assert crosshair.at is None
+    assert crosshair.position is None
     keys("!")
-    assert crosshair.at == pytest.approx((32, 32), abs=1)
-    row, col = crosshair.at
+    assert crosshair.position == pytest.approx((32, 32), abs=1)
+    row, col = crosshair.position
     keys("v>.>.^.")
-    assert crosshair.at == (row + 9, col + 2)
+    assert crosshair.position == (row + 9, col + 2)
     assert window.pointer_readout.text().startswith(f"row {row + 9:.0f}, col {col + 2:.0f}:")
     assert "cross-hair" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Escape)
-    assert crosshair.at is None
+    assert crosshair.position is None
     assert "cross-hair" not in window.canvas_area.hint.text()
 
 
@@ -62,7 +62,7 @@ PATHS = {"polygon": Polygon, "stroke": Stroke, "grid_area": Grid, "threshold": T
 def test_paths_are_drawn_corner_by_corner_and_ended_by_a_second_enter(window, hand, keys, name) -> None:
     hand.key(KEYS[name])
     keys("!")
-    row, col = window.canvas_area.crosshair.at
+    row, col = window.canvas_area.crosshair.position
     keys("!v!>!!")
     (shape,) = drawn(window)
     assert type(shape) is {**PATHS, "barrier": Barrier}[name]
@@ -73,7 +73,7 @@ def test_paths_are_drawn_corner_by_corner_and_ended_by_a_second_enter(window, ha
 def test_circles_and_ellipses_are_dragged(window, hand, keys, name, kind) -> None:
     hand.key(KEYS[name])
     keys("!")
-    row, col = window.canvas_area.crosshair.at
+    row, col = window.canvas_area.crosshair.position
     keys("!>v!>")
     (shape,) = drawn(window)
     assert shape == (
@@ -85,7 +85,7 @@ def test_circles_and_ellipses_are_dragged(window, hand, keys, name, kind) -> Non
 def test_a_charge_is_placed_dragged_released_and_dragged_again(window, hand, keys, name) -> None:
     hand.key(KEYS[name])
     keys("!")
-    row, col = window.canvas_area.crosshair.at
+    row, col = window.canvas_area.crosshair.position
     keys("!>>!v")
     (charge,) = drawn(window)
     assert charge.position == (row, col + 20)
@@ -98,7 +98,7 @@ def test_a_charge_is_placed_dragged_released_and_dragged_again(window, hand, key
 
 def test_a_shape_and_its_handle_are_dragged_with_the_select_tool(window, hand, keys) -> None:
     keys("!")
-    row, col = window.canvas_area.crosshair.at
+    row, col = window.canvas_area.crosshair.position
     window.session.edit("add", lambda document: edits.add_shape(document, Circle((row, col), 10.0)))
     hand.key(KEYS["select"])
     keys("!>!")
@@ -110,8 +110,8 @@ def test_a_shape_and_its_handle_are_dragged_with_the_select_tool(window, hand, k
 def test_a_press_of_the_pointer_hides_the_cross_hair(window, hand, keys) -> None:
     keys("!")
     hand.move(5, 5)
-    assert window.canvas_area.crosshair.at == pytest.approx((32, 32), abs=1)
+    assert window.canvas_area.crosshair.position == pytest.approx((32, 32), abs=1)
     hand.drag((20, 20), (20, 25), (20, 28))
-    assert window.canvas_area.crosshair.at is None
+    assert window.canvas_area.crosshair.position is None
     (circle,) = drawn(window)
     assert circle.radius == pytest.approx(8, abs=0.5)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.tool import AUTO, CHARGE, CIRCLE, GROUPS
 from cpm_app.views.window.bars import ToolPalette
@@ -199,7 +199,7 @@ def test_every_tool_has_a_key_of_its_own_a_tip_and_an_icon(window) -> None:
     assert len(set(keys)) == len(TOOLS)
     assert all(len(key) == 1 and tool.tip.endswith(".") for key, tool in zip(keys, TOOLS, strict=True))
     for tool in TOOLS:
-        assert with_keys(tool.tip) in window.actions_by_name[tool.name].toolTip()
+        assert insert_keys(tool.tip) in window.actions_by_name[tool.name].toolTip()
         assert not window.actions_by_name[tool.name].icon().isNull()
 
 

@@ -78,7 +78,7 @@ def test_contours_of_an_earlier_step_are_not_exported_as_those_of_the_last_one(
 
 
 def test_a_run_starts_and_goes_on_where_an_overlay_fails(ready, hand, monkeypatch) -> None:
-    monkeypatch.setattr(prepared_methods, "display_of_potential", raising(MemoryError()))
+    monkeypatch.setattr(prepared_methods, "shade_potential", raising(MemoryError()))
     ready.session.want_overlay("potential", True)
     hand.wait(lambda: "memory" in said(ready))
     hand.key(KEY.Key_Period)

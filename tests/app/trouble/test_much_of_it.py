@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.model.text.language import MOST_SHOWN
+from cpm_app.model.text.language import MAX_SHOWN_LETTERS
 
 from cpm_core.shapes import Barrier, Polygon, Region
 from tests.app.session.test_never_blocks import Watch
@@ -47,7 +47,7 @@ def test_a_session_with_a_million_letters_shows_only_few_of_them(ready, hand, tm
     ready.session.open(path)
     shown = ready.canvas_area.messages
     hand.wait(lambda: bool(shown.text) or ready.session.image_generation > opened)
-    assert len(shown.text) <= MOST_SHOWN
+    assert len(shown.text) <= MAX_SHOWN_LETTERS
 
 
 @pytest.mark.parametrize("kind", [Barrier, Region, Polygon])
@@ -75,4 +75,4 @@ def test_a_gesture_on_a_line_of_many_corners_takes_few_calls(window, hand, kind)
 def test_a_file_whose_name_is_too_long_is_refused_in_one_sentence(ready, hand, tmp_path) -> None:
     ready.session.open(Path(tmp_path / (LONG + ".png")))
     hand.wait(lambda: bool(ready.canvas_area.messages.text))
-    assert len(ready.canvas_area.messages.text) <= MOST_SHOWN
+    assert len(ready.canvas_area.messages.text) <= MAX_SHOWN_LETTERS

@@ -31,7 +31,7 @@ def only(window, kind):
 
 
 def flat(view, place) -> np.ndarray:
-    return np.array(view.here.within(tuple(place)))
+    return np.array(view.here.drop_axis(tuple(place)))
 
 
 def test_a_drag_draws_a_box_whose_faces_are_dragged_in_any_slice(volume, hand, cases) -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cpm_app.model.volume.slices import Slices, directions_of, edges_of, first_seen
+from cpm_app.model.volume.slices import Slices, slice_directions, find_edge_labels, find_front_axis
 from cpm_app.views.features.offers import StackFeature
 from cpm_app.views.features.volumes import SlicesFeature
 from hypothesis import given
@@ -59,10 +59,10 @@ def test_what_is_superior_is_above_and_keys_lead_where_they_point(patient, hand)
     assert head.y() < foot.y()
     assert head.x() == foot.x()
     hand.key(Qt.Key.Key_Return)
-    row, col = patient.canvas_area.crosshair.at
+    row, col = patient.canvas_area.crosshair.position
     hand.key(Qt.Key.Key_Up)
     hand.key(Qt.Key.Key_Right)
-    assert patient.canvas_area.crosshair.at == (row + 1.0, col + 1.0)
+    assert patient.canvas_area.crosshair.position == (row + 1.0, col + 1.0)
     hand.key(Qt.Key.Key_Escape)
     before = canvas.point((4.0, 10.0))
     canvas.pan(0.0, 30.0)
@@ -75,12 +75,12 @@ def test_what_is_superior_is_above_and_keys_lead_where_they_point(patient, hand)
 def test_a_patient_is_never_mirrored(order, signs) -> None:
     along = np.eye(3)[order] * np.array(signs)[:, None]
     volume = replace(NOTHING, geometry=Geometry((0.0, 0.0, 0.0), tuple(map(tuple, along.tolist()))))
-    seen = [axes @ along for axes in directions_of(volume)]  # along left, posterior, superior
+    seen = [axes @ along for axes in slice_directions(volume)]  # along left, posterior, superior
     assert all(np.linalg.det(axes) == pytest.approx(1.0) for axes in seen)
-    front = seen[first_seen(volume)]
+    front = seen[find_front_axis(volume)]
     assert np.abs(front[2]).tolist() == [0.0, 1.0, 0.0]
     for axis, axes in enumerate(seen):
-        (top, bottom), (left, right) = edges_of(volume, replace(Slices.of(volume.shape), axis=axis))
+        (top, bottom), (left, right) = find_edge_labels(volume, replace(Slices.through_middle(volume.shape), axis=axis))
         assert [VECTORS[right], VECTORS[bottom]] == axes[:2].tolist()
         assert bottom not in "AS"
         assert right not in "RA"

@@ -7,7 +7,7 @@ import csv
 import numpy as np
 import pytest
 import tifffile
-from cpm_app.model.export import formats
+from cpm_app.model.export import list_export_formats
 from cpm_app.views.features.run import RunControlFeature
 from cpm_app.views.widgets.containers import ElidedLabel
 from PySide6.QtCore import Qt
@@ -67,8 +67,8 @@ def test_an_image_has_no_figures_of_a_surface(window) -> None:
 
 def test_surface_labels_and_particles_are_exported_at_once(found, hand, tmp_path) -> None:
     dialog = asked(hand.qtbot, found)
-    assert {*formats("surface")} == set(VOLUMES_WRITABLE) - {".tiff", ".nii", ".seg.dcm"}
-    check(hand.qtbot, dialog, *(f"surface:{suffix}" for suffix in formats("surface")))
+    assert {*list_export_formats("surface")} == set(VOLUMES_WRITABLE) - {".tiff", ".nii", ".seg.dcm"}
+    check(hand.qtbot, dialog, *(f"surface:{suffix}" for suffix in list_export_formats("surface")))
     assert "a surface of " in dialog.summary.text()
     assert dialog.windowTitle() == "Export surface"
     for path in order(hand.qtbot, found, dialog, tmp_path):

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
-from cpm_app.model.document.samples import sample_called
-from cpm_app.model.text.assets import asset, guide_page
+from cpm_app.model.document.samples import find_sample_named
+from cpm_app.model.text.assets import find_asset, read_guide_page
 from cpm_app.views.features.help import HelpFeature
 from cpm_app.views.window.guide import KEYS, PAGES, Guide
 from PySide6.QtCore import Qt, QUrl
@@ -17,7 +17,7 @@ from PySide6.QtGui import QKeySequence
 
 pytestmark = pytest.mark.shared_window
 
-TEXTS = {name: [block.text for block in guide_page(name)] for name in PAGES}
+TEXTS = {name: [block.text for block in read_guide_page(name)] for name in PAGES}
 NAMED = sorted({name for texts in TEXTS.values() for text in texts for name in re.findall(r"\{(\w+)\}", text)})
 LINKS = sorted({link for texts in TEXTS.values() for text in texts for link in re.findall(r"href='([^']+)'", text)})
 
@@ -58,11 +58,11 @@ def test_every_link_has_a_target_and_every_picture_exists(window, guide) -> None
     for link in LINKS:
         kind, _, name = link.partition(":")
         assert kind in ("page", "sample")
-        assert name in PAGES if kind == "page" else sample_called(name) is not None
+        assert name in PAGES if kind == "page" else find_sample_named(name) is not None
     for page in PAGES:
-        for block in guide_page(page):
+        for block in read_guide_page(page):
             if block.picture:
-                with PIL.Image.open(asset(f"guide/{block.picture}")) as picture:
+                with PIL.Image.open(find_asset(f"guide/{block.picture}")) as picture:
                     assert np.asarray(picture).std() > 5
 
 
@@ -85,7 +85,7 @@ def test_the_guide_is_one_window_that_can_be_closed_and_opened_again(window, han
 
 def test_the_narrow_place_of_the_artery_stands_out_in_its_skeleton(window, hand) -> None:
     session = window.session
-    window.open_image(str(sample_called("artery.png").path))
+    window.open_image(str(find_sample_named("artery.png").path))
     hand.wait(lambda: session.document.image.name == "artery.png" and session.idle)
     window.actions_by_name["mode_skeleton"].trigger()
     hand.key(Qt.Key.Key_Space)

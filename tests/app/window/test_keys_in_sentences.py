@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from cpm_app.model.text.keys import Named, use_names, with_keys
+from cpm_app.model.text.keys import ActionName, use_action_names, insert_keys
 from cpm_app.views.features.help import HelpFeature
 from cpm_app.views.widgets.actions import native
 from PySide6.QtCore import Qt
@@ -135,7 +135,7 @@ def test_the_guide_follows_changed_keys_while_it_is_open(window, hand) -> None:
 
 
 def test_an_action_without_a_key_is_called_by_its_title() -> None:
-    use_names({"run": Named("", "Run"), "open": Named("", "Open"), "reset": Named("{", "Reset")})
-    assert with_keys("Press {key:run} to run.") == "Press “Run” to run."
-    assert with_keys("Open an image ({key:open}) or drop one here.") == "Open an image or drop one here."
-    assert with_keys("Reset ({key:reset}) removes the {shape}.", shape="circle") == "Reset ({) removes the circle."
+    use_action_names({"run": ActionName("", "Run"), "open": ActionName("", "Open"), "reset": ActionName("{", "Reset")})
+    assert insert_keys("Press {key:run} to run.") == "Press “Run” to run."
+    assert insert_keys("Open an image ({key:open}) or drop one here.") == "Open an image or drop one here."
+    assert insert_keys("Reset ({key:reset}) removes the {shape}.", shape="circle") == "Reset ({) removes the circle."

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from cpm_app.model.text.keys import letter_of
+from cpm_app.model.text.keys import find_mnemonic
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QWidget
 
@@ -11,7 +11,7 @@ pytestmark = pytest.mark.shared_window
 
 
 def letters(actions: list[QAction]) -> list[str]:
-    return [letter for action in actions if action.isVisible() and (letter := letter_of(action.text()))]
+    return [letter for action in actions if action.isVisible() and (letter := find_mnemonic(action.text()))]
 
 
 def menus(window: QWidget, actions: list[QAction]) -> list[QMenu]:
@@ -35,11 +35,11 @@ def test_no_letter_chooses_two_entries_of_a_menu(window):
 def test_an_entry_that_appears_gets_a_letter_of_its_own(window):
     menu = menus(window, window.menuBar().actions()[:1])[0]
     menu.aboutToShow.emit()
-    taken = letter_of(next(action.text() for action in menu.actions() if letter_of(action.text())))
+    taken = find_mnemonic(next(action.text() for action in menu.actions() if find_mnemonic(action.text())))
     added = QAction(f"&{taken} 再 Qxzwjykv", menu)
     menu.addAction(added)
 
     menu.aboutToShow.emit()
 
-    assert letter_of(added.text()) not in {"", taken}
+    assert find_mnemonic(added.text()) not in {"", taken}
     menu.removeAction(added)

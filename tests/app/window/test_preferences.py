@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.preferences.table import (
-    AUTOSAVE,
+    AUTOSAVE_PREFERENCE,
     CONTOUR_WIDTH,
-    INKS,
-    PAGES,
+    INK_PREFERENCES,
+    PAGE_TITLES,
     SHAPE_WIDTH,
-    UNIT,
+    UNIT_PREFERENCE,
 )
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.features.files import RecoveryFeature
@@ -59,7 +59,7 @@ def across(window, color: str) -> int:
 def test_the_dialog_fits_a_small_screen_and_every_page_opens(dialog) -> None:
     assert dialog.width() <= 1280 - 80
     assert dialog.height() <= 720 - 80
-    for name in PAGES:
+    for name in PAGE_TITLES:
         dialog.turn_to(name)
         shown = [row for row in dialog.rows.values() if row.isVisible()]
         assert bool(shown) != dialog.page("shortcuts").isVisible()
@@ -78,13 +78,13 @@ def test_lines_of_shapes_get_wider_at_once(window, dialog, hand) -> None:
 def test_reset_of_a_page_restores_its_defaults_and_no_others(window, dialog, hand) -> None:
     preferences = window.preferences
     preferences.choose(CONTOUR_WIDTH, 4.0)
-    preferences.choose(INKS["contour"], "#123456")
+    preferences.choose(INK_PREFERENCES["contour"], "#123456")
     assert look().color(theme.CONTOUR) == "#123456"
     dialog.turn_to("appearance")
     button = next(b for b in dialog.findChildren(QPushButton) if b.text() == "Reset this page")
     hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
-    assert look().color(theme.CONTOUR) == INKS["contour"].default
+    assert look().color(theme.CONTOUR) == INK_PREFERENCES["contour"].default
     assert look().contours == 1.0
 
 
@@ -96,9 +96,9 @@ def test_without_autosave_there_is_no_journal(ready, hand) -> None:
     dialog = ready.feature(PreferencesFeature).show()
     dialog.turn_to("files")
     hand.qtbot.mouseClick(
-        dialog.rows[AUTOSAVE.label], Qt.MouseButton.LeftButton, pos=dialog.rows[AUTOSAVE.label].rect().topLeft()
+        dialog.rows[AUTOSAVE_PREFERENCE.label], Qt.MouseButton.LeftButton, pos=dialog.rows[AUTOSAVE_PREFERENCE.label].rect().topLeft()
     )
-    dialog.rows[AUTOSAVE.label].setChecked(False)
+    dialog.rows[AUTOSAVE_PREFERENCE.label].setChecked(False)
     journal.write()
     journal.flush()
     assert not journal.path.exists()
@@ -164,9 +164,9 @@ def test_another_unit_is_shown_at_once(window, hand, monkeypatch) -> None:
     monkeypatch.setattr(type(session), "image", property(lambda self: image))
     window.pointer_readout._show((10.0, 20.0))
     assert "5 µm" in window.pointer_readout.text()
-    window.preferences.choose(UNIT, "nm")
+    window.preferences.choose(UNIT_PREFERENCE, "nm")
     window.pointer_readout._show((10.0, 20.0))
     assert "5000 nm" in window.pointer_readout.text()
-    window.preferences.choose(UNIT, "px")
+    window.preferences.choose(UNIT_PREFERENCE, "px")
     window.pointer_readout._show((10.0, 20.0))
     assert "µm" not in window.pointer_readout.text()

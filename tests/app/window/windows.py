@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
-from cpm_app.model.document.modes import use_mode
-from cpm_app.model.preferences.table import PREFERENCES
+from cpm_app.model.document.modes import switch_mode
+from cpm_app.model.preferences.table import ALL_PREFERENCES
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.session import Session
 from cpm_app.views.application import make_application
@@ -47,7 +47,7 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
     The layers are shown as `views` says, by their names.
     """
     preferences = window.preferences
-    for preference in PREFERENCES:
+    for preference in ALL_PREFERENCES:
         preferences.choose(preference, preference.default)
     preferences._settings.clear()
     for layer in window.canvas_area.canvas.layers:
@@ -62,7 +62,7 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
         if isinstance(tool, RingTool):
             tool._chosen = None
     window.workspace.object_list.set_brush(None)
-    window.session.begin_document(use_mode(window.session.document, "shape"))
+    window.session.begin_document(switch_mode(window.session.document, "shape"))
     window.actions_by_name[FIRST_TOOL].trigger()
     window.canvas_area.messages.clear()
     window.resize(*SIZE)

@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("zarr", reason="the extra `scale` is not installed")
 pytest.importorskip("distributed", reason="the extra `scale` is not installed")
 
-from cpm_core.cli.workers import cluster, finished
+from cpm_core.cli.workers import connect_to_dask, map_until_finished
 from cpm_core.formats.images.ome_zarr import create_multiscale, open_multiscale, write_window
 
 pytestmark = pytest.mark.long
@@ -27,8 +27,8 @@ def test_a_killed_worker_costs_what_it_was_doing_and_no_more(tmp_path):
         time.sleep(0.3)
         return 2 * job
 
-    with cluster(None, 2) as client:
-        results = {at: future.result() for at, future in finished(client, work, range(8))}
+    with connect_to_dask(None, 2) as client:
+        results = {at: future.result() for at, future in map_until_finished(client, work, range(8))}
     assert results == {job: 2 * job for job in range(8)}
     begun = [len((tmp_path / f"{job}.txt").read_text()) for job in range(8)]
     assert begun[3] == 2

@@ -28,7 +28,7 @@ def test_a_saved_session_holds_the_run_at_its_end_as_the_window_reads_it(found, 
     session = load_session(found[0])
     assert session.shapes == (Circle((40.0, 50.0), 9.0),)
     assert session.image.path == disk.name
-    reference = ImageReference.of(disk, load_image(disk))
+    reference = ImageReference.from_image(disk, load_image(disk))
     stored, fault = runs_from_plain(session.runs, reference)
     assert fault == ""
     ((place, state),) = stored.states.items()

@@ -17,7 +17,7 @@ import pytest
 import cpm_core
 from cpm_core import Parameters, load_image
 from cpm_core.cli import workers
-from cpm_core.cli.workers import Job, Row, do
+from cpm_core.cli.workers import BatchJob, BatchRow, run_job
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.common.content import compute_fingerprint
@@ -127,8 +127,8 @@ def test_an_image_whose_process_dies_is_tried_once_more_and_the_others_go_on(dis
 
     monkeypatch.setattr(workers, "wait", killing)
     made = SessionFile(shapes=(Circle(CENTERS[0], 6.0),))
-    jobs = [Job(number, Row("disks"), str(disks), made, Parameters(scales=2), 3, ()) for number in range(3)]
-    found = sorted((job.number, row.trouble) for job, row in workers.here(jobs, 2))
+    jobs = [BatchJob(number, BatchRow("disks"), str(disks), made, Parameters(scales=2), 3, ()) for number in range(3)]
+    found = sorted((job.number, row.trouble) for job, row in workers.run_locally(jobs, 2))
     assert killed
     assert found == [(0, ""), (1, ""), (2, "")]
 
@@ -183,9 +183,9 @@ def counted_jobs(monkeypatch):
 
     def counting(job):
         names.append(Path(job.path).name)
-        return do(job)
+        return run_job(job)
 
-    monkeypatch.setattr(workers, "do", counting)
+    monkeypatch.setattr(workers, "run_job", counting)
     return names
 
 

@@ -13,8 +13,8 @@ import pytest
 from cpm_app import __main__ as program
 
 from cpm_core import cli
-from cpm_core.cli import COMMANDS
-from cpm_core.cli.output import SCHEMA, SCHEMA_FILE
+from cpm_core.cli import CLI_COMMANDS
+from cpm_core.cli.output import SCHEMA_VERSION, SCHEMA_FILE
 from cpm_core.formats.common.provenance import VERSION
 
 VALIDATOR = jsonschema.Draft202012Validator(json.loads(SCHEMA_FILE.read_text("utf-8")))
@@ -63,10 +63,10 @@ def test_an_image_that_cannot_be_read_does_not_keep_the_others_back(command, fol
 
 
 def test_the_parser_takes_the_examples_of_each_command():
-    assert set(COMMANDS) == program._COMMANDS
-    for name, command in COMMANDS.items():
+    assert set(CLI_COMMANDS) == program._COMMAND_NAMES
+    for name, command in CLI_COMMANDS.items():
         for line in command.examples if name != "completion" else ():
-            assert cli.parser().parse_args(shlex.split(line)[1:]).name == name
+            assert cli.build_parser().parse_args(shlex.split(line)[1:]).name == name
 
 
 def test_a_shell_is_told_what_may_follow(tmp_path):
@@ -115,5 +115,5 @@ def test_the_json_of_each_command_has_the_documented_form(command, folder, tmp_p
         assert status == 0, err
         found = json.loads(out)
         assert list(found)[:3] == ["command", "schema", "version"]
-        assert (found["command"], found["schema"], found["version"]) == (name, SCHEMA, VERSION)
+        assert (found["command"], found["schema"], found["version"]) == (name, SCHEMA_VERSION, VERSION)
         VALIDATOR.validate(found)

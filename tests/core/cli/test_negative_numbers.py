@@ -7,7 +7,7 @@ import pytest
 from cpm_core import cli
 
 COMMANDS = next(
-    action.choices for action in cli.parser()._actions if isinstance(action, argparse._SubParsersAction)
+    action.choices for action in cli.build_parser()._actions if isinstance(action, argparse._SubParsersAction)
 )  # fmt: skip
 NEEDED = {"batch": ["--session=s", "--output=o"], "export": ["--to=a.svg"]}
 TAKING = [

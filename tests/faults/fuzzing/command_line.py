@@ -13,7 +13,7 @@ import numpy as np
 import tifffile
 
 from cpm_core import to_bytes
-from cpm_core.cli import main, parser
+from cpm_core.cli import main, build_parser
 from cpm_core.formats import CONTOURS_WRITABLE
 from cpm_core.formats.writers import VOLUMES_WRITABLE
 from cpm_core.warm_up import warm_up
@@ -73,7 +73,7 @@ _LONG = {"bench"}
 def _options() -> dict[str, tuple[str, ...]]:
     """All options of all commands with values to try; those without one have none."""
     options = dict.fromkeys(("--help", "--version"), ())
-    (commands,) = (action for action in parser()._actions if isinstance(action, argparse._SubParsersAction))
+    (commands,) = (action for action in build_parser()._actions if isinstance(action, argparse._SubParsersAction))
     for name, command in commands.choices.items():
         for action in command._actions if name not in _LONG else ():
             values = (*map(str, action.choices), "x") if action.choices else _NUMBERS

@@ -8,10 +8,10 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from cpm_app.model.display.comparison import Axis, parameter_trials
+from cpm_app.model.display.comparison import TrialAxis, plan_parameter_trials
 from cpm_app.model.document import edits
 from cpm_app.model.export import ExportFile, ExportOrder
-from cpm_app.model.parameters.controls import controls
+from cpm_app.model.parameters.controls import build_controls
 from cpm_app.views.export.frames import AnimationPlan
 from cpm_app.views.features.animation import AnimationFeature
 from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
@@ -42,9 +42,9 @@ def prepare_partition(window: MainWindow, folder: Path) -> None:
 
 
 def run_values(window: MainWindow, folder: Path) -> None:
-    document, axes = window.session.document, {control.name: control for control in controls()}
-    rows, columns = Axis(axes["beta"], (0.5, 1.0)), Axis(axes["w2"], (1.0, 2.0))
-    window.workspace.comparison.run(parameter_trials(document.parameters, (rows, columns)))
+    document, axes = window.session.document, {control.name: control for control in build_controls()}
+    rows, columns = TrialAxis(axes["beta"], (0.5, 1.0)), TrialAxis(axes["w2"], (1.0, 2.0))
+    window.workspace.comparison.run(plan_parameter_trials(document.parameters, (rows, columns)))
 
 
 def write_film(window: MainWindow, folder: Path) -> None:

@@ -13,19 +13,19 @@ from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels, frozen, record
 from cpm_core.segmentation import MethodState
 
-SHADES = 32
+SHADE_COUNT = 32
 """Number of colors of a palette; one more stands for unknown values."""
 
 _RANGE_PERCENTILE = 99.0
 """Percentage of the particles in the range: a single fast one must not make all others look alike."""
 
 
-def speed(state: MethodState, _: RunMetrics) -> Array:
+def particle_speed(state: MethodState, _: RunMetrics) -> Array:
     """Return the speed of each particle, shape (N,) [px of the image / unit of time]."""
     return np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
 
 
-def force(state: MethodState, _: RunMetrics) -> Array:
+def particle_force(state: MethodState, _: RunMetrics) -> Array:
     """Return the force on each particle without damping at the last step, shape (N,).
 
     It is in the unit of its scale, in which the Lorentz force is at most 1.
@@ -33,7 +33,7 @@ def force(state: MethodState, _: RunMetrics) -> Array:
     return np.linalg.norm(state.particles.force[:, 0], axis=1)
 
 
-def age(state: MethodState, metrics: RunMetrics) -> Array:
+def particle_age(state: MethodState, metrics: RunMetrics) -> Array:
     """Return the steps since each particle was inserted, shape (N,).
 
     For the first particles of a scale they count from its start; NaN where that is not recorded.
@@ -59,18 +59,18 @@ class Quantity:
 
     title: str
     tip: str
-    of: Callable[[MethodState, RunMetrics], Array]
+    measure: Callable[[MethodState, RunMetrics], Array]
 
 
 QUANTITIES = {
-    "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
-    "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
-    "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
+    "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), particle_speed),
+    "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), particle_force),
+    "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), particle_age),
 }
 
 
 @record
-class Colored:
+class ParticleColors:
     """Colors of particles.
 
     Attributes
@@ -81,18 +81,18 @@ class Colored:
         Value of the last color; the first one is 0.
     """
 
-    marks: Pixels
+    color_indices: Pixels
     high: float
 
 
-def colored(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> Colored:
+def color_particles(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> ParticleColors:
     """Return the colors of all particles of a state; a larger quantity never has a lower color."""
-    values = quantity.of(state, metrics)
+    values = quantity.measure(state, metrics)
     unknown = np.isnan(values)
     end = float(np.nanpercentile(values, _RANGE_PERCENTILE)) if not unknown.all() else 0.0
     high = round_up(end) if end > 0.0 else 1.0
     fraction = values / high
     fraction[unknown] = 0.0
-    marks = np.clip(np.rint(fraction * (SHADES - 1)), 0, SHADES - 1).astype(np.uint8)
-    marks[unknown] = SHADES
-    return Colored(marks, high)
+    marks = np.clip(np.rint(fraction * (SHADE_COUNT - 1)), 0, SHADE_COUNT - 1).astype(np.uint8)
+    marks[unknown] = SHADE_COUNT
+    return ParticleColors(marks, high)

@@ -7,17 +7,17 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from cpm_app.model.display.lengths import short_text
-from cpm_app.model.parameters.controls import Control, slider_range, value_of, with_value
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.display.lengths import format_short_number
+from cpm_app.model.parameters.controls import Control, slider_range, control_value, set_control_value
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_core import CONTOUR_METHODS, Parameters
 from cpm_core.numerics.types import frozen, record
 from cpm_core.objects.methods import MethodComparison
 
-FEWEST = 2
+MIN_AXIS_VALUES = 2
 """Smallest number of values of a parameter."""
 
-MOST = 6
+MAX_AXIS_VALUES = 6
 """Largest number of values of a parameter."""
 
 FIRST_AXES = ("smoothing", "min_strength")
@@ -31,7 +31,7 @@ _PROPOSED_SPREAD = 0.5
 
 
 @frozen
-class Axis:
+class TrialAxis:
     """A parameter that runs differ in, with its values in ascending order."""
 
     control: Control
@@ -52,7 +52,7 @@ class Trial:
     method: str = ""
 
 
-def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Trial, ...]:
+def plan_parameter_trials(parameters: Parameters, axes: Sequence[TrialAxis]) -> tuple[Trial, ...]:
     """Plan a run for each combination of the values of one or two parameters.
 
     ValueError when both are the same parameter, or a value is out of its range.
@@ -62,32 +62,32 @@ def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tria
         raise ValueError(tr("Both parameters are the same: choose two different ones."))
     trials = []
     for values in itertools.product(*(axis.values for axis in axes)):
-        title = ", ".join(f"{axis.control.symbol} {short_text(value)}"
+        title = ", ".join(f"{axis.control.symbol} {format_short_number(value)}"
                           for axis, value in zip(axes, values, strict=True))  # fmt: skip
         chosen = tuple(zip(names, values, strict=True))
-        trials.append(Trial(title, with_values(parameters, chosen), chosen))
+        trials.append(Trial(title, set_control_values(parameters, chosen), chosen))
     return tuple(trials)
 
 
-def method_trials(compared: MethodComparison, parameters: Parameters) -> tuple[Trial, ...]:
+def plan_method_trials(compared: MethodComparison, parameters: Parameters) -> tuple[Trial, ...]:
     """Plan a run of each selected method; ValueError when there is none."""
     if not compared.methods:
         raise ValueError(tr("Choose at least one method."))
     return tuple(
-        Trial(from_core(method.title), parameters if method.of_particles else compared.settings_of(name), method=name)
+        Trial(translate_core_text(method.title), parameters if method.of_particles else compared.settings_of(name), method=name)
         for name, method in ((name, CONTOUR_METHODS[name]) for name in compared.methods)
     )
 
 
-def sensible_values(control: Control, parameters: Parameters, contrast: float) -> tuple[float, ...]:
+def propose_values(control: Control, parameters: Parameters, contrast: float) -> tuple[float, ...]:
     """Propose evenly spaced values around the current one, itself included, over part of the slider's range.
 
     There are three, fewer if there are not as many whole numbers; parameters in gray levels are scaled by the contrast
     of the image.
     """
     low, high = slider_range(control, contrast)
-    step = 1.0 if control.whole else control.step
-    present = value_of(parameters, control.name)
+    step = 1.0 if control.is_whole else control.step
+    present = control_value(parameters, control.name)
     middle = min(max(float(present), low), high) if isinstance(present, int | float) else 0.5 * (low + high)
     apart = max(1, round(_PROPOSED_SPREAD * (high - low) / (_PROPOSED_COUNT - 1) / step)) * step
     around = (middle, *(round((middle + index * apart) / step) * step for index in (-1, 1, -2, 2)))
@@ -95,7 +95,7 @@ def sensible_values(control: Control, parameters: Parameters, contrast: float) -
     return tuple(sorted([*within][:_PROPOSED_COUNT]))
 
 
-def read_values(control: Control, text: str) -> tuple[float, ...]:
+def parse_values(control: Control, text: str) -> tuple[float, ...]:
     """Parse the numbers in a text, separated by spaces, semicolons or commas.
 
     ValueError when there are too few or too many, or one is not a number.
@@ -111,14 +111,14 @@ def read_values(control: Control, text: str) -> tuple[float, ...]:
             message = tr("{title}: “{word}” is not a number; write numbers such as 0.4, 0.6, 0.8.")
             raise ValueError(message.format(title=control.title, word=word)) from None
         values.add(value)
-    if not FEWEST <= len(values) <= MOST:
+    if not MIN_AXIS_VALUES <= len(values) <= MAX_AXIS_VALUES:
         message = tr("{title} has {count} different values but must have from {fewest} to {most}.")
-        raise ValueError(message.format(title=control.title, count=len(values), fewest=FEWEST, most=MOST))
+        raise ValueError(message.format(title=control.title, count=len(values), fewest=MIN_AXIS_VALUES, most=MAX_AXIS_VALUES))
     return tuple(sorted(values))
 
 
-def with_values(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parameters:
+def set_control_values(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parameters:
     """Return the parameters with some values replaced."""
     for name, value in values:
-        parameters = with_value(parameters, name, value)
+        parameters = set_control_value(parameters, name, value)
     return parameters

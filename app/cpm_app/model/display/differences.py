@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from cpm_app.model.volume.slices import Slice
-from cpm_app.model.volume.surface_section import section
+from cpm_app.model.volume.surface_section import cut_surface
 from cpm_core import Comparison, Surface, SurfaceComparison, Truth, VolumeTruth
 from cpm_core.contours import distances_to_contours
 from cpm_core.contours.contour import Contours
@@ -41,30 +41,30 @@ class Difference:
     place: Place
 
 
-def differences(contours: Contours, comparison: Comparison) -> tuple[Difference, ...]:
+def find_boundary_differences(contours: Contours, comparison: Comparison) -> tuple[Difference, ...]:
     """Return the parts of contours and ground truth farther apart than the tolerance, the farthest first."""
     found = []
     for contour, away in zip(contours, comparison.distances, strict=True):
         far = away > comparison.tolerance
         around = np.pad(far, 1, "wrap" if contour.closed else "constant")  # with the near neighbors of far vertices
         runs = polyline.find_marked_runs(around[:-2] | far | around[2:], contour.closed) if far.any() else []
-        found += [_difference("wrong", contour.points[piece], away[piece]) for piece in runs]
+        found += [_describe_part("wrong", contour.points[piece], away[piece]) for piece in runs]
     missing = comparison.missing
     if len(missing):
         away = distances_to_contours(missing, contours)
         cuts = np.flatnonzero(np.linalg.norm(np.diff(missing, axis=0), axis=1) > _PART_GAP) + 1
         pieces = zip(np.split(missing, cuts), np.split(away, cuts), strict=True)
-        found += [_difference("missing", points, far) for points, far in pieces]
+        found += [_describe_part("missing", points, far) for points, far in pieces]
     return tuple(sorted(found, key=lambda difference: -difference.farthest))
 
 
-def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -> Difference:
+def _describe_part(kind: Literal["missing", "wrong"], points: Array, away: Array) -> Difference:
     worst = away.argmax()
     return Difference(kind, points, float(away[worst]), tuple(points[worst].tolist()))
 
 
 @record
-class Apart:
+class SurfaceDifference:
     """The triangles of a surface that are farther from another one than the tolerance.
 
     Attributes
@@ -79,10 +79,10 @@ class Apart:
 
     kind: Literal["missing", "wrong"]
     surface: Surface
-    away: Array
+    distances: Array
 
     @classmethod
-    def of(cls, kind: Literal["missing", "wrong"], whole: Surface, away: Array, tolerance: float) -> Apart:
+    def from_distances(cls, kind: Literal["missing", "wrong"], whole: Surface, away: Array, tolerance: float) -> SurfaceDifference:
         """Take the triangles with a corner farther away than the tolerance, ready for slices.
 
         Parameters
@@ -102,31 +102,31 @@ class Apart:
         return cls(kind, surface, away[used])
 
     @property
-    def parts(self) -> Iterator[Difference]:
+    def components(self) -> Iterator[Difference]:
         """Connected components of the triangles, each with its farthest place."""
         order = np.argsort(self.surface.component_of_vertex, kind="stable")
         ends = np.flatnonzero(np.diff(self.surface.component_of_vertex[order])) + 1
         for members in np.split(order, ends) if len(order) else []:
-            yield _difference(self.kind, self.surface.vertices[members], self.away[members])
+            yield _describe_part(self.kind, self.surface.vertices[members], self.distances[members])
 
 
-def apart_from(surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison) -> tuple[Apart, ...]:
+def find_surface_differences(surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison) -> tuple[SurfaceDifference, ...]:
     """Return where a surface and the true one differ by more than the tolerance."""
-    missing = Apart.of("missing", truth.surface, found.missing, found.tolerance)
-    return (missing,) if surface is None else (missing, Apart.of("wrong", surface, found.wrong, found.tolerance))
+    missing = SurfaceDifference.from_distances("missing", truth.surface, found.missing, found.tolerance)
+    return (missing,) if surface is None else (missing, SurfaceDifference.from_distances("wrong", surface, found.wrong, found.tolerance))
 
 
-def truth_in(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:
+def cut_truth(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:
     """Cut the ground truth by a slice: return its boundaries there."""
     if not isinstance(truth, VolumeTruth):
         return truth
-    return Truth(here.of(truth.labels), section(truth.surface, here), truth.source)
+    return Truth(here.slice_array(truth.labels), cut_surface(truth.surface, here), truth.source)
 
 
-def differences_in(apart: Iterable[Apart], here: Slice) -> tuple[Difference, ...]:
+def cut_differences(surface_differences: Iterable[SurfaceDifference], here: Slice) -> tuple[Difference, ...]:
     """Cut the surface differences by a slice; their distances are not shown there and are 0."""
     return tuple(
         Difference(each.kind, line.path, 0.0, (float(line.points[0, 0]), float(line.points[0, 1])))
-        for each in apart
-        for line in section(each.surface, here)
+        for each in surface_differences
+        for line in cut_surface(each.surface, here)
     )

@@ -14,13 +14,13 @@ from cpm_core.numerics import Array
 from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.types import Extent, Pixels, frozen, record
 
-_AT_ONCE = 1 << 16
+_VALUES_PER_BAND = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which makes it several times faster."""
 
 _OVERVIEW_SIDE = 256
 """Longest side of the smallest level [px]."""
 
-_PREVIEW = 1024
+_PREVIEW_SIDE = 1024
 """Longest side of the finest level of a preview [px]."""
 
 _GAMMA_TABLE_SIZE = 1 << 12
@@ -40,7 +40,7 @@ class IntensityWindow:
 
 
 @record
-class FinerShades:
+class FileLevel:
     """Shades of a level that is read from a file only where it is visible."""
 
     values: Any
@@ -73,34 +73,34 @@ class DisplayImage:
         Rows and columns of level 0, where that is not the first of them; else empty.
     """
 
-    levels: tuple[Pixels | FinerShades, ...]
+    levels: tuple[Pixels | FileLevel, ...]
     finest: int = 0
     size: Extent = ()
 
     @staticmethod
-    def of(shades: Pixels) -> DisplayImage:
+    def from_shades(shades: Pixels) -> DisplayImage:
         """Reduce shades, shape (H, W) or (H, W, 3), until the longest side is short."""
         levels = [np.ascontiguousarray(shades)]
         while max(levels[-1].shape[:2]) > _OVERVIEW_SIDE:
-            levels.append(_halved(levels[-1]))
+            levels.append(_halve_shades(levels[-1]))
         return DisplayImage(tuple(levels))
 
     @staticmethod
-    def within(image: Image, window: IntensityWindow, channel: str = "luminance") -> DisplayImage:
+    def from_image(image: Image, window: IntensityWindow, channel: str = "luminance") -> DisplayImage:
         """Return the shades of a channel of an image in an intensity window."""
-        whole = DisplayImage.of(apply_window(image.stored if image.colors is None else image.gray_levels(channel), window))
-        finer = tuple(FinerShades(level, window) for level in image.finer)
+        whole = DisplayImage.from_shades(apply_window(image.stored if image.colors is None else image.gray_levels(channel), window))
+        finer = tuple(FileLevel(level, window) for level in image.finer)
         return DisplayImage((*finer, *whole.levels), -len(finer), image.shape) if finer else whole
 
     @staticmethod
-    def preview(values: Array, window: IntensityWindow) -> DisplayImage:
+    def from_subsample(values: Array, window: IntensityWindow) -> DisplayImage:
         """Return the shades of every n-th gray value along each axis, to show at once until all have been computed.
 
         `values` are gray values, shape (H, W).
         """
-        finest = max(0, math.ceil(math.log2(max(values.shape) / _PREVIEW)))
+        finest = max(0, math.ceil(math.log2(max(values.shape) / _PREVIEW_SIDE)))
         some = values[:: 2**finest, :: 2**finest]
-        return replace(DisplayImage.of(apply_window(some, window)), finest=finest, size=values.shape)
+        return replace(DisplayImage.from_shades(apply_window(some, window)), finest=finest, size=values.shape)
 
     @property
     def shades(self) -> Pixels:
@@ -116,7 +116,7 @@ class DisplayImage:
         return rows, cols
 
 
-def _halved(shades: Pixels) -> Pixels:
+def _halve_shades(shades: Pixels) -> Pixels:
     """Return the means of two by two pixels."""
     rows, cols, *channels = shades.shape
     half = np.empty((-(-rows // 2), -(-cols // 2), *channels), np.uint8)
@@ -135,11 +135,11 @@ class DisplayVolume:
     shades: Pixels
 
 
-def display_of(image: Image) -> DisplayImage:
+def build_display_image(image: Image) -> DisplayImage:
     """Build the display image of an image: its colors, or its gray values from the smallest to the largest."""
     if image.colors is not None:
-        return DisplayImage.of(image.colors.samples)
-    return DisplayImage.within(image, IntensityWindow(*image.gray_range))
+        return DisplayImage.from_shades(image.colors.samples)
+    return DisplayImage.from_image(image, IntensityWindow(*image.gray_range))
 
 
 def apply_window(values: Array, window: IntensityWindow) -> Pixels:
@@ -152,7 +152,7 @@ def apply_window(values: Array, window: IntensityWindow) -> Pixels:
     top = 255.0 if window.gamma == 1.0 else _GAMMA_TABLE_SIZE - 1.0
     factor = top / max(window.high - window.low, 1e-300)
     curve = np.rint(255.0 * np.linspace(0.0, 1.0, _GAMMA_TABLE_SIZE) ** window.gamma).astype(np.uint8)
-    rows = max(1, _AT_ONCE // max(1, values[:1].size))
+    rows = max(1, _VALUES_PER_BAND // max(1, values[:1].size))
 
     def shade_rows(first: int, end: int) -> None:
         codes = np.rint(np.clip((values[first:end] - window.low) * factor, 0.0, top))
@@ -162,7 +162,7 @@ def apply_window(values: Array, window: IntensityWindow) -> Pixels:
     return shown
 
 
-def color_curve(window: IntensityWindow, white: float) -> Pixels:
+def compute_color_curve(window: IntensityWindow, white: float) -> Pixels:
     """Return the curve of an intensity window for each channel of a color image, shape (256,).
 
     `white` is the gray level that a byte of 255 stands for.
@@ -189,7 +189,7 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def display_of_edge_map(edge_map: Array) -> Pixels:
+def shade_edge_map(edge_map: Array) -> Pixels:
     """Shade edge strengths (H, W) from zero, 0, to the largest, 255; the square root makes weak edges visible."""
     return apply_window(edge_map, IntensityWindow(0.0, float(edge_map.max()), 0.5))
 
@@ -198,6 +198,6 @@ _POTENTIAL_OUTLIERS = 0.5
 """Percentage of the pixels at either end that the display image of a potential leaves out."""
 
 
-def display_of_potential(potential: Array) -> Pixels:
+def shade_potential(potential: Array) -> Pixels:
     """Shade potentials (H, W) from the lowest, 0, to the highest, 255, without a few pixels at either end."""
     return apply_window(potential, IntensityWindow(*percentile_window(potential, _POTENTIAL_OUTLIERS)))

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from cpm_app.model.display.lengths import measured
+from cpm_app.model.display.lengths import format_measured_length
 from cpm_app.model.document.document import ImageReference
-from cpm_app.model.parameters.controls import RATIO
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.parameters.controls import RATIO_CONTROL
+from cpm_app.model.text.language import tr, localize_number
 from cpm_core import Parameters, State
 from cpm_core.contours import Measures
 from cpm_core.segmentation import MethodState
 
-FILTERS = {
+FILTER_MEASURES = {
     "min_strength": lambda row: row.strength,
     "min_length": lambda row: row.length,
     "min_contrast": lambda row: row.contrast,
 }
 """Parameters that leave out contours, with the measure that each of them is compared with."""
 
-MOTION = ("beta", RATIO, "annealing")
+MOTION_PARAMETERS = ("beta", RATIO_CONTROL, "annealing")
 """Parameters of the motion of particles."""
 
 
-def figures(state: State, parameters: Parameters, length: float) -> Mapping[str, float]:
+def measure_motion(state: State, parameters: Parameters, length: float) -> Mapping[str, float]:
     """Measure what each parameter of `MOTION_PARAMETERS` acts on [px of the image].
 
     Damping slows particles down: their mean motion in the last step. Repulsion spreads them: the `length` of all
@@ -32,28 +32,28 @@ def figures(state: State, parameters: Parameters, length: float) -> Mapping[str,
     """
     size = 2.0**state.scale
     widest = size * (parameters.d_min + state.annealed * parameters.d_max)
-    return {"beta": size * state.displacement, RATIO: length, "annealing": widest}
+    return {"beta": size * state.displacement, RATIO_CONTROL: length, "annealing": widest}
 
 
-def effects(
+def describe_effects(
     state: MethodState | None, parameters: Parameters, length: float, image: ImageReference | None
 ) -> Mapping[str, str]:
     """Return `measure_motion` in words, by the names of the parameters; empty where nothing is known."""
-    words = dict.fromkeys(MOTION, "")
+    words = dict.fromkeys(MOTION_PARAMETERS, "")
     if not isinstance(state, State) or not state.step or image is None:
         return words
-    found = figures(state, parameters, length)
-    speed = tr("{speed} px per step", speed=written(f"{found['beta']:.2f}"))
+    found = measure_motion(state, parameters, length)
+    speed = tr("{speed} px per step", speed=localize_number(f"{found['beta']:.2f}"))
     words["beta"] = tr("at rest") if state.converged else speed
     if length:
-        words[RATIO] = tr("{length} of contours", length=measured(length, image.spacing, image.unit, 0))
-    words["annealing"] = tr("fills gaps up to {length} px", length=written(f"{found['annealing']:.1f}"))
+        words[RATIO_CONTROL] = tr("{length} of contours", length=format_measured_length(length, image.spacing, image.unit, 0))
+    words["annealing"] = tr("fills gaps up to {length} px", length=localize_number(f"{found['annealing']:.1f}"))
     return words
 
 
-def contours_left(rows: Sequence[Measures], name: str, value: float, before: int | None) -> str:
+def describe_contours_left(rows: Sequence[Measures], name: str, value: float, before: int | None) -> str:
     """Tell in words how many contours a filter's value leaves; `before` is their number before its slider moved."""
-    values = [measured for measured in map(FILTERS[name], rows) if measured is not None]
+    values = [measured for measured in map(FILTER_MEASURES[name], rows) if measured is not None]
     if not values and before is None:
         return ""
     left = sum(measured >= value for measured in values)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.language import tr, localize_number
 from cpm_core.image import KNOWN_UNITS, ScaleBar, fit_scale_bar
 from cpm_core.numerics.types import Sides, frozen
 
@@ -21,7 +21,7 @@ _PIXEL_UNIT = "px"
 _IMAGE_UNIT = "image"
 """Name of the preference for the unit of the image."""
 
-UNITS = {
+UNIT_TITLES = {
     _IMAGE_UNIT: tr("In the unit of the image"),
     _PIXEL_UNIT: tr("In px"),
     "nm": tr("In nm"),
@@ -49,7 +49,7 @@ class PixelSize:
     factor: float = 1.0
 
 
-def shown_in(spacing: Sequence[float], unit: str | None) -> PixelSize:
+def preferred_pixel_size(spacing: Sequence[float], unit: str | None) -> PixelSize:
     """Return the size of a pixel in the preferred unit.
 
     It stays in the unit of the image where that is no unit of length, and where lengths in px would depend on the
@@ -64,32 +64,32 @@ def shown_in(spacing: Sequence[float], unit: str | None) -> PixelSize:
     return PixelSize(sizes, unit)
 
 
-def bar(most: float, spacing: float, unit: str | None) -> ScaleBar:
+def find_scale_bar(max_length: float, spacing: float, unit: str | None) -> ScaleBar:
     """Find the longest scale bar of round length, in a readable unit or in the preferred one; see `longest_bar`."""
-    return fit_scale_bar(most, spacing, unit, keep_unit=_preferred_unit != _IMAGE_UNIT)
+    return fit_scale_bar(max_length, spacing, unit, keep_unit=_preferred_unit != _IMAGE_UNIT)
 
 
-def size_text(spacing: Sequence[float], unit: str | None) -> str:
+def format_pixel_size(spacing: Sequence[float], unit: str | None) -> str:
     """Format the size of a pixel or voxel in the preferred unit; empty where it is unknown and equal along all axes."""
-    size = shown_in(spacing, unit)
+    size = preferred_pixel_size(spacing, unit)
     if size.unit is None and len(set(size.spacing)) == 1:
         return ""
-    sides = " × ".join(written(f"{side:.4g}") for side in size.spacing)
+    sides = " × ".join(localize_number(f"{side:.4g}") for side in size.spacing)
     return f"{sides} {size.unit}" if size.unit else sides
 
 
-def length_text(pixels: float, spacing: float, unit: str | None) -> str:
+def format_length(pixels: float, spacing: float, unit: str | None) -> str:
     """Format a length in its unit, with four digits, or in whole pixels."""
-    return written(f"{pixels * spacing:.4g} {unit}") if unit else written(f"{pixels:.0f} {_PIXEL_UNIT}")
+    return localize_number(f"{pixels * spacing:.4g} {unit}") if unit else localize_number(f"{pixels:.0f} {_PIXEL_UNIT}")
 
 
-def measured(pixels: float, spacing: Sequence[float], unit: str | None, decimals: int = 1) -> str:
+def format_measured_length(pixels: float, spacing: Sequence[float], unit: str | None, decimals: int = 1) -> str:
     """Format a measured length in the preferred unit; in px where pixels are not square or their size is unknown."""
-    size = shown_in(spacing, unit)
+    size = preferred_pixel_size(spacing, unit)
     if size.unit is None or len(set(size.spacing)) > 1:
-        return written(f"{pixels:,.{decimals}f} {_PIXEL_UNIT}")
+        return localize_number(f"{pixels:,.{decimals}f} {_PIXEL_UNIT}")
     length = pixels * size.spacing[0]
-    return written(f"{length:,.0f} {size.unit}") if length >= 1000.0 else written(f"{length:.4g} {size.unit}")
+    return localize_number(f"{length:,.0f} {size.unit}") if length >= 1000.0 else localize_number(f"{length:.4g} {size.unit}")
 
 
 def round_up(value: float) -> float:
@@ -101,12 +101,12 @@ def round_up(value: float) -> float:
 _SUPERSCRIPT_DIGITS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def scientific_text(value: float) -> str:
+def format_scientific(value: float) -> str:
     """Format a very small or very large number, such as 3.1·10⁻⁴."""
     digits, _, exponent = f"{value:.1e}".partition("e")
     return f"{digits}·10{str(int(exponent)).translate(_SUPERSCRIPT_DIGITS)}"
 
 
-def short_text(value: float) -> str:
+def format_short_number(value: float) -> str:
     """Format a number with three digits, written out, so that it can also be typed."""
     return str(np.format_float_positional(float(f"{value:.3g}"), trim="-"))

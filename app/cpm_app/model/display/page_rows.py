@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_core import Page, measure
 from cpm_core.contours import Measures, compute_centroid
 from cpm_core.numerics.types import record
@@ -42,20 +42,20 @@ class PageRow:
     row: float
     col: float
     gray: float | None
-    happens: str
+    event: str
     is_object: bool = False
 
 
-def page_rows(found: StackResult) -> tuple[PageRow, ...]:
+def collect_page_rows(found: StackResult) -> tuple[PageRow, ...]:
     """Build the rows of all pages, in their order."""
     tracks = {track.number: track for track in found.tracks}
     first = min((page.number for page in found.pages if page.contours), default=0)
-    return tuple(row for page in found.pages for row in _rows(page, tracks, first))
+    return tuple(row for page in found.pages for row in _build_rows_of_page(page, tracks, first))
 
 
-def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
+def _build_rows_of_page(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
     if page.result is None:
-        return [PageRow(page.number, 0, None, 0.0, 0.0, None, from_core(page.error))]
+        return [PageRow(page.number, 0, None, 0.0, 0.0, None, translate_core_text(page.error))]
     rows = []
     for contour, measures in zip(page.contours, measure(page.contours, page.result.spacing), strict=True):
         if contour.hole:

@@ -60,7 +60,7 @@ class PageMetrics:
     grays: Mapping[int, Array]
 
     @classmethod
-    def of(cls, rows: Sequence[PageRow], count: int, here: int, factor: float) -> PageMetrics:
+    def from_rows(cls, rows: Sequence[PageRow], count: int, open_page: int, factor: float) -> PageMetrics:
         """Collect the metrics of a table of `count` pages; `factor` converts lengths from the unit of the image."""
         areas: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
         grays: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
@@ -68,7 +68,7 @@ class PageMetrics:
             if row.measures is not None and row.measures.closed:
                 areas[row.track][row.page - 1] = row.measures.net_area_in_units * factor**2
                 grays[row.track][row.page - 1] = np.nan if row.gray is None else row.gray
-        return cls(np.arange(1.0, count + 1.0), np.array([float(here)]), areas, grays)
+        return cls(np.arange(1.0, count + 1.0), np.array([float(open_page)]), areas, grays)
 
 
 Metrics = RunMetrics | PageMetrics
@@ -76,11 +76,11 @@ Metrics = RunMetrics | PageMetrics
 
 
 @frozen
-class Series:
+class PlotCurve:
     """One curve: its title, its values, and its colors on a light background and on a dark one."""
 
     title: str
-    of: Callable[[Any], Array]
+    get_values: Callable[[Any], Array]
     colors: tuple[str, str]
 
 
@@ -89,7 +89,7 @@ class Plot:
     """Curves on one axis, what they mean, and a value at which a line is drawn; values of `points` are marked."""
 
     tip: str
-    series: tuple[Series, ...]
+    curves: tuple[PlotCurve, ...]
     kind: Literal["logarithmic", "from zero", "free"] = "from zero"
     line: float | None = None
     points: bool = False
@@ -105,24 +105,24 @@ _CURVE_PINK = ("#b5307f", "#ff7ac6")
 PLOTS = (
     Plot(
         tr("How much the particles still move (ε of eq. (23)); below the dashed line the run may come to rest."),
-        (Series(tr("ε"), lambda metrics: metrics.epsilon, _CURVE_ORANGE),),
+        (PlotCurve(tr("ε"), lambda metrics: metrics.epsilon, _CURVE_ORANGE),),
         "logarithmic",
         EPSILON_BOUND,
     ),
     Plot(
         tr("Kinetic energy of all particles."),
-        (Series(tr("kinetic energy"), lambda metrics: metrics.kinetic, _CURVE_GREEN),),
+        (PlotCurve(tr("kinetic energy"), lambda metrics: metrics.kinetic, _CURVE_GREEN),),
         "logarithmic",
     ),
     Plot(
         tr("Number of particles."),
-        (Series(tr("particles"), lambda metrics: metrics.count, _CURVE_BLUE),),
+        (PlotCurve(tr("particles"), lambda metrics: metrics.count, _CURVE_BLUE),),
     ),
     Plot(
         tr("Particles inserted and deleted in each step."),
         (
-            Series(tr("inserted"), lambda metrics: metrics.born, _CURVE_BLUE),
-            Series(tr("deleted"), lambda metrics: metrics.deleted, _CURVE_PINK),
+            PlotCurve(tr("inserted"), lambda metrics: metrics.born, _CURVE_BLUE),
+            PlotCurve(tr("deleted"), lambda metrics: metrics.deleted, _CURVE_PINK),
         ),
     ),
 )
@@ -132,18 +132,18 @@ _MAX_CURVES = 10
 """Largest number of objects that are plotted; the user selects them in the table."""
 
 
-def plotted(rows: Sequence[PageRow], chosen: Collection[int]) -> Integers:
+def select_plotted_tracks(rows: Sequence[PageRow], selected: Collection[int]) -> Integers:
     """Return the tracks that are plotted: the selected ones, or else the first."""
-    return tuple(sorted(chosen or {row.track for row in rows if row.track})[:_MAX_CURVES])
+    return tuple(sorted(selected or {row.track for row in rows if row.track})[:_MAX_CURVES])
 
 
-def plots_of_pages(tracks: Sequence[int], area: str) -> tuple[Plot, ...]:
+def build_page_plots(tracks: Sequence[int], area: str) -> tuple[Plot, ...]:
     """Build the plots of area, with this title, and mean gray value of tracks over the pages of a stack."""
     hues = (_CURVE_BLUE, _CURVE_ORANGE, _CURVE_GREEN, _CURVE_PURPLE, _CURVE_PINK)
 
-    def build_curve(title: str, name: Literal["areas", "grays"], track: int) -> Series:
+    def build_curve(title: str, name: Literal["areas", "grays"], track: int) -> PlotCurve:
         words = f"{title} {track}" if track == tracks[0] else str(track)
-        return Series(words, lambda metrics: getattr(metrics, name)[track], hues[track % len(hues)])
+        return PlotCurve(words, lambda metrics: getattr(metrics, name)[track], hues[track % len(hues)])
 
     gray = tr("Mean gray")
     return (

@@ -11,7 +11,7 @@ from cpm_core.numerics.jit import inlined
 Colors = NDArray[np.uint32]
 """Pixels: alpha, red, green and blue in a byte each, from the highest one down, the colors multiplied by alpha."""
 
-LANES = 8
+STAMP_LANES = 8
 """The width of stamps is a multiple of this, so that the compiler can vectorize over this many pixels [px]."""
 
 _RED_BLUE_MASK = np.uint32(0x00FF00FF)
@@ -31,7 +31,7 @@ _FULL_OPACITY = np.uint32(256)
 
 
 @compiled
-def stamp(
+def stamp_pictures(
     picture: Colors,
     positions: Array,
     scale: Array,
@@ -68,21 +68,21 @@ def stamp(
         top, left, mark, strength = np.uint64(down), np.uint64(right), np.uint64(marks[i]), np.uint32(256.0 * opaque[i])
         for row in range(np.uint64(side)):
             for col in range(np.uint64(wide)):
-                ink = _multiplied(stamps[mark, row, col], strength)
+                ink = _multiply_color(stamps[mark, row, col], strength)
                 below = picture[top + row, left + col]
-                covered = _multiplied(below, _FULL_OPACITY - (ink >> _ALPHA_SHIFT))
+                covered = _multiply_color(below, _FULL_OPACITY - (ink >> _ALPHA_SHIFT))
                 picture[top + row, left + col] = np.uint32(ink + covered)
 
 
 @inlined
-def _multiplied(color: np.uint32, factor: np.uint32) -> np.uint32:
+def _multiply_color(color: np.uint32, factor: np.uint32) -> np.uint32:
     """Multiply a color by a factor of at most 256 and divide by 256; two bytes are multiplied at a time."""
     one = np.uint32(np.uint32(color & _RED_BLUE_MASK) * factor) >> _BYTE_BITS
     other = np.uint32(np.uint32(color >> _BYTE_BITS) & _RED_BLUE_MASK) * factor
     return np.uint32(np.uint32(one & _RED_BLUE_MASK) | np.uint32(other & _ALPHA_GREEN_MASK))
 
 
-def load() -> None:
+def compile_stamping() -> None:
     """Compile the loop, or load it, so that the first picture of a run does not wait for it."""
-    color, nothing = np.zeros((1, 1, LANES), np.uint32), np.empty((0, 2))
-    stamp(color[0], nothing, np.ones(2), np.zeros(2), color, np.empty(0, np.uint8), np.empty(0))
+    color, nothing = np.zeros((1, 1, STAMP_LANES), np.uint32), np.empty((0, 2))
+    stamp_pictures(color[0], nothing, np.ones(2), np.zeros(2), color, np.empty(0, np.uint8), np.empty(0))

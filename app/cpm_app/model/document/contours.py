@@ -13,7 +13,7 @@ from cpm_core.numerics import Position
 from cpm_core.numerics.types import record
 from cpm_core.shapes import ImageSeeds
 
-NAMES = {
+HAND_EDIT_NAMES = {
     "cut": tr("cut contour"),
     "deletion": tr("delete segment of contour"),
     "redrawing": tr("redraw segment of contour"),
@@ -25,20 +25,20 @@ NAMES = {
 """Names of the kinds of edits, as they follow "Undo"."""
 
 
-def reviewed_result(document: Document, result: Result) -> Result:
+def apply_document_review(document: Document, result: Result) -> Result:
     """Add the contours that the user has kept to a result, and leave out the rejected ones."""
     return apply_marks(restore_kept_contours(result, document.marks), document.marks)
 
 
-def found_by(engine: Engine, document: Document, seeds: ImageSeeds, progress: Callable[[State], object]) -> Result:
+def run_document(engine: Engine, document: Document, seeds: ImageSeeds, progress: Callable[[State], object]) -> Result:
     """Run a document to its reviewed result; `progress` is called with each state, first the start.
 
     `seeds` are the seeds of the starts that depend on the image.
     """
-    run = Evolution(engine, engine.start(document.seeds(seeds)), document.parameters, charges=document.charges)
+    run = Evolution(engine, engine.start(document.collect_seeds(seeds)), document.parameters, charges=document.charges)
     for moment in run:
         progress(moment.state)
-    return reviewed_result(document, run.result)
+    return apply_document_review(document, run.result)
 
 
 def add_hand_edits(document: Document, edits: Sequence[HandEdit]) -> Document:
@@ -53,7 +53,7 @@ def drop_hand_edits(document: Document, indices: Collection[int]) -> Document:
 
 
 @record
-class Target:
+class MarkTarget:
     """A contour to mark, with its mark so far, and the place (row, col) [px] of its first mark."""
 
     mark: Mark | None
@@ -61,32 +61,32 @@ class Target:
     contour: Contour | None = None
 
 
-def judge(document: Document, targets: Iterable[Target], verdict: Verdict) -> Document:
+def set_verdict(document: Document, targets: Iterable[MarkTarget], verdict: Verdict) -> Document:
     """Mark contours as kept as they are now, as rejected, or as undecided."""
 
-    def set_mark_verdict(mark: Mark, target: Target) -> Mark:
+    def set_mark_verdict(mark: Mark, target: MarkTarget) -> Mark:
         kept = target.contour if verdict == "kept" else None
         return replace(mark, verdict=verdict, outline=KeptOutline() if kept is None else capture_outline(kept))
 
-    return _amended(document, targets, set_mark_verdict)
+    return _update_marks(document, targets, set_mark_verdict)
 
 
-def rename(document: Document, targets: Iterable[Target], name: str) -> Document:
+def rename_contours(document: Document, targets: Iterable[MarkTarget], name: str) -> Document:
     """Name contours; an empty name removes theirs."""
-    return _amended(document, targets, lambda mark, _: replace(mark, name=name.strip()))
+    return _update_marks(document, targets, lambda mark, _: replace(mark, name=name.strip()))
 
 
-def paint(document: Document, targets: Iterable[Target], color: str) -> Document:
+def color_contours(document: Document, targets: Iterable[MarkTarget], color: str) -> Document:
     """Color contours; an empty color restores the default."""
-    return _amended(document, targets, lambda mark, _: replace(mark, color=color))
+    return _update_marks(document, targets, lambda mark, _: replace(mark, color=color))
 
 
-def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mark, Target], Mark]) -> Document:
+def _update_marks(document: Document, targets: Iterable[MarkTarget], update: Callable[[Mark, MarkTarget], Mark]) -> Document:
     """Change some marks, with new ones last, and drop empty ones."""
     marks = list(document.marks)
     for target in targets:
         if target.mark is not None and target.mark in marks:
-            marks[marks.index(target.mark)] = amend(target.mark, target)
+            marks[marks.index(target.mark)] = update(target.mark, target)
         else:
-            marks.append(amend(Mark(target.anchor), target))
+            marks.append(update(Mark(target.anchor), target))
     return replace(document, marks=tuple(mark for mark in marks if mark.verdict or mark.name or mark.color))

@@ -68,12 +68,12 @@ class ImageReference:
     reading: Reading = DEFAULT_READING
 
     @classmethod
-    def of(cls, path: Path, image: Image, reading: Reading = DEFAULT_READING) -> ImageReference:
+    def from_image(cls, path: Path, image: Image, reading: Reading = DEFAULT_READING) -> ImageReference:
         """Refer to an image that has been read from a file."""
         low, high = image.gray_range
         return cls(path.name, str(path), image.shape, high - low, image.file_sha256, image.spacing, image.unit, reading)
 
-    def sized(self, image: Image) -> Image:
+    def with_known_pixel_size(self, image: Image) -> Image:
         """Return the image with the size of a pixel that is known here."""
         if (image.spacing, image.unit) == (self.spacing, self.unit):
             return image
@@ -143,12 +143,12 @@ class Document:
         smoothing = self.parameters.smoothing if followed else None
         return (self.image, self.image_starts, limits, barriers, self.parameters.channel, smoothing)
 
-    def seeds_in(self, cache: SeedCache) -> ImageSeeds:
+    def find_image_seeds(self, cache: SeedCache) -> ImageSeeds:
         """Find the seeds of `image_starts` through the cache of an image."""
         seen = self.parameters
         return cache.seeds_for(self.image_starts, seen.smoothing, self.regions, seen.channel)
 
-    def fitting(self, parameters: Parameters) -> Parameters:
+    def fit_scales(self, parameters: Parameters) -> Parameters:
         """Return the parameters with no more scales than the image has room for."""
         return parameters if self.image is None else limit_scales(parameters, self.image.shape)
 
@@ -170,7 +170,7 @@ class Document:
         chosen = self.outlined.objects
         return tuple(packed for item in self.objects.items if item.number in chosen for packed in item.surface)
 
-    def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> Array:
+    def collect_seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> Array:
         """Collect the seeds of the starts, shape (N, D) [px of the image], given those of each of `image_starts`.
 
         ValueError when there is no start.
@@ -180,14 +180,14 @@ class Document:
         return collect_seeds(self.shapes, image_seeds)
 
     @property
-    def is_about_volume(self) -> bool:
+    def has_volume(self) -> bool:
         """Whether its image is a volume."""
         return self.image is not None and self.image.is_volume
 
     @property
     def nothing_to_start_from(self) -> str:
         """Error of a run without a start."""
-        return NOTHING_TO_START_FROM_IN_VOLUME if self.is_about_volume else NOTHING_TO_START_FROM
+        return NOTHING_TO_START_FROM_IN_VOLUME if self.has_volume else NOTHING_TO_START_FROM
 
     @property
     def charges(self) -> tuple[PlacedCharge, ...]:
@@ -195,7 +195,7 @@ class Document:
         return collect_charges(self.shapes)
 
     @property
-    def sources(self) -> Counter[Hashable]:
+    def start_counts(self) -> Counter[Hashable]:
         """Number of times each source of particles occurs: each point separately, every other start as a whole."""
         found: Counter[Hashable] = Counter()
         for start in self.starts:
@@ -203,7 +203,7 @@ class Document:
         return found
 
     @property
-    def late(self) -> tuple[object, ...]:
+    def start_inputs(self) -> tuple[object, ...]:
         """Image and the parameters that take effect only when a run starts."""
         acting = (getattr(self.parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "run")
         return (self.image, *acting)

@@ -47,17 +47,17 @@ def toggle_everywhere(document: Document, kind: SeedingKind) -> Document:
     return add_shape(document, start)
 
 
-def erase(document: Document, path: Sequence[Place], radius: float) -> Document:
+def erase_shapes(document: Document, path: Sequence[Place], radius: float) -> Document:
     """Erase what lies within `radius` of an eraser's path [px].
 
     Points are erased one by one, and other shapes as a whole. In a volume the radius is in sides of the smallest voxel.
     """
     spacing = document.image.spacing if document.image is not None and len(path[0]) == 3 else (1.0,)
-    left = [_erased(shape, path, radius, np.array(spacing) / min(spacing)) for shape in document.shapes]
+    left = [_erase_from_shape(shape, path, radius, np.array(spacing) / min(spacing)) for shape in document.shapes]
     return replace(document, shapes=tuple(shape for shape in left if shape is not None))
 
 
-def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) -> Shape | None:
+def _erase_from_shape(shape: Shape, path: Sequence[Place], radius: float, sides: Array) -> Shape | None:
     """Return what erasing leaves of a shape; None if nothing."""
     if isinstance(shape, Points):
         near = polyline.distances_to_path(np.array(path) * sides, shape.seeds() * sides) <= radius
@@ -95,32 +95,32 @@ def set_pixel_size(document: Document, spacing: Sides, unit: str | None, *, by_h
 
 def set_parameter(document: Document, name: str, value: float | str) -> Document:
     """Set one control; see `cpm_app.model.parameters.controls.set_control_value`."""
-    return replace(document, parameters=controls.with_value(document.parameters, name, value))
+    return replace(document, parameters=controls.set_control_value(document.parameters, name, value))
 
 
-def use_preset(document: Document, parameters: Parameters) -> Document:
+def apply_preset(document: Document, parameters: Parameters) -> Document:
     """Set the parameters of a preset; the channel stays, because it belongs to the image."""
     return set_parameters(document, replace(parameters, channel=document.parameters.channel))
 
 
 def set_parameters(document: Document, parameters: Parameters) -> Document:
     """Replace all parameters, with no more scales than the image has room for."""
-    return replace(document, parameters=document.fitting(parameters))
+    return replace(document, parameters=document.fit_scales(parameters))
 
 
-Part = Literal["handle", "body"]
+HitPart = Literal["handle", "body"]
 
 
 @frozen
-class Hit:
+class ShapeHit:
     """Index of the shape that was hit, and its part: the handle at a place reshapes it, the body moves it."""
 
     index: int
-    part: Part
-    at: Position | None = field(default=None, compare=False)
+    part: HitPart
+    handle: Position | None = field(default=None, compare=False)
 
 
-def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selected: int | None = None) -> Hit | None:
+def find_shape_at(shapes: tuple[Shape, ...], position: Position, tolerance: float, selected: int | None = None) -> ShapeHit | None:
     """Find the shape under a position (row, col) [px of the image]: first the selected one, then the last drawn.
 
     `tolerance` is the distance up to which a line, handle or point is hit [px of the image]. Only the selected shape
@@ -129,8 +129,8 @@ def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selecte
     handles = shapes[selected].handles() if selected is not None and selected < len(shapes) else ()
     near = min(handles, key=lambda handle: math.dist(handle, position), default=None)
     if selected is not None and near is not None and math.dist(near, position) <= tolerance:
-        return Hit(selected, "handle", near)
+        return ShapeHit(selected, "handle", near)
     front_first = sorted(range(len(shapes)), key=lambda index: (index != selected, -index))
     under = [index for index in front_first if shapes[index].distance_to(position) <= tolerance]
     under += [index for index in front_first if shapes[index].encloses(position)]
-    return Hit(under[0], "body") if under else None
+    return ShapeHit(under[0], "body") if under else None

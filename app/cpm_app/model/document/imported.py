@@ -21,14 +21,14 @@ from cpm_core.numerics.types import Extent, Texts, record
 from cpm_core.objects.segmented import Click, SegmentedObject, round_line
 from cpm_core.shapes import Points, Polygon, Stroke, start_from_surface, starts_from_contours, starts_from_centerlines
 
-MOST = 1000
+MAX_IMPORTED = 1000
 """Largest number of contours: each becomes a shape or an object that can be moved and named by itself."""
 
-Kind = Literal["contours", "surface", "center lines"]
+ImportedKind = Literal["contours", "surface", "center lines"]
 
 
 @record
-class Imported:
+class ImportedContent:
     """Content of a file, ready to be taken into a document.
 
     Attributes
@@ -55,41 +55,41 @@ class Imported:
     count: int
     starts: tuple[Polygon | Stroke | Points, ...]
     objects: tuple[SegmentedObject, ...]
-    open: int
+    open_count: int
     notes: Texts
-    kind: Kind = "contours"
+    kind: ImportedKind = "contours"
     classes: Texts = ()
 
     @classmethod
-    def of_surface(cls, surface: Surface, volume: Image, name: str, notes: Texts = ()) -> Imported:
+    def from_surface(cls, surface: Surface, volume: Image, name: str, notes: Texts = ()) -> ImportedContent:
         """Import a surface in a volume, with an object for each body inside; ValueError if there are too many."""
-        objects = bodies_of(surface, volume) if surface.closed else ()
-        _check(tr("{name} has {count} objects, but at most {most} can be imported."), name, len(objects))
+        objects = objects_from_surface(surface, volume) if surface.closed else ()
+        _check_import_count(tr("{name} has {count} objects, but at most {most} can be imported."), name, len(objects))
         return cls(name, 1, (start_from_surface(surface),), objects, int(not surface.closed), notes, "surface")
 
     @classmethod
-    def of_lines(cls, lines: Centerlines, notes: Texts = ()) -> Imported:
+    def from_centerlines(cls, lines: Centerlines, notes: Texts = ()) -> ImportedContent:
         """Import center lines in a volume."""
         count = len(lines.branches)
         return cls(lines.source, count, starts_from_centerlines(lines), (), count, notes, "center lines")
 
     @classmethod
-    def of(cls, found: ContourFile, name: str) -> Imported:
+    def from_contour_file(cls, found: ContourFile, name: str) -> ImportedContent:
         """Import the contours of a file; ValueError if there are too many."""
         count = len(found.contours)
-        _check(tr("{name} has {count} contours, but at most {most} can be imported."), name, count)
+        _check_import_count(tr("{name} has {count} contours, but at most {most} can be imported."), name, count)
         closed = [contour for contour in found.contours if contour.closed]
         starts = starts_from_contours(found.contours, found.points)
-        classes = tuple(parts[0].category for parts in _grouped(closed))
-        return cls(name, count, starts, objects_of(closed), count - len(closed), found.notes, classes=classes)
+        classes = tuple(parts[0].category for parts in _group_boundaries(closed))
+        return cls(name, count, starts, objects_from_contours(closed), count - len(closed), found.notes, classes=classes)
 
 
-def _check(message: str, name: str, count: int) -> None:
-    if count > MOST:
-        raise ValueError(message.format(name=name, count=count, most=MOST))
+def _check_import_count(message: str, name: str, count: int) -> None:
+    if count > MAX_IMPORTED:
+        raise ValueError(message.format(name=name, count=count, most=MAX_IMPORTED))
 
 
-def objects_of(contours: Contours) -> tuple[SegmentedObject, ...]:
+def objects_from_contours(contours: Contours) -> tuple[SegmentedObject, ...]:
     """Make objects of closed contours; those of one group are the boundaries of one object.
 
     A name that only repeats the class is left out.
@@ -103,11 +103,11 @@ def objects_of(contours: Contours) -> tuple[SegmentedObject, ...]:
             color=parts[0].color,
             confidence=1.0,
         )
-        for number, parts in enumerate(_grouped(contours), start=1)
+        for number, parts in enumerate(_group_boundaries(contours), start=1)
     )
 
 
-def _grouped(contours: Contours) -> list[list[Contour]]:
+def _group_boundaries(contours: Contours) -> list[list[Contour]]:
     """Return the boundaries of each object that encloses anything, holes last."""
     groups: dict[tuple[int, int], list[Contour]] = {}
     for index, contour in enumerate(contours):
@@ -116,7 +116,7 @@ def _grouped(contours: Contours) -> list[list[Contour]]:
     return [sorted(parts, key=lambda part: part.hole) for parts in groups.values()]
 
 
-def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
+def objects_from_surface(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
     """Make an object of each numbered part of a closed surface or, without numbers, of each body, with a click inside.
 
     Parts with numbers keep their names and colors.
@@ -134,7 +134,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
     return tuple(
         SegmentedObject(
             label.number,
-            (Click((_innermost(body, volume.shape),)),),
+            (Click((_find_innermost_voxel(body, volume.shape),)),),
             name=label.name,
             color=label.color,
             confidence=1.0,
@@ -144,7 +144,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
     )
 
 
-def _innermost(body: Surface, shape: Extent) -> Place:
+def _find_innermost_voxel(body: Surface, shape: Extent) -> Place:
     """Return the voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
     vertices = body.vertices[np.unique(body.faces)]
     first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
@@ -157,14 +157,14 @@ def _innermost(body: Surface, shape: Extent) -> Place:
     return tuple((deepest + first).astype(float).tolist())
 
 
-def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:
+def add_objects(document: Document, imported: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:
     """Add objects, each of the class that is named for it, else of the current class.
 
     They keep their numbers if none of these is in use.
     """
     taken = {item.number for item in (*document.objects.items, *document.objects.rejected)}
-    first = document.objects.next_number - 1 if taken.intersection(item.number for item in made) else 0
-    for index, item in enumerate(made):
+    first = document.objects.next_number - 1 if taken.intersection(item.number for item in imported) else 0
+    for index, item in enumerate(imported):
         objects, name = document.objects, classes[index] if classes else ""
         used = {item.category for item in objects.items}
         numbered = list(enumerate(objects.classes, start=1))

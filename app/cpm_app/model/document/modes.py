@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from cpm_app.model.document.document import Document, ImageReference, Mode
-from cpm_app.model.parameters.controls import RATIO
+from cpm_app.model.parameters.controls import RATIO_CONTROL
 from cpm_app.model.text.language import tr
 from cpm_core import METHODS, PRESETS, Parameters
 from cpm_core.medial_axis import SkeletonTarget
@@ -73,7 +73,7 @@ _SKELETON_WIDTH = "max_width"
 """Parameter of skeletons that center lines in volumes lack."""
 
 
-def fresh_parameters(mode: Mode, image: ImageReference | None = None) -> Parameters:
+def initial_parameters(mode: Mode, image: ImageReference | None = None) -> Parameters:
     """Return the parameters with which work in a mode begins; on a volume those for volumes."""
     return PRESETS["volume" if image is not None and image.is_volume else MODES[mode].preset]
 
@@ -83,41 +83,41 @@ def needs_start(mode: Mode) -> bool:
     return bool(METHODS[MODES[mode].method].seeded)
 
 
-def acting_in(mode: Mode, dimension: int = 2) -> frozenset[str]:
+def find_effective_controls(mode: Mode, dimension: int = 2) -> frozenset[str]:
     """Return the names of the controls that have an effect in a mode, on an image with `dimension` axes."""
     lacking = (*PLANE_PARAMETERS, _SKELETON_WIDTH) if dimension == 3 else VOLUME_PARAMETERS
     acting = (name for name in METHODS[MODES[mode].method].parameters if name not in lacking)
-    return frozenset(RATIO if name == "w1" else name for name in acting)
+    return frozenset(RATIO_CONTROL if name == "w1" else name for name in acting)
 
 
-def use_mode(document: Document, mode: Mode) -> Document:
+def switch_mode(document: Document, mode: Mode) -> Document:
     """Switch to another mode, with its preset and its starts; channel, regions, barriers and charges stay.
 
     Shape recovery removes starts all over the image; automatic segmentation removes all others; skeletons, which need
     no start, keep all shapes.
     """
-    fresh = replace(fresh_parameters(mode, document.image), channel=document.parameters.channel)
-    shapes, parameters = starting(mode, document.shapes), document.fitting(fresh)
+    fresh = replace(initial_parameters(mode, document.image), channel=document.parameters.channel)
+    shapes, parameters = adapt_shapes_to_mode(mode, document.shapes), document.fit_scales(fresh)
     return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=SkeletonTarget())
 
 
-def is_only_in_another_mode(document: Document, known: Document) -> bool:
+def differs_only_in_mode(document: Document, known: Document) -> bool:
     """Tell whether changes of the mode alone, one or several, lead from one document to another."""
-    began = {known.shapes, starting("automatic", known.shapes), starting("shape", known.shapes)}
-    shapes = {starting(document.mode, before) for before in began}
-    parameters = replace(fresh_parameters(document.mode, known.image), channel=known.parameters.channel)
+    began = {known.shapes, adapt_shapes_to_mode("automatic", known.shapes), adapt_shapes_to_mode("shape", known.shapes)}
+    shapes = {adapt_shapes_to_mode(document.mode, before) for before in began}
+    parameters = replace(initial_parameters(document.mode, known.image), channel=known.parameters.channel)
     return document.shapes in shapes and document == replace(
         known, mode=document.mode, shapes=document.shapes, parameters=parameters, outlined=SkeletonTarget()
     )
 
 
-def use_skeleton(document: Document, outlined: SkeletonTarget) -> Document:
+def switch_to_skeleton(document: Document, outlined: SkeletonTarget) -> Document:
     """Switch to the mode of skeletons, for given objects and contours, or for the image if there are none."""
-    there = document if document.mode == "skeleton" else use_mode(document, "skeleton")
+    there = document if document.mode == "skeleton" else switch_mode(document, "skeleton")
     return replace(there, outlined=outlined)
 
 
-def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
+def adapt_shapes_to_mode(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     """Return the shapes of a document after a change to this mode."""
     if mode == "automatic":
         return (*(shape for shape in shapes if isinstance(shape, Limit)), Everywhere("grid"))
@@ -126,7 +126,7 @@ def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     return shapes
 
 
-ADVICE = {
+PRESET_OFFERS = {
     "fluorescence": tr("This looks like a fluorescence image. Find all objects with settings for fluorescence?"),
     "angiogram": tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?"),
     "ultrasound": tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?"),

@@ -52,23 +52,23 @@ _SESSION_DECIMALS = 3
 # Selecting
 
 
-def first_clicks(item: SegmentedObject, shape: Extent) -> Clicks:
+def initial_clicks(item: SegmentedObject, shape: Extent) -> Clicks:
     """Return the clicks that select an object in an image of this shape: its own, or one where it is widest."""
     return item.clicks or (Click((item.find_innermost_pixel(shape),)),)
 
 
-def select(document: Document, clicks: Clicks, number: int = 0) -> Document:
+def set_selection_clicks(document: Document, clicks: Clicks, number: int = 0) -> Document:
     """Set the clicks of the selection in progress; with a number, it is to replace that object."""
     known = document.objects
     category = known[number].category if number and number != known.edited else known.category
-    return _with(document, clicks=clicks, edited=number if clicks else 0, category=category)
+    return _replace_objects(document, clicks=clicks, edited=number if clicks else 0, category=category)
 
 
-Found = tuple[AnySelection, Clicks, int]
+SelectionUpdate = tuple[AnySelection, Clicks, int]
 """A selection with its clicks and the number of the object that it replaces, 0 for a new one."""
 
 
-def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool = False) -> Document:
+def accept_objects(document: Document, accepted: Iterable[SegmentedObject], *, ends: bool = False) -> Document:
     """Add objects, or replace the boundaries of existing ones with the same numbers.
 
     New objects get the next numbers; rejected ones, and those of other pages, keep theirs. The selection in progress
@@ -77,7 +77,7 @@ def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool =
     objects = document.objects
     known, rejected = {item.number: item for item in objects.items}, {item.number for item in objects.rejected}
     items = dict(known)
-    for one in given:
+    for one in accepted:
         old = known.get(one.number)
         if old is not None:
             items[old.number] = replace(
@@ -89,26 +89,26 @@ def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool =
             items[number] = replace(one, number=number)
     left = tuple(item for item in objects.rejected if item.number not in items)
     over = {"clicks": (), "edited": 0} if ends else {}
-    return _with(document, items=tuple(items.values()), rejected=left, **over)
+    return _replace_objects(document, items=tuple(items.values()), rejected=left, **over)
 
 
-def reject(document: Document, numbers: Iterable[int], offered: Iterable[SegmentedObject] = ()) -> Document:
+def reject_objects(document: Document, numbers: Iterable[int], offered: Iterable[SegmentedObject] = ()) -> Document:
     """Reject objects, and proposals in `offered`, none of which will be proposed again."""
     gone = frozenset(numbers)
     removed = [item for item in document.objects.items if item.number in gone]
     fresh = enumerate(offered, start=document.objects.next_number)
-    left = delete(document, gone)
+    left = delete_objects(document, gone)
     kept = (*left.objects.rejected, *removed, *(replace(one, number=number) for number, one in fresh))
-    return _with(left, rejected=kept)
+    return _replace_objects(left, rejected=kept)
 
 
-def add(document: Document, selections: Iterable[Selection], category: int) -> Document:
+def add_selections(document: Document, selections: Iterable[Selection], category: int) -> Document:
     """Add an object of a class for each selection; the selection in progress stays."""
     found = ((each, (Click(as_line(each.inside)),)) for each in selections if each.has_boundary)
-    return accept(document, (made(each, clicks, document.objects.next_number, category) for each, clicks in found))
+    return accept_objects(document, (object_from_selection(each, clicks, document.objects.next_number, category) for each, clicks in found))
 
 
-def bounded(number: int, category: int, contours: Contours, gaps: Iterable[Array] = ()) -> SegmentedObject:
+def object_from_contours(number: int, category: int, contours: Contours, gaps: Iterable[Array] = ()) -> SegmentedObject:
     """Make an object of closed contours.
 
     Parameters
@@ -131,53 +131,53 @@ def bounded(number: int, category: int, contours: Contours, gaps: Iterable[Array
     )
 
 
-def replace_boundaries(document: Document, found: Iterable[Found]) -> Document:
+def replace_boundaries(document: Document, found: Iterable[SelectionUpdate]) -> Document:
     """Replace the boundaries of existing objects by those of selections."""
     known = {item.number for item in document.objects.items}
-    return accept(document, (made(*each, 1) for each in found if each[2] in known and each[0].has_boundary))
+    return accept_objects(document, (object_from_selection(*each, 1) for each in found if each[2] in known and each[0].has_boundary))
 
 
-def made(selection: AnySelection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
+def object_from_selection(selection: AnySelection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
     """Make an object of a selection that is not empty."""
     if isinstance(selection, VolumeSelection):
         clicks = clicks if selection.voxels is None else ()  # they no longer explain what has been painted
         return SegmentedObject(number, clicks, category=category, surface=(selection.packed_body,))
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _SESSION_DECIMALS)
-    item = bounded(number, category, selection.contours, selection.gaps)
+    item = object_from_contours(number, category, selection.contours, selection.gaps)
     return replace(item, clicks=clicks, confidence=confidence)
 
 
 # The objects
 
 
-def delete(document: Document, numbers: Iterable[int]) -> Document:
+def delete_objects(document: Document, numbers: Iterable[int]) -> Document:
     """Delete objects, rejected ones among them."""
     gone, objects = frozenset(numbers), document.objects
     left, rejected = (
         tuple(item for item in items if item.number not in gone) for items in (objects.items, objects.rejected)
     )
     over = {"clicks": (), "edited": 0} if objects.edited in gone else {}
-    return _with(document, items=left, rejected=rejected, **over)
+    return _replace_objects(document, items=left, rejected=rejected, **over)
 
 
-def rename(document: Document, numbers: Iterable[int], name: str) -> Document:
+def rename_objects(document: Document, numbers: Iterable[int], name: str) -> Document:
     """Name objects; an empty name removes theirs."""
-    return amend(document, numbers, name=name.strip())
+    return update_objects(document, numbers, name=name.strip())
 
 
-def classify(document: Document, numbers: Iterable[int], category: int) -> Document:
+def classify_objects(document: Document, numbers: Iterable[int], category: int) -> Document:
     """Set the class of objects, and of the next ones; their own colors are removed."""
-    return _with(amend(document, numbers, category=category, color=""), category=category)
+    return _replace_objects(update_objects(document, numbers, category=category, color=""), category=category)
 
 
-def amend(document: Document, numbers: Iterable[int], **parts: Any) -> Document:
+def update_objects(document: Document, numbers: Iterable[int], **parts: Any) -> Document:
     """Set the color of objects (empty: that of their class), or whether they are frozen or hidden."""
     chosen = frozenset(numbers)
     items = tuple(replace(item, **parts) if item.number in chosen else item for item in document.objects.items)
-    return _with(document, items=items)
+    return _replace_objects(document, items=items)
 
 
-def merge(document: Document, numbers: Iterable[int]) -> Document:
+def merge_objects(document: Document, numbers: Iterable[int]) -> Document:
     """Merge several objects of the image into the first of them, with the clicks of all."""
     chosen = frozenset(numbers)
     merged = [item for item in document.objects.items if item.number in chosen]
@@ -186,15 +186,15 @@ def merge(document: Document, numbers: Iterable[int]) -> Document:
 
 def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:
     """Replace several objects by their union, which has the number of one of them."""
-    return accept(delete(document, [item.number for item in merged if item.number != whole.number]), (whole,))
+    return accept_objects(delete_objects(document, [item.number for item in merged if item.number != whole.number]), (whole,))
 
 
-def split(document: Document, whole: SegmentedObject, halves: Halves) -> Document:
+def replace_by_halves(document: Document, whole: SegmentedObject, halves: Halves) -> Document:
     """Replace an object or a candidate by its halves; the first keeps its number and name."""
     objects = document.objects
     ends = whole.number == objects.edited or whole.clicks == objects.clicks
     second = replace(halves.second, number=objects.next_number, name="")
-    return accept(document, (halves.first, second), ends=ends)
+    return accept_objects(document, (halves.first, second), ends=ends)
 
 
 def name_class(document: Document, category: int, name: str, color: str = "") -> Document:
@@ -202,28 +202,28 @@ def name_class(document: Document, category: int, name: str, color: str = "") ->
     classes = list(document.objects.classes)
     before = classes[category - 1]
     classes[category - 1] = ObjectClass(name.strip(), color or before.color)
-    return _with(document, classes=tuple(classes))
+    return _replace_objects(document, classes=tuple(classes))
 
 
 # Objects as shapes of the next run
 
 
-def as_starts(document: Document, numbers: Iterable[int]) -> Document:
+def add_objects_as_starts(document: Document, numbers: Iterable[int]) -> Document:
     """Add the outlines of objects as starts; in a volume, points all over their surfaces."""
-    return _with_shapes(document, numbers, Polygon, lambda surface: Points(_spread(surface.surface)))
+    return _add_objects_as_shapes(document, numbers, Polygon, lambda surface: Points(_sample_surface_points(surface.surface)))
 
 
-def as_regions(document: Document, numbers: Iterable[int]) -> Document:
+def add_objects_as_regions(document: Document, numbers: Iterable[int]) -> Document:
     """Add objects as regions of interest; their holes count as inside."""
-    return _with_shapes(document, numbers, Region, EnclosedRegion)
+    return _add_objects_as_shapes(document, numbers, Region, EnclosedRegion)
 
 
-def as_barriers(document: Document, numbers: Iterable[int]) -> Document:
+def add_objects_as_barriers(document: Document, numbers: Iterable[int]) -> Document:
     """Add the boundaries of objects as barriers."""
-    return _with_shapes(document, numbers, lambda curve: Barrier((*curve, curve[0])), EnclosingWall, holes=True)
+    return _add_objects_as_shapes(document, numbers, lambda curve: Barrier((*curve, curve[0])), EnclosingWall, holes=True)
 
 
-def _with_shapes(
+def _add_objects_as_shapes(
     document: Document,
     numbers: Iterable[int],
     shape: Callable[[Line], Polygon | Region | Barrier],
@@ -240,7 +240,7 @@ def _with_shapes(
     return document
 
 
-def _spread(surface: Surface) -> tuple[Place, ...]:
+def _sample_surface_points(surface: Surface) -> tuple[Place, ...]:
     """Return vertices of a surface, at most one in each block of voxels, so that there are not too many."""
     side, vertices = _SURFACE_BLOCK_SIDE, surface.vertices
     while (
@@ -254,7 +254,7 @@ def _spread(surface: Surface) -> tuple[Place, ...]:
 # Exports
 
 
-def objects_result(document: Document, only: Container[int] | None = None) -> Result | None:
+def build_objects_result(document: Document, only: Container[int] | None = None) -> Result | None:
     """Return the objects, or those with some numbers, as a result for writers, with class, name and color.
 
     The contours of an object have its number as their group, and holes are marked, so that a label mask has one label
@@ -265,14 +265,14 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
     shown = [item for item in objects.items if not item.hidden and (only is None or item.number in only)]
     if image is None or not shown:
         return None
-    surface = surface_of(shown, image.spacing, image.unit)
+    surface = join_object_surfaces(shown, image.spacing, image.unit)
     if surface is not None:
-        labels = tuple(Label(item.number, title(objects, item), objects.color_of(item)) for item in shown)
+        labels = tuple(Label(item.number, object_title(objects, item), objects.color_of(item)) for item in shown)
         surface = replace(surface, labels=labels)
     contours = [
         replace(
             contour,
-            name=title(objects, item),
+            name=object_title(objects, item),
             color=objects.color_of(item),
             group=item.number,
             category=class_title(objects, item.category),
@@ -285,7 +285,7 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
     return replace(found, surface=surface, provenance=Provenance("objects", sha256=image.sha256))
 
 
-def surface_of(items: Iterable[SegmentedObject], spacing: Sides, unit: str | None) -> Surface | None:
+def join_object_surfaces(items: Iterable[SegmentedObject], spacing: Sides, unit: str | None) -> Surface | None:
     """Join the surfaces of objects in a volume, with the number of its object for each triangle."""
     bodies = [(item.number, item.unpacked_surface) for item in items if item.unpacked_surface is not None]
     return join_surfaces(bodies, spacing, unit) if bodies else None
@@ -294,7 +294,7 @@ def surface_of(items: Iterable[SegmentedObject], spacing: Sides, unit: str | Non
 # Texts
 
 
-def title(objects: SegmentedObjects, item: SegmentedObject) -> str:
+def object_title(objects: SegmentedObjects, item: SegmentedObject) -> str:
     """Return the name of an object, or else the name of its class and its number."""
     return item.name or f"{objects.classes[item.category - 1].name or tr('object')} {item.number}"
 
@@ -307,7 +307,7 @@ def class_title(objects: SegmentedObjects, category: int) -> str:
     return tr("object") if category == 1 else tr("class {number}", number=category)
 
 
-def listed_classes(objects: SegmentedObjects) -> Integers:
+def list_classes(objects: SegmentedObjects) -> Integers:
     """Return the numbers of the classes that are in use or have a name, and of one unused class."""
     used = {objects.category, *(item.category for item in objects.items)}
     listed = [number for number, known in enumerate(objects.classes, start=1) if number in used or known.name]
@@ -315,11 +315,11 @@ def listed_classes(objects: SegmentedObjects) -> Integers:
     return tuple(sorted((*listed, *(free if objects.items else ()))))
 
 
-def _with(document: Document, **parts: Any) -> Document:
+def _replace_objects(document: Document, **parts: Any) -> Document:
     return replace(document, objects=replace(document.objects, **parts))
 
 
-def paint_in_volume(
+def paint_volume_object(
     document: Document, number: int, part: Part, adds: bool = True, over_others: bool = True
 ) -> Document:
     """Add voxels to an object of a volume, or to a new one, or remove them; see `painted_in`."""
@@ -330,7 +330,7 @@ _BRUSH_EDGE_TOLERANCE = 0.1
 """Largest difference of a painted vertex's distance from the brush's path and the brush's radius [px]."""
 
 
-def brushed(
+def apply_brush(
     document: Document,
     before: SegmentedObject | None,
     number: int,
@@ -361,7 +361,7 @@ def brushed(
         The object without clicks, since they no longer explain its boundary.
     """
     if not boundary:
-        return delete(document, (number,))
+        return delete_objects(document, (number,))
     made = before or SegmentedObject(number, (), boundary, category=document.objects.category)
     kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
     painted = []
@@ -370,4 +370,4 @@ def brushed(
         runs = (points[run].tolist() for run in polyline.find_marked_runs(on, closed=True) if len(run) > 1)
         painted += [tuple(map(tuple, run)) for run in runs]
     new = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))
-    return accept(document, (new,), ends=document.objects.edited == number)
+    return accept_objects(document, (new,), ends=document.objects.edited == number)

@@ -9,8 +9,8 @@ from functools import cache
 from pathlib import Path
 
 from cpm_app.model.document.document import Mode
-from cpm_app.model.text.assets import asset
-from cpm_app.model.text.language import from_core
+from cpm_app.model.text.assets import find_asset
+from cpm_app.model.text.language import translate_core_text
 from cpm_core import PRESETS, Parameters
 from cpm_core.formats import shape_from_json
 from cpm_core.numerics.types import frozen
@@ -35,14 +35,14 @@ class Sample:
 
 
 @cache
-def samples() -> tuple[Sample, ...]:
+def load_samples() -> tuple[Sample, ...]:
     """Load the list of samples; the program starts with the first one."""
-    listed = json.loads(asset("samples/samples.json").read_text(encoding="utf-8"))
+    listed = json.loads(find_asset("samples/samples.json").read_text(encoding="utf-8"))
     return tuple(
         Sample(
-            title=from_core(entry["title"]),
-            about=from_core(entry["about"]),
-            path=asset(f"samples/{entry['file']}"),
+            title=translate_core_text(entry["title"]),
+            about=translate_core_text(entry["about"]),
+            path=find_asset(f"samples/{entry['file']}"),
             shapes=tuple(shape_from_json(drawn, entry["title"]) for drawn in entry["shapes"]),
             parameters=replace(PRESETS[entry["preset"]], **entry.get("parameters", {})),
             mode=entry.get("mode", "shape"),
@@ -51,17 +51,17 @@ def samples() -> tuple[Sample, ...]:
     )
 
 
-def sample_at(path: Path) -> Sample | None:
+def find_sample_at(path: Path) -> Sample | None:
     """Return the sample with this file, or None for any other image."""
-    return next((sample for sample in samples() if sample.path == path.resolve()), None)
+    return next((sample for sample in load_samples() if sample.path == path.resolve()), None)
 
 
-def sample_like(path: Path) -> Sample | None:
+def find_copied_sample(path: Path) -> Sample | None:
     """Return the sample that a file is a copy of, by name and content; a copy starts as the sample does."""
-    sample = sample_called(path.name)
+    sample = find_sample_named(path.name)
     return sample if sample and path.is_file() and filecmp.cmp(path, sample.path, shallow=False) else None
 
 
-def sample_called(file: str) -> Sample | None:
+def find_sample_named(file: str) -> Sample | None:
     """Return the sample whose file has this name, or None."""
-    return next((sample for sample in samples() if sample.path.name == file), None)
+    return next((sample for sample in load_samples() if sample.path.name == file), None)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from cpm_app.model.document.document import Document, ImageReference, Mode
-from cpm_app.model.document.modes import MODES, is_only_in_another_mode
+from cpm_app.model.document.modes import MODES, differs_only_in_mode
 from cpm_app.model.text.language import tr
 from cpm_core import Parameters
 from cpm_core.formats import ImageFile, SessionFile
@@ -28,7 +28,7 @@ View = Mapping[str, Any]
 """View settings of the window, as plain JSON."""
 
 
-def to_file(document: Document, view: View, before: SessionFile | None = None) -> SessionFile:
+def to_session_file(document: Document, view: View, before: SessionFile | None = None) -> SessionFile:
     """Convert a document to a session file; `before` is the file as read, for content that a document does not hold."""
     image = document.image
     return replace(
@@ -49,12 +49,12 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
     )
 
 
-def changed_parts(document: Document, known: Document | None) -> Texts:
+def describe_changes(document: Document, known: Document | None) -> Texts:
     """Describe what differs from the `known` document, in words; a change of the mode alone is no work.
 
     Objects are counted. Without a known document, as after a crash, everything differs.
     """
-    if known is not None and (document == known or is_only_in_another_mode(document, known)):
+    if known is not None and (document == known or differs_only_in_mode(document, known)):
         return ()
     before = known or Document(document.image, parameters=document.parameters, mode=document.mode)
     saved = {item.number: item for item in before.objects.items}
@@ -68,7 +68,7 @@ def changed_parts(document: Document, known: Document | None) -> Texts:
     return found or (tr("your choices"),)
 
 
-def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
+def from_session_file(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
     """Convert a session file to a document on its image, with parameters that suit the image."""
     return Document(
         image,

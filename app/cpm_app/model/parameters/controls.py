@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, replace
 
-from cpm_app.model.text.language import from_core, tr, written
-from cpm_app.model.text.wording import rich
+from cpm_app.model.text.language import translate_core_text, tr, localize_number
+from cpm_app.model.text.wording import format_symbol
 from cpm_core import PARAMETERS, Parameters
 from cpm_core.numerics.types import JsonDict, Texts, frozen
 from cpm_core.parameters import AUTOMATIC_PARAMETERS, CHOICE_PARAMETERS, START_PARAMETERS, ParameterInfo
 
-RATIO = "ratio"
+RATIO_CONTROL = "ratio"
 """Name of the control of w₁/w₂."""
 
 HIGHEST_RATIO = 0.99
@@ -20,13 +20,13 @@ HIGHEST_RATIO = 0.99
 LOWEST_RATIO = 0.05
 """Smallest value of w₁/w₂."""
 
-MAIN = ("beta", RATIO, "annealing", *START_PARAMETERS, "smoothing", "polarity", "max_width", "pruning")
+MAIN_CONTROLS = ("beta", RATIO_CONTROL, "annealing", *START_PARAMETERS, "smoothing", "polarity", "max_width", "pruning")
 """Names of the controls that are not folded away."""
 
 _FULL_CONTRAST = 255.0
 """Contrast that ranges of sliders in gray levels are meant for."""
 
-BY_ITSELF = {
+AUTOMATIC_TEXTS = {
     "smoothing": tr("Choose the smoothing from the noise of the image."),
     "exponent": tr("Use the number of dimensions as the exponent: 2 in an image, 3 in a volume."),
     "gamma": tr("Choose gamma from the background of the image: below 1 where it is dark or bright, otherwise 1."),
@@ -69,62 +69,62 @@ class Control(ParameterInfo):
     default: float | str = math.nan
 
     @property
-    def acts(self) -> str:
+    def effect_text(self) -> str:
         """When a change takes effect, in words."""
         return _EFFECT_TEXTS[self.invalidates]
 
     @property
-    def automatic(self) -> bool:
+    def can_be_automatic(self) -> bool:
         """Whether the program can choose it (``"auto"``)."""
         return self.name in AUTOMATIC_PARAMETERS
 
     @property
-    def whole(self) -> bool:
+    def is_whole(self) -> bool:
         """Whether it takes only whole numbers."""
         return self.name == "scales"
 
     @property
-    def by_hand(self) -> float | None:
+    def manual_default(self) -> float | None:
         """Initial value where the program no longer chooses it by default."""
         return _MANUAL_DEFAULTS.get(self.name)
 
     @property
-    def words(self) -> tuple[tuple[float, str], ...]:
+    def value_words(self) -> tuple[tuple[float, str], ...]:
         """Words for some of its values, shown in their place."""
         return _VALUE_WORDS.get(self.name, ())
 
     @property
     def decimals(self) -> int:
         """Number of decimals of its values, two or as many as its increment has."""
-        return 0 if self.whole else max(2, -math.floor(math.log10(self.step)))
+        return 0 if self.is_whole else max(2, -math.floor(math.log10(self.step)))
 
     @property
     def label(self) -> str:
         """Label of the slider, its name and symbol as rich text."""
-        return f"{self.title} &nbsp;<span style='font-weight: normal'>{rich(self.symbol)}</span>"
+        return f"{self.title} &nbsp;<span style='font-weight: normal'>{format_symbol(self.symbol)}</span>"
 
     @property
-    def facts(self) -> str:
+    def summary(self) -> str:
         """Symbol, equation, range of the slider with its unit and default in one line."""
         unit = f" {self.unit}" if self.unit else ""
-        default = self.default if isinstance(self.default, str) else written(f"{self.default:.3g}")
+        default = self.default if isinstance(self.default, str) else localize_number(f"{self.default:.3g}")
         span = tr(
             "{low} to {high}, default {default}",
-            low=written(f"{self.slider_low:g}"),
-            high=written(f"{self.slider_high:.3g}{unit}"),
+            low=localize_number(f"{self.slider_low:g}"),
+            high=localize_number(f"{self.slider_high:.3g}{unit}"),
             default=default,
         )
         return " · ".join(part for part in (self.symbol, self.equation, span) if part)
 
 
-def controls() -> tuple[Control, ...]:
+def build_controls() -> tuple[Control, ...]:
     """Build all controls in the order shown: main ones, those that decide which contours there are, advanced ones."""
-    made = [_ratio() if name == "w1" else _of_parameter(name) for name in PARAMETERS]
-    first = {name: place for place, name in enumerate(MAIN)}
-    return tuple(sorted(made, key=lambda one: (first.get(one.name, len(MAIN)), one.advanced)))
+    made = [_build_ratio_control() if name == "w1" else _build_control(name) for name in PARAMETERS]
+    first = {name: place for place, name in enumerate(MAIN_CONTROLS)}
+    return tuple(sorted(made, key=lambda one: (first.get(one.name, len(MAIN_CONTROLS)), one.advanced)))
 
 
-def adapted(control: Control, usual: Parameters, ndim: int, contrast: float) -> Control:
+def adapt_control(control: Control, initial: Parameters, ndim: int, contrast: float) -> Control:
     """Adapt a control to an image with `ndim` axes and this contrast, where work begins with `initial` values."""
     low, high = slider_range(control, contrast)
     step = control.step * (high - low) / (control.slider_high - control.slider_low)
@@ -132,7 +132,7 @@ def adapted(control: Control, usual: Parameters, ndim: int, contrast: float) -> 
     if ndim == 3:
         unit, meaning = _VOLUME_TEXTS.get(control.name, (unit, meaning))
     return replace(
-        control, slider_low=low, slider_high=high, step=step, default=value_of(usual, control.name), unit=unit,
+        control, slider_low=low, slider_high=high, step=step, default=control_value(initial, control.name), unit=unit,
         meaning=meaning,
     )  # fmt: skip
 
@@ -145,19 +145,19 @@ def slider_range(control: Control, contrast: float) -> tuple[float, float]:
     return control.slider_low, control.slider_high * contrast / _FULL_CONTRAST
 
 
-def value_of(parameters: Parameters, name: str) -> float | str:
+def control_value(parameters: Parameters, name: str) -> float | str:
     """Return the value that the control `name` shows."""
-    if name == RATIO:
+    if name == RATIO_CONTROL:
         return parameters.w1 / parameters.w2
     return getattr(parameters, name)
 
 
-def with_value(parameters: Parameters, name: str, value: float | str) -> Parameters:
+def set_control_value(parameters: Parameters, name: str, value: float | str) -> Parameters:
     """Return the parameters with one control set; ``"w2"`` keeps the ratio, so that w₁ stays below it.
 
     ValueError when the value is out of its range.
     """
-    if name == RATIO:
+    if name == RATIO_CONTROL:
         if not isinstance(value, float | int) or not LOWEST_RATIO <= value <= HIGHEST_RATIO:
             raise ValueError(f"w1/w2 is {value} but must be a number from {LOWEST_RATIO:g} to {HIGHEST_RATIO:g}.")
         return replace(parameters, w1=value * parameters.w2)
@@ -170,17 +170,17 @@ def with_value(parameters: Parameters, name: str, value: float | str) -> Paramet
     return replace(parameters, **fields)
 
 
-def _of_parameter(name: str) -> Control:
+def _build_control(name: str) -> Control:
     values = asdict(PARAMETERS[name])
-    texts = {part: from_core(values[part]) for part in ("unit", "title", "meaning", "more", "equation")}
-    return Control(**values | texts, default=value_of(Parameters(), name))
+    texts = {part: translate_core_text(values[part]) for part in ("unit", "title", "meaning", "more", "equation")}
+    return Control(**values | texts, default=control_value(Parameters(), name))
 
 
-def _ratio() -> Control:
+def _build_ratio_control() -> Control:
     return replace(
-        _of_parameter("w1"),
-        name=RATIO,
-        default=value_of(Parameters(), RATIO),
+        _build_control("w1"),
+        name=RATIO_CONTROL,
+        default=control_value(Parameters(), RATIO_CONTROL),
         symbol="w₁/w₂",
         unit="",
         title=tr("Repulsion to attraction"),
@@ -194,7 +194,7 @@ def _ratio() -> Control:
     )
 
 
-CHANNEL = "channel"
+CHANNEL_CHOICE = "channel"
 """Name of the choice that only color images have."""
 
 _CHOICE_TITLES = {
@@ -233,23 +233,23 @@ class ChoiceControl:
     title: str
     meaning: str
     choices: tuple[tuple[str, str, str], ...]
-    acts: str
+    effect_text: str
 
     @property
     def lines(self) -> Texts:
         """The explanation, one line for each choice."""
         effects = (tr("{choice}: {effect}", choice=title, effect=about) for _, title, about in self.choices)
-        return (self.meaning, *effects, self.acts)
+        return (self.meaning, *effects, self.effect_text)
 
 
-def choice_controls() -> tuple[ChoiceControl, ...]:
+def build_choice_controls() -> tuple[ChoiceControl, ...]:
     """Build all choices in the order shown."""
     return tuple(
         ChoiceControl(
             name,
-            from_core(info.title),
-            from_core(info.meaning),
-            tuple((value, _CHOICE_TITLES.get(value, value), from_core(about)) for value, about in info.choices.items()),
+            translate_core_text(info.title),
+            translate_core_text(info.meaning),
+            tuple((value, _CHOICE_TITLES.get(value, value), translate_core_text(about)) for value, about in info.choices.items()),
             _EFFECT_TEXTS[info.invalidates],
         )
         for name, info in CHOICE_PARAMETERS.items()

@@ -12,7 +12,7 @@ from cpm_core.formats import parameters_from_json
 from cpm_core.numerics.types import frozen
 from cpm_core.parameters import PLANE_PRESETS
 
-SUFFIX = ".cpmpreset"
+PRESET_SUFFIX = ".cpmpreset"
 """Suffix of preset files."""
 
 _MAX_NAME_LENGTH = 60
@@ -58,14 +58,14 @@ class Preset:
 
 
 @cache
-def built_in() -> tuple[Preset, ...]:
+def built_in_presets() -> tuple[Preset, ...]:
     """Return the presets of the program, for images."""
     return tuple(
         Preset(_BUILT_IN_TEXTS[key][0], known, _BUILT_IN_TEXTS[key][1], key) for key, known in PLANE_PRESETS.items()
     )
 
 
-def checked_name(name: str) -> str:
+def check_preset_name(name: str) -> str:
     """Return a name without surplus spaces; ValueError if it is empty, too long, or that of a built-in preset."""
     name = " ".join(name.split())
     if not name:
@@ -73,22 +73,22 @@ def checked_name(name: str) -> str:
     if len(name) > _MAX_NAME_LENGTH:
         message = tr("The name has {length} characters, but at most {most} are allowed: shorten it.")
         raise ValueError(message.format(length=len(name), most=_MAX_NAME_LENGTH))
-    if any(name == preset.name for preset in built_in()):
+    if any(name == preset.name for preset in built_in_presets()):
         raise ValueError(tr("“{name}” is built in: choose another name.", name=name))
     return name
 
 
-def written(preset: Preset) -> bytes:
+def encode_preset(preset: Preset) -> bytes:
     """Encode a preset as the content of a file."""
     kept = {"name": preset.name, "about": preset.about, "parameters": asdict(preset.parameters)}
     return (json.dumps(kept, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
 
-def read(content: bytes) -> Preset:
+def decode_preset(content: bytes) -> Preset:
     """Decode a preset from the content of a file; ValueError if there is none. Missing parameters have defaults."""
     try:
         kept = json.loads(content.decode("utf-8"))
         parameters, _ = parameters_from_json(kept["parameters"])
-        return Preset(checked_name(str(kept["name"])), parameters, str(kept.get("about", ""))[:_MAX_ABOUT_LENGTH])
+        return Preset(check_preset_name(str(kept["name"])), parameters, str(kept.get("about", ""))[:_MAX_ABOUT_LENGTH])
     except (AttributeError, KeyError, TypeError, RecursionError) as error:
         raise ValueError("not a preset of CPM") from error

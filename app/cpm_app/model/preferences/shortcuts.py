@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from cpm_app.model.text.language import tr
 from cpm_core.numerics.types import Texts, frozen
 
-KEY = "shortcuts"
+SHORTCUTS_KEY = "shortcuts"
 """Key in the file of preferences: assigned keys of all actions, as one line of JSON."""
 
-ON_THE_IMAGE = (
+RESERVED_KEYS = (
     "Enter", "Return", "Left", "Right", "Up", "Down", "Shift+Left", "Shift+Right", "Shift+Up", "Shift+Down", "Home",
     "End", "[", "]", *"123456789",
 )  # fmt: skip
@@ -19,7 +19,7 @@ ON_THE_IMAGE = (
 
 
 @frozen
-class Keyed:
+class ActionKeys:
     """An action with its keys: name in code, title, group in the list, default keys."""
 
     name: str
@@ -28,11 +28,11 @@ class Keyed:
     default: Texts
 
 
-Chosen = Mapping[str, Texts]
+CustomKeys = Mapping[str, Texts]
 """Assigned keys by the names of actions; actions that are missing have their default keys."""
 
 
-def read(stored: str) -> dict[str, Texts]:
+def parse_shortcuts(stored: str) -> dict[str, Texts]:
     """Parse assigned keys from the file; what cannot be read is left out."""
     try:
         found = json.loads(stored)
@@ -45,33 +45,33 @@ def read(stored: str) -> dict[str, Texts]:
     }
 
 
-def written(chosen: Chosen) -> str:
+def encode_shortcuts(custom: CustomKeys) -> str:
     """Encode assigned keys for the file."""
-    return json.dumps({name: list(keys) for name, keys in chosen.items()})
+    return json.dumps({name: list(keys) for name, keys in custom.items()})
 
 
-def keys_of(action: Keyed, chosen: Chosen) -> Texts:
+def find_action_keys(action: ActionKeys, custom: CustomKeys) -> Texts:
     """Return the keys of an action."""
-    return chosen.get(action.name, action.default)
+    return custom.get(action.name, action.default)
 
 
-def holder(key: str, actions: Iterable[Keyed], chosen: Chosen, besides: str = "") -> Keyed | None:
+def find_key_holder(key: str, actions: Iterable[ActionKeys], custom: CustomKeys, excluded: str = "") -> ActionKeys | None:
     """Find the action that has a key, apart from the one named `excluded`."""
-    return next((one for one in actions if one.name != besides and key in keys_of(one, chosen)), None)
+    return next((one for one in actions if one.name != excluded and key in find_action_keys(one, custom)), None)
 
 
-def with_key(key: str, action: Keyed, actions: Sequence[Keyed], chosen: Chosen) -> dict[str, Texts]:
+def assign_key(key: str, action: ActionKeys, actions: Sequence[ActionKeys], custom: CustomKeys) -> dict[str, Texts]:
     """Assign one key to an action in place of its own; another action that had it loses it."""
-    changed = {**chosen, action.name: (key,) if key else ()}
-    other = holder(key, actions, chosen, besides=action.name) if key else None
+    changed = {**custom, action.name: (key,) if key else ()}
+    other = find_key_holder(key, actions, custom, excluded=action.name) if key else None
     if other is not None:
-        changed[other.name] = tuple(own for own in keys_of(other, chosen) if own != key)
+        changed[other.name] = tuple(own for own in find_action_keys(other, custom) if own != key)
     known = {one.name: one.default for one in actions}
     return {name: keys for name, keys in changed.items() if keys != known.get(name)}
 
 
-def refusal(key: str) -> str:
+def explain_reserved_key(key: str) -> str:
     """Tell why a key cannot be assigned; empty if it can."""
-    if key in ON_THE_IMAGE:
+    if key in RESERVED_KEYS:
         return tr("{key} is reserved for the image: choose another key.", key=key)
     return ""

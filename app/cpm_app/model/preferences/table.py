@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Any, Generic, TypeVar
 
-from cpm_app.model.display.lengths import UNITS
+from cpm_app.model.display.lengths import UNIT_TITLES
 from cpm_app.model.text import language
 from cpm_app.model.text.language import tr
 
@@ -41,23 +41,23 @@ class Preference(ABC, Generic[ValueT]):
     note: str = ""
 
     @abstractmethod
-    def taken(self, stored: object) -> ValueT | None:
+    def parse_stored(self, stored: object) -> ValueT | None:
         """Parse a stored value, perhaps text; None if it is none of this kind."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Flag(Preference[bool]):
+class FlagPreference(Preference[bool]):
     """Something that is on or off; `text` is next to the check box."""
 
     text: str
 
-    def taken(self, stored: object) -> bool | None:
+    def parse_stored(self, stored: object) -> bool | None:
         """Parse true or false, also as text."""
         return {"true": True, "false": False}.get(str(stored).lower())
 
 
 @dataclass(frozen=True, kw_only=True)
-class Number(Preference[float]):
+class NumberPreference(Preference[float]):
     """A number from `low` to `high` in increments of `step`, with the unit `suffix`."""
 
     low: float
@@ -66,7 +66,7 @@ class Number(Preference[float]):
     decimals: int = 0
     suffix: str = ""
 
-    def taken(self, stored: object) -> float | None:
+    def parse_stored(self, stored: object) -> float | None:
         """Parse a number within the limits."""
         try:
             number = float(str(stored))
@@ -76,26 +76,26 @@ class Number(Preference[float]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice(Preference[str]):
+class ChoicePreference(Preference[str]):
     """One of several alternatives, `choices`: names and titles."""
 
-    ways: Mapping[str, str]
+    choices: Mapping[str, str]
 
-    def taken(self, stored: object) -> str | None:
+    def parse_stored(self, stored: object) -> str | None:
         """Parse the name of an alternative."""
-        return stored if isinstance(stored, str) and stored in self.ways else None
+        return stored if isinstance(stored, str) and stored in self.choices else None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Color(Preference[str]):
+class ColorPreference(Preference[str]):
     """A color, as ``"#rrggbb"``."""
 
-    def taken(self, stored: object) -> str | None:
+    def parse_stored(self, stored: object) -> str | None:
         """Parse a color of six digits."""
         return stored if isinstance(stored, str) and _COLOR_PATTERN.fullmatch(stored) else None
 
 
-PAGES = {
+PAGE_TITLES = {
     "general": tr("General"),
     "appearance": tr("Lines and colors"),
     "files": tr("Files"),
@@ -104,36 +104,36 @@ PAGES = {
 }
 """Titles of the pages of the dialog by name, in their order."""
 
-LANGUAGE = Choice(
-    name=language.KEY, label=tr("Language"), default=language.OF_THE_DESKTOP,
-    ways={language.OF_THE_DESKTOP: tr("System"), **language.languages()},
+LANGUAGE_PREFERENCE = ChoicePreference(
+    name=language.LANGUAGE_KEY, label=tr("Language"), default=language.SYSTEM_LANGUAGE,
+    choices={language.SYSTEM_LANGUAGE: tr("System"), **language.list_languages()},
     note=tr("The language changes when you restart the program."),
 )  # fmt: skip
-THEME = Choice(
+THEME_PREFERENCE = ChoicePreference(
     name="theme", label=tr("Theme"), default="system",
-    ways={"system": tr("System"), "light": tr("Light"), "dark": tr("Dark")},
+    choices={"system": tr("System"), "light": tr("Light"), "dark": tr("Dark")},
 )  # fmt: skip
-UNIT = Choice(
-    name="units", label=tr("Lengths and areas"), default="image", ways=UNITS,
+UNIT_PREFERENCE = ChoicePreference(
+    name="units", label=tr("Lengths and areas"), default="image", choices=UNIT_TITLES,
     note=tr("In tables, the Run panel, the status bar and the scale bar. Without a known pixel size, "
             "lengths are in px."),
 )  # fmt: skip
 
-CONTOUR_WIDTH = Number(
+CONTOUR_WIDTH = NumberPreference(
     name="canvas/contour_width", label=tr("Contour width"), default=2.0, low=0.5, high=5.0,
     step=0.25, decimals=2, suffix=" px",
 )  # fmt: skip
-SHAPE_WIDTH = Number(
+SHAPE_WIDTH = NumberPreference(
     name="canvas/shape_width", label=tr("Shape width"), default=1.4, low=0.5, high=5.0,
     step=0.1, decimals=1, suffix=" px",
 )  # fmt: skip
-POINT_SIZE = Number(
+POINT_SIZE = NumberPreference(
     name="canvas/point_size", label=tr("Particle size"), default=7.0, low=3.0, high=20.0,
     step=0.5, decimals=1, suffix=" px", note=tr("Particles shrink when the image is zoomed out."),
 )  # fmt: skip
 
-INKS = {
-    name: Color(name=f"colors/{name}", label=label, default=color)
+INK_PREFERENCES = {
+    name: ColorPreference(name=f"colors/{name}", label=label, default=color)
     for name, label, color in (
         ("contour", tr("Contours"), "#eceff3"),
         ("proposal", tr("Proposed objects"), "#62a8ff"),
@@ -145,37 +145,37 @@ INKS = {
 }
 """Colors on the canvas; people who cannot distinguish red and green can distinguish the defaults."""
 
-AUTOSAVE = Flag(
+AUTOSAVE_PREFERENCE = FlagPreference(
     name="autosave/on", label=tr("Autosave"), default=True, text=tr("Keep unsaved work for recovery"),
     note=tr("After a crash, the next start offers to restore it."),
 )  # fmt: skip
-SAVE_IN_FOLDER = Flag(
+SAVE_IN_FOLDER = FlagPreference(
     name="files/save_in_folder", label=tr("Next image in the folder"), default=False,
     text=tr("Save without asking"), note=tr("The session is saved next to the image, under the same name."),
 )  # fmt: skip
-KEEP_PARAMETERS = Flag(
+KEEP_PARAMETERS = FlagPreference(
     name="parameters/keep", label=tr("Next image"), default=False,
     text=tr("Keep parameters for the next image"),
 )  # fmt: skip
-OFFER_SETTINGS = Flag(
+OFFER_SETTINGS = FlagPreference(
     name="parameters/offer", label=tr("Kind of image"), default=True,
     text=tr("Suggest settings for the kind of image"),
     note=tr("Fluorescence, angiograms and ultrasound are recognized by their gray levels."),
 )  # fmt: skip
-TIMELINE_MEMORY = Number(
+TIMELINE_MEMORY = NumberPreference(
     name="timeline/megabytes", label=tr("Memory for steps"), default=256.0, low=16, high=16384, step=64,
     suffix=tr(" MB"),
     note=tr("Maximum memory for the steps of a run. When it is full, fewer steps are stored, evenly spaced; the steps "
             "between them are recomputed exactly."),
 )  # fmt: skip
 
-BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
-    "general": (LANGUAGE, THEME, UNIT),
-    "appearance": (CONTOUR_WIDTH, SHAPE_WIDTH, POINT_SIZE, *INKS.values()),
-    "files": (AUTOSAVE, SAVE_IN_FOLDER),
+PREFERENCES_BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
+    "general": (LANGUAGE_PREFERENCE, THEME_PREFERENCE, UNIT_PREFERENCE),
+    "appearance": (CONTOUR_WIDTH, SHAPE_WIDTH, POINT_SIZE, *INK_PREFERENCES.values()),
+    "files": (AUTOSAVE_PREFERENCE, SAVE_IN_FOLDER),
     "run": (KEEP_PARAMETERS, OFFER_SETTINGS, TIMELINE_MEMORY),
 }
 """Preferences on each page of the dialog, in its order."""
 
-PREFERENCES = tuple(chain(*BY_PAGE.values()))
+ALL_PREFERENCES = tuple(chain(*PREFERENCES_BY_PAGE.values()))
 """All preferences, in the order of the dialog."""

@@ -43,7 +43,7 @@ class Camera:
     scale: float
 
     @staticmethod
-    def on(lengths: Sequence[float], size: tuple[int, int], front: Array | None = None) -> Camera:
+    def facing_box(lengths: Sequence[float], size: tuple[int, int], front: Array | None = None) -> Camera:
         """See all of a box from the origin in a picture of `size` rows and columns.
 
         `lengths` are the sides of the box along (plane, row, col), in units of length. `front`, shape (3, 3), are the
@@ -52,17 +52,17 @@ class Camera:
         sides = np.asarray(lengths, float)
         front = np.eye(3)[::-1] if front is None else front
         scale = _FILLED_FRACTION * min(size) / max(float(np.linalg.norm(sides)), 1e-300)
-        return Camera(0.5 * sides, front, _limited(scale)).turned(*_INITIAL_TILT)
+        return Camera(0.5 * sides, front, _clamp_scale(scale)).rotated(*_INITIAL_TILT)
 
-    def turned(self, right: float, down: float) -> Camera:
+    def rotated(self, right: float, down: float) -> Camera:
         """Rotate the volume, as a ball under a finger that moves to the right and down by these angles [rad]."""
-        return self._turned(0.0, -right, 0.0)._turned(down, 0.0, 0.0)
+        return self._rotated(0.0, -right, 0.0)._rotated(down, 0.0, 0.0)
 
     def rolled(self, angle: float) -> Camera:
         """Rotate the picture about its middle, clockwise [rad]."""
-        return self._turned(0.0, 0.0, -angle)
+        return self._rotated(0.0, 0.0, -angle)
 
-    def _turned(self, *about: float) -> Camera:
+    def _rotated(self, *about: float) -> Camera:
         """Rotate about the axes of the picture, without accumulating rounding errors over many small turns."""
         turn = scipy.spatial.transform.Rotation.from_rotvec(about).as_matrix()
         left, _, right = np.linalg.svd(turn @ self.axes)
@@ -74,7 +74,7 @@ class Camera:
 
     def zoomed(self, factor: float, right: float = 0.0, down: float = 0.0) -> Camera:
         """Enlarge, so that the place at this offset from the middle of the picture [px] stays where it is."""
-        scale = _limited(self.scale * factor)
+        scale = _clamp_scale(self.scale * factor)
         true = scale / self.scale
         return replace(self.translated(-right, -down), scale=scale).translated(right, down) if true != 1.0 else self
 
@@ -82,17 +82,17 @@ class Camera:
         """Return the same view for a picture with `factor` times as many rows and columns."""
         return replace(self, scale=self.scale * factor)
 
-    def seen(self, positions: Numbers, size: tuple[int, int]) -> Single:
+    def project(self, positions: Numbers, size: tuple[int, int]) -> Single:
         """Project positions (N, 3) in units of length into a picture: column, row and depth [px], shape (N, 3)."""
         away = np.asarray(positions, np.float32) - self.center.astype(np.float32)
         found = away @ (self.axes * self.scale).astype(np.float32).T
         found[:, :2] += 0.5 * (size[1] - 1), 0.5 * (size[0] - 1)
         return found
 
-    def corner(self, size: tuple[int, int]) -> Array:
+    def first_pixel_position(self, size: tuple[int, int]) -> Array:
         """Return the position in the picture's plane that its first pixel shows, shape (3,), in units of length."""
         return self.translated(0.5 * (size[1] - 1), 0.5 * (size[0] - 1)).center
 
 
-def _limited(scale: float) -> float:
+def _clamp_scale(scale: float) -> float:
     return min(max(scale, _MIN_SCALE), _MAX_SCALE)

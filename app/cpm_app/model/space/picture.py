@@ -11,7 +11,7 @@ from PIL import Image
 from cpm_core.numerics import compiled, run_in_parallel
 from cpm_core.numerics.types import Pixels, Single, record
 
-FAR = np.float32(3e38)
+EMPTY_DEPTH = np.float32(3e38)
 """Depth of pixels that show nothing."""
 
 _MIN_BAND_ROWS = 32
@@ -30,7 +30,7 @@ class Picture:
         """Return a picture of one color, with nothing in it."""
         colors = np.empty((*size, 3), np.uint8)
         colors[:] = color
-        return Picture(colors, np.full(size, FAR, np.float32))
+        return Picture(colors, np.full(size, EMPTY_DEPTH, np.float32))
 
     @property
     def size(self) -> tuple[int, int]:
@@ -42,13 +42,13 @@ class Picture:
         """Return a copy to draw in."""
         return Picture(self.colors.copy(), self.depths.copy())
 
-    def covered_by(self, other: Picture, opacity: float) -> None:
+    def overlay_picture(self, other: Picture, opacity: float) -> None:
         """Blend another picture of the same size over this one, where what it shows is nearer."""
         own = Image.fromarray(self.colors)
         mixed = Image.blend(own, Image.fromarray(other.colors), opacity)
         self.colors[:] = np.asarray(Image.composite(mixed, own, Image.fromarray(other.depths < self.depths)))
 
-    def draw(self, kernel: Callable[..., None], *drawn: Any) -> None:
+    def draw_in_bands(self, kernel: Callable[..., None], *drawn: Any) -> None:
         """Call a compiled function with `drawn` for bands of rows, on several threads."""
 
         def draw_band(begin: int, end: int) -> None:
@@ -69,8 +69,8 @@ def _draw_lines(seen: Single, colors: Pixels, shown: Pixels, depths: Single) -> 
         start = seen[2 * i].astype(np.float64)
         way = seen[2 * i + 1] - start
         steps = max(abs(way[0]), abs(way[1]), 1e-6)
-        begin, end = within(start[0], way[0], width, 0.0, 1.0)
-        begin, end = within(start[1], way[1], height, begin, end)
+        begin, end = clip_line(start[0], way[0], width, 0.0, 1.0)
+        begin, end = clip_line(start[1], way[1], height, begin, end)
         for step in range(int(np.ceil(begin * steps)), int(np.floor(end * steps)) + 1):
             at = start + step / steps * way
             col, row, depth = int(np.rint(at[0])), int(np.rint(at[1])), np.float32(at[2])
@@ -80,7 +80,7 @@ def _draw_lines(seen: Single, colors: Pixels, shown: Pixels, depths: Single) -> 
 
 
 @compiled
-def within(start: float, way: float, size: int, begin: float, end: float) -> tuple[float, float]:
+def clip_line(start: float, way: float, size: int, begin: float, end: float) -> tuple[float, float]:
     """Clip a line to the extent of a picture or a volume along one axis.
 
     Parameters
@@ -105,7 +105,7 @@ def within(start: float, way: float, size: int, begin: float, end: float) -> tup
 
 def draw_balls(picture: Picture, seen: Single, colors: Pixels, radius: float) -> None:
     """Draw balls of a radius [px] at points of a picture, `seen` (N, 3), in `colors` (N, 3)."""
-    picture.draw(_draw_balls, seen, colors, np.float32(radius))
+    picture.draw_in_bands(_draw_balls, seen, colors, np.float32(radius))
 
 
 @compiled

@@ -18,19 +18,19 @@ _LIGHT_DIRECTION = np.array([-0.35, -0.45, -0.82])
 
 
 @frozen
-class Cut:
+class CutPlane:
     """A plane across an axis that cuts surfaces open: nothing before it is drawn [units of length]."""
 
     axis: int
-    at: float
+    position: float
 
-    def before(self, positions: Numbers) -> Single:
+    def distance_before(self, positions: Numbers) -> Single:
         """Return how far positions (N, 3) lie before the plane, shape (N,); negative for those that are drawn."""
-        return np.asarray(np.float32(self.at) - np.asarray(positions[:, self.axis], np.float32))
+        return np.asarray(np.float32(self.position) - np.asarray(positions[:, self.axis], np.float32))
 
 
 @record
-class Mesh:
+class SurfaceMesh:
     """A surface prepared for drawing: in units of length and single precision."""
 
     surface: Surface
@@ -53,24 +53,24 @@ class Mesh:
 
 def draw_mesh(
     picture: Picture,
-    mesh: Mesh,
+    mesh: SurfaceMesh,
     camera: Camera,
     outside: tuple[int, int, int],
     inside: tuple[int, int, int],
-    cut: Cut | None = None,
+    cut: CutPlane | None = None,
 ) -> None:
     """Draw a surface with one color outside and another one inside, which a cut reveals."""
-    seen = camera.seen(mesh.positions, picture.size)
+    seen = camera.project(mesh.positions, picture.size)
     light = np.asarray(_LIGHT_DIRECTION @ camera.axes / np.linalg.norm(_LIGHT_DIRECTION), np.float32)
     lit = mesh.normals @ light
-    beyond = np.full(len(seen), -1.0, np.float32) if cut is None else cut.before(mesh.positions)
+    beyond = np.full(len(seen), -1.0, np.float32) if cut is None else cut.distance_before(mesh.positions)
     colors = np.array([outside, inside], np.float32)
     turn = np.float32(np.sign(np.linalg.det(camera.axes)))
-    picture.draw(_draw, seen, lit, beyond, mesh.faces, turn, colors)
+    picture.draw_in_bands(_draw_triangles, seen, lit, beyond, mesh.faces, turn, colors)
 
 
 @compiled
-def _draw(
+def _draw_triangles(
     seen: Single,
     lit: Single,
     beyond: Single,
@@ -112,11 +112,11 @@ def _draw(
                     continue
                 depths[row, col] = z
                 light = sign * (to_a * lit[a] + to_b * lit[b] + to_c * lit[c])
-                _shade(shown, row, col, colors[side], max(light, zero))
+                _shade_pixel(shown, row, col, colors[side], max(light, zero))
 
 
 @compiled
-def _shade(shown: Pixels, row: int, col: int, color: Single, light: np.float32) -> None:
+def _shade_pixel(shown: Pixels, row: int, col: int, color: Single, light: np.float32) -> None:
     """Color a pixel of a matte surface with a faint highlight, never black where no light falls."""
     gloss = light * light
     gloss *= gloss

@@ -10,20 +10,20 @@ import numpy as np
 from cpm_app.model.display.display_image import apply_window
 from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import Picture, draw_balls, draw_lines
-from cpm_app.model.space.triangles import Cut, Mesh, draw_mesh
-from cpm_app.model.space.voxels import Shaded, draw_projection, draw_slice
+from cpm_app.model.space.triangles import CutPlane, SurfaceMesh, draw_mesh
+from cpm_app.model.space.voxels import ShadedVolume, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slices
 from cpm_core import Image
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels, frozen, record
 
-Color = tuple[int, int, int]
+RgbColor = tuple[int, int, int]
 """Red, green and blue, from 0 to 255."""
 
 AXIS_COLORS = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 """Colors of the axes: plane, row, column."""
 
-GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
+GRAY_TABLE = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
 """Color table that shows shades as they are."""
 
 _OBJECT_OFFSET_VOXELS = 2.0
@@ -34,13 +34,13 @@ _OBJECT_OFFSET_RADII = 1.5
 
 
 @frozen
-class Look:
+class SpaceStyle:
     """Colors of everything without a color of its own, and the radius of a particle [px]."""
 
-    background: Color = (24, 26, 30)
-    edges: Color = (120, 126, 136)
-    outside: Color = (214, 164, 120)
-    inside: Color = (120, 150, 200)
+    background: RgbColor = (24, 26, 30)
+    edges: RgbColor = (120, 126, 136)
+    outside: RgbColor = (214, 164, 120)
+    inside: RgbColor = (120, 150, 200)
     radius: float = 2.0
 
 
@@ -60,7 +60,7 @@ class ShownParts:
 
 
 @record
-class Particles:
+class ShownParticles:
     """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius."""
 
     positions: Array
@@ -80,8 +80,8 @@ class Wires:
 class ColoredMesh:
     """A surface in a color of its own."""
 
-    mesh: Mesh
-    color: Color
+    mesh: SurfaceMesh
+    color: RgbColor
 
 
 @record
@@ -111,12 +111,12 @@ class ViewInSpace:
     """
 
     image: Image
-    shaded: Shaded
+    shaded: ShadedVolume
     slices: Slices
-    particles: Particles | None = None
-    mesh: Mesh | None = None
+    particles: ShownParticles | None = None
+    mesh: SurfaceMesh | None = None
     wires: Wires | None = None
-    table: Pixels = field(default_factory=lambda: GRAY)
+    table: Pixels = field(default_factory=lambda: GRAY_TABLE)
     objects: tuple[ColoredMesh, ...] = ()
     truth: tuple[ColoredMesh, ...] = ()
     shown: ShownParts = field(default_factory=ShownParts)
@@ -127,58 +127,58 @@ class ViewInSpace:
         return tuple((count - 1) * size for count, size in zip(self.image.shape, self.image.spacing, strict=True))
 
     @property
-    def cut(self) -> Cut | None:
+    def cut(self) -> CutPlane | None:
         """Plane before which surface and particles are hidden: the side of the first voxels is removed."""
         axis = self.shown.cut_axis
-        return None if axis is None else Cut(axis, self.shown.cut_at * self.lengths[axis])
+        return None if axis is None else CutPlane(axis, self.shown.cut_at * self.lengths[axis])
 
-    def drawn(self, camera: Camera, size: tuple[int, int], look: Look) -> Picture:
+    def render_picture(self, camera: Camera, size: tuple[int, int], style: SpaceStyle) -> Picture:
         """Draw everything that is shown in a picture of `size` rows and columns."""
-        picture, shown, spacing = Picture.blank(size, look.background), self.shown, self.image.spacing
+        picture, shown, spacing = Picture.blank(size, style.background), self.shown, self.image.spacing
         if shown.projection:
             draw_projection(picture, self.shaded, camera, spacing, self.table)
         if shown.slices:
-            for place in map(self.slices.across, range(3)):
-                shades = apply_window(place.of(self.shaded.values), self.shaded.window)
+            for place in map(self.slices.slice_across, range(3)):
+                shades = apply_window(place.slice_array(self.shaded.values), self.shaded.window)
                 draw_slice(picture, place, self.table[shades], camera, spacing)
         if shown.box:
-            self._draw_box(picture, camera, look)
+            self._draw_box(picture, camera, style)
         if self.wires is not None:
             places = self.wires.ends.reshape(-1, 3) * np.array(spacing)
-            draw_lines(picture, camera.seen(places, size), self.wires.colors)
-        self.draw_particles(picture, self.particles, camera, look)
+            draw_lines(picture, camera.project(places, size), self.wires.colors)
+        self.draw_particles(picture, self.particles, camera, style)
         if shown.opacity > 0.0:
-            self._draw_surfaces(picture, camera, look)
+            self._draw_surfaces(picture, camera, style)
         return picture
 
-    def draw_particles(self, picture: Picture, particles: Particles | None, camera: Camera, look: Look) -> None:
+    def draw_particles(self, picture: Picture, particles: ShownParticles | None, camera: Camera, style: SpaceStyle) -> None:
         """Draw particles into a picture, if they are shown."""
         if particles is not None and self.shown.particles:
             places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
             if cut is not None:
-                kept = cut.before(places) <= 0.0
+                kept = cut.distance_before(places) <= 0.0
                 places, colors = places[kept], colors[kept]
-            draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
+            draw_balls(picture, camera.project(places, picture.size), colors, particles.size * style.radius)
 
-    def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
+    def _draw_surfaces(self, picture: Picture, camera: Camera, style: SpaceStyle) -> None:
         """Draw the objects and the surface with one opacity, as an object often is the surface."""
         opaque = self.shown.opacity >= 1.0
-        nearest = picture if opaque else Picture.blank(picture.size, look.background)
+        nearest = picture if opaque else Picture.blank(picture.size, style.background)
         # a little nearer than the surface of the run, whose triangles they share, and than its particles
-        by = max(_OBJECT_OFFSET_VOXELS * min(self.image.spacing), _OBJECT_OFFSET_RADII * look.radius / camera.scale)
+        by = max(_OBJECT_OFFSET_VOXELS * min(self.image.spacing), _OBJECT_OFFSET_RADII * style.radius / camera.scale)
         nearer = replace(camera, center=camera.center + by * camera.axes[2])
         for each in (*(self.objects if self.shown.objects else ()), *self.truth):
             draw_mesh(nearest, each.mesh, nearer, each.color, each.color, self.cut)
         if self.mesh is not None and self.shown.surface:
-            draw_mesh(nearest, self.mesh, camera, look.outside, look.inside, self.cut)
+            draw_mesh(nearest, self.mesh, camera, style.outside, style.inside, self.cut)
         if not opaque:
-            picture.covered_by(nearest, self.shown.opacity)
+            picture.overlay_picture(nearest, self.shown.opacity)
 
-    def _draw_box(self, picture: Picture, camera: Camera, look: Look) -> None:
+    def _draw_box(self, picture: Picture, camera: Camera, style: SpaceStyle) -> None:
         """Draw twelve edges; the three at the first voxel are the axes, in their own colors."""
         corners = np.array(list(product((0.0, 1.0), repeat=3)))
         first = np.stack([corners[corners[:, axis] == 0.0] for axis in range(3)])
         ends = np.stack([first, first + np.eye(3)[:, None]], axis=2).reshape(-1, 3)
-        colors = np.tile(look.edges, (12, 1))
+        colors = np.tile(style.edges, (12, 1))
         colors[::4] = AXIS_COLORS
-        draw_lines(picture, camera.seen(ends * self.lengths, picture.size), colors.astype(np.uint8))
+        draw_lines(picture, camera.project(ends * self.lengths, picture.size), colors.astype(np.uint8))

@@ -8,7 +8,7 @@ import numpy as np
 
 from cpm_app.model.display.display_image import IntensityWindow, apply_window
 from cpm_app.model.space.camera import Camera
-from cpm_app.model.space.picture import Picture, within
+from cpm_app.model.space.picture import Picture, clip_line
 from cpm_app.model.volume.slices import Slice
 from cpm_core.numerics import Array, compiled
 from cpm_core.numerics.types import Pixels, Sides, Single, record
@@ -18,7 +18,7 @@ _MAXIMA_BLOCK_SIDE = 8
 
 
 @record
-class Shaded:
+class ShadedVolume:
     """A volume with one byte a voxel, computed from its gray values on first use, since that takes a while."""
 
     values: Array
@@ -38,14 +38,14 @@ class Shaded:
         return np.ascontiguousarray(found)
 
 
-def draw_projection(picture: Picture, volume: Shaded, camera: Camera, spacing: Sides, table: Pixels) -> None:
+def draw_projection(picture: Picture, volume: ShadedVolume, camera: Camera, spacing: Sides, table: Pixels) -> None:
     """Draw the brightest voxels behind everything else in `table` (256, 3) colors; black ones are left out."""
     sizes = np.asarray(spacing, float)
-    corner = camera.corner(picture.size) / sizes
+    corner = camera.first_pixel_position(picture.size) / sizes
     right, down = (camera.axes[k] / camera.scale / sizes for k in range(2))
     away = camera.axes[2] / sizes
     away = away / np.abs(away).max()
-    picture.draw(_draw_projection, volume.voxels, volume.maxima, corner, right, down, away, table)
+    picture.draw_in_bands(_draw_projection, volume.voxels, volume.maxima, corner, right, down, away, table)
 
 
 @compiled
@@ -72,7 +72,7 @@ def _draw_projection(
             )
             near, far = -1e30, 1e30
             for axis in range(3):
-                near, far = within(start[axis], away[axis], voxels.shape[axis], near, far)
+                near, far = clip_line(start[axis], away[axis], voxels.shape[axis], near, far)
             z, y, x = start[0] + 0.5, start[1] + 0.5, start[2] + 0.5
             at, found = near + 1e-6, 0
             while at < far:
@@ -80,7 +80,7 @@ def _draw_projection(
                 if i >= voxels.shape[0] or j >= voxels.shape[1] or k >= voxels.shape[2]:
                     break
                 if maxima[i // _MAXIMA_BLOCK_SIDE, j // _MAXIMA_BLOCK_SIDE, k // _MAXIMA_BLOCK_SIDE] <= found:
-                    leave = min(_leaving(z, away[0], i), _leaving(y, away[1], j), _leaving(x, away[2], k))
+                    leave = min(_find_block_exit(z, away[0], i), _find_block_exit(y, away[1], j), _find_block_exit(x, away[2], k))
                     at = max(leave, at) + 1e-3
                 else:
                     found = max(found, voxels[i, j, k])
@@ -90,7 +90,7 @@ def _draw_projection(
 
 
 @compiled
-def _leaving(start: float, away: float, index: int) -> float:
+def _find_block_exit(start: float, away: float, index: int) -> float:
     """Return where a line leaves the block of a voxel along one axis."""
     if abs(away) < 1e-9:
         return 1e30
@@ -98,17 +98,17 @@ def _leaving(start: float, away: float, index: int) -> float:
     return (block * _MAXIMA_BLOCK_SIDE - start) / away
 
 
-def draw_slice(picture: Picture, place: Slice, colors: Pixels, camera: Camera, spacing: Sides) -> None:
+def draw_slice(picture: Picture, cut: Slice, colors: Pixels, camera: Camera, spacing: Sides) -> None:
     """Draw a slice in `colors` (H, W, 3), in voxels of this size; nothing where it is seen edge-on."""
-    across = place.axis
+    across = cut.axis
     if abs(camera.axes[2, across]) < 1e-6:
         return
     down, right = (axis for axis in range(3) if axis != across)
     onto = camera.axes * camera.scale  # column, row and depth in the picture, for a unit along each axis
-    origin = onto[:, across] * place.index * spacing[across] - onto @ camera.corner(picture.size)
+    origin = onto[:, across] * cut.index * spacing[across] - onto @ camera.first_pixel_position(picture.size)
     voxels = np.stack([onto[:, down] * spacing[down], onto[:, right] * spacing[right], origin], axis=1)
     back = np.linalg.inv(np.vstack([voxels[1::-1], (0.0, 0.0, 1.0)]))  # from row and column of the picture to the slice
-    picture.draw(_draw_slice, colors, np.vstack([back[:2], voxels[2] @ back]))
+    picture.draw_in_bands(_draw_slice, colors, np.vstack([back[:2], voxels[2] @ back]))
 
 
 @compiled

@@ -23,7 +23,7 @@ class Message:
 
     text: str
     error: bool = False
-    topic: str = ""
+    category: str = ""
 
 
 @frozen
@@ -49,29 +49,29 @@ class Messages:
         """The message that is shown."""
         return self.news or (self.errors[-1] if self.errors else None)
 
-    def said(self, message: Message) -> Messages:
+    def with_message(self, message: Message) -> Messages:
         """Add a message.
 
         It replaces all news, and the errors of its category; news of no category replaces no error.
         """
-        replacing = message.error or message.topic
-        others = tuple(error for error in self.errors if not replacing or error.topic != message.topic)
+        replacing = message.error or message.category
+        others = tuple(error for error in self.errors if not replacing or error.category != message.category)
         return Messages((*others, message)) if message.error else Messages(others, message)
 
-    def without(self, *topics: str) -> Messages:
+    def without_categories(self, *categories: str) -> Messages:
         """Drop the messages of some categories, which are attempted again."""
-        errors = tuple(error for error in self.errors if error.topic not in topics)
-        return Messages(errors, None if self.news is not None and self.news.topic in topics else self.news)
+        errors = tuple(error for error in self.errors if error.category not in categories)
+        return Messages(errors, None if self.news is not None and self.news.category in categories else self.news)
 
-    def only(self, *topics: str) -> Messages:
+    def only_categories(self, *categories: str) -> Messages:
         """Drop the messages of all other categories."""
-        kept = self.news if self.news is not None and self.news.topic in topics else None
-        return Messages(tuple(error for error in self.errors if error.topic in topics), kept)
+        kept = self.news if self.news is not None and self.news.category in categories else None
+        return Messages(tuple(error for error in self.errors if error.category in categories), kept)
 
-    def faded(self) -> Messages:
+    def without_news(self) -> Messages:
         """Drop the news."""
         return replace(self, news=None)
 
-    def dismissed(self) -> Messages:
+    def without_shown(self) -> Messages:
         """Drop the message that is shown."""
-        return self.faded() if self.news is not None else Messages(self.errors[:-1])
+        return self.without_news() if self.news is not None else Messages(self.errors[:-1])

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from cpm_app.model.display.lengths import measured, scientific_text
+from cpm_app.model.display.lengths import format_measured_length, format_scientific
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.document.modes import MODES, needs_start
 from cpm_app.model.state.situation import RunStatus, Situation, has_volume
-from cpm_app.model.state.surface_figures import SURFACE, VOLUME, figure_texts
-from cpm_app.model.text.keys import with_keys
-from cpm_app.model.text.language import from_core, tr, written
+from cpm_app.model.state.surface_figures import SURFACE_LABEL, VOLUME_LABEL, format_surface_figures
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import translate_core_text, tr, localize_number
 from cpm_core import Result, Skeleton
 from cpm_core.numerics.types import frozen
 from cpm_core.shapes import (
@@ -31,27 +31,27 @@ from cpm_core.shapes import (
 FULL_SPEED = tr("full speed")
 """Text of the speed without a limit."""
 
-PACES = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
+RUN_PACES = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
 """Steps per second of the speed control; None for no limit."""
 
-FIRST_PACE = 6
+INITIAL_PACE_INDEX = 6
 """Index of the speed with which the window opens."""
 
-LEADING = (
+LEADING_LABELS = (
     tr("Particles"),
     tr("Contours"),
     tr("Branches"),
     tr("Length"),
     tr("Thickness"),
     tr("Skeleton of"),
-    SURFACE,
-    VOLUME,
+    SURFACE_LABEL,
+    VOLUME_LABEL,
 )
 """Labels of the numbers that are always shown."""
 
 
 @frozen
-class Resolved:
+class WindowTexts:
     """Texts of the window in a situation.
 
     `run_text`, `undo_text` and `redo_text` are texts of actions. `state` is one sentence on the state of the run, and
@@ -67,33 +67,33 @@ class Resolved:
     numbers: tuple[tuple[str, str, str], ...]
 
 
-def resolve(situation: Situation) -> Resolved:
+def resolve_texts(situation: Situation) -> WindowTexts:
     """Return the texts of the window; a pure function that can be tested without a window."""
     document, status = situation.document, situation.status
-    return Resolved(
-        run_text=_run_text(status),
-        undo_text=_named(tr("Undo"), situation.undo_name),
-        redo_text=_named(tr("Redo"), situation.redo_name),
-        state=_state(situation),
-        hint=_hint(situation),
-        numbers=_numbers(status, document.image)
+    return WindowTexts(
+        run_text=_label_run_action(status),
+        undo_text=_append_change_name(tr("Undo"), situation.undo_name),
+        redo_text=_append_change_name(tr("Redo"), situation.redo_name),
+        state=_describe_run_state(situation),
+        hint=_suggest_next_action(situation),
+        numbers=_format_run_numbers(status, document.image)
         if needs_start(document.mode)
-        else _numbers_of_skeleton(status, document.image),
+        else _format_skeleton_numbers(status, document.image),
     )
 
 
-def _named(text: str, name: str) -> str:
+def _append_change_name(text: str, name: str) -> str:
     return tr("{undo} {change}", undo=text, change=name) if name else text
 
 
-def pace_text(pace: float | None) -> str:
+def format_pace(pace: float | None) -> str:
     """Format a speed."""
     if pace is None:
         return FULL_SPEED
-    return tr("1 step/s") if pace == 1 else tr("{pace} steps/s", pace=written(f"{pace:g}"))
+    return tr("1 step/s") if pace == 1 else tr("{pace} steps/s", pace=localize_number(f"{pace:g}"))
 
 
-def _run_text(status: RunStatus) -> str:
+def _label_run_action(status: RunStatus) -> str:
     if status.phase == "running":
         return tr("Pause")
     if (status.phase == "paused" or status.steered) and not status.stale:
@@ -101,7 +101,7 @@ def _run_text(status: RunStatus) -> str:
     return tr("Run again") if status.started else tr("Run")
 
 
-def _state(situation: Situation) -> str:
+def _describe_run_state(situation: Situation) -> str:
     document, status = situation.document, situation.status
     if status.busy:
         return status.busy
@@ -109,12 +109,12 @@ def _state(situation: Situation) -> str:
         case "empty":
             return tr("No image is open.")
         case "running":
-            return tr("Running, step {step}", step=written(f"{status.step:,}"))
+            return tr("Running, step {step}", step=localize_number(f"{status.step:,}"))
         case "paused":
-            return tr("Paused at step {step}", step=written(f"{status.step:,}"))
+            return tr("Paused at step {step}", step=localize_number(f"{status.step:,}"))
         case "finished":
             message = tr("Finished: {reason}") if status.converged else tr("Stopped – {reason}")
-            return message.format(reason=from_core(status.stop_reason))
+            return message.format(reason=translate_core_text(status.stop_reason))
     if document.starts or not needs_start(document.mode):
         return tr("Ready")
     if items := document.objects.items:
@@ -122,7 +122,7 @@ def _state(situation: Situation) -> str:
     return tr("No start yet")
 
 
-def _hint(situation: Situation) -> str:
+def _suggest_next_action(situation: Situation) -> str:
     document, status, selected = situation.document, situation.status, situation.selected
     shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
     in_volume, usual = has_volume(situation), MODES[document.mode].hint
@@ -141,7 +141,7 @@ def _hint(situation: Situation) -> str:
             "Drag the {shape} of strength {strength} or move it with arrow keys; [ and ] make it weaker and stronger; "
             "{key:delete} removes it."
         )
-        return with_keys(message, shape=from_core(shape.title), strength=written(f"{abs(shape.strength):g}"))
+        return insert_keys(message, shape=translate_core_text(shape.title), strength=localize_number(f"{abs(shape.strength):g}"))
     elif status.started:
         message = ""
     elif not needs_start(document.mode):
@@ -160,14 +160,14 @@ def _hint(situation: Situation) -> str:
             "Now draw a start for the particles: a circle, a stroke or points; or start everywhere ({key:start_grid})."
         )
     else:
-        return with_keys(usual or tr("Press {key:run} to run.")) if shape is None else _what_can_be_done_to(shape)
-    return with_keys(message)
+        return insert_keys(usual or tr("Press {key:run} to run.")) if shape is None else _suggest_shape_actions(shape)
+    return insert_keys(message)
 
 
-def _what_can_be_done_to(shape: Shape) -> str:
-    name = from_core(shape.title)
+def _suggest_shape_actions(shape: Shape) -> str:
+    name = translate_core_text(shape.title)
     if isinstance(shape, Everywhere):
-        return with_keys(tr("Press {key:run} to run; {key:delete} removes the {shape}."), shape=name)
+        return insert_keys(tr("Press {key:run} to run; {key:delete} removes the {shape}."), shape=name)
     spaced = tr(
         "Arrow keys or the select tool ({key:select}) move the {shape}, [ and ] change its spacing; "
         "{key:delete} removes it."
@@ -186,74 +186,74 @@ def _what_can_be_done_to(shape: Shape) -> str:
             "Arrow keys or the select tool ({key:select}) move the {shape}, [ and ] resize it; {key:delete} removes it."
         ),
     )
-    return with_keys(message, shape=name)
+    return insert_keys(message, shape=name)
 
 
 _Numbers = tuple[tuple[str, str, str], ...]
 """Label, value and explanation of each number."""
 
 
-def _known(known: bool, numbers: _Numbers) -> _Numbers:
+def _dash_unknown(known: bool, numbers: _Numbers) -> _Numbers:
     """Replace the values of numbers by dashes unless they are known."""
     return numbers if known else tuple((label, "–", tip) for label, _, tip in numbers)
 
 
-def _numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
+def _format_run_numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
     small = status.epsilon < 1e-3
-    epsilon = scientific_text(status.epsilon) if small else written(f"{status.epsilon:.4f}")
+    epsilon = format_scientific(status.epsilon) if small else localize_number(f"{status.epsilon:.4f}")
     scale = tr("0 (full size)") if status.scale == 0 else f"{status.scale} (1:{2**status.scale})"
-    speed = written(f"{status.steps_per_second:.0f}") if status.phase == "running" else "–"
+    speed = localize_number(f"{status.steps_per_second:.0f}") if status.phase == "running" else "–"
     numbers = (
-        (tr("Step"), written(f"{status.step:,}"), tr("Steps taken over all scales.")),
-        (tr("Particles"), written(f"{status.count:,}"), tr("Current number of free particles.")),
+        (tr("Step"), localize_number(f"{status.step:,}"), tr("Steps taken over all scales.")),
+        (tr("Particles"), localize_number(f"{status.count:,}"), tr("Current number of free particles.")),
         (tr("Scale"), scale, tr("Level of the image pyramid; at 1:4 each pixel represents 4 by 4.")),
         ("ε", "–" if math.isnan(status.epsilon) else epsilon,
          tr("How much the particles still move, eq. (23); small at rest.")),
         (tr("Steps/s"), speed, tr("Speed of the run.")),
     )  # fmt: skip
     if image is not None and image.is_volume:
-        return (*_known(status.has_particles, numbers), *figure_texts(status.surface))
+        return (*_dash_unknown(status.has_particles, numbers), *format_surface_figures(status.surface))
     closed = sum(contour.closed for contour in status.contours)
     found = tr("{closed} closed, {open} open", closed=closed, open=len(status.contours) - closed)
     bridges = status.found.bridges if isinstance(status.found, Result) else ()
     bridged = tr("no gap")
     if bridges:
         words = tr("1 gap of {length}") if len(bridges) == 1 else tr("{gaps} gaps, longest {length}")
-        longest = _length(max(bridge.length for bridge in bridges), image)
+        longest = _format_image_length(max(bridge.length for bridge in bridges), image)
         bridged = words.format(gaps=len(bridges), length=longest)
     contours = (
         (tr("Contours"), found, tr("Contours reconstructed so far.")),
         (tr("Bridged"), bridged, tr("Gaps that were closed along a faint edge; see the parameter Maximum gap.")),
     )
-    return _known(status.has_particles, (*numbers, *contours))
+    return _dash_unknown(status.has_particles, (*numbers, *contours))
 
 
 _NOTHING_FOUND = Skeleton((), (), (1, 1), (1.0, 1.0), None, "")
 """Skeleton before a run has found one."""
 
 
-def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> _Numbers:
+def _format_skeleton_numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
     found = status.found if isinstance(status.found, Skeleton) else _NOTHING_FOUND
-    thickness = _length(found.thickness, image)
+    thickness = _format_image_length(found.thickness, image)
     numbers = (
-        (tr("Branches"), written(f"{len(found.contours):,}"), tr("Center lines between tips and forks.")),
-        (tr("Length"), _length(found.length, image, 0), tr("Length of all branches together.")),
+        (tr("Branches"), localize_number(f"{len(found.contours):,}"), tr("Center lines between tips and forks.")),
+        (tr("Length"), _format_image_length(found.length, image, 0), tr("Length of all branches together.")),
         (tr("Thickness"), thickness, tr("95 % of the length is thinner than this.")),
-        (tr("Skeleton of"), skeleton_of(found.polarity, found.width), tr("The objects whose skeleton is shown.")),
+        (tr("Skeleton of"), describe_skeleton_objects(found.polarity, found.width), tr("The objects whose skeleton is shown.")),
     )
-    return _known(bool(found.contours), numbers)
+    return _dash_unknown(bool(found.contours), numbers)
 
 
-def skeleton_of(polarity: int, width: float) -> str:
+def describe_skeleton_objects(polarity: int, width: float) -> str:
     """Describe what a skeleton of this polarity and largest width [px] is a skeleton of."""
     what = {-1: tr("what is dark"), 1: tr("what is light")}.get(polarity, tr("all objects"))
-    return tr("{what}, up to {width} px wide", what=what, width=written(f"{width:.0f}")) if width else what
+    return tr("{what}, up to {width} px wide", what=what, width=localize_number(f"{width:.0f}")) if width else what
 
 
-def _length(pixels: float, image: ImageReference | None, decimals: int = 1) -> str:
+def _format_image_length(pixels: float, image: ImageReference | None, decimals: int = 1) -> str:
     if image is None:
-        return measured(pixels, (1.0,), None, decimals)
+        return format_measured_length(pixels, (1.0,), None, decimals)
     sides = (
         (min(image.spacing),) if image.is_volume else image.spacing
     )  # whose lengths are in smallest sides of a voxel
-    return measured(pixels, sides, image.unit, decimals)
+    return format_measured_length(pixels, sides, image.unit, decimals)

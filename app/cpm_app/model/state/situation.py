@@ -145,7 +145,7 @@ def can_step(situation: Situation) -> bool:
     return has_image(situation) and status.phase != "running" and not over
 
 
-NOT_IN_VOLUMES = frozenset(
+HIDDEN_IN_VOLUMES = frozenset(
     (
         *("outline", "drop_missed_edits", "close_contours", "show_rejected"),
         *("objects_alike", "apply_to_folder"),
@@ -154,7 +154,7 @@ NOT_IN_VOLUMES = frozenset(
 """Names of actions and tools that are hidden while a volume is open."""
 
 
-OTHERWISE_IN_VOLUMES = {
+TEXTS_IN_VOLUMES = {
     "circle": (tr("Sphe&re"), tr("Drag from the center to draw a sphere.")),
     "add_circle": (
         tr("Add sphere in the &middle"),
@@ -199,24 +199,24 @@ ICONS_IN_VOLUMES = {"ellipse": "box"}
 
 def has_volume(situation: Situation) -> bool:
     """Tell whether a volume is open."""
-    return situation.document.is_about_volume
+    return situation.document.has_volume
 
 
-SURE_AFTER = 1.0
+MIN_ESTIMATE_TIME = 1.0
 """Shortest time after which an estimate is shown [s]."""
 
 _MIN_ESTIMATE_FRACTION = 0.02
 """Smallest fraction of the work from which an estimate is shown."""
 
 
-def seconds_left(elapsed: float, fraction: float | None) -> float | None:
+def estimate_seconds_left(elapsed: float, fraction: float | None) -> float | None:
     """Estimate the remaining time [s] after `elapsed` seconds for a `fraction` from 0 to 1; None while unknown."""
-    if fraction is None or fraction < _MIN_ESTIMATE_FRACTION or elapsed < SURE_AFTER:
+    if fraction is None or fraction < _MIN_ESTIMATE_FRACTION or elapsed < MIN_ESTIMATE_TIME:
         return None
     return elapsed * (1.0 - min(fraction, 1.0)) / fraction
 
 
-def remaining_text(seconds: float | None) -> str:
+def format_remaining_time(seconds: float | None) -> str:
     """Format a remaining time [s]; empty when it is not known."""
     if seconds is None:
         return ""

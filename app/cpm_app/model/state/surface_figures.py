@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import math
 
-from cpm_app.model.display.lengths import shown_in
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.display.lengths import preferred_pixel_size
+from cpm_app.model.text.language import tr, localize_number
 from cpm_core import Surface
 from cpm_core.numerics.types import Texts
 
-SURFACE = tr("Surface")
-CLOSED = tr("Closed")
-EULER = tr("Euler number")
-AREA = tr("Area")
-VOLUME = tr("Volume")
-SUPPORT = tr("Supported")
+SURFACE_LABEL = tr("Surface")
+CLOSED_LABEL = tr("Closed")
+EULER_LABEL = tr("Euler number")
+AREA_LABEL = tr("Area")
+VOLUME_LABEL = tr("Volume")
+SUPPORT_LABEL = tr("Supported")
 
 
-def figure_texts(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
+def format_surface_figures(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
     """Return label, value and explanation of each figure; dashes while there is no surface.
 
     It takes long the first time for a surface of many triangles, which caches its measures.
     """
-    texts = ("–",) * 6 if found is None else _texts(found)
+    texts = ("–",) * 6 if found is None else _format_figure_values(found)
     tips = (
         tr("Separate parts of the surface."),
         tr("Whether the surface is closed, so that it has an inside."),
@@ -31,30 +31,30 @@ def figure_texts(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
         tr("Volume that a closed surface encloses."),
         tr("Fraction of the surface with particles nearby; the rest is interpolated."),
     )
-    return tuple(zip((SURFACE, CLOSED, EULER, AREA, VOLUME, SUPPORT), texts, tips, strict=True))
+    return tuple(zip((SURFACE_LABEL, CLOSED_LABEL, EULER_LABEL, AREA_LABEL, VOLUME_LABEL, SUPPORT_LABEL), texts, tips, strict=True))
 
 
-def _texts(found: Surface) -> Texts:
-    size = shown_in(found.spacing, found.unit)
+def _format_figure_values(found: Surface) -> Texts:
+    size = preferred_pixel_size(found.spacing, found.unit)
     unit = size.unit or tr("voxels")
-    parts = tr("1 part") if found.components == 1 else tr("{count} parts", count=written(f"{found.components:,}"))
+    parts = tr("1 part") if found.components == 1 else tr("{count} parts", count=localize_number(f"{found.components:,}"))
     if found.left_out:
-        parts = tr("{parts}, {count} left out", parts=parts, count=written(f"{found.left_out:,}"))
+        parts = tr("{parts}, {count} left out", parts=parts, count=localize_number(f"{found.left_out:,}"))
     edges = found.free_edges + found.nonmanifold_edges
-    closed = tr("yes") if not edges else tr("no, {count} open edges", count=written(f"{edges:,}"))
+    closed = tr("yes") if not edges else tr("no, {count} open edges", count=localize_number(f"{edges:,}"))
     area, volume = found.area * size.factor**2, found.volume * size.factor**3
-    support = "–" if math.isnan(found.unsupported) else written(f"{100.0 * (1.0 - found.unsupported):.1f} %")
+    support = "–" if math.isnan(found.unsupported) else localize_number(f"{100.0 * (1.0 - found.unsupported):.1f} %")
     square, cube = (f"{unit}²", f"{unit}³") if size.unit else (tr("voxel faces"), unit)
     return (
         parts,
         closed,
-        written(f"{found.euler:,}"),
-        f"{_readable(area)} {square}",
-        f"{_readable(volume)} {cube}",
+        localize_number(f"{found.euler:,}"),
+        f"{_format_four_digits(area)} {square}",
+        f"{_format_four_digits(volume)} {cube}",
         support,
     )
 
 
-def _readable(value: float) -> str:
+def _format_four_digits(value: float) -> str:
     """Format a number with four digits, or in whole units."""
-    return written(f"{value:,.0f}") if value >= 1000.0 else written(f"{value:.4g}")
+    return localize_number(f"{value:,.0f}") if value >= 1000.0 else localize_number(f"{value:.4g}")

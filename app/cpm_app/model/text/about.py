@@ -7,15 +7,15 @@ import platform
 from cpm_app.model.text.language import tr
 from cpm_core import __version__
 
-PURPOSE = tr("Finds objects and contours in images with charged particles.")
+PROGRAM_PURPOSE = tr("Finds objects and contours in images with charged particles.")
 
-PAPER = tr(
+PAPER_CITATION = tr(
     "A. C. Jalba, M. H. F. Wilkinson and J. B. T. M. Roerdink, “CPM: A deformable model for shape recovery and "
     "segmentation based on charged particles”, IEEE Transactions on Pattern Analysis and Machine Intelligence 26 (10), "
     "2004."
 )
 
-LICENSE = tr("Free software under the MIT license.")
+LICENSE_SENTENCE = tr("Free software under the MIT license.")
 
 _LIBRARY_NAMES = {
     "PySide6-Essentials": "Qt and PySide6",
@@ -30,7 +30,7 @@ _LIBRARY_NAMES = {
 """Names of the libraries as users know them, by package."""
 
 
-def versions() -> tuple[tuple[str, str], ...]:
+def list_versions() -> tuple[tuple[str, str], ...]:
     """Return names and versions of the program, of Python, of its libraries and of the system."""
     from importlib import metadata  # only here, because it takes long to import
 

@@ -10,7 +10,7 @@ _PACKAGE_FOLDER = Path(__file__).resolve().parents[2]
 _ASSET_FOLDERS = (_PACKAGE_FOLDER / "assets", _PACKAGE_FOLDER.parents[1] / "assets")
 
 
-def asset(name: str) -> Path:
+def find_asset(name: str) -> Path:
     """Return the path of one of the program's own files, such as ``"icons/run.svg"``.
 
     ValueError when it is missing, because the installation is incomplete.
@@ -24,12 +24,12 @@ def asset(name: str) -> Path:
     )
 
 
-def folder(name: str) -> Path | None:
+def find_asset_folder(name: str) -> Path | None:
     """Return the path of an optional folder in the assets; None when it does not exist."""
     return next((place / name for place in _ASSET_FOLDERS if (place / name).is_dir()), None)
 
 
-class Block(NamedTuple):
+class GuideBlock(NamedTuple):
     """A heading (``# ``), a step (``1. ``) or a paragraph of the guide, with the file of its picture if it has one."""
 
     mark: str
@@ -40,8 +40,8 @@ class Block(NamedTuple):
 _BLOCK_PATTERN = re.compile(r"(# |1\. |)(.*?)(?:\n *!\[\]\((.+)\))?", re.DOTALL)
 
 
-def guide_page(name: str) -> list[Block]:
+def read_guide_page(name: str) -> list[GuideBlock]:
     """Read a page of the guide: Markdown, one line a block, in which braces name actions."""
-    text = asset(f"guide/{name}.md").read_text(encoding="utf-8")
+    text = find_asset(f"guide/{name}.md").read_text(encoding="utf-8")
     found = (_BLOCK_PATTERN.fullmatch(block) for block in text.strip().split("\n\n"))
-    return [Block(block[1], block[2], block[3] or "") for block in found if block]
+    return [GuideBlock(block[1], block[2], block[3] or "") for block in found if block]

@@ -17,14 +17,14 @@ from string import ascii_uppercase
 from typing import NamedTuple
 
 
-class Named(NamedTuple):
+class ActionName(NamedTuple):
     """Key and title of an action in sentences; the key is as the platform writes it, empty if there is none."""
 
     key: str
     title: str
 
 
-_names: Mapping[str, Named] = {}
+_names: Mapping[str, ActionName] = {}
 
 _KEY_IN_PARENTHESES = re.compile(r" \(\{key:(\w+)\}\)")
 """A key that a sentence names in parentheses."""
@@ -34,22 +34,22 @@ class _Keys:
     """Placeholder that is formatted as the key of the action that the format names."""
 
     def __format__(self, action: str) -> str:
-        return key_of(action)
+        return key_or_title(action)
 
 
-def use_names(names: Mapping[str, Named]) -> None:
+def use_action_names(names: Mapping[str, ActionName]) -> None:
     """Set the keys and titles of actions for sentences, by the names of the actions in code."""
     global _names  # noqa: PLW0603  # as the language, it holds for all sentences of the program
     _names = dict(names)
 
 
-def key_of(action: str) -> str:
+def key_or_title(action: str) -> str:
     """Return the key of an action or, if it has none, its title in quotation marks, as in the menus."""
-    named = _names.get(action, Named("", action))
+    named = _names.get(action, ActionName("", action))
     return named.key or f"“{named.title}”"
 
 
-def with_keys(said: str, **values: object) -> str:
+def insert_keys(sentence: str, **values: object) -> str:
     """Fill in the keys of actions in a sentence, and the values of everything else in braces.
 
     An action without a key is called by its title; a key in parentheses after the title is then left out.
@@ -58,7 +58,7 @@ def with_keys(said: str, **values: object) -> str:
     def keep_if_assigned(found: re.Match[str]) -> str:
         return found[0] if found[1] in _names and _names[found[1]].key else ""
 
-    return _KEY_IN_PARENTHESES.sub(keep_if_assigned, said).format(key=_Keys(), **values)
+    return _KEY_IN_PARENTHESES.sub(keep_if_assigned, sentence).format(key=_Keys(), **values)
 
 
 _MNEMONIC_PATTERN = re.compile(r"&&|&(\w)")
@@ -68,7 +68,7 @@ _APPENDED_MNEMONIC = re.compile(r"\(&\w\)")
 """A mnemonic after the text, as in languages without an alphabet: ``終了(&Q)``."""
 
 
-def distinct(texts: Sequence[str]) -> list[str]:
+def make_mnemonics_unique(texts: Sequence[str]) -> list[str]:
     """Return the texts with unique mnemonics; a text keeps its letter unless an earlier one has the same.
 
     Parameters
@@ -76,33 +76,33 @@ def distinct(texts: Sequence[str]) -> list[str]:
     texts : sequence of str
         Texts of the entries, in their order. An entry without a mark gets none.
     """
-    own, taken, made = set(map(letter_of, texts)), {""}, []
+    own, taken, made = set(map(find_mnemonic, texts)), {""}, []
     for text in texts:
         kept = text
-        if "" != letter_of(text) in taken:
-            kept = next((other for other in _others(text) if letter_of(other) not in own | taken), _without(text))
-        taken.add(letter_of(kept))
+        if "" != find_mnemonic(text) in taken:
+            kept = next((other for other in _mark_other_letters(text) if find_mnemonic(other) not in own | taken), _remove_mnemonic(text))
+        taken.add(find_mnemonic(kept))
         made.append(kept)
     return made
 
 
-def letter_of(text: str) -> str:
+def find_mnemonic(text: str) -> str:
     """Return the mnemonic of a text as a capital; empty when it has none."""
     return next((found[1].upper() for found in _MNEMONIC_PATTERN.finditer(text) if found[1]), "")
 
 
-def _others(text: str) -> Iterator[str]:
+def _mark_other_letters(text: str) -> Iterator[str]:
     """Yield the text with other letters marked: first those that begin a word, then the rest."""
     if _APPENDED_MNEMONIC.search(text):
         yield from (_APPENDED_MNEMONIC.sub(f"(&{letter})", text) for letter in ascii_uppercase)
         return
-    bare = _without(text)
+    bare = _remove_mnemonic(text)
     begins = [found.start() for found in re.finditer(r"\b[^\W\d_]", bare)]
     within = [place for place, sign in enumerate(bare) if sign.isalpha() and place not in begins]
     yield from (f"{bare[:place]}&{bare[place:]}" for place in [*begins, *within])
 
 
-def _without(text: str) -> str:
+def _remove_mnemonic(text: str) -> str:
     """Return the text without its mnemonic; ``&&`` is the sign itself and stays."""
     bare = _APPENDED_MNEMONIC.sub("", text)
     return _MNEMONIC_PATTERN.sub(lambda found: found[1] or "&&", bare)

@@ -30,14 +30,14 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from cpm_app.model.text.assets import folder
+from cpm_app.model.text.assets import find_asset_folder
 
 _CATALOG_DOMAIN = "cpm"
 
-KEY = "language"
+LANGUAGE_KEY = "language"
 """Key of the preference, which is read before anything else."""
 
-OF_THE_DESKTOP = "system"
+SYSTEM_LANGUAGE = "system"
 """Value of the preference that follows the language of the system."""
 
 _SOURCE_LANGUAGE = "en"
@@ -46,56 +46,56 @@ _SOURCE_LANGUAGE = "en"
 _LANGUAGE_VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 """Variables of the environment that name a language."""
 
-MOST_SHOWN = 4000
+MAX_SHOWN_LETTERS = 4000
 """Most letters shown of a text from outside: the layout of a million would take minutes."""
 
-_catalog: gettext.NullTranslations = gettext.translation(_CATALOG_DOMAIN, folder("languages"), fallback=True)
+_catalog: gettext.NullTranslations = gettext.translation(_CATALOG_DOMAIN, find_asset_folder("languages"), fallback=True)
 _marks: dict[int, str] = {}
 
 
-def tr(said: str, /, **values: object) -> str:
+def tr(message: str, /, **values: object) -> str:
     """Translate a sentence into the language of the window, and fill in the values of what is in braces, if any."""
-    sentence = _catalog.gettext(said)
+    sentence = _catalog.gettext(message)
     return sentence.format(**values) if values else sentence
 
 
-def from_core(said: str) -> str:
+def translate_core_text(text: str) -> str:
     """Translate a text that is no literal here, such as a name of the core; return it unchanged if unknown."""
-    return _catalog.gettext(said) if said else said
+    return _catalog.gettext(text) if text else text
 
 
-def reason(error: Exception) -> str:
+def explain_error(error: Exception) -> str:
     """Describe an error in a sentence; for an error with a file, begin with the name of the file."""
     if isinstance(error, OSError) and error.strerror and isinstance(error.filename, str | Path):
-        return f"{Path(error.filename).name}: {cause(error)}"
-    return from_core(str(error))
+        return f"{Path(error.filename).name}: {explain_system_error(error)}"
+    return translate_core_text(str(error))
 
 
-def cause(error: OSError) -> str:
+def explain_system_error(error: OSError) -> str:
     """Return what the system reports, without the name of a file."""
-    return from_core(error.strerror or str(error))
+    return translate_core_text(error.strerror or str(error))
 
 
-def shortened(text: str, most: int = MOST_SHOWN) -> str:
+def elide_middle(text: str, max_length: int = MAX_SHOWN_LETTERS) -> str:
     """Shorten a text to at most `max_length` letters by leaving out its middle."""
-    if len(text) <= most:
+    if len(text) <= max_length:
         return text
-    half = (most - 1) // 2
+    half = (max_length - 1) // 2
     return f"{text[:half]}…{text[-half:]}"
 
 
-def use_marks(decimal: str, group: str) -> None:
+def use_number_marks(decimal: str, group: str) -> None:
     """Set the decimal mark, and the separator of groups of three digits, in which numbers are written."""
     global _marks  # noqa: PLW0603  # a language is chosen once, at the start
     _marks = str.maketrans({".": decimal, ",": group})
 
 
-def written(number: str) -> str:
+def localize_number(number: str) -> str:
     """Replace the marks of a number that Python has formatted by those of the language."""
     return number.translate(_marks)
 
 
-def use_language(name: str, of_the_system: Sequence[str] = ()) -> None:
+def use_language(name: str, system_languages: Sequence[str] = ()) -> None:
     """Translate into a language; must be called before modules with sentences are imported.
 
     Parameters
@@ -110,24 +110,24 @@ def use_language(name: str, of_the_system: Sequence[str] = ()) -> None:
     if name == _SOURCE_LANGUAGE:
         _catalog = gettext.NullTranslations()
         return
-    wanted = [name] if name in languages() else None
+    wanted = [name] if name in list_languages() else None
     if wanted is None and not any(map(os.environ.get, _LANGUAGE_VARIABLES)):
-        exact = [each.replace("-", "_") for each in of_the_system]
+        exact = [each.replace("-", "_") for each in system_languages]
         wanted = [part for each in exact for part in (each, each.partition("_")[0])]
     if wanted is not None and _SOURCE_LANGUAGE in wanted:  # those who prefer the source language need no further one
         wanted = wanted[: wanted.index(_SOURCE_LANGUAGE)]
-    _catalog = gettext.translation(_CATALOG_DOMAIN, folder("languages"), wanted, fallback=True)
+    _catalog = gettext.translation(_CATALOG_DOMAIN, find_asset_folder("languages"), wanted, fallback=True)
 
 
-def language() -> str:
+def current_language() -> str:
     """Return the name of the language in use."""
     return _catalog.info().get("language", _SOURCE_LANGUAGE)
 
 
-def languages() -> dict[str, str]:
+def list_languages() -> dict[str, str]:
     """Return the names of all languages, such as ``"de"``, with what their speakers call them."""
     found = {_SOURCE_LANGUAGE: "English"}
-    place = folder("languages")
+    place = find_asset_folder("languages")
     for file in sorted(place.glob(f"*/LC_MESSAGES/{_CATALOG_DOMAIN}.mo")) if place else ():
         name = file.parents[1].name
         found[name] = gettext.translation(_CATALOG_DOMAIN, place, [name]).gettext("English")

@@ -6,7 +6,7 @@ from cpm_app.model.text.language import tr
 
 _FORCE_FORMULA = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>l</sub> − <i>β</i> <i>v</i>"
 
-FORMULAS = {
+PARAMETER_FORMULAS = {
         "reach": tr("at most {law} beyond a junction").format(law="<i>r</i>"),
         "weakest_edge": tr("reached where {law} around the start").format(
             law="<i>f</i> ≥ <i>f</i><sub>first</sub> · median <i>f</i>"),
@@ -52,7 +52,7 @@ FORMULAS = {
 """Formulas as rich text, by the names of the controls."""
 
 
-def rich(symbol: str) -> str:
+def format_symbol(symbol: str) -> str:
     """Format a symbol as rich text, with what follows its first ``_`` as a subscript."""
     head, _, foot = symbol.partition("_")
     return f"<i>{head}</i><sub>{foot}</sub>" if foot else f"<i>{head}</i>"

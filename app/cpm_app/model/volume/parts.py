@@ -18,7 +18,7 @@ _PAGE_WORDS = {
 
 
 @frozen
-class Parts:
+class FileParts:
     """Content of a file.
 
     Attributes
@@ -53,16 +53,16 @@ class Parts:
     series: Texts = ()
     series_number: int = 1
     word: str = "page"
-    usual: int = 1
-    deep: bool = False
+    default_page: int = 1
+    is_volume: bool = False
     spacing: Sides = (1.0, 1.0, 1.0)
     unit: str | None = None
-    planes: int = 0
+    volume_planes: int = 0
     doubts: Texts = ()
     series_around: Path | None = None
 
     @classmethod
-    def of(cls, stack: Stack, paged: bool, series_around: Path | None = None) -> Parts:
+    def from_stack(cls, stack: Stack, paged: bool, series_around: Path | None = None) -> FileParts:
         """Return the parts of a stack, or of a film, whose pages are its frames.
 
         `paged` is whether pages are usually separate images. A stack with several planes at each time has both.
@@ -78,22 +78,22 @@ class Parts:
                    series_around if pages == 1 else None)  # fmt: skip
 
     @property
-    def fit_a_volume(self) -> bool:
+    def can_be_volume(self) -> bool:
         """Whether there are enough pages for a volume."""
-        return self.planes >= MINIMUM_SIDE
+        return self.volume_planes >= MINIMUM_SIDE
 
     @property
-    def several(self) -> bool:
+    def has_choice(self) -> bool:
         """Whether there is anything to choose."""
-        return self.pages > 1 or self.several_volumes
+        return self.pages > 1 or self.has_volume_choice
 
     @property
-    def several_volumes(self) -> bool:
+    def has_volume_choice(self) -> bool:
         """Whether there is anything to choose apart from the page."""
         return max(self.times, self.channels, len(self.series)) > 1
 
     @property
-    def counted(self) -> str:
+    def count_text(self) -> str:
         """Number of each kind of part, in words."""
         counts = (
             (_PAGE_WORDS[self.word][0], self.pages),
@@ -103,10 +103,10 @@ class Parts:
         )
         return ", ".join(text.format(count=count) for text, count in counts if count > 1)
 
-    def taken(self, reading: Reading, as_volume: bool) -> str:
+    def describe_reading(self, reading: Reading, as_volume: bool) -> str:
         """Describe in words which parts are open."""
         numbers = (
-            (_PAGE_WORDS[self.word][1], self.pages, None if as_volume else reading.page or self.usual),
+            (_PAGE_WORDS[self.word][1], self.pages, None if as_volume else reading.page or self.default_page),
             (tr("channel {number}"), self.channels, reading.channel or 1),
             (tr("time {number}"), self.times, reading.time or 1),
         )

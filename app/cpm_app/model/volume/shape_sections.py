@@ -9,7 +9,7 @@ from dataclasses import field, replace
 import numpy as np
 
 from cpm_app.model.volume.slices import Slice
-from cpm_app.model.volume.surface_section import boundary_in
+from cpm_app.model.volume.surface_section import cut_body
 from cpm_core.field import CHARGE_RADIUS
 from cpm_core.numerics import Array, Position
 from cpm_core.numerics.polyline import as_line
@@ -40,7 +40,7 @@ from cpm_core.shapes import (
 )
 from cpm_core.shapes.path import LEAST_SIZE
 
-NEAR = 1.0
+NEAR_SLICE_DISTANCE = 1.0
 """Largest distance of a point that a slice shows, in smallest sides of a voxel."""
 
 _IN_SLICE_DISTANCE = 0.5
@@ -52,7 +52,7 @@ class StartSection:
     """Cut of a start by a slice: a line or an area, with the handles and particles of the start in the slice."""
 
     line: Ellipse | Polygon | Grid
-    held: Line
+    slice_handles: Line
     particles: Array = field(compare=False)
 
     @property
@@ -62,7 +62,7 @@ class StartSection:
 
     def handles(self) -> Line:
         """Return the handles of the start in the slice."""
-        return self.held
+        return self.slice_handles
 
     def seeds(self) -> Array:
         """Return the particles of the start near the slice, shape (N, 2)."""
@@ -81,11 +81,11 @@ class StartSection:
 class RegionSection(Region):
     """Cut of a region of interest by a slice."""
 
-    held: Line = ()
+    slice_handles: Line = ()
 
     def handles(self) -> Line:
         """Return the handles of the shape in this slice."""
-        return self.held
+        return self.slice_handles
 
 
 @frozen
@@ -132,9 +132,9 @@ class ChargeSection(WithoutOutline):
     @property
     def in_slice(self) -> bool:
         """Whether the charge itself lies in the slice."""
-        return self.away <= NEAR
+        return self.away <= NEAR_SLICE_DISTANCE
 
-    def ring(self, radius: float) -> Array:
+    def cut_sphere_around(self, radius: float) -> Array:
         """Return the circle in which the slice cuts a sphere around the charge, shape (K, 2); empty if it does not."""
         cut = math.sqrt(max(radius**2 - self.away**2, 0.0))
         if cut < LEAST_SIZE:
@@ -150,92 +150,92 @@ class ChargeSection(WithoutOutline):
 Section = Shape | StartSection | ChargeSection
 
 
-def sections(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
+def cut_shape(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
     """Cut a shape by a slice; empty where the slice does not show it.
 
     `sides` are the sides of a voxel in units of the smallest. Shapes in the plane belong to no volume and are not
     shown.
     """
-    found = tuple(_sections(shape, here, sides))
+    found = tuple(_iterate_cuts(shape, here, sides))
     return (RegionElsewhere(),) if not found and isinstance(shape, Interest) else found
 
 
-def _sections(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
+def _iterate_cuts(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
     if isinstance(shape, Sphere):
-        circle = circle_in(shape, here)
+        circle = cut_sphere(shape, here)
         if circle is not None:
-            near = _near(shape.seeds(), here, NEAR / shape.sides[here.axis])
-            yield StartSection(circle, circle.handles()[:4], _spread(near))
+            near = _select_near(shape.seeds(), here, NEAR_SLICE_DISTANCE / shape.sides[here.axis])
+            yield StartSection(circle, circle.handles()[:4], _keep_one_per_pixel(near))
     elif isinstance(shape, Everywhere):
         yield shape
     elif isinstance(shape, Cuboid):
-        yield from _of_box(shape, here)
+        yield from _cut_box(shape, here)
     elif isinstance(shape, Extruded):
-        yield from _of_extruded(shape, here)
+        yield from _cut_extruded(shape, here)
     elif isinstance(shape, EnclosedRegion | EnclosingWall):
-        for line in boundary_in(shape.surface, here):
+        for line in cut_body(shape.surface, here):
             yield RegionSection(line) if isinstance(shape, EnclosedRegion) else Barrier((*line, line[0]))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
         away = abs(shape.position[here.axis] - here.index) * sides[here.axis]
         if away <= CHARGE_RADIUS:
-            down, right = here.within(sides)
-            yield ChargeSection(here.within(shape.position), shape.strength, away, (down, right))
+            down, right = here.drop_axis(sides)
+            yield ChargeSection(here.drop_axis(shape.position), shape.strength, away, (down, right))
     elif isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
         if all(abs(place[here.axis] - here.index) <= _IN_SLICE_DISTANCE for place in shape.points):
-            yield replace(shape, points=tuple(map(here.within, shape.points)))
+            yield replace(shape, points=tuple(map(here.drop_axis, shape.points)))
         else:
-            yield from _of_particles(shape.seeds(), here)
+            yield from _cut_particles(shape.seeds(), here)
     elif isinstance(shape, Points) and len(shape.positions[0]) == 3:
-        yield from _of_particles(shape.seeds(), here)
+        yield from _cut_particles(shape.seeds(), here)
 
 
-def _of_particles(seeds: Array, here: Slice) -> Iterator[Points]:
-    near = _near(seeds, here, NEAR)
+def _cut_particles(seeds: Array, here: Slice) -> Iterator[Points]:
+    near = _select_near(seeds, here, NEAR_SLICE_DISTANCE)
     if len(near):
         yield Points(as_line(near))
 
 
-def _near(seeds: Array, here: Slice, reach: float) -> Array:
+def _select_near(seeds: Array, here: Slice, max_distance: float) -> Array:
     """Return the particles within `max_distance` voxels of a slice, as positions in it, shape (N, 2)."""
-    return here.flattened(seeds[np.abs(seeds[:, here.axis] - here.index) <= reach])
+    return here.project_points(seeds[np.abs(seeds[:, here.axis] - here.index) <= max_distance])
 
 
-def circle_in(sphere: Sphere, here: Slice) -> Ellipse | None:
+def cut_sphere(sphere: Sphere, here: Slice) -> Ellipse | None:
     """Return the circle in which a slice cuts a sphere; None where it does not."""
     square = sphere.radius**2 - ((here.index - sphere.center[here.axis]) * sphere.sides[here.axis]) ** 2
-    return _circle(sphere, here, math.sqrt(square)) if square > 0.0 else None
+    return _build_section_circle(sphere, here, math.sqrt(square)) if square > 0.0 else None
 
 
-def _circle(sphere: Sphere, here: Slice, radius: float) -> Ellipse:
-    down, right = here.within(sphere.sides)
-    return Ellipse(here.within(sphere.center), (max(radius / right, LEAST_SIZE), max(radius / down, LEAST_SIZE)))
+def _build_section_circle(sphere: Sphere, here: Slice, radius: float) -> Ellipse:
+    down, right = here.drop_axis(sphere.sides)
+    return Ellipse(here.drop_axis(sphere.center), (max(radius / right, LEAST_SIZE), max(radius / down, LEAST_SIZE)))
 
 
-def _of_box(box: Cuboid, here: Slice) -> Iterator[Section]:
+def _cut_box(box: Cuboid, here: Slice) -> Iterator[Section]:
     if not box.first[here.axis] - _IN_SLICE_DISTANCE <= here.index <= box.last[here.axis] + _IN_SLICE_DISTANCE:
         return
-    (top, left), (bottom, right) = here.within(box.first), here.within(box.last)
+    (top, left), (bottom, right) = here.drop_axis(box.first), here.drop_axis(box.last)
     corners = ((top, left), (top, right), (bottom, right), (bottom, left))
     row, col = 0.5 * (top + bottom), 0.5 * (left + right)
     held = (*corners, (top, col), (row, right), (bottom, col), (row, left))
     if isinstance(box, Box):
-        yield StartSection(Polygon(corners), held, _spread(_near(box.seeds(), here, max(NEAR, 0.6 * box.particle_spacing))))
+        yield StartSection(Polygon(corners), held, _keep_one_per_pixel(_select_near(box.seeds(), here, max(NEAR_SLICE_DISTANCE, 0.6 * box.particle_spacing))))
     elif isinstance(box, BoxGrid):
-        reach = max(NEAR, 0.5 * box.spacing) / box.sides[here.axis]
-        yield StartSection(Grid(corners, box.spacing), held, _near(box.seeds(), here, reach))
+        reach = max(NEAR_SLICE_DISTANCE, 0.5 * box.spacing) / box.sides[here.axis]
+        yield StartSection(Grid(corners, box.spacing), held, _select_near(box.seeds(), here, reach))
     elif isinstance(box, BoxThreshold):
         yield Threshold(corners, box.fraction)
     else:
-        yield RegionSection(corners, held=held)
+        yield RegionSection(corners, slice_handles=held)
 
 
-def _spread(places: Array) -> Array:
+def _keep_one_per_pixel(places: Array) -> Array:
     """Keep one position in each pixel of the slice: more would hide one another by their rims."""
     _, first = np.unique(np.round(places), axis=0, return_index=True)
     return places[np.sort(first)]
 
 
-def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
+def _cut_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     """Yield the line itself in the slices that it was drawn in, and its cuts in others.
 
     A closed line gives a strip for each stretch inside, an open one a line at each crossing.
@@ -243,7 +243,7 @@ def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     if here.axis == shape.axis:
         if shape.first - _IN_SLICE_DISTANCE <= here.index <= shape.last + _IN_SLICE_DISTANCE:
             flat = shape.flat(shape.points)
-            yield RegionSection(flat.points, held=flat.handles()) if isinstance(flat, Region) else flat
+            yield RegionSection(flat.points, slice_handles=flat.handles()) if isinstance(flat, Region) else flat
         return
     if shape.last <= shape.first:
         return
@@ -265,7 +265,7 @@ def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
             if end - begin > 1e-6:
                 ends = ((shape.first, begin), (shape.first, end), (shape.last, end), (shape.last, begin))
                 middle = 0.5 * (begin + end)
-                yield RegionSection(order_axes(*ends), held=order_axes((shape.first, middle), (shape.last, middle)))
+                yield RegionSection(order_axes(*ends), slice_handles=order_axes((shape.first, middle), (shape.last, middle)))
     else:
         for at in cuts:
             yield Barrier(order_axes((shape.first, at), (shape.last, at)))
@@ -278,50 +278,50 @@ _MAX_EXTRUDED_EDGES = 24
 """Largest number of edges between the first and the last slice of an extruded line."""
 
 
-def wires(shape: Shape, sides: Sides) -> Array:
+def build_shape_wires(shape: Shape, sides: Sides) -> Array:
     """Return the ends of straight lines that show a shape, shape (N, 2, 3) [voxels]; none for shapes in the plane.
 
     `sides` are the sides of a voxel in units of the smallest.
     """
     if isinstance(shape, Sphere | EnclosedRegion | EnclosingWall):
-        return _through_middle(shape)
+        return _outline_middle_cuts(shape)
     if isinstance(shape, Cuboid):
-        return _drawn_through(shape.outline[[0, 1, 3, 2, 0], 1:], 0, shape.first[0], shape.last[0])
+        return _extrude_line(shape.outline[[0, 1, 3, 2, 0], 1:], 0, shape.first[0], shape.last[0])
     if isinstance(shape, Extruded):
-        return _drawn_through(shape.flat(shape.points).outline, shape.axis, shape.first, shape.last)
+        return _extrude_line(shape.flat(shape.points).outline, shape.axis, shape.first, shape.last)
     if isinstance(shape, Charge) and len(shape.position) == 3:
-        ball = _through_middle(Sphere(shape.position, CHARGE_RADIUS, sides))
-        return np.concatenate([ball, _crosses(np.array([shape.position]), sides)])
+        ball = _outline_middle_cuts(Sphere(shape.position, CHARGE_RADIUS, sides))
+        return np.concatenate([ball, _build_crosses(np.array([shape.position]), sides)])
     if isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
-        return _pieces_of(shape.outline) if len(shape.points) > 1 else _crosses(shape.outline, sides)
+        return _split_into_segments(shape.outline) if len(shape.points) > 1 else _build_crosses(shape.outline, sides)
     if isinstance(shape, Points) and len(shape.positions[0]) == 3:
-        return _crosses(shape.seeds(), sides)
+        return _build_crosses(shape.seeds(), sides)
     return np.empty((0, 2, 3))
 
 
-def _through_middle(shape: Sphere | EnclosedRegion | EnclosingWall) -> Array:
+def _outline_middle_cuts(shape: Sphere | EnclosedRegion | EnclosingWall) -> Array:
     """Return the outlines of three cuts through the middle of a shape, one across each axis."""
     pieces = [np.empty((0, 2, 3))]
     for axis, at in enumerate(shape.center):
         here, place = Slice(axis, round(at)), at if isinstance(shape, Sphere) else round(at)
-        cuts = [_circle(shape, here, shape.radius)] if isinstance(shape, Sphere) else _sections(shape, here, ())
-        pieces += [_pieces_of(np.insert(cut.outline, axis, place, axis=1)) for cut in cuts]
+        cuts = [_build_section_circle(shape, here, shape.radius)] if isinstance(shape, Sphere) else _iterate_cuts(shape, here, ())
+        pieces += [_split_into_segments(np.insert(cut.outline, axis, place, axis=1)) for cut in cuts]
     return np.concatenate(pieces)
 
 
-def _pieces_of(path: Array) -> Array:
+def _split_into_segments(path: Array) -> Array:
     """Split a path, shape (K, 3), into its segments, shape (K - 1, 2, 3)."""
     return np.stack([path[:-1], path[1:]], axis=1)
 
 
-def _crosses(places: Array, sides: Sides) -> Array:
+def _build_crosses(places: Array, sides: Sides) -> Array:
     """Return three lines through each position, shape (N, 3)."""
     arms = np.diag(_CROSS_ARM / np.array(sides))
     return (places[:, None, None] + np.stack([-arms, arms], axis=1)).reshape(-1, 2, 3)
 
 
-def _drawn_through(line: Array, axis: int, first: float, last: float) -> Array:
+def _extrude_line(line: Array, axis: int, first: float, last: float) -> Array:
     """Return a line in its first and its last slice, and edges from one to the other."""
     ends = [np.insert(line, axis, at, axis=1) for at in (first, last)]
     chosen = sorted({*range(0, len(line), -(-len(line) // _MAX_EXTRUDED_EDGES)), len(line) - 1})
-    return np.concatenate([*map(_pieces_of, ends), np.stack([end[chosen] for end in ends], axis=1)])
+    return np.concatenate([*map(_split_into_segments, ends), np.stack([end[chosen] for end in ends], axis=1)])

@@ -18,7 +18,7 @@ from cpm_core.shapes import relative_sides
 ElementT = TypeVar("ElementT")
 ScalarT = TypeVar("ScalarT", bound=np.generic)
 
-AXES = (tr("plane"), tr("row"), tr("column"))
+AXIS_NAMES = (tr("plane"), tr("row"), tr("column"))
 """Names of the axes of a volume: a slice lies across one of them."""
 
 
@@ -32,23 +32,23 @@ class Slice:
     axis: int
     index: int
 
-    def lifted(self, position: Position) -> Place:
+    def lift_position(self, position: Position) -> Place:
         """Convert a position in the slice to one in the volume."""
         return (*position[: self.axis], float(self.index), *position[self.axis :])
 
-    def along(self, offset: Position) -> Place:
+    def lift_offset(self, offset: Position) -> Place:
         """Convert a displacement in the slice to one in the volume."""
-        return replace(self, index=0).lifted(offset)
+        return replace(self, index=0).lift_position(offset)
 
-    def within(self, place: tuple[ElementT, ...]) -> tuple[ElementT, ...]:
+    def drop_axis(self, values: tuple[ElementT, ...]) -> tuple[ElementT, ...]:
         """Drop the value along the axis of the slice: a position in the volume becomes the nearest in the slice."""
-        return place[: self.axis] + place[self.axis + 1 :]
+        return values[: self.axis] + values[self.axis + 1 :]
 
-    def flattened(self, places: Array) -> Array:
+    def project_points(self, places: Array) -> Array:
         """Project positions in the volume, shape (N, 3), onto the slice, shape (N, 2)."""
         return places[:, [axis for axis in range(3) if axis != self.axis]]
 
-    def of(self, values: NDArray[ScalarT]) -> NDArray[ScalarT]:
+    def slice_array(self, values: NDArray[ScalarT]) -> NDArray[ScalarT]:
         """Take the slice, shape (H, W), of an array of shape (P, R, C), without a copy."""
         found: NDArray[ScalarT] = values[(slice(None),) * self.axis + (self.index,)]
         return found
@@ -73,41 +73,41 @@ class Slices:
     axis: int = 0
 
     @classmethod
-    def of(cls, shape: Extent) -> Slices | None:
+    def through_middle(cls, shape: Extent) -> Slices | None:
         """Return the slices through the middle of a volume; None for the shape of an image."""
         return cls(shape, tuple(side // 2 for side in shape)) if len(shape) == 3 else None
 
     @property
     def current(self) -> Slice:
         """The slice that is worked on."""
-        return self.across(self.axis)
+        return self.slice_across(self.axis)
 
     @property
     def count(self) -> int:
         """Number of slices across the current axis."""
         return self.shape[self.axis]
 
-    def across(self, axis: int) -> Slice:
+    def slice_across(self, axis: int) -> Slice:
         """Return the slice across an axis."""
         return Slice(axis, self.voxel[axis])
 
-    def turned(self, axis: int) -> Slices:
+    def with_axis(self, axis: int) -> Slices:
         """Work on another axis, at the same voxel."""
         return replace(self, axis=axis)
 
-    def at(self, index: int) -> Slices:
+    def with_index(self, index: int) -> Slices:
         """Move the current slice to another index, within the volume."""
         voxel = [*self.voxel]
         voxel[self.axis] = index
-        return self.through(tuple(voxel))
+        return self.with_voxel(tuple(voxel))
 
-    def through(self, place: Place) -> Slices:
+    def with_voxel(self, place: Place) -> Slices:
         """Move the slices to another voxel, the nearest one in the volume."""
         nearest = (min(max(round(at), 0), side - 1) for at, side in zip(place, self.shape, strict=True))
         return replace(self, voxel=tuple(nearest))
 
 
-Ends = tuple[str, str]
+AxisEnds = tuple[str, str]
 """Labels of an axis where it begins and where it ends."""
 
 _PLANE_NAMES = {"I": tr("axial"), "S": tr("axial"), "A": tr("coronal"), "P": tr("coronal"),
@@ -127,23 +127,23 @@ _DEFAULT_HANDEDNESS = -1.0
 """Handedness of unknown axes: planes lead away, rows down, columns to the right."""
 
 
-def ends_of(image: Image) -> tuple[Ends, Ends, Ends]:
+def axis_ends(image: Image) -> tuple[AxisEnds, AxisEnds, AxisEnds]:
     """Return the ends of the axes (plane, row, column) of a volume, or of the volume that an image is a plane of."""
     if image.geometry is not None:
         return image.geometry.ends
-    plane, row, column = (("", name) for name in AXES)
+    plane, row, column = (("", name) for name in AXIS_NAMES)
     return plane, row, column
 
 
-def flips_of(volume: Image | None, axis: int | None) -> tuple[bool, bool]:
+def find_slice_flips(volume: Image | None, axis: int | None) -> tuple[bool, bool]:
     """Tell whether a slice across an axis is shown upside down, and whether from right to left."""
     if volume is None or axis is None:
         return False, False
-    (_, below), (_, right) = (ends for index, ends in enumerate(ends_of(volume)) if index != axis)
+    (_, below), (_, right) = (ends for index, ends in enumerate(axis_ends(volume)) if index != axis)
     return below in _TOP_ENDS, right in _LEFT_ENDS
 
 
-def edges_of(whole: Image, slices: Slices | None) -> tuple[Ends, Ends] | None:
+def find_edge_labels(whole: Image, slices: Slices | None) -> tuple[AxisEnds, AxisEnds] | None:
     """Return what is written at top and bottom, and at left and right, of an image or of a slice of a volume.
 
     None for an image without a place in space.
@@ -151,28 +151,28 @@ def edges_of(whole: Image, slices: Slices | None) -> tuple[Ends, Ends] | None:
     if slices is None and whole.geometry is None:
         return None
     axis = 0 if slices is None else slices.axis
-    down, right = (ends for index, ends in enumerate(ends_of(whole)) if index != axis)
-    upside_down, leftward = flips_of(whole, None if slices is None else axis)
+    down, right = (ends for index, ends in enumerate(axis_ends(whole)) if index != axis)
+    upside_down, leftward = find_slice_flips(whole, None if slices is None else axis)
     return down[::-1] if upside_down else down, right[::-1] if leftward else right
 
 
-def planes_of(volume: Image) -> tuple[str, str, str]:
+def name_slices(volume: Image) -> tuple[str, str, str]:
     """Name the slices across the axes: axial, coronal and sagittal for a patient."""
-    plane, row, column = (_PLANE_NAMES.get(end, end) for _, end in ends_of(volume))
+    plane, row, column = (_PLANE_NAMES.get(end, end) for _, end in axis_ends(volume))
     return plane, row, column
 
 
-def directions_of(volume: Image) -> Arrays:
+def slice_directions(volume: Image) -> Arrays:
     """Return the directions to the right, down and away in the slice across each axis.
 
     There is an array of shape (3, 3) for each axis, with a direction a row, along (plane, row, col).
     """
-    along = [[(end == pair[0]) - (end == pair[1]) for pair in _PATIENT_AXES] for _, end in ends_of(volume)]
+    along = [[(end == pair[0]) - (end == pair[1]) for pair in _PATIENT_AXES] for _, end in axis_ends(volume)]
     handed = float(np.linalg.det(np.array(along, float))) or _DEFAULT_HANDEDNESS
     found = []
     for axis in range(3):
         down, right = (other for other in range(3) if other != axis)
-        upside_down, leftward = flips_of(volume, axis)
+        upside_down, leftward = find_slice_flips(volume, axis)
         seen = np.zeros((3, 3))
         seen[0, right], seen[1, down], seen[2, axis] = -1.0 if leftward else 1.0, -1.0 if upside_down else 1.0, 1.0
         seen[2] *= handed * np.linalg.det(seen)
@@ -180,9 +180,9 @@ def directions_of(volume: Image) -> Arrays:
     return tuple(found)
 
 
-def first_seen(volume: Image) -> int:
+def find_front_axis(volume: Image) -> int:
     """Return the axis along which a volume is seen first in space: a patient from the front."""
-    return next((axis for axis, (_, end) in enumerate(ends_of(volume)) if end in "AP"), 0)
+    return next((axis for axis, (_, end) in enumerate(axis_ends(volume)) if end in "AP"), 0)
 
 
 _MAX_FORCE_VOXELS = 1 << 18
@@ -194,20 +194,20 @@ class SampledForce:
     """Force on every n-th voxel, shape (3, P, R, C), in smallest sides of a voxel, and the sides of a voxel."""
 
     force: Single
-    step: int
+    stride: int
     sides: Sides
 
     @classmethod
-    def of(cls, force: Array, spacing: Sides) -> SampledForce:
+    def from_force(cls, force: Array, spacing: Sides) -> SampledForce:
         """Sample a force on all voxels, shape (3, P, R, C), in a copy that does not refer to it."""
         step = max(1, int(np.ceil((force[0].size / _MAX_FORCE_VOXELS) ** (1.0 / 3.0))))
         return cls(force[:, ::step, ::step, ::step].astype(np.float32), step, relative_sides(spacing))
 
-    def slice_of(self, here: Slice, shape: Extent) -> Array:
+    def interpolate_slice(self, here: Slice, shape: Extent) -> Array:
         """Interpolate the force along a slice of this shape, (2, H, W), as a displacement in its pixels."""
-        places = np.insert(np.indices(shape) / self.step, here.axis, here.index / self.step, axis=0)
+        places = np.insert(np.indices(shape) / self.stride, here.axis, here.index / self.stride, axis=0)
         along = [
             scipy.ndimage.map_coordinates(force, places, float, order=1, mode="nearest") / side
-            for force, side in zip(here.within(tuple(self.force)), here.within(self.sides), strict=True)
+            for force, side in zip(here.drop_axis(tuple(self.force)), here.drop_axis(self.sides), strict=True)
         ]
         return np.stack(along)

@@ -27,12 +27,12 @@ _CACHED_BODY_CUTS = 256
 
 
 @lru_cache(maxsize=_CACHED_SURFACE_CUTS)
-def section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
+def cut_surface(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Cut a surface by a slice: closed contours in the slice, and open ones where the surface has a rim."""
     return slice_surface(surface, cut.axis, cut.index)
 
 
-def unmeasured(contour: Contour, number: int) -> Measures:
+def build_unmeasured_row(contour: Contour, number: int) -> Measures:
     """Return a row for a cut, which is shown but not listed: only its number and length are known."""
     return Measures(
         number=number,
@@ -57,72 +57,72 @@ _CLICK_DISTANCE = 1.0
 """Largest distance of a click that a slice shows [voxels]."""
 
 
-def _closed(surface: Surface, here: Slice) -> tuple[Contour, ...]:
+def _cut_into_closed_lines(surface: Surface, here: Slice) -> tuple[Contour, ...]:
     """Return the closed lines in which a slice cuts a surface."""
-    return tuple(each for each in section(surface, here) if each.closed and len(each.points) > 2)
+    return tuple(each for each in cut_surface(surface, here) if each.closed and len(each.points) > 2)
 
 
 @lru_cache(maxsize=_CACHED_BODY_CUTS)
-def boundary_in(body: PackedBody, here: Slice) -> tuple[Line, ...]:
+def cut_body(body: PackedBody, here: Slice) -> tuple[Line, ...]:
     """Return the closed lines in which a slice cuts a body; around voxels they run halfway to their neighbors."""
-    return tuple(_lines(body, here))
+    return tuple(_iterate_boundary_lines(body, here))
 
 
-def _lines(body: PackedBody, here: Slice) -> Iterable[Line]:
+def _iterate_boundary_lines(body: PackedBody, here: Slice) -> Iterable[Line]:
     if isinstance(body, PackedVoxels):
         first, shape = [*body.first], [*body.shape]
         first[here.axis], shape[here.axis] = here.index, 1
         pixels = np.pad(body.mask_in_box(first, shape).any(axis=here.axis), 1)
-        begin = np.array(here.within(tuple(first))) - 1.0
+        begin = np.array(here.drop_axis(tuple(first))) - 1.0
         curves = skimage.measure.find_contours(pixels.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
         for curve in curves:
             yield as_line(curve[:-1] + begin)
     else:
-        for contour in _closed(body.surface, here):
+        for contour in _cut_into_closed_lines(body.surface, here):
             line = as_line(contour.points)
             if len(set(line)) > 2:
                 yield line
 
 
-def objects_in(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
+def cut_objects(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
     """Cut objects by a slice, as objects of an image, with the clicks near it."""
-    items = tuple(cut for item in objects.items if (cut := _cut(item, here)) is not None)
+    items = tuple(cut for item in objects.items if (cut := _cut_object(item, here)) is not None)
     edited = objects.edited if any(item.number == objects.edited for item in items) else 0
-    return replace(objects, items=items, clicks=tuple(_near(objects.clicks, here)), edited=edited)
+    return replace(objects, items=items, clicks=tuple(_select_near_clicks(objects.clicks, here)), edited=edited)
 
 
-def _cut(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
-    boundary = boundary_in(item.surface[0], here) if item.surface else ()
+def _cut_object(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
+    boundary = cut_body(item.surface[0], here) if item.surface else ()
     return replace(item, clicks=(), boundary=boundary, surface=()) if boundary else None
 
 
-def _near(clicks: Iterable[Click], here: Slice) -> Iterable[Click]:
+def _select_near_clicks(clicks: Iterable[Click], here: Slice) -> Iterable[Click]:
     for click in clicks:
-        places = tuple(here.within(at) for at in click.places if abs(at[here.axis] - here.index) <= _CLICK_DISTANCE)
+        places = tuple(here.drop_axis(at) for at in click.places if abs(at[here.axis] - here.index) <= _CLICK_DISTANCE)
         if places:
             yield replace(click, places=places)
 
 
-def selection_in(selection: AnySelection, here: Slice) -> Selection:
+def cut_selection(selection: AnySelection, here: Slice) -> Selection:
     """Cut a selection by a slice: only its boundary is given."""
     nowhere = np.empty((0, 2))
-    lines = _closed(selection.surface, here) if isinstance(selection, VolumeSelection) else ()
+    lines = _cut_into_closed_lines(selection.surface, here) if isinstance(selection, VolumeSelection) else ()
     return Selection(np.zeros((0, 0), bool), lines, (), 1.0, nowhere, nowhere)
 
 
-def holds(item: SegmentedObject, place: Place) -> bool:
+def object_contains(item: SegmentedObject, place: Place) -> bool:
     """Tell whether a position (row, col) [px], or (plane, row, col), lies in an object."""
     if len(place) == 2:
         return bool(item.encloses(np.array([place], float))[0])
     if any(isinstance(body, PackedVoxels) for body in item.surface):
         return bool(item.surface[0].mask_in_box([round(at) for at in place], (1, 1, 1)).all())
     here = Slice(0, round(place[0]))
-    within = np.array([here.within(place)], float)
-    lines = boundary_in(item.surface[0], here) if item.surface else ()
+    within = np.array([here.drop_axis(place)], float)
+    lines = cut_body(item.surface[0], here) if item.surface else ()
     return bool(sum(bool(polyline.points_inside(line, within)[0]) for line in lines) % 2)
 
 
-def size_of(item: SegmentedObject) -> float:
+def object_size(item: SegmentedObject) -> float:
     """Return the volume of an object, in the unit of its image; the area [px²] in a plane."""
     return item.surface[0].volume if item.surface else item.area
 
@@ -131,26 +131,26 @@ _CENTERLINE_DISTANCE = 1.5
 """Largest distance of center lines that a slice shows [voxels]."""
 
 
-def skeleton_in(found: Skeleton, here: Slice) -> Skeleton:
+def cut_skeleton(found: Skeleton, here: Slice) -> Skeleton:
     """Return the pieces of center lines near a slice, as the skeleton of an image."""
     pieces = [
         piece
         for contour, radii in zip(found.contours, found.radii, strict=True)
-        for piece in _pieces(contour.path, np.append(radii, radii[0]) if contour.closed else radii, here)
+        for piece in _find_near_stretches(contour.path, np.append(radii, radii[0]) if contour.closed else radii, here)
     ]
     return replace(
-        Skeleton((), (), here.within(found.shape), here.within(found.spacing), found.unit, found.source),
+        Skeleton((), (), here.drop_axis(found.shape), here.drop_axis(found.spacing), found.unit, found.source),
         contours=tuple(Contour(points, False) for points, _ in pieces),
         radii=tuple(radii for _, radii in pieces),
     )
 
 
-def _pieces(path: Array, radii: Array, here: Slice) -> list[tuple[Array, Array]]:
+def _find_near_stretches(path: Array, radii: Array, here: Slice) -> list[tuple[Array, Array]]:
     """Return the stretches of a line near a slice, projected onto it, with the vertices before and after."""
     near = np.abs(path[:, here.axis] - here.index) <= _CENTERLINE_DISTANCE
     found = []
     for run in polyline.find_marked_runs(scipy.ndimage.binary_dilation(near)):
-        flat = here.flattened(path[run])
+        flat = here.project_points(path[run])
         distinct = np.append(True, (np.diff(flat, axis=0) != 0.0).has_object(axis=1))
         if distinct.sum() > 1:
             found.append((flat[distinct], radii[run][distinct]))

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from cpm_app.model.display.display_image import DisplayImage, DisplayVolume
 from cpm_app.model.display.plots import RunMetrics
 from cpm_app.model.document.document import Document
-from cpm_app.model.state.surface_figures import figure_texts
-from cpm_app.model.text.language import reason, tr
-from cpm_app.model.volume.parts import Parts
+from cpm_app.model.state.surface_figures import format_surface_figures
+from cpm_app.model.text.language import explain_error, tr
+from cpm_app.model.volume.parts import FileParts
 from cpm_app.model.volume.slices import SampledForce
 from cpm_app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from cpm_app.session.timeline.timeline import Outline
@@ -70,7 +70,7 @@ def sentence(error: Exception, activity: str) -> str:
     program and is logged with its traceback.
     """
     if isinstance(error, ValueError | OSError):
-        text = reason(error)
+        text = explain_error(error)
     elif isinstance(error, MemoryError):
         text = tr(
             "There was not enough memory while {activity}: close other programs, or use a smaller image",
@@ -148,7 +148,7 @@ class Reconstruction:
         if isinstance(result, Skeleton):
             return cls(generation, result, None)
         tracked = tracker.track(result, thorough)
-        figure_texts(result.surface)  # measures it on this thread
+        format_surface_figures(result.surface)  # measures it on this thread
         return cls(generation, tracked.result, tracked)
 
 
@@ -157,7 +157,7 @@ class ReconstructionFailed:
     """The contours of a recent snapshot could not be reconstructed; the last ones stay."""
 
     generation: int
-    sentence: str
+    message: str
 
 
 Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce
@@ -228,7 +228,7 @@ class Opened(Report):
     scales: int = 1
     folder: tuple[Path, ...] = ()
     beside: Path | None = None
-    parts: Parts | None = None
+    parts: FileParts | None = None
     reading: Reading = DEFAULT_READING
 
 
@@ -243,7 +243,7 @@ class ImageReady(Report):
 class NotOpened(Report):
     """An image could not be used; the open one stays."""
 
-    sentence: str
+    message: str
 
 
 @record
@@ -259,7 +259,7 @@ class RunFailed(Report):
     """A run could not start or continue."""
 
     generation: int
-    sentence: str
+    message: str
 
 
 @frozen
@@ -275,7 +275,7 @@ class SeedsFound(Report):
 
     generation: int
     image_seeds: ImageSeeds
-    sentence: str = ""
+    message: str = ""
 
 
 @frozen
@@ -290,8 +290,8 @@ class Exported(Report):
 class CommandFailed(Report):
     """A command failed and nothing changed; `topic` is the category of the message."""
 
-    sentence: str
-    topic: str = ""
+    message: str
+    category: str = ""
 
 
 @frozen

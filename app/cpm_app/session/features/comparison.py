@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from cpm_app.model.display.comparison import Trial, with_values
-from cpm_app.model.display.differences import Apart, Difference, apart_from, differences
+from cpm_app.model.display.comparison import Trial, set_control_values
+from cpm_app.model.display.differences import SurfaceDifference, Difference, find_surface_differences, find_boundary_differences
 from cpm_app.model.document.document import NOTHING_TO_START_FROM, Document
-from cpm_app.model.document.imported import add_objects, bodies_of, objects_of
-from cpm_app.model.document.objects import objects_result
+from cpm_app.model.document.imported import add_objects, objects_from_surface, objects_from_contours
+from cpm_app.model.document.objects import build_objects_result
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
@@ -54,7 +54,7 @@ _QUIET = 200
 """Time without another step after which another run is shown at the same step [ms]."""
 
 Agreed = Comparison | SurfaceComparison
-_Marked = tuple[tuple[Difference, ...], tuple[Apart, ...]]
+_Marked = tuple[tuple[Difference, ...], tuple[SurfaceDifference, ...]]
 
 
 @record
@@ -126,7 +126,7 @@ class ComparedResults(QObject):
 
     def __init__(self, session: Session, navigation: TimelineNavigation) -> None:
         super().__init__(session)
-        self.reference = self.chosen = NOW
+        self.reference = self.selected = NOW
         self.rows = {NOW: Row(NOW, tr("Shown now"))}
         self.agreed: dict[int, Agreed] = {}
         """Agreement with the reference by row."""
@@ -153,7 +153,7 @@ class ComparedResults(QObject):
     @property
     def subject(self) -> int:
         """The row whose differences from the reference are marked: the selected one, or else the present result."""
-        return self.chosen if self.chosen != self.reference else NOW
+        return self.selected if self.selected != self.reference else NOW
 
     # Rows
 
@@ -207,8 +207,8 @@ class ComparedResults(QObject):
             return
         if self.rows.pop(key).truth is not None:
             self._path = None
-        if key == self.chosen:
-            self.chosen = NOW
+        if key == self.selected:
+            self.selected = NOW
             self.chosen_changed.emit()
         self.refer_to(self.reference if key != self.reference else NOW)
 
@@ -217,7 +217,7 @@ class ComparedResults(QObject):
         self.cancel()
         self._latest.forget()
         self.rows, self._path, self._made = {NOW: Row(NOW, tr("Shown now"))}, None, IdentityCache()
-        self.reference = self.chosen = NOW
+        self.reference = self.selected = NOW
         self.chosen_changed.emit()
         self.refer_to(NOW)
 
@@ -225,8 +225,8 @@ class ComparedResults(QObject):
 
     def choose(self, key: int) -> None:
         """Show a row beyond the divider; the present result removes the divider."""
-        if key != self.chosen and key in self.rows:
-            self.chosen = key
+        if key != self.selected and key in self.rows:
+            self.selected = key
             self._take_branch()
             self.chosen_changed.emit()
             self._compare()
@@ -245,7 +245,7 @@ class ComparedResults(QObject):
         if trial is not None and trial.values:
             self._session.edit(
                 tr("use {values}", values=trial.title),
-                lambda document: replace(document, parameters=with_values(document.parameters, trial.values)),
+                lambda document: replace(document, parameters=set_control_values(document.parameters, trial.values)),
             )
         elif row.branch is not None:
             self._navigation.go(row.branch, self._navigation.last(row.branch))
@@ -264,9 +264,9 @@ class ComparedResults(QObject):
         """Return the scene that is shown beyond the divider."""
         scene = self._session.scene
         return replace(
-            self.rows[self.chosen].scene, image=scene.image, display=scene.display, shaded=scene.shaded,
+            self.rows[self.selected].scene, image=scene.image, display=scene.display, shaded=scene.shaded,
             overlays=scene.overlays, slices=scene.slices, truth=scene.truth, differences=scene.differences,
-            apart=scene.apart,
+            surface_differences=scene.surface_differences,
         )  # fmt: skip
 
     # Ground truth
@@ -337,7 +337,7 @@ class ComparedResults(QObject):
     def _change(self, key: int, parts: JsonDict) -> None:
         if key in self.rows:
             self.rows[key] = replace(self.rows[key], **parts)
-            if key == self.chosen:
+            if key == self.selected:
                 self.chosen_changed.emit()
             self._compare()
             self.changed.emit()
@@ -351,7 +351,7 @@ class ComparedResults(QObject):
 
     def _take_branch(self, key: int | None = None) -> None:
         """Request the frame of a branch of the timeline, by default the selected one, at the current step."""
-        row, (here, step) = self.rows[self.chosen if key is None else key], self._navigation.place
+        row, (here, step) = self.rows[self.selected if key is None else key], self._navigation.place
         if row.branch is None or self._navigation.branch(row.branch) is None:
             return
         last = self._navigation.last(row.branch)
@@ -364,7 +364,7 @@ class ComparedResults(QObject):
 
     def _use_frame(self, key: int, document: Document, frame: FrameTaken) -> None:
         if frame.moment is None:
-            self._change(key, {"state": frame.sentence or tr("This run no longer exists.")})
+            self._change(key, {"state": frame.message or tr("This run no longer exists.")})
             return
         made, marks = frame.contours, document.marks
         reviewed = ReviewedContours.of(made.tracked if made else None, marks)
@@ -377,7 +377,7 @@ class ComparedResults(QObject):
     def _found(self) -> Result | None:
         """The present result: the objects, if there are any, or else the contours of the run."""
         scene = self._session.scene
-        objects = self._seen.named("objects", lambda: objects_result(scene.document), scene.document.objects.items)
+        objects = self._seen.named("objects", lambda: build_objects_result(scene.document), scene.document.objects.items)
         return objects or self._seen.get(_unrejected, scene.contours)
 
     def _follow(self) -> None:
@@ -390,7 +390,7 @@ class ComparedResults(QObject):
         painted = self.in_volume and bool(self._session.document.objects.items)
         if not painted:
             self._take_now()
-        if painted or self.rows[self.chosen].branch is not None:
+        if painted or self.rows[self.selected].branch is not None:
             self._quiet.start()
 
     def _take_now(self) -> None:
@@ -436,8 +436,8 @@ class ComparedResults(QObject):
 
     def _show(self, truth: Truth | VolumeTruth | None, marked: _Marked = ((), ())) -> None:
         scene, (different, apart) = self._session.scene, marked
-        if (truth, different, apart) != (scene.truth, scene.differences, scene.apart):
-            self._session.show(replace(scene, truth=truth, differences=different, apart=apart))
+        if (truth, different, apart) != (scene.truth, scene.differences, scene.surface_differences):
+            self._session.show(replace(scene, truth=truth, differences=different, surface_differences=apart))
 
 
 def _unrejected(reviewed: ReviewedContours) -> Result | None:
@@ -495,20 +495,20 @@ def _marked(found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | N
     if found is None or agreed is None:
         return (), ()
     if isinstance(truth, VolumeTruth) and isinstance(agreed, SurfaceComparison):
-        apart = apart_from(found.surface, _sized(truth, found), agreed)
-        parts = itertools.chain.from_iterable(each.parts for each in apart)
+        apart = find_surface_differences(found.surface, _sized(truth, found), agreed)
+        parts = itertools.chain.from_iterable(each.components for each in apart)
         return tuple(sorted(parts, key=lambda part: -part.farthest)), apart
     assert isinstance(agreed, Comparison)
-    return differences(found.contours, agreed), ()
+    return find_boundary_differences(found.contours, agreed), ()
 
 
 def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ...]:
     """Make objects of a row; for a trial, everything that its contours enclose is one object with its name."""
     closed = [contour for contour in found.contours if contour.closed]
     if found.surface is not None:
-        made = bodies_of(found.surface, image) if found.surface.closed else ()
+        made = objects_from_surface(found.surface, image) if found.surface.closed else ()
     elif isinstance(row.truth, Truth):  # from labels, as touching objects each have a boundary of their own
-        made = objects_of(
+        made = objects_from_contours(
             [
                 Contour(points, True, group=number, hole=hole)
                 for number, curves in mask.find_label_outlines(row.truth.objects)
@@ -516,7 +516,7 @@ def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ..
             ]
         )
     else:
-        made = objects_of(closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed])
+        made = objects_from_contours(closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed])
     if not made:
         raise ValueError(tr("There is no closed contour, so there is no object to add."))
     return made

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
-from cpm_app.model.document.contours import Target
+from cpm_app.model.document.contours import MarkTarget
 from cpm_app.session.features.background import is_same
 from cpm_app.session.scene import NO_CONTOURS, Item, ReviewedContours
 from cpm_app.session.session import Session
@@ -123,13 +123,13 @@ class ContourReview(QObject):
         found = np.split(place[order], np.searchsorted(of[piece][order], np.arange(1, len(paths))))
         self._along.update((id(line), (line, places)) for line, places in zip(lines, found, strict=True))
 
-    def targets(self, items: Iterable[Item]) -> list[Target]:
+    def targets(self, items: Iterable[Item]) -> list[MarkTarget]:
         """Return the targets by which edits of the document refer to contours."""
         given, known = [*items], () if self.result is None else self.result.contours
         fresh = [item.reviewed.index for item in given if item.reviewed.mark is None]
         made = iter(find_anchors(known, fresh))
         return [
-            Target(mark, mark.anchor if mark else next(made), item.contour)
+            MarkTarget(mark, mark.anchor if mark else next(made), item.contour)
             for item, mark in ((item, item.reviewed.mark) for item in given)
         ]
 
@@ -138,8 +138,8 @@ class ContourReview(QObject):
     def choose(self, contours: Iterable[int] = (), objects: Iterable[int] = ()) -> None:
         """Select only the contours of these keys, and the objects of these numbers, or proposals of keys below 0."""
         scene, keys, numbers = self._session.scene, frozenset(contours), frozenset(objects)
-        if (keys, numbers) != (scene.selected_contours, scene.objects.chosen):
-            shown = replace(scene.objects, chosen=numbers)
+        if (keys, numbers) != (scene.selected_contours, scene.objects.selected):
+            shown = replace(scene.objects, selected=numbers)
             with self._session.gathering():
                 self._session.show(replace(scene, selected_contours=keys, objects=shown))
                 self.selection_changed.emit()
@@ -172,6 +172,6 @@ class ContourReview(QObject):
         keys = {item.key for item in scene.contours.items}
         self.changed.emit()
         scene = self._session.scene
-        self.choose(scene.selected_contours & keys, scene.objects.chosen)
+        self.choose(scene.selected_contours & keys, scene.objects.selected)
         if scene.hovered_contour not in keys:
             self.hover(None)

@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, QTimer
 
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.session.features.kept_pages import StackSource, bare, numbered
 from cpm_app.session.features.object_selection import ObjectSelection, Search
 from cpm_app.session.features.selector import Everywhere, from_everywhere, parameters_everywhere
@@ -100,7 +100,7 @@ class FollowedObjects(QObject):
                     items = _items(found, before.objects.items)
                     if not items:
                         return happened, number
-                    reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
+                    reference = ImageReference.from_image(Path(source.path), image, source.reading_of(number))
                     session.tasks.call(partial(self._accept, number, reference, items))
                     document = replace(document, objects=replace(document.objects, items=items))
                 _take(follower, image, document)
@@ -139,7 +139,7 @@ class FollowedObjects(QObject):
         def accept_items(document: Document) -> Document:
             taken = max(document.objects.taken, *(item.number for item in items))
             same = document.image if known is not None else image
-            return objects.accept(replace(numbered(document, taken), image=same), items)
+            return objects.accept_objects(replace(numbered(document, taken), image=same), items)
 
         self._pages.change(number, tr("follow objects"), accept_items)
 
@@ -166,7 +166,7 @@ def _items(found: Sequence[FollowedObject], before: Iterable[SegmentedObject]) -
     like, items = {item.number: item for item in before}, []
     for one in found:
         known, shape = like[one.origin], one.selection.mask.shape
-        item = objects.made(one.selection, (), one.number, known.category)
+        item = objects.object_from_selection(one.selection, (), one.number, known.category)
         name = known.name if one.number == one.origin else ""
         items.append(replace(item, clicks=(Click((item.find_innermost_pixel(shape),)),), name=name, color=known.color))
     return tuple(items)
@@ -174,5 +174,5 @@ def _items(found: Sequence[FollowedObject], before: Iterable[SegmentedObject]) -
 
 def _sentences(events: Sequence[TrackEvent]) -> str:
     """Describe the first events in words; the table has all of them."""
-    sentences = [from_core(event.sentence) for event in events[:_MAX_LISTED_EVENTS]]
+    sentences = [translate_core_text(event.sentence) for event in events[:_MAX_LISTED_EVENTS]]
     return " ".join([*sentences, "…"] if len(events) > _MAX_LISTED_EVENTS else sentences)

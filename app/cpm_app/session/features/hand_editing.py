@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
-from cpm_app.model.document.contours import NAMES, add_hand_edits, drop_hand_edits
-from cpm_app.model.document.objects import accept, bounded, title
+from cpm_app.model.document.contours import HAND_EDIT_NAMES, add_hand_edits, drop_hand_edits
+from cpm_app.model.document.objects import accept_objects, object_from_contours, object_title
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.scene import Item, ReviewedContours
@@ -158,22 +158,22 @@ class HandEditing(QObject):
         new = redraw_boundary(item, held.line.source, edit, self.edges if snapping else None)
         objects = self._session.document.objects
         self._session.edit(
-            tr("redraw boundary of {what}", what=title(objects, item)),
-            lambda document: accept(document, (new,), ends=objects.edited == item.number),
+            tr("redraw boundary of {what}", what=object_title(objects, item)),
+            lambda document: accept_objects(document, (new,), ends=objects.edited == item.number),
         )
 
     def outline(self, path: Array) -> int:
         """Make an object of a drawn closed line, shape (K, 2) [px]; return its number."""
         objects = self._session.document.objects
-        item = mark_gaps(bounded(objects.next_number, objects.category, [Contour(path, True)]), self.edges)
-        self._session.edit(NAMES["outline"], lambda document: accept(document, (item,)))
+        item = mark_gaps(object_from_contours(objects.next_number, objects.category, [Contour(path, True)]), self.edges)
+        self._session.edit(HAND_EDIT_NAMES["outline"], lambda document: accept_objects(document, (item,)))
         return item.number
 
     def add(self, edits: Sequence[HandEdit]) -> None:
         """Carry out edits as one undo step."""
         if edits:
             self.mark(())
-            self._session.edit(NAMES[edits[-1].kind], lambda document: add_hand_edits(document, edits))
+            self._session.edit(HAND_EDIT_NAMES[edits[-1].kind], lambda document: add_hand_edits(document, edits))
 
     def cut_contour(self, at: Contact) -> None:
         """Cut a contour at a place that is not one of its ends."""
@@ -199,7 +199,7 @@ class HandEditing(QObject):
             self._session.say(tr("Select an open contour to close it, or several to join them."))
             return
         self._session.edit(
-            tr("close contours") if closing else NAMES["join"], lambda document: add_hand_edits(document, edits)
+            tr("close contours") if closing else HAND_EDIT_NAMES["join"], lambda document: add_hand_edits(document, edits)
         )
 
     @property

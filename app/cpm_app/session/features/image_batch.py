@@ -6,8 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from cpm_app.model.document.saving import to_file
-from cpm_app.model.text.language import cause, tr
+from cpm_app.model.document.saving import to_session_file
+from cpm_app.model.text.language import explain_system_error, tr
 from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.opening import images_in
@@ -48,13 +48,13 @@ def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], 
         session.say(document.nothing_to_start_from, True, TOPIC)
         return OVER
     name = tr("Running the images of {folder}…", folder=folder.name)
-    work = partial(_apply, to_file(document, {}), folder)
+    work = partial(_apply, to_session_file(document, {}), folder)
     return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC), then=then)
 
 
 def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
-    from cpm_core.cli.batch import WRITTEN, Batch
-    from cpm_core.cli.workers import here
+    from cpm_core.cli.batch import DEFAULT_SUFFIXES, Batch
+    from cpm_core.cli.workers import run_locally
 
     images, output = tuple(map(str, images_in(folder))), folder / _RESULTS_FOLDER
     if not images:
@@ -63,11 +63,11 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
         output.mkdir(exist_ok=True)
     except OSError as error:
         raise ValueError(
-            tr("{folder} is not a folder and cannot be created: {reason}.", folder=output, reason=cause(error))
+            tr("{folder} is not a folder and cannot be created: {reason}.", folder=output, reason=explain_system_error(error))
         ) from error
     save_session(session, output / _APPLIED_SESSION)
-    batch = Batch(images, session, output / _APPLIED_SESSION, output, WRITTEN)
-    for _ in batch.write_results(here(batch.jobs, None, task.check_cancelled)):
+    batch = Batch(images, session, output / _APPLIED_SESSION, output, DEFAULT_SUFFIXES)
+    for _ in batch.write_results(run_locally(batch.jobs, None, task.check_cancelled)):
         task.fraction = len(batch.rows) / len(images)
     failed = sum(bool(row.trouble) for row in batch.rows.values())
     return BatchDone(len(images), failed, output / _SUMMARY_TABLE)

@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QBuffer, QIODevice, QStandardPaths
 from PySide6.QtGui import QImage
 
-from cpm_app.model.document.imported import Imported
+from cpm_app.model.document.imported import ImportedContent
 from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import Task
@@ -32,7 +32,7 @@ MOST_POINTS = 100_000
 _POINT_TABLE_SUFFIX = ".csv"
 """Suffix of tables, which hold contours or points."""
 
-Found = Imported | Points
+Found = ImportedContent | Points
 """Content of a file: contours, surfaces and center lines, or points."""
 
 
@@ -44,7 +44,7 @@ def read_file(session: Session, path: Path, use: Callable[[Found], object]) -> N
         if image is not None and image.ndim == 3:
             return _points(path, 3) if path.suffix.lower() == _POINT_TABLE_SUFFIX else _in_volume(path, image)
         try:
-            return Imported.of(read_contours(path, plane), path.name)
+            return ImportedContent.from_contour_file(read_contours(path, plane), path.name)
         except ValueError as error:
             if path.suffix.lower() != _POINT_TABLE_SUFFIX or _names_contours(path):
                 raise
@@ -61,7 +61,7 @@ def read_pasted(session: Session, content: bytes, use: Callable[[Found], object]
     plane, name = describe_plane(session.image), tr("the clipboard")
 
     def decode_content(task: Task) -> Found:
-        return Imported.of(decode_contours(content, name, plane), name)
+        return ImportedContent.from_contour_file(decode_contours(content, name, plane), name)
 
     _start(session, name, decode_content, "reading the clipboard", use)
 
@@ -98,16 +98,16 @@ def folder_of_pasted() -> Path:
     return Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericDataLocation)) / "cpm/pasted"
 
 
-def _in_volume(path: Path, volume: Image) -> Imported:
+def _in_volume(path: Path, volume: Image) -> ImportedContent:
     """Read a surface or center lines for a volume."""
     suffix, notes = path.suffix.lower(), list[str]()
     if suffix in CONTOURS_READABLE:
         raise ValueError(tr("{name} has contours for an image, but a volume is open.", name=path.name))
     if suffix in CENTERLINES_WRITABLE:
         lines = load_centerlines(path, volume, warn=notes.append)
-        return Imported.of_lines(lines, tuple(notes))
+        return ImportedContent.from_centerlines(lines, tuple(notes))
     surface, assumed = read_surface(path, volume)
-    return Imported.of_surface(surface, volume, path.name, assumed)
+    return ImportedContent.from_surface(surface, volume, path.name, assumed)
 
 
 def _points(path: Path, axes: int = 2) -> Points:

@@ -9,13 +9,13 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from cpm_app.model.display.page_rows import PageRow, page_rows
-from cpm_app.model.document.contours import found_by
+from cpm_app.model.display.page_rows import PageRow, collect_page_rows
+from cpm_app.model.document.contours import run_document
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.document.objects import objects_result
-from cpm_app.model.document.saving import restored, to_file
+from cpm_app.model.document.objects import build_objects_result
+from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.parts import Parts
+from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.exchange.messages import sentence
 from cpm_app.session.tasks.tasks import Cancelled, Task
 from cpm_app.session.timeline.plain_runs import sound
@@ -52,24 +52,24 @@ class StackSource:
     count: int = 0
     by_channel: bool = False
     reading: Reading = field(default_factory=Reading)
-    usual: int = 1
+    default_page: int = 1
 
     @classmethod
-    def of(cls, path: str, parts: Parts | None, reading: Reading) -> StackSource:
+    def of(cls, path: str, parts: FileParts | None, reading: Reading) -> StackSource:
         """Describe the stack in a file."""
         if parts is None:
             return cls(path)
         by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1
         count = parts.channels if by_channel else parts.pages
-        return cls(path, count if count > 1 else 0, by_channel, reading, parts.usual)
+        return cls(path, count if count > 1 else 0, by_channel, reading, parts.default_page)
 
     def number_of(self, reading: Reading) -> int:
         """Return the number of the page that a reading selects."""
-        return (reading.channel or 1) if self.by_channel else (reading.page or self.usual)
+        return (reading.channel or 1) if self.by_channel else (reading.page or self.default_page)
 
     def reading_of(self, number: int) -> Reading:
         """Return the reading of a page; the default page needs no number."""
-        selected = None if number == (1 if self.by_channel else self.usual) else number
+        selected = None if number == (1 if self.by_channel else self.default_page) else number
         return replace(self.reading, channel=selected) if self.by_channel else replace(self.reading, page=selected)
 
     @cached_property
@@ -173,7 +173,7 @@ def linked(
     for number, document in documents.items():
         before, result = known.get(number, (None, None))
         if before is not document.objects:
-            result = objects_result(document)
+            result = build_objects_result(document)
             result = result and strip_image(replace(result, image=source.pages[number - 1]))
         measured[number] = document.objects, result
     objects = pages_from_results({number: result for number, (_, result) in measured.items() if result is not None})
@@ -183,7 +183,7 @@ def linked(
         name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.has_single_axis
         if made:
             whole = StackResult(name, source.count, tuple(made), axis, alone, drawn)
-            tables[kind] = whole, page_rows(whole)
+            tables[kind] = whole, collect_page_rows(whole)
     return Linked(source, measured, tables)
 
 
@@ -206,7 +206,7 @@ def pages_to_plain(
         return {}
     left, sessions = _MAX_PAGE_RUNS_CHARACTERS, []
     for number, page in sorted(others.items()):
-        session = json.loads(encode_session(replace(to_file(page.document, {}), image=None), Path()))
+        session = json.loads(encode_session(replace(to_session_file(page.document, {}), image=None), Path()))
         size = len(json.dumps(page.runs))
         if page.runs and size <= left:
             left -= size
@@ -259,7 +259,7 @@ class StoredPages:
             if image is None:
                 raise ValueError("there is no image")
             check_axes(file.shapes, image.shape)
-            document = restored(file, image, file.parameters)
+            document = from_session_file(file, image, file.parameters)
             given = document.starts if entry.get("given") is True else ()
             return number, KeptPage(document, file.runs, known=document, given=given)
 
@@ -337,12 +337,12 @@ def run_pages(
         document, given = document_of(number, follower.next_starts)
         try:
             image = source.pages[number - 1]
-            reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
+            reference = ImageReference.from_image(Path(source.path), image, source.reading_of(number))
             document = replace(document, image=reference, parameters=limit_scales(document.parameters, image.shape))
             recorder = RunRecorder()
             engine = Engine(image, document.parameters, document.regions)
-            seeds = document.seeds_in(SeedCache(image))
-            result = found_by(engine, document, seeds, partial(_recorded, recorder, task))
+            seeds = document.find_image_seeds(SeedCache(image))
+            result = run_document(engine, document, seeds, partial(_recorded, recorder, task))
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others
@@ -352,5 +352,5 @@ def run_pages(
             continue
         page = follower.add_page(number, result)
         placed = [{"number": contour.number, "place": list(contour_midpoint(contour))} for contour in page.contours]
-        session = add_recorded_run(to_file(document, {}), recorder, tr("Run {number}", number=1))
+        session = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
         yield PageDone(page, document, given, {**session.runs, "numbers": placed})

@@ -12,11 +12,11 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.document import contours, objects
-from cpm_app.model.document.contours import Target
+from cpm_app.model.document.contours import MarkTarget
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.document.objects import brushed, paint_in_volume
+from cpm_app.model.document.objects import apply_brush, paint_volume_object
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.surface_section import holds, size_of
+from cpm_app.model.volume.surface_section import object_contains, object_size
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker, is_same
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.scene import Item, Proposal
@@ -164,11 +164,11 @@ def _holds(row: Row, place: Place) -> bool:
     if row.drawn is None:
         line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
         return line is not None and len(place) == 2 and bool(polyline.points_inside(line.points, np.array([place]))[0])
-    return holds(row.drawn, place)
+    return object_contains(row.drawn, place)
 
 
 def _size(row: Row) -> float:
-    return size_of(row.item) if row.item is not None else row.contour.contour.area if row.contour else 0.0
+    return object_size(row.item) if row.item is not None else row.contour.contour.area if row.contour else 0.0
 
 
 DOUBTFUL = 0.7
@@ -226,7 +226,7 @@ class ObjectList(QObject):
     @property
     def chosen(self) -> frozenset[int]:
         """Numbers of the selected objects."""
-        return frozenset(number for number in self._session.scene.objects.chosen if number > 0)
+        return frozenset(number for number in self._session.scene.objects.selected if number > 0)
 
     @property
     def items(self) -> tuple[SegmentedObject, ...]:
@@ -270,7 +270,7 @@ class ObjectList(QObject):
         """Keys of the selected rows."""
         scene = self._session.scene
         return frozenset((
-            *(("object" if number > 0 else "proposal", number) for number in scene.objects.chosen),
+            *(("object" if number > 0 else "proposal", number) for number in scene.objects.selected),
             *(("contour", key) for key in scene.selected_contours),
         ))  # fmt: skip
 
@@ -287,16 +287,16 @@ class ObjectList(QObject):
 
     def title(self, item: SegmentedObject) -> str:
         """Return the name of an object, or the name of its class and its number."""
-        return objects.title(self.objects, item)
+        return objects.object_title(self.objects, item)
 
     def under(self, at: Place) -> int:
         """Return the number of the smallest shown object at a place (row, col) or (plane, row, col), 0 for none."""
         if len(at) == 3:
-            around = [item for item in self.objects.items if not item.hidden and holds(item, at)]
+            around = [item for item in self.objects.items if not item.hidden and object_contains(item, at)]
         else:
             place = np.array([at], float)
             around = [item for item in self.near(place, 0.0) if item.encloses(place)[0]]
-        return min(around, key=size_of).number if around else 0
+        return min(around, key=object_size).number if around else 0
 
     def near(self, places: Array, reach: float) -> list[SegmentedObject]:
         """Find the shown objects whose bounding boxes are within `reach` of places, shape (N, 2) [px]."""
@@ -421,10 +421,10 @@ class ObjectList(QObject):
         lines = self._targets(rows)
 
         def reject_rows(document: Document) -> Document:
-            marked = contours.judge(document, lines, "rejected")
+            marked = contours.set_verdict(document, lines, "rejected")
             # the draft is not kept as a rejected object: the user selected it, and may select it again
-            marked = objects.select(marked, ()) if draft else marked
-            return objects.reject(marked, numbers, offered)
+            marked = objects.set_selection_clicks(marked, ()) if draft else marked
+            return objects.reject_objects(marked, numbers, offered)
 
         self._edit(tr("reject {what}"), rows, reject_rows)
 
@@ -432,7 +432,7 @@ class ObjectList(QObject):
         """Remove the selected objects, and dismiss or reject the rest; rejected objects are removed for good."""
         rows = self.selected_rows
         if all(row.key[0] == "object" for row in rows):
-            self._edit(tr("delete {what}"), rows, lambda d: objects.delete(d, [row.key[1] for row in rows]))
+            self._edit(tr("delete {what}"), rows, lambda d: objects.delete_objects(d, [row.key[1] for row in rows]))
         else:
             self.reject()
 
@@ -442,12 +442,12 @@ class ObjectList(QObject):
         """Name a row, unless it has disappeared meanwhile; a proposal or a closed contour is accepted."""
         rows = [row for row in self.rows if row.key == key and row.name != name.strip()]
         if rows and (rows[0].kind in ("proposal", "closed")):
-            self._with_objects(tr("name {what}"), rows, lambda d, numbers: objects.rename(d, numbers, name))
+            self._with_objects(tr("name {what}"), rows, lambda d, numbers: objects.rename_objects(d, numbers, name))
         elif rows and rows[0].contour is not None:
             targets = self._review.targets([rows[0].contour])
-            self._edit(tr("name {what}"), rows, lambda d: contours.rename(d, targets, name))
+            self._edit(tr("name {what}"), rows, lambda d: contours.rename_contours(d, targets, name))
         else:
-            self._edit(tr("name {what}"), rows, lambda d: objects.rename(d, (key[1],), name))
+            self._edit(tr("name {what}"), rows, lambda d: objects.rename_objects(d, (key[1],), name))
 
     def classify(self, category: int) -> None:
         """Set the class of the selected objects and of new ones; proposals and closed contours are accepted.
@@ -459,7 +459,7 @@ class ObjectList(QObject):
             rows = self.open_rows
         used = {item.category for item in known.items}
         words = tr("class of {what}") if rows else tr("class of the next objects")
-        self._with_objects(words, rows, lambda document, numbers: objects.classify(document, numbers, category))
+        self._with_objects(words, rows, lambda document, numbers: objects.classify_objects(document, numbers, category))
         if rows and category not in used and used - {category} and not known.classes[category - 1].name:
             self.class_begun.emit(category)
 
@@ -474,7 +474,7 @@ class ObjectList(QObject):
         targets = self._review.targets(row.contour for row in rows if row.contour is not None)
 
         def color_rows(document: Document) -> Document:
-            return objects.amend(contours.paint(document, targets, color), numbers, color=color)
+            return objects.update_objects(contours.color_contours(document, targets, color), numbers, color=color)
 
         self._edit(tr("color {what}"), rows, color_rows)
 
@@ -485,7 +485,7 @@ class ObjectList(QObject):
             "hidden": (tr("show {what}"), tr("hide {what}")),
             "frozen": (tr("unfreeze {what}"), tr("freeze {what}")),
         }
-        self.do(words[state][on], lambda d, numbers: objects.amend(d, numbers, **{state: on}))
+        self.do(words[state][on], lambda d, numbers: objects.update_objects(d, numbers, **{state: on}))
 
     def do(self, words: str, edit: Callable[[Document, Collection[int]], Document]) -> None:
         """Edit the selected objects; `words` name the edit of ``{what}`` for undo."""
@@ -496,9 +496,9 @@ class ObjectList(QObject):
     def merge(self) -> None:
         """Merge the selected objects into one; in a volume on another thread."""
         rows = [row for row in self.selected_rows if row.kind in ("object", "proposal", "closed")]
-        if not self._session.document.is_about_volume:
+        if not self._session.document.has_volume:
             if len(rows) > 1:
-                self._with_objects(tr("merge {what}"), rows, objects.merge)
+                self._with_objects(tr("merge {what}"), rows, objects.merge_objects)
             return
         items, rows = self.items, [row for row in rows if row.kind == "object"]
 
@@ -523,7 +523,7 @@ class ObjectList(QObject):
                 self._session.say(tr("{name} has no gap between the slices across this axis.", name=name))
                 return
             words = tr("fill {what} between slices", what=name)
-            self._session.edit(words, partial(paint_in_volume, number=item.number, part=part, over_others=over_others))
+            self._session.edit(words, partial(paint_volume_object, number=item.number, part=part, over_others=over_others))
             self._session.say(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
 
         self._change_later(items, lambda: fill_between_slices(item.surface[0], axis, image.spacing), add_part)
@@ -544,7 +544,7 @@ class ObjectList(QObject):
         """Replace an object, or one that is not accepted yet, by its halves, and select them."""
         before = {item.number for item in self.objects.items} - {whole.number}
         words = tr("split {what}", what=self.title(whole))
-        self._session.edit(words, lambda document: objects.split(document, whole, halves))
+        self._session.edit(words, lambda document: objects.replace_by_halves(document, whole, halves))
         self.choose(item.number for item in self.objects.items if item.number not in before)
 
     def close(self) -> None:
@@ -569,8 +569,8 @@ class ObjectList(QObject):
 
         def accept_and_edit(document: Document) -> Document:
             before = {item.number for item in document.objects.items}
-            document = contours.judge(contours.judge(document, kept, "kept"), undecided, "")
-            document = objects.accept(document, given, ends=ends)
+            document = contours.set_verdict(contours.set_verdict(document, kept, "kept"), undecided, "")
+            document = objects.accept_objects(document, given, ends=ends)
             changed = old | {item.number for item in given}
             numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
             return then(document, numbers)
@@ -580,7 +580,7 @@ class ObjectList(QObject):
             if given:
                 self.choose(item.number for item in self.objects.items if item.number in numbers)
 
-    def _targets(self, rows: Sequence[Row]) -> list[Target]:
+    def _targets(self, rows: Sequence[Row]) -> list[MarkTarget]:
         """Return the targets of the contours of rows, and of contours along the boundaries of rows."""
         apart = {item.key for item in self._review.apart(_boundaries(row.item for row in rows if row.item))}
         left = apart - {row.contour.key for row in rows if row.contour}
@@ -610,7 +610,7 @@ class ObjectList(QObject):
                 holes = [each for each in closed if enclosing(each)[:1] == [number]]
                 bounds = [closed[each].contour for each in (number, *holes)]
                 gaps = (bridge.points for bridge in select_bridges_on(result.bridges, bounds))
-                made.append(objects.bounded(known.next_number, known.category, bounds, gaps))
+                made.append(objects.object_from_contours(known.next_number, known.category, bounds, gaps))
         return made
 
     def _edit(self, words: str, rows: Sequence[Row], edit: Callable[[Document], Document]) -> None:
@@ -630,7 +630,7 @@ class ObjectList(QObject):
         self._seen = seen
         numbers = {item.number for item in (*known.items, *known.rejected)}
         numbers |= {each.key for each in scene.objects.proposals}
-        self._review.choose(scene.selected_contours, scene.objects.chosen & numbers)
+        self._review.choose(scene.selected_contours, scene.objects.selected & numbers)
         self.measure()
         self.changed.emit()
 
@@ -765,7 +765,7 @@ class ObjectBrush:
         if image.is_volume:
             part = voxelize_brush(image.shape, stretch, self._radius, relative_sides(image.spacing), self._axis)
             return partial(
-                paint_in_volume,
+                paint_volume_object,
                 number=self._number,
                 part=part,
                 adds=self.adds,
@@ -773,7 +773,7 @@ class ObjectBrush:
             )
         self._boundary = paint_boundary(self._boundary, stretch, self._radius, self.adds, image.shape)
         return partial(
-            brushed,
+            apply_brush,
             before=self._before,
             number=self._number,
             boundary=self._boundary,

@@ -14,8 +14,8 @@ from PySide6.QtCore import QObject, Signal
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import AnySelection
-from cpm_app.model.text.keys import with_keys
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
@@ -44,7 +44,7 @@ _SAME_OBJECT_COVERAGE = 0.5
 
 def percent(selection: AnySelection) -> str:
     """Format the confidence of an object as text; empty in a volume, where it is unknown."""
-    return written(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
+    return localize_number(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
 
 
 @frozen
@@ -170,7 +170,7 @@ class ObjectSelection(QObject):
         else:
             return ""
         likely = percent(accepted[0].selection) if accepted else ""
-        return with_keys(hint, count=len(offered), chosen=len(accepted), likely=likely and f", {likely}")
+        return insert_keys(hint, count=len(offered), chosen=len(accepted), likely=likely and f", {likely}")
 
     def under(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
@@ -281,7 +281,7 @@ class ObjectSelection(QObject):
             if not found:
                 self._session.say(tr("No other object like this one was found."))
                 return
-            self._session.edit(tr("all like this"), lambda document: objects.add(document, found, example.category))
+            self._session.edit(tr("all like this"), lambda document: objects.add_selections(document, found, example.category))
             self._session.say(tr("{count} objects like this one were found.").format(count=len(found)))
 
         self._session.tasks.start(tr("Finding objects like this one…"), find_new, tr("finding objects"), then=add_found)
@@ -298,7 +298,7 @@ class ObjectSelection(QObject):
 
         def accept_and_select(document: Document) -> Document:
             """Accept an object of the previous page as it is, so that it can be changed like any other."""
-            return objects.select(objects.accept(document, followed), clicks, number)
+            return objects.set_selection_clicks(objects.accept_objects(document, followed), clicks, number)
 
         self._session.edit(words, accept_and_select)
 
@@ -321,7 +321,7 @@ class ObjectSelection(QObject):
         if self.selecting or not number:
             return document.objects.clicks, document.objects.edited
         if number > 0 and document.image is not None:
-            return objects.first_clicks(document.objects[number], document.image.shape), number
+            return objects.initial_clicks(document.objects[number], document.image.shape), number
         return next(((each.clicks, each.number) for each in self.proposals if each.key == number), ((), 0))
 
     @property
@@ -405,7 +405,7 @@ class ObjectSelection(QObject):
     @property
     def _stepping(self) -> tuple[Clicks, int]:
         """The clicks of the object being selected, or of the only selected one, and the number of the object."""
-        selected = self._session.scene.objects.chosen or {each.key for each in self.proposals}
+        selected = self._session.scene.objects.selected or {each.key for each in self.proposals}
         return self._before(next(iter(selected)) if len(selected) == 1 else 0)
 
     def _use(self, question: Question, answer: Answer) -> None:

@@ -14,7 +14,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.modes import MODES
-from cpm_app.model.document.objects import AnySelection, first_clicks
+from cpm_app.model.document.objects import AnySelection, initial_clicks
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.scene import Proposal
@@ -286,7 +286,7 @@ class Selector:
         if not len(inside):
             return None
         item, made = self._changed, self._given.get(clicks)
-        if made is None and item is not None and clicks == first_clicks(item, self.partition.shape):
+        if made is None and item is not None and clicks == initial_clicks(item, self.partition.shape):
             if isinstance(self.partition, VolumePartition):
                 made = self.partition.build_selection(item.surface[0], item.inside, item.outside)
             else:
@@ -373,7 +373,7 @@ class Selector:
     def _bodies(self, partition: VolumePartition, starts: Sequence[Drawn]) -> list[Proposal]:
         """Propose, for each start, the body that contains most of its seeds."""
         found: list[Proposal] = []
-        clicked = (first_clicks(item, partition.shape) for item in (*self.items, *self.offer.rejected))
+        clicked = (initial_clicks(item, partition.shape) for item in (*self.items, *self.offer.rejected))
         within = (partition.find_body_numbers(collect_points(clicks, inside=True)).tolist() for clicks in clicked)
         taken = {0, *chain.from_iterable(within)}
         for key, start in enumerate(starts, start=1):

@@ -9,14 +9,14 @@ from typing import cast
 
 import numpy as np
 
-from cpm_app.model.display.differences import differences_in, truth_in
+from cpm_app.model.display.differences import cut_differences, cut_truth
 from cpm_app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.edits import Hit, hit
-from cpm_app.model.volume.shape_sections import Section, sections
+from cpm_app.model.document.edits import ShapeHit, find_shape_at
+from cpm_app.model.volume.shape_sections import Section, cut_shape
 from cpm_app.model.volume.slices import SampledForce, Slice, Slices
-from cpm_app.model.volume.surface_section import objects_in, selection_in, skeleton_in, unmeasured
-from cpm_app.model.volume.surface_section import section as lines_of
+from cpm_app.model.volume.surface_section import cut_objects, cut_selection, cut_skeleton, build_unmeasured_row
+from cpm_app.model.volume.surface_section import cut_surface as lines_of
 from cpm_app.session.exchange.messages import Reconstruction, Snapshot
 from cpm_app.session.features.background import AsyncCache, IdentityCache
 from cpm_app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
@@ -64,10 +64,10 @@ class Sections:
         volume, slices = scene.image, scene.slices
         if volume is None or slices is None or scene.volume is not None:
             return scene
-        slices = slices if self.axis is None else slices.turned(self.axis)
+        slices = slices if self.axis is None else slices.with_axis(self.axis)
         here, part, reach = slices.current, self._parts.get, scene.document.parameters.d_min
         image = part(_image, volume, here)
-        cut = part(objects_in, scene.document.objects, here)
+        cut = part(cut_objects, scene.document.objects, here)
         document, places = part(_document, scene.document, here, volume, cut)
         near = part(_near, scene.snapshot, here, volume, reach)
         reconstruction, contours = self._lines(scene.reconstruction, here)
@@ -84,8 +84,8 @@ class Sections:
             contours=contours,
             overlays=self._overlays(scene, here, image),
             probed=part(_probed, scene.probed, here, volume, reach),
-            truth=part(truth_in, scene.truth, here),
-            differences=part(differences_in, scene.apart, here),
+            truth=part(cut_truth, scene.truth, here),
+            differences=part(cut_differences, scene.surface_differences, here),
             objects=part(_shown, scene.objects, here),
             slices=slices,
             volume=volume,
@@ -106,10 +106,10 @@ class Sections:
         """Display a slice in the intensity window of the volume, so that brightness is the same in all slices."""
 
         def make_display() -> DisplayImage:
-            return DisplayImage.of(apply_window(image.values, window))
+            return DisplayImage.from_shades(apply_window(image.values, window))
 
         if image.values.size > AT_ONCE and self.later is not None:
-            return self.later.named("display", make_display, lambda: DisplayImage.preview(image.values, window), image)
+            return self.later.named("display", make_display, lambda: DisplayImage.from_subsample(image.values, window), image)
         return self._parts.named("display", make_display, image)
 
     def _overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, Overlay]:
@@ -117,9 +117,9 @@ class Sections:
         found: dict[str, Overlay] = {}
         for name, drawn in scene.overlays.items():
             if isinstance(drawn, DisplayVolume):
-                found[name] = self._parts.named(name, partial(DisplayImage.of, here.of(drawn.shades)), drawn, here)
+                found[name] = self._parts.named(name, partial(DisplayImage.from_shades, here.slice_array(drawn.shades)), drawn, here)
             elif isinstance(drawn, SampledForce):
-                found[name] = self._parts.named(name, partial(drawn.slice_of, here, image.shape), drawn, here)
+                found[name] = self._parts.named(name, partial(drawn.interpolate_slice, here, image.shape), drawn, here)
         return self._parts.named("overlays", lambda: found, *found, *found.values())
 
 
@@ -131,9 +131,9 @@ def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> Image
     """Return the seeds near the slice of the starts all over the volume."""
     sides = relative_sides(volume.spacing)
     return {
-        cut: here.flattened(at[_index(at, here, volume, reach)[0]])
+        cut: here.project_points(at[_index(at, here, volume, reach)[0]])
         for start, at in seeds.items()
-        for cut in sections(start, here, sides)
+        for cut in cut_shape(start, here, sides)
         if isinstance(cut, ImageStart)
     }
 
@@ -144,16 +144,16 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
         return probed
     if not len(_index(np.array([probed.position]), here, volume, reach)[0]):
         return replace(probed, identity=-1)
-    sides = np.array(here.within(relative_sides(volume.spacing)))
-    along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
-    return replace(probed, position=here.within(probed.position), forces=along)
+    sides = np.array(here.drop_axis(relative_sides(volume.spacing)))
+    along = {name: here.project_points(force[None])[0] / sides for name, force in probed.forces.items()}
+    return replace(probed, position=here.drop_axis(probed.position), forces=along)
 
 
 def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Section]]:
     """Iterate over the sections of shapes by a slice, each with the index of its shape."""
     sides = relative_sides(volume.spacing)
     for index, shape in enumerate(shapes):
-        for cut in sections(shape, here, sides):
+        for cut in cut_shape(shape, here, sides):
             yield index, cut
 
 
@@ -172,11 +172,11 @@ def _document(
 
 def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
     """Cut the proposals and the preview by a slice."""
-    offered = tuple(replace(each, selection=selection_in(each.selection, here)) for each in shown.proposals)
+    offered = tuple(replace(each, selection=cut_selection(each.selection, here)) for each in shown.proposals)
     preview = shown.preview
     if preview is not None:
-        before = None if preview.before is None else selection_in(preview.before, here)
-        preview = replace(preview, after=selection_in(preview.after, here), before=before)
+        before = None if preview.before is None else cut_selection(preview.before, here)
+        preview = replace(preview, after=cut_selection(preview.after, here), before=before)
     return replace(shown, proposals=offered, preview=preview)
 
 
@@ -198,7 +198,7 @@ def _index(position: Array, here: Slice, volume: Image, reach: float) -> tuple[I
 def _snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice) -> Snapshot | None:
     if snapshot is None or near is None:
         return None
-    position = here.flattened(snapshot.position[near.index])
+    position = here.project_points(snapshot.position[near.index])
     return replace(snapshot, position=position, resting=snapshot.resting[near.index])
 
 
@@ -207,37 +207,37 @@ def _result(reconstruction: Reconstruction | None, here: Slice) -> Lines:
     if reconstruction is None:
         return None, NO_CONTOURS
     if isinstance(reconstruction.result, Skeleton):
-        return replace(reconstruction, result=skeleton_in(reconstruction.result, here)), NO_CONTOURS
+        return replace(reconstruction, result=cut_skeleton(reconstruction.result, here)), NO_CONTOURS
     surface = reconstruction.result.surface
     lines = () if surface is None else tuple(lines_of(surface, here))
     items = (
-        Item(number, ReviewedContour(contour, None, number), unmeasured(contour, number + 1))
+        Item(number, ReviewedContour(contour, None, number), build_unmeasured_row(contour, number + 1))
         for number, contour in enumerate(lines)
     )
     return None, ReviewedContours(tuple(items)) if lines else NO_CONTOURS
 
 
-def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> Hit | None:
+def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> ShapeHit | None:
     """Find the shape of a scene under a place; in a volume only sections in a slice can be hit.
 
     The slice is by default the one in use.
     """
     shapes, selected = scene.document.shapes, scene.selected
     if scene.slices is None or scene.whole is None:
-        return hit(shapes, place, tolerance, selected)
+        return find_shape_at(shapes, place, tolerance, selected)
     here = scene.slices.current if here is None else here
     seen = list(sections_of(shapes, here, scene.whole))
     candidates: list[int | None] = [number for number, (index, _) in enumerate(seen) if index == selected]
     cuts = cast("tuple[Shape, ...]", tuple(section for _, section in seen))
     found = None
     for number in candidates or [None]:  # a shape may have several sections, each with handles
-        found = hit(cuts, here.within(place), tolerance, number)
+        found = find_shape_at(cuts, here.drop_axis(place), tolerance, number)
         if found is not None and found.part == "handle":
             break
     if found is None:
         return None
-    at = None if found.at is None else here.lifted(found.at)
-    return replace(found, index=seen[found.index][0], at=at)
+    at = None if found.handle is None else here.lift_position(found.handle)
+    return replace(found, index=seen[found.index][0], handle=at)
 
 
 _MAX_FILE_INDEX = 10**6
@@ -257,23 +257,23 @@ class ShownSlices:
 
     def go(self, by: int) -> None:
         """Show the slice `by` slices further along its axis."""
-        self._use(lambda now: now.at(now.current.index + by))
+        self._use(lambda now: now.with_index(now.current.index + by))
 
     def at(self, index: int) -> None:
         """Show the slice at an index along its axis."""
-        self._use(lambda now: now.at(index))
+        self._use(lambda now: now.with_index(index))
 
     def pass_on(self, axis: int, by: int) -> None:
         """Show the slice `by` slices further along an axis, even if another one is in use."""
-        self._use(lambda now: now.turned(axis).at(now.voxel[axis] + by).turned(now.axis))
+        self._use(lambda now: now.with_axis(axis).with_index(now.voxel[axis] + by).with_axis(now.axis))
 
     def turn(self, axis: int) -> None:
         """Use the slice across another axis."""
-        self._use(lambda now: now.turned(axis))
+        self._use(lambda now: now.with_axis(axis))
 
     def through(self, place: Place) -> None:
         """Show the slices through a place of the volume."""
-        self._use(lambda now: now.through(place))
+        self._use(lambda now: now.with_voxel(place))
 
     def view_state(self) -> dict[str, object]:
         """Return the positions of the slices as plain JSON for a session file; empty for an image."""

@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.saving import to_file
+from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import Exported, Opened, Report, Saved
 from cpm_app.session.features.background import LatestOnlyWorker
@@ -242,7 +242,7 @@ class StackPages(QObject):
         place = ImageFile(image.path, "", image.shape, reading=self.source.reading_of(number))
         now = self._file.file  # its view keeps the image in place
         content = replace(
-            to_file(page.document, dict(now.view), now), image=place, runs=page.runs, truth=None, pages={}
+            to_session_file(page.document, dict(now.view), now), image=place, runs=page.runs, truth=None, pages={}
         )
         self._kept[number] = page
         saved = Saved(self._file.path, content, turned=True, known=page.known)

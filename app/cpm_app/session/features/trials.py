@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 from cpm_app.model.display.comparison import Trial
-from cpm_app.model.document.contours import found_by
+from cpm_app.model.document.contours import run_document
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import TrackedContours
@@ -60,10 +60,10 @@ def run_trials(
     def run_parameters(trial: Trial) -> Result:
         own, scales = replace(document, parameters=trial.settings), trial.settings.scales
         with lock:  # fields and seeds shared by trials are made once
-            seeds = own.seeds_in(seed_cache)
+            seeds = own.find_image_seeds(seed_cache)
             if scales not in engines:
                 engines[scales] = Engine(image, trial.settings, document.regions)
-        return found_by(engines[scales], own, seeds, lambda _: task.check_cancelled())
+        return run_document(engines[scales], own, seeds, lambda _: task.check_cancelled())
 
     def run_other_method(trial: Trial) -> Result:
         method, start, channel = CONTOUR_METHODS[trial.method], start_of(document), document.parameters.channel

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.samples import sample_at
+from cpm_app.model.document.samples import find_sample_at
 from cpm_app.session.storage.preferences import Preferences
 
 Purpose = Literal["open", "session", "export", "truth", "preset"]
@@ -31,7 +31,7 @@ def first_folder(preferences: Preferences, document: Document, purpose: Purpose)
     if chosen and preferences.get(f"folders/{purpose}_of", "") == str(image):
         return last
     own = image.absolute().parent
-    used = sample_at(image) is None and os.access(own, os.R_OK if purpose in _READING_PURPOSES else os.W_OK)
+    used = find_sample_at(image) is None and os.access(own, os.R_OK if purpose in _READING_PURPOSES else os.W_OK)
     return own if used else last
 
 

@@ -32,7 +32,7 @@ class Preferences(QObject):
     def value(self, preference: Preference[PreferenceValue]) -> PreferenceValue:
         """Return the value of a preference; its default if none is stored or the stored one is invalid."""
         stored = self._settings.value(preference.name)
-        taken = None if stored is None else preference.taken(stored)
+        taken = None if stored is None else preference.parse_stored(stored)
         return preference.default if taken is None else taken
 
     def choose(self, preference: Preference[PreferenceValue], value: PreferenceValue) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from cpm_app.model.parameters.presets import SUFFIX, Preset, built_in, checked_name, read, written
+from cpm_app.model.parameters.presets import PRESET_SUFFIX, Preset, built_in_presets, check_preset_name, decode_preset, encode_preset
 from cpm_app.model.text.language import tr
 from cpm_app.session.storage.preferences import settings
 from cpm_core.formats import write_together
@@ -34,15 +34,15 @@ class PresetStore(QObject):
     @property
     def presets(self) -> tuple[Preset, ...]:
         """The presets of the program, then the user's, by name."""
-        return (*built_in(), *self._own)
+        return (*built_in_presets(), *self._own)
 
     def save(self, preset: Preset) -> Preset:
         """Store a preset, in place of one of the same name; ValueError for an invalid name, OSError of the disk."""
-        kept = replace(preset, name=checked_name(preset.name), key="")
+        kept = replace(preset, name=check_preset_name(preset.name), key="")
         readable = re.sub(r"[^A-Za-z0-9]+", "_", kept.name).strip("_")[:40]
-        unique = f"{readable}-{hashlib.sha256(kept.name.encode()).hexdigest()[:8]}{SUFFIX}"
+        unique = f"{readable}-{hashlib.sha256(kept.name.encode()).hexdigest()[:8]}{PRESET_SUFFIX}"
         self.folder.mkdir(parents=True, exist_ok=True)
-        write_together([(self._files.get(kept.name, self.folder / unique), written(kept))])
+        write_together([(self._files.get(kept.name, self.folder / unique), encode_preset(kept))])
         self._read_folder()
         return kept
 
@@ -56,9 +56,9 @@ class PresetStore(QObject):
     def _read_folder(self) -> None:
         """Read the folder; files that cannot be read are left out."""
         found: dict[str, tuple[Preset, Path]] = {}
-        for path in sorted(self.folder.glob(f"*{SUFFIX}")):
+        for path in sorted(self.folder.glob(f"*{PRESET_SUFFIX}")):
             try:
-                preset = read(path.read_bytes())
+                preset = decode_preset(path.read_bytes())
             except (ValueError, OSError) as error:
                 _log.warning("%s: %s", path, error)
                 continue

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QLockFile, QObject, QTimer, Signal
 
-from cpm_app.model.preferences.table import AUTOSAVE
+from cpm_app.model.preferences.table import AUTOSAVE_PREFERENCE
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import Saved
 from cpm_app.session.exchange.messages import sentence as _sentence
@@ -67,7 +67,7 @@ class Journal(QObject):
         self._timer.timeout.connect(self.write)
         self._preferences = preferences
         self._worked.connect(self.put)
-        preferences.follow(AUTOSAVE, self._plan)
+        preferences.follow(AUTOSAVE_PREFERENCE, self._plan)
         document_file.edited.connect(self._plan)
         document_file.changed.connect(self._plan)
 
@@ -75,7 +75,7 @@ class Journal(QObject):
         """Start to write the unsaved work, or remove the journal when all is saved."""
         self._timer.stop()
         file = None
-        if self._document_file.unsaved and self._preferences.value(AUTOSAVE):
+        if self._document_file.unsaved and self._preferences.value(AUTOSAVE_PREFERENCE):
             kept, path = self._document_file.file, self._document_file.path
             named = {"session": str(path.absolute()) if path else "", "name": self._document_file.name}
             file = replace(kept, extra={**kept.extra, KEY: named})

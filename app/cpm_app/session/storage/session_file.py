@@ -11,7 +11,7 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.saving import View, changed_parts, to_file
+from cpm_app.model.document.saving import View, describe_changes, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CommandFailed, Opened, Report
 from cpm_app.session.session import Session
@@ -83,7 +83,7 @@ class DocumentFile(QObject):
         if document.image is None:
             return ()
         others = ((self.runs.unsaved, tr("the runs")), (self.pages_unsaved(), tr("the other pages")))
-        return (*changed_parts(document, self.known), *(words for lost, words in others if lost))
+        return (*describe_changes(document, self.known), *(words for lost, words in others if lost))
 
     @property
     def name(self) -> str:
@@ -94,7 +94,7 @@ class DocumentFile(QObject):
     @property
     def file(self) -> SessionFile:
         """The content to be saved."""
-        written = to_file(self._session.document, self._view(), self._file)
+        written = to_session_file(self._session.document, self._view(), self._file)
         return replace(written, runs=self.runs.plain, truth=self.truth(), pages=self.pages())
 
     def save(self, path: Path) -> Task:

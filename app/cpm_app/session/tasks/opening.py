@@ -7,10 +7,10 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from cpm_app.model.display.display_image import display_of
-from cpm_app.model.export import KINDS
-from cpm_app.model.text.language import reason, tr
-from cpm_app.model.volume.parts import Parts
+from cpm_app.model.display.display_image import build_display_image
+from cpm_app.model.export import EXPORT_TITLES
+from cpm_app.model.text.language import explain_error, tr
+from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.exchange.messages import Core, ImageReady, NotOpened, Opened, Report, Saved
 from cpm_app.session.tasks.tasks import OVER, Task, Tasks
 from cpm_core import PRESETS, Image, Parameters
@@ -33,7 +33,7 @@ from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.pages import limit_scales
 from cpm_core.shapes import check_axes
 
-_EXPORTED_NAME = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
+_EXPORTED_NAME = re.compile(rf"(.+)_(?:{'|'.join(EXPORT_TITLES)})\.")
 """Names of files exported for an image, whose stem is the first group."""
 
 
@@ -76,7 +76,7 @@ PAGED = frozenset({".tif", ".tiff", *raster.FILE_KINDS})
 """Suffixes of files whose pages are usually separate images."""
 
 
-def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
+def parts_of(path: Path, reading: Reading) -> tuple[FileParts | None, Reading]:
     """Return the contents of a file, None if it cannot be read, and how it is read: the first of several images.
 
     Errors of a file are reported later, when it is read.
@@ -87,12 +87,12 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
             stack = open_stack(path, reading.series)
             # the folder, if both the file and enough files next to it are DICOM
             series = path.parent if len(find_sibling_dicom_files(path, MINIMUM_SIDE)) >= MINIMUM_SIDE else None
-            return Parts.of(stack, paged, series), reading
+            return FileParts.from_stack(stack, paged, series), reading
         except UnreadableError as error:
             if not error.images:
                 raise
             first = replace(reading, series=error.images[0] + 1)
-            return Parts.of(open_stack(path, first.series), paged), first
+            return FileParts.from_stack(open_stack(path, first.series), paged), first
     except ValueError:
         return None, reading
 
@@ -149,7 +149,7 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
         notes = (*notes, tr("The image is small: the scales are set to {most}.", most=parameters.scales))
     method = core.methods["cpm"](image, parameters, None)
     check_cancelled()
-    display = display_of(image) if image.ndim == 2 else None
+    display = build_display_image(image) if image.ndim == 2 else None
     return Opened(
         image, method, display, path, parameters, (*image.notes, *notes), image.file_sha256, saved, scales,
         images_beside(path), beside, parts, reading,
@@ -172,7 +172,7 @@ def _read(
     path: Path,
     reading: Reading,
     asked: bool | None,
-    parts: Parts | None,
+    parts: FileParts | None,
     check_cancelled: Callback,
 ) -> tuple[Image, Texts]:
     """Read the image or the volume of a file and compute its range of gray levels.
@@ -181,14 +181,14 @@ def _read(
     says why.
     """
     chosen, refused, image = reading.arguments, tuple[str, ...](), None
-    if asked or (asked is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.deep):
+    if asked or (asked is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.is_volume):
         in_volume = {name: given for name, given in chosen.items() if name != "page"}
         try:
             image = core.load_volume(path, check_cancelled, **in_volume)
         except ValueError as error:
             if asked:
                 raise
-            refused = (reason(error),)
+            refused = (explain_error(error),)
     if image is None:
         image = core.load_image(path, check_cancelled, **chosen)
     image.gray_range  # noqa: B018 - cached here, because the window needs it

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
-from cpm_app.model.state.situation import seconds_left
+from cpm_app.model.state.situation import estimate_seconds_left
 from cpm_app.session.exchange.messages import CommandFailed, Finished, Report, sentence
 from cpm_core.numerics.types import Callback
 
@@ -47,7 +47,7 @@ class Task:
     @property
     def seconds_left(self) -> float | None:
         """Estimate of the remaining time [s], None while unknown."""
-        return seconds_left(self.seconds, self.fraction)
+        return estimate_seconds_left(self.seconds, self.fraction)
 
     @property
     def cancelled(self) -> bool:

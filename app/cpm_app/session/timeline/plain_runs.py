@@ -13,8 +13,8 @@ from typing import TypeVar
 import numpy as np
 
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.document.saving import restored, to_file
-from cpm_app.model.text.language import reason, tr
+from cpm_app.model.document.saving import from_session_file, to_session_file
+from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.timeline.moments import FIGURES, BranchStep, Erased, Joined, RunAction, Stepped
 from cpm_app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns, starts_of
 from cpm_app.session.timeline.timeline import MOST_RUNS
@@ -122,7 +122,7 @@ def runs_from_plain(plain: JsonObject, image: ImageReference) -> tuple[StoredRun
     except (ValueError, TypeError) as error:
         faults.append(error)
     message = tr("Part of the recorded runs is damaged and was skipped ({fault}); everything else was opened.")
-    fault = message.format(fault=reason(faults[0]).rstrip(".")) if faults else ""
+    fault = message.format(fault=explain_error(faults[0]).rstrip(".")) if faults else ""
     return StoredRuns(tuple(runs), here, states, numbers), fault
 
 
@@ -150,7 +150,7 @@ def _run_to_plain(run: StoredRun) -> JsonDict:
         branches.append(plain)
     document = run.document
     acting = document.objects.barriers or document.outlined.objects  # a run depends on objects only then
-    bare = replace(to_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison)
+    bare = replace(to_session_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison)
     return {
         "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
         "document": json.loads(encode_session(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),
@@ -183,7 +183,7 @@ def _run(plain: JsonObject, image: ImageReference) -> StoredRun:
             )
         image = replace(image, spacing=size.spacing, unit=size.unit)
     file = decode_session(json.dumps(plain.get("document")).encode(), "its beginning")
-    document = restored(file, image, file.parameters)
+    document = from_session_file(file, image, file.parameters)
     drawn = tuple(shape_from_json(one, "a start of a run") for one in expect_list(plain.get("drawn", [])))
     listed = expect_list(plain.get("actions"), "actions")
     actions = [_action(expect_mapping(one, "action"), document.parameters) for one in listed]
@@ -197,7 +197,7 @@ def _run(plain: JsonObject, image: ImageReference) -> StoredRun:
         branches[branch.identity] = stored
     if not branches:
         raise ValueError("a run has no branch.")
-    return StoredRun(document, Document(shapes=drawn).sources, tuple(branches.values()))
+    return StoredRun(document, Document(shapes=drawn).start_counts, tuple(branches.values()))
 
 
 def _branch(plain: JsonObject, actions: Sequence[RunAction]) -> StoredBranch:

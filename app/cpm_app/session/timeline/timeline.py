@@ -18,7 +18,7 @@ from typing import Any
 from cpm_app.model.display.plots import RunMetrics
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.modes import MODES
-from cpm_app.model.text.language import reason, tr
+from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.timeline.moments import BranchStep, KeptStates, Moment, RunAction, RunRecord, Stepped
 from cpm_app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
 from cpm_core import Method, Parameters
@@ -337,7 +337,7 @@ class Timeline:
         runs = []
         for run, (document, generation) in self._begun.items():
             branches = tuple(self._stored(line) for line in self._lines.values() if line.run == run)
-            runs.append(StoredRun(document, drawn.get(generation, document.sources), branches))
+            runs.append(StoredRun(document, drawn.get(generation, document.start_counts), branches))
         places = {(line.identity, line.last) for line in self._lines.values()} | ({self.here} if self.here else set())
         kept = ((place, self._kept.get(self._lines[place[0]].at(place[1]))) for place in places)
         return StoredRuns(tuple(runs), self.here, {place: state for place, state in kept if state is not None})
@@ -364,7 +364,7 @@ class Timeline:
             try:
                 self._kept.put(root, first(self.method(root.run, run.document.regions), run.document))
             except ValueError as error:
-                fault = fault or reason(error)
+                fault = fault or explain_error(error)
                 del self._begun[root.run]
                 self.method.cache_clear()  # another run may get its number
                 continue

@@ -17,7 +17,7 @@ from typing import Concatenate, ParamSpec
 
 from cpm_app.model.display import stamps
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.export import ExportOrder, What, chosen, summary_text, thinned
+from cpm_app.model.export import ExportOrder, ExportKind, prepare_export, describe_export, simplify_result
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
@@ -160,21 +160,21 @@ def write_files(
         def is_wanted() -> bool:
             return not (task.over or context.closing())
 
-        run, needs_run = context.run, any(file.what != "objects" for file in order.files)
+        run, needs_run = context.run, any(file.kind != "objects" for file in order.files)
         image = None if run.method is None else run.method.image
         source = None if document.image is None else document.image.path
-        made: dict[tuple[What, bool], Result | Skeleton] = {}
-        contents, counts = [], dict[What, str]()
+        made: dict[tuple[ExportKind, bool], Result | Skeleton] = {}
+        contents, counts = [], dict[ExportKind, str]()
         try:
             found = run.reconstruction(shown, is_wanted) if is_wanted() and needs_run else None
             if not is_wanted() or (needs_run and found is None):
                 return
             whole = None if found is None else run.with_provenance(found.result)
             for file in order.files:
-                key = file.what, order.thins(file.suffix)
+                key = file.kind, order.should_simplify(file.suffix)
                 if key not in made:
-                    result = chosen(whole, document, order, file.what, image)
-                    made[key] = thinned(result, order.tolerance) if key[1] else result
+                    result = prepare_export(whole, document, order, file.kind, image)
+                    made[key] = simplify_result(result, order.tolerance) if key[1] else result
                 shaped = made[key]
                 if file.suffix in FIGURE_SUFFIXES and shaped.image is None:
                     shaped = replace(shaped, image=image)
@@ -182,7 +182,7 @@ def write_files(
                     shaped = set_relative_source(shaped, file.path, Path(source))
                 contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space, image=source)))
                 contents += [] if then else encode_descriptions(made[key], file.path)
-                counts.setdefault(file.what, summary_text(made[key], file.what, file.suffix))
+                counts.setdefault(file.kind, describe_export(made[key], file.kind, file.suffix))
             if then is not None:
                 context.report(Finished(partial(then, tuple(content for _, content in contents))))
                 return
@@ -210,7 +210,7 @@ def warm_up(volumes: bool = False) -> Command:
                 context.report(Compiling(percent))
 
         (context.core.warm_up_volumes if volumes else context.core.warm_up)(context.closing, report_progress)
-        stamps.load()
+        stamps.compile_stamping()
         _freeze_loaded_objects(volumes)
         context.report(WarmedUp())
 

@@ -11,8 +11,8 @@ import numpy as np
 from cpm_app.model.display.display_image import (
     DisplayImage,
     DisplayVolume,
-    display_of_edge_map,
-    display_of_potential,
+    shade_edge_map,
+    shade_potential,
 )
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.modes import MODES
@@ -70,20 +70,20 @@ class PreparedMethods:
     def _sized(self, document: Document) -> Image:
         """Return the image with the pixel size of a document, whose run may have begun before that was changed."""
         assert self._image is not None
-        return self._image if document.image is None else document.image.sized(self._image)
+        return self._image if document.image is None else document.image.with_known_pixel_size(self._image)
 
     def seeds(self, document: Document) -> Array:
         """Return the seeds of a run of a document, shape (N, D) [px]; none if its method needs none."""
         if not METHODS[MODES[document.mode].method].seeded:
             return np.zeros((0, 2))
-        return document.seeds(self.image_seeds(document))
+        return document.collect_seeds(self.image_seeds(document))
 
     def image_seeds(self, document: Document) -> ImageSeeds:
         """Return the seeds of the starts of a document that depend on the image."""
         if self._seed_cache is None or self._image is None:
             return NO_SEEDS
         image = self._sized(document)
-        return document.seeds_in(self._seed_cache if image is self._image else SeedCache(image))
+        return document.find_image_seeds(self._seed_cache if image is self._image else SeedCache(image))
 
 
 _MAX_FIELD_VOXELS = 1 << 26
@@ -99,14 +99,14 @@ def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Seq
     image = method.image
     deep = image.ndim == 3
     if name == "edge_map":
-        shades = display_of_edge_map(method.edge_map(parameters))
-        return DisplayVolume(shades) if deep else DisplayImage.of(shades)
+        shades = shade_edge_map(method.edge_map(parameters))
+        return DisplayVolume(shades) if deep else DisplayImage.from_shades(shades)
     if name == "field":
         if math.prod(image.shape) > _MAX_FIELD_VOXELS:
             raise ValueError(
                 tr("The volume is too large for arrows of the field: open a part of it, or reduce its size.")
             )
         field = method.force_field(parameters, 0, charges)
-        return SampledForce.of(field, image.spacing) if deep else field
-    shades = display_of_potential(method.potential(parameters, charges))
-    return DisplayVolume(shades) if deep else DisplayImage.of(shades)
+        return SampledForce.from_force(field, image.spacing) if deep else field
+    shades = shade_potential(method.potential(parameters, charges))
+    return DisplayVolume(shades) if deep else DisplayImage.from_shades(shades)

@@ -121,7 +121,7 @@ class Reconstructor:
             if found is None or found.generation != generation:
                 return None
             if isinstance(found, ReconstructionFailed):
-                raise ValueError(found.sentence)
+                raise ValueError(found.message)
             return found
 
     def close(self) -> None:

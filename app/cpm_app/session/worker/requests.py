@@ -66,7 +66,7 @@ class Probed(Report):
     sizes: Mapping[str, float] = field(default_factory=dict)
 
 
-def probe(generation: int, place: Place, reach: float) -> Command:
+def probe(generation: int, place: Place, max_distance: float) -> Command:
     """Report the forces on the particle nearest to a place (row, col), within `reach` [px of the image]."""
 
     def report_forces(context: CommandContext) -> None:
@@ -77,7 +77,7 @@ def probe(generation: int, place: Place, reach: float) -> Command:
         position = state.position
         distance = np.linalg.norm(position - place, axis=1)
         nearest = int(distance.argmin()) if len(distance) else -1
-        if nearest < 0 or distance[nearest] > reach:
+        if nearest < 0 or distance[nearest] > max_distance:
             context.report(Probed(generation, state.step))
             return
         found = method.forces(state, context.run.parameters, context.run.charges, [nearest])
@@ -101,7 +101,7 @@ class FrameTaken:
 
     moment: Snapshot | None = None
     contours: Reconstruction | None = None
-    sentence: str = ""
+    message: str = ""
 
 
 def take_frame(
@@ -146,7 +146,7 @@ def shade(image: Image, window: IntensityWindow, channel: str = "luminance") -> 
     """Make the display image of a channel for an intensity window."""
 
     def report_shaded(context: CommandContext) -> None:
-        context.report(Shaded(image, window, DisplayImage.within(image, window, channel), channel))
+        context.report(Shaded(image, window, DisplayImage.from_image(image, window, channel), channel))
 
     return Command(report_shaded, tr("changing the levels"), "shade")
 

@@ -8,7 +8,7 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from cpm_app.model.document import edits
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.session.features.comparison import NOW
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.signals import OF_THE_PROGRAM, OPENING
@@ -113,7 +113,7 @@ class CanvasArea(QWidget):
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """Select the item at a point or at the cross-hair, and name the selection; see `MenuOwner`."""
-        keyed, view = self.crosshair.at, self.canvas
+        keyed, view = self.crosshair.position, self.canvas
         if point is not None:
             found = self.childAt(point)
             while found is not None and not isinstance(found, ImageView):
@@ -131,9 +131,9 @@ class CanvasArea(QWidget):
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
         if self.canvas.hold.gesturing:
             self.canvas.hold.cancel()
-        elif self.crosshair.at is not None:
+        elif self.crosshair.position is not None:
             self.crosshair.hide()
-        elif self._workspace.comparison.chosen:
+        elif self._workspace.comparison.selected:
             self._workspace.comparison.choose(NOW)
         else:
             self.messages.dismiss()
@@ -196,7 +196,7 @@ class CanvasArea(QWidget):
 
     def _take_key(self, event: QKeyEvent) -> bool:
         key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected
-        tool, keyed, objects = self.canvas.hold.tool, self.crosshair.at is not None, self._workspace.object_list
+        tool, keyed, objects = self.canvas.hold.tool, self.crosshair.position is not None, self._workspace.object_list
         given, self._given = self._given, False
         accepts = key in ENTER and not keyed and (objects.open_rows or objects.selected)
         if given and accepts:
@@ -221,8 +221,8 @@ class CanvasArea(QWidget):
                 self.canvas.pan(_PAN_STEP * col, _PAN_STEP * row)
             else:
                 slices = self._session.scene.slices
-                by = by if slices is None else slices.current.along(by)
-                name = tr("move {shape}", shape=from_core(self._session.document.shapes[index].title))
+                by = by if slices is None else slices.current.lift_offset(by)
+                name = tr("move {shape}", shape=translate_core_text(self._session.document.shapes[index].title))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
         elif key in _RESIZE_KEYS and (index is not None or tool.sized):
             self.enlarge(_RESIZE_KEYS[key])
@@ -238,5 +238,5 @@ class CanvasArea(QWidget):
             return
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
-        name, resized = verb.format(shape=from_core(shape.title)), shape.resized_by(by)
+        name, resized = verb.format(shape=translate_core_text(shape.title)), shape.resized_by(by)
         self._session.edit(name, lambda document: edits.replace_shape(document, index, resized), f"grow {index}")

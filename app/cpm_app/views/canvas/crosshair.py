@@ -6,7 +6,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QCursor
 
-from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.canvas.canvas import Canvas
 from cpm_app.views.items.item import Markers
@@ -33,7 +33,7 @@ class Crosshair:
     def __init__(self, canvas: Canvas, changed: Callback) -> None:
         self._canvas = canvas
         self._changed = changed
-        self.at: Position | None = None
+        self.position: Position | None = None
         """Its position (row, col); None while it is hidden."""
         self._marks = [
             Markers(
@@ -48,14 +48,14 @@ class Crosshair:
     @property
     def advice(self) -> str:
         """Sentence on the keys of the tool in use."""
-        if self.at is None:
+        if self.position is None:
             return ""
         text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} hides it.")
-        return with_keys(text, what=self._canvas.hold.tool.by_keys)
+        return insert_keys(text, what=self._canvas.hold.tool.by_keys)
 
     def toggle(self) -> None:
         """Show or hide the cross-hair."""
-        if self.at is None:
+        if self.position is None:
             self.show()
         else:
             self.hide()
@@ -75,10 +75,10 @@ class Crosshair:
 
     def hide(self) -> None:
         """Hide the cross-hair."""
-        if self.at is not None:
+        if self.position is not None:
             if self._canvas.hold.dragging:
                 self._canvas.hold.cancel()
-            self.at = None
+            self.position = None
             self._canvas.led_by_keys = False
             self._canvas.leave()
             self._draw()
@@ -86,12 +86,12 @@ class Crosshair:
 
     def move(self, down: float, right: float) -> None:
         """Move the cross-hair, and whatever it drags, by px of the image."""
-        if self.at is not None:
-            self._place((self.at[0] + down, self.at[1] + right))
+        if self.position is not None:
+            self._place((self.position[0] + down, self.position[1] + right))
 
     def enter(self) -> None:
         """Press, release, or click, depending on the tool."""
-        canvas, at, hold = self._canvas, self.at, self._canvas.hold
+        canvas, at, hold = self._canvas, self.position, self._canvas.hold
         if at is None:
             return
         if hold.dragging:
@@ -105,7 +105,7 @@ class Crosshair:
 
     def _place(self, at: Position) -> None:
         canvas = self._canvas
-        canvas.led_by_keys, self.at = True, at
+        canvas.led_by_keys, self.position = True, at
         point, seen = canvas.point(at), canvas.rect()
         room = QRectF(seen).adjusted(_PAN_MARGIN, _PAN_MARGIN, -_PAN_MARGIN, -_PAN_MARGIN)
         canvas.pan(
@@ -119,4 +119,4 @@ class Crosshair:
 
     def _draw(self) -> None:
         for marks in self._marks:
-            marks.show([] if self.at is None else [self.at])
+            marks.show([] if self.position is None else [self.position])

@@ -8,7 +8,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QContextMenuEvent, QPixmap, QResizeEvent
 
-from cpm_app.model.volume.slices import Slice, flips_of
+from cpm_app.model.volume.slices import Slice, find_slice_flips
 from cpm_app.session.features.slices import Sections
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.item import image_rectangle, to_position
@@ -205,7 +205,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
 
     def placed(self, position: Position) -> Place:
         """Return the place in the image or in the volume of a position in the view."""
-        return position if self.here is None else self.here.lifted(position)
+        return position if self.here is None else self.here.lift_position(position)
 
     def reach(self) -> float:
         """Return the distance within which the pointer hits a line or handle [px of the image]."""
@@ -214,7 +214,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     @property
     def _flips(self) -> tuple[bool, bool]:
         """Whether the view is upside down, and whether it is mirrored, by the radiological convention."""
-        return flips_of(self.drawn.whole, None if self.here is None else self.here.axis)
+        return find_slice_flips(self.drawn.whole, None if self.here is None else self.here.axis)
 
 
 def _aspect(scene: Scene) -> float:

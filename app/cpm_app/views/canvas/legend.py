@@ -8,7 +8,7 @@ from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
 
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.language import tr, localize_number
 from cpm_app.views.canvas.message_line import MessageLine
 from cpm_app.views.layers.layer import LegendEntry
 from cpm_app.views.theme import theme
@@ -69,7 +69,7 @@ class Legend(QWidget):
         if entries != self.entries:
             self.entries = entries
             self._label.setToolTip(
-                "<br>".join(f"{written(f'{entry.count:,}')} {entry.text}: {entry.tip}" for entry in entries)
+                "<br>".join(f"{localize_number(f'{entry.count:,}')} {entry.text}: {entry.tip}" for entry in entries)
             )
             self.setVisible(bool(entries))
             self.width_changed.emit()
@@ -96,7 +96,7 @@ class Legend(QWidget):
         """Format the entries as rich text, each sign on the background color of the canvas."""
         return "&nbsp; ".join(
             f"<span style='color:{look().color(entry.color)}; background-color:{theme.CANVAS}'>"
-            f"&nbsp;{_SIGN_CHARACTERS[entry.sign]}&nbsp;</span>&nbsp;{written(f'{entry.count:,}')}"
+            f"&nbsp;{_SIGN_CHARACTERS[entry.sign]}&nbsp;</span>&nbsp;{localize_number(f'{entry.count:,}')}"
             + ("" if short else f"&nbsp;{entry.text.replace(' ', '&nbsp;')}")
             for entry in self.entries
         )

@@ -6,7 +6,7 @@ from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout
 
 from cpm_app.model.state.messages import Message, Messages
-from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
@@ -35,7 +35,7 @@ class MessageLine(QFrame):
         parts = self._label, self.details, self._button
         arrange(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)
         self._timer = QTimer(self, singleShot=True, interval=_MESSAGE_DURATION)
-        self._timer.timeout.connect(lambda: self._use(self._messages.faded()))
+        self._timer.timeout.connect(lambda: self._use(self._messages.without_news()))
         self._theme: Theme | None = None
         self.hide()
 
@@ -51,21 +51,21 @@ class MessageLine(QFrame):
         shown = self._messages.shown
         return shown is not None and shown.error
 
-    def say(self, sentence: str, error: bool, topic: str = "") -> None:
+    def say(self, message: str, error: bool, category: str = "") -> None:
         """Show a message."""
-        self._use(self._messages.said(Message(sentence, error, topic)))
+        self._use(self._messages.with_message(Message(message, error, category)))
 
-    def attempt(self, topic: str) -> None:
+    def attempt(self, category: str) -> None:
         """Clear the messages of a category, before another attempt."""
-        self._use(self._messages.without(topic))
+        self._use(self._messages.without_categories(category))
 
-    def keep_only(self, *topics: str) -> None:
+    def keep_only(self, *categories: str) -> None:
         """Clear all messages except those of some categories."""
-        self._use(self._messages.only(*topics))
+        self._use(self._messages.only_categories(*categories))
 
     def dismiss(self) -> None:
         """Dismiss the message that is shown."""
-        self._use(self._messages.dismissed())
+        self._use(self._messages.without_shown())
 
     def clear(self) -> None:
         """Clear all messages."""
@@ -73,7 +73,7 @@ class MessageLine(QFrame):
 
     def show_keys(self) -> None:
         """Name the current keys in the tool tip."""
-        self._button.setToolTip(with_keys(tr("Dismiss ({key:escape})")))
+        self._button.setToolTip(insert_keys(tr("Dismiss ({key:escape})")))
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the button."""

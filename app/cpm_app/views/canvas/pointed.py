@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from PySide6.QtCore import QRectF
 
-from cpm_app.model.volume.shape_sections import wires
+from cpm_app.model.volume.shape_sections import build_shape_wires
 from cpm_app.model.volume.slices import Slice
 from cpm_app.session.features.slices import ShownSlices, hit_in
 from cpm_app.session.features.workspace import Workspace
@@ -69,7 +69,7 @@ def selected_places(workspace: Workspace) -> list[Array]:
         volume = session.image if session.scene.slices is not None else None
         if volume is not None:
             sides = relative_sides(volume.spacing)
-            return [places for places in [wires(shape, sides).reshape(-1, 3)] if len(places)]
+            return [places for places in [build_shape_wires(shape, sides).reshape(-1, 3)] if len(places)]
         found = [shape.outline if shape.outline.size else np.array(shape.handles(), dtype=float).reshape(-1, 2)]
     return [places for places in found if len(places)]
 
@@ -88,6 +88,6 @@ def part_around(places: Array, canvas: ImageView, slices: ShownSlices) -> QRectF
     """
     if places.shape[1] == 3:
         slices.through(tuple((0.5 * (places.min(axis=0) + places.max(axis=0))).tolist()))
-        places = places if canvas.here is None else canvas.here.flattened(places)
+        places = places if canvas.here is None else canvas.here.project_points(places)
     (top, left), (bottom, right) = places.min(axis=0), places.max(axis=0)
     return QRectF(left, top, right - left, bottom - top)

@@ -8,7 +8,7 @@ from PySide6.QtGui import QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.slices import AXES, Slices
+from cpm_app.model.volume.slices import AXIS_NAMES, Slices
 from cpm_app.session.features.slices import Sections
 from cpm_app.session.scene import Scene
 from cpm_app.views.canvas.canvas import ZOOM, Canvas, Pointer, Wheel
@@ -40,7 +40,7 @@ class Cross:
         for line in self._lines:
             line.setVisible(slices is not None)
         if slices is not None:
-            for line, at in zip(self._lines, slices.current.within(slices.voxel), strict=True):
+            for line, at in zip(self._lines, slices.current.drop_axis(slices.voxel), strict=True):
                 line.setValue(at)
 
 
@@ -75,7 +75,7 @@ class SideView(ImageView):
         """Draw the slice of a scene across an axis."""
         if self.sections.axis != axis:
             self.sections = Sections(axis, self.sections.later)
-            self.setAccessibleName(tr("Slice across the axis: {axis}", axis=AXES[axis]))
+            self.setAccessibleName(tr("Slice across the axis: {axis}", axis=AXIS_NAMES[axis]))
         self.draw(scene)
         self.cross.show(self.drawn.slices)
 

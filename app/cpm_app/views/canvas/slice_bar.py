@@ -5,10 +5,10 @@ from __future__ import annotations
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QToolButton
 
-from cpm_app.model.display.lengths import size_text
-from cpm_app.model.text.keys import with_keys
+from cpm_app.model.display.lengths import format_pixel_size
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.slices import AXES, Slices, planes_of
+from cpm_app.model.volume.slices import AXIS_NAMES, Slices, name_slices
 from cpm_app.views.widgets.containers import arrange, flat_button
 from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core import Image
@@ -34,11 +34,11 @@ class SliceBar(PlaceBar):
 
     def __init__(self) -> None:
         super().__init__(tr("Slice"), tr("Number of the slice"), _SLICE_JUMP)
-        self.axes = [QToolButton() for _ in AXES]
+        self.axes = [QToolButton() for _ in AXIS_NAMES]
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
             button.setToolTip(_AXIS_TIPS[axis])
-            button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXES[axis]))
+            button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXIS_NAMES[axis]))
             button.setCheckable(True)
             group.addButton(button, axis)
         group.idClicked.connect(self.turned)
@@ -52,7 +52,7 @@ class SliceBar(PlaceBar):
     def show_keys(self) -> None:
         """Name the current keys in the tool tip."""
         tip = tr("Move through the slices: {key:previous_slice} and {key:next_slice}, or Shift + wheel.")
-        self.slider.setToolTip(with_keys(tip))
+        self.slider.setToolTip(insert_keys(tip))
 
     def show_slices(self, slices: Slices | None, image: Image | None) -> None:
         """Show the position of the slices, or hide when there are none."""
@@ -60,7 +60,7 @@ class SliceBar(PlaceBar):
         if slices is None or image is None:
             return
         self.show_place(slices.current.index, 0, slices.count - 1)
-        for button, name in zip(self.axes, planes_of(image), strict=True):
+        for button, name in zip(self.axes, name_slices(image), strict=True):
             button.setText(name[:1].upper() + name[1:])
         self.axes[slices.axis].setChecked(True)
-        self.voxel.setText(size_text(image.spacing, image.unit) or tr("Size…"))
+        self.voxel.setText(format_pixel_size(image.spacing, image.unit) or tr("Size…"))

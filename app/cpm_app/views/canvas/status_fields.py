@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QLabel
 
-from cpm_app.model.display.lengths import length_text, shown_in
+from cpm_app.model.display.lengths import format_length, preferred_pixel_size
 from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
 from cpm_app.views.canvas.canvas import Canvas
@@ -36,8 +36,8 @@ class PointerReadout(QLabel):
 
     @staticmethod
     def _text(image: Image, pixel: Integers, channel: str) -> str:
-        value, size = image.gray_at(pixel, channel), shown_in(image.spacing, image.unit)
-        lengths = [length_text(place, each, size.unit or "") for place, each in zip(pixel, size.spacing, strict=True)]
+        value, size = image.gray_at(pixel, channel), preferred_pixel_size(image.spacing, image.unit)
+        lengths = [format_length(place, each, size.unit or "") for place, each in zip(pixel, size.spacing, strict=True)]
         places = dict(zip(("plane", "row", "col")[-image.ndim :], pixel, strict=True))
         named = dict(zip(("back", "down", "right")[-image.ndim :], lengths, strict=True))
         return _READOUT_TEMPLATES[image.ndim, size.unit is not None].format(value=value, **places, **named)

@@ -24,17 +24,17 @@ from PySide6.QtWidgets import (
 
 from cpm_app.model.display.comparison import (
     FIRST_AXES,
-    Axis,
+    TrialAxis,
     Trial,
-    method_trials,
-    parameter_trials,
-    read_values,
-    sensible_values,
+    plan_method_trials,
+    plan_parameter_trials,
+    parse_values,
+    propose_values,
 )
-from cpm_app.model.display.lengths import short_text
-from cpm_app.model.document.modes import acting_in
-from cpm_app.model.parameters.controls import Control, controls
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.display.lengths import format_short_number
+from cpm_app.model.document.modes import find_effective_controls
+from cpm_app.model.parameters.controls import Control, build_controls
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.session.session import Session
 from cpm_app.views.widgets.containers import arrange, wrapped
 from cpm_app.views.widgets.fields import DecimalField
@@ -48,7 +48,7 @@ class ParameterChoice(QWidget):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
-        offered = tuple(control for control in controls() if control.name in acting_in("shape"))
+        offered = tuple(control for control in build_controls() if control.name in find_effective_controls("shape"))
         self.down, self.across = AxisRow(tr("Parameter"), offered), AxisRow(tr("Second parameter"), (*offered, None))
         layout = QVBoxLayout(self)
         layout.setAlignment(Qt.AlignmentFlag.AlignTop)
@@ -61,14 +61,14 @@ class ParameterChoice(QWidget):
     def trials(self) -> tuple[Trial, ...]:
         """Return the runs to compare; raise ValueError for invalid values."""
         axes = [axis for axis in (self.down.axis(), self.across.axis()) if axis is not None]
-        return parameter_trials(self._session.document.parameters, axes)
+        return plan_parameter_trials(self._session.document.parameters, axes)
 
     def _suggest(self, row: AxisRow) -> None:
         """Suggest values around the current one."""
         document, control = self._session.document, row.control
         contrast = document.image.contrast if document.image else 255.0
-        values = () if control is None else sensible_values(control, document.parameters, contrast)
-        row.values.setText(", ".join(map(short_text, values)))
+        values = () if control is None else propose_values(control, document.parameters, contrast)
+        row.values.setText(", ".join(map(format_short_number, values)))
         row.values.setEnabled(control is not None)
 
 
@@ -91,9 +91,9 @@ class AxisRow(QWidget):
         chosen: Control | None = self.choice.currentData()
         return chosen
 
-    def axis(self) -> Axis | None:
+    def axis(self) -> TrialAxis | None:
         """Return the selected parameter with its values; raise ValueError for invalid values."""
-        return None if self.control is None else Axis(self.control, read_values(self.control, self.values.text()))
+        return None if self.control is None else TrialAxis(self.control, parse_values(self.control, self.values.text()))
 
 
 class MethodChoice(QWidget):
@@ -109,9 +109,9 @@ class MethodChoice(QWidget):
         self.fields: dict[str, QDoubleSpinBox] = {}
         self._shown: tuple[str, Settings] | None = None
         for name, method in CONTOUR_METHODS.items():
-            item = QListWidgetItem(from_core(method.title))
+            item = QListWidgetItem(translate_core_text(method.title))
             item.setData(Qt.ItemDataRole.UserRole, name)
-            item.setToolTip(from_core(method.about))
+            item.setToolTip(translate_core_text(method.about))
             self.list.addItem(item)
         self.list.setAccessibleName(tr("Compare methods"))
         self.list.setFixedHeight(self.list.sizeHintForRow(0) * self.list.count() + 6)
@@ -140,7 +140,7 @@ class MethodChoice(QWidget):
     def trials(self) -> tuple[Trial, ...]:
         """Return the runs to compare; raise ValueError if no method is selected."""
         document = self._session.document
-        return method_trials(document.comparison, document.parameters)
+        return plan_method_trials(document.comparison, document.parameters)
 
     def _change(self, change: Callable[[MethodComparison], MethodComparison], gesture: str = "") -> None:
         self._session.edit(
@@ -169,7 +169,7 @@ class MethodChoice(QWidget):
         if self._shown == (name, settings):
             return
         self._shown = name, settings
-        self.about.setText(f"{from_core(method.about)}\n{method.reference}")
+        self.about.setText(f"{translate_core_text(method.about)}\n{method.reference}")
         body, self.fields = QWidget(), {}
         form = QFormLayout(body, rowWrapPolicy=QFormLayout.RowWrapPolicy.WrapAllRows)
         if method.of_particles:
@@ -180,10 +180,10 @@ class MethodChoice(QWidget):
                 unit = f" {info.unit}" if info.unit else ""
                 field = self.fields[field_name] = DecimalField(info.low, info.high, info.step, decimals, unit)
                 field.setValue(getattr(settings, field_name))
-                field.setToolTip(f"{from_core(info.meaning)} {from_core(info.effect_of_larger)}")
-                field.setAccessibleName(from_core(info.title))
+                field.setToolTip(f"{translate_core_text(info.meaning)} {translate_core_text(info.effect_of_larger)}")
+                field.setAccessibleName(translate_core_text(info.title))
                 field.valueChanged.connect(partial(self._set, field_name))
-                form.addRow(f"{from_core(info.title)}  {info.symbol}", field)
+                form.addRow(f"{translate_core_text(info.title)}  {info.symbol}", field)
         self._area.setWidget(body)
 
     def _set(self, field_name: str, value: float) -> None:

@@ -22,8 +22,8 @@ from PySide6.QtWidgets import (
 )
 
 from cpm_app.model.display.differences import Difference
-from cpm_app.model.display.lengths import PixelSize, shown_in
-from cpm_app.model.text.language import reason, tr, written
+from cpm_app.model.display.lengths import PixelSize, preferred_pixel_size
+from cpm_app.model.text.language import explain_error, tr, localize_number
 from cpm_app.session.features.comparison import NOW, ComparedResults, Row
 from cpm_app.session.features.timeline import TimelineNavigation
 from cpm_app.session.session import Session
@@ -106,13 +106,13 @@ class ResultTable(ItemTable):
 
     def edit_name(self, row: int) -> None:
         """Use the selected result, on Enter or a double click."""
-        if self._compared.rows[self._compared.chosen].usable:
-            self._compared.use(self._compared.chosen)
+        if self._compared.rows[self._compared.selected].usable:
+            self._compared.use(self._compared.selected)
 
     @property
     def chosen(self) -> set[int]:
         """Key of the selected result."""
-        return {self._compared.chosen}
+        return {self._compared.selected}
 
     def choose(self, keys: Sequence[int]) -> None:
         """Select a result, or what is shown now."""
@@ -120,14 +120,14 @@ class ResultTable(ItemTable):
 
     def remove(self) -> None:
         """Remove the selected result."""
-        self._compared.remove(self._compared.chosen)
+        self._compared.remove(self._compared.selected)
 
     def refresh(self) -> None:
         """Show the results with lengths in the unit of the image, or in px or voxels."""
         compared, image = self._compared, self._session.image
         size = PixelSize((1.0, 1.0), "px")
         if image is not None and compared.in_volume:
-            known = shown_in(image.spacing, image.unit)
+            known = preferred_pixel_size(image.spacing, image.unit)
             size = known if known.unit else PixelSize(known.spacing, tr("voxels"), known.factor)
         self.rows.update(compared.rows.values(), size)
 
@@ -152,13 +152,13 @@ class ComparePanel(QWidget):
         self.methods, self.values = MethodChoice(session), ParameterChoice(session)
         self.setFocusProxy(self.table)
         self.acts = {
-            "use": self._act(tr("Use this"), lambda: compared.use(compared.chosen),
+            "use": self._act(tr("Use this"), lambda: compared.use(compared.selected),
                              tr("Use these parameters, this run, or these contours as objects.")),
-            "refer": self._act(tr("Set as reference"), lambda: compared.refer_to(compared.chosen),
+            "refer": self._act(tr("Set as reference"), lambda: compared.refer_to(compared.selected),
                                tr("Compare all others with this result.")),
             "next": self._act(tr("Next difference"), self.jump_to_next,
                               tr("Show the differences one after the other, the largest first.")),
-            "remove": self._act(tr("Remove"), lambda: compared.remove(compared.chosen), tr("Remove this result.")),
+            "remove": self._act(tr("Remove"), lambda: compared.remove(compared.selected), tr("Remove this result.")),
         }  # fmt: skip
         self.add = menu_button(tr("Add…"), self._fill)
         self.keep = wide_button(tr("Keep this result"), compared.keep)
@@ -239,7 +239,7 @@ class ComparePanel(QWidget):
             try:
                 self._compared.run(choice.trials())
             except ValueError as error:
-                error_label.setText(reason(error))
+                error_label.setText(explain_error(error))
             else:
                 self.pages.setCurrentIndex(0)
 
@@ -268,7 +268,7 @@ class ComparePanel(QWidget):
 
     def _show(self) -> None:
         compared, has_image = self._compared, self._session.image is not None
-        row, different = compared.rows[compared.chosen], self._session.scene.differences
+        row, different = compared.rows[compared.selected], self._session.scene.differences
         for widget in (self.add, self.keep):
             widget.setEnabled(has_image)
         self.acts["use"].setEnabled(row.usable)
@@ -304,5 +304,5 @@ class ComparePanel(QWidget):
             name=subject.title,
             missing=missing,
             wrong=len(different) - missing,
-            farthest=tr("infinite") if math.isinf(farthest) else written(f"{farthest:.1f} {unit}"),
+            farthest=tr("infinite") if math.isinf(farthest) else localize_number(f"{farthest:.1f} {unit}"),
         )

@@ -26,17 +26,17 @@ from PySide6.QtWidgets import (
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
 from cpm_app.model.export import (
-    KINDS,
+    EXPORT_TITLES,
     ExportFile,
     ExportOrder,
-    What,
-    chosen,
-    file_name,
-    formats,
-    summary_text,
-    thinned,
+    ExportKind,
+    prepare_export,
+    export_file_name,
+    list_export_formats,
+    describe_export,
+    simplify_result,
 )
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.session import Session
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.export.frames import NARROWEST, WIDEST, AnimationPlan, every, frame_size
@@ -122,7 +122,7 @@ class ExportDialog(QDialog):
         self._numbers: JsonDict = {
             "tolerance": self.tolerance, "every": self.stride, "width": self.width_field, "speed": self.speed
         }  # fmt: skip
-        self.rows: dict[tuple[What, str], QTreeWidgetItem] = {}
+        self.rows: dict[tuple[ExportKind, str], QTreeWidgetItem] = {}
         """Rows of the list by kind and suffix."""
         stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
         self.base, self._place = QLineEdit(stem), QPushButton()
@@ -178,7 +178,7 @@ class ExportDialog(QDialog):
         put = self._preferences.put
         shown = set(map(":".join, self.rows))
         before = self._preferences.get(FORMATS, _DEFAULT_FORMATS)
-        checked = [f"{file.what}:{file.suffix}" for file in order.files]
+        checked = [f"{file.kind}:{file.suffix}" for file in order.files]
         put(FORMATS, [*(key for key in before if key not in shown), *checked])
         for name, box in self._boxes.items():
             put(_EXPORT_KEY_PREFIX + name, box.isChecked())
@@ -255,10 +255,10 @@ class ExportDialog(QDialog):
         checked = [key for key in self._preferences.get(FORMATS, _DEFAULT_FORMATS) if not key.startswith(moving)]
         self.list.blockSignals(True)  # the summary is updated once, after the last row
         for what, count in self._counts().items():
-            group = QTreeWidgetItem([f"{KINDS[what][0]} ({count})" if count > 1 else KINDS[what][0]])
+            group = QTreeWidgetItem([f"{EXPORT_TITLES[what][0]} ({count})" if count > 1 else EXPORT_TITLES[what][0]])
             self.list.addTopLevelItem(group)
             group.setExpanded(self.list.topLevelItemCount() == 1)
-            for suffix, name in formats(what, self._volume, self._image.hounsfield is not None).items():
+            for suffix, name in list_export_formats(what, self._volume, self._image.hounsfield is not None).items():
                 row = self.rows[what, suffix] = QTreeWidgetItem(group, [name])
                 row.setCheckState(0, Qt.CheckState.Unchecked)
                 if f"{what}:{suffix}" in checked:
@@ -267,16 +267,16 @@ class ExportDialog(QDialog):
         self.list.blockSignals(False)
         self.list.resizeColumnToContents(0)
 
-    def _counts(self) -> dict[What, int]:
+    def _counts(self) -> dict[ExportKind, int]:
         """Count the items of each kind that can be exported."""
         scene, exportable = self._session.scene, self._there
-        counts: dict[What, int] = {"objects": sum(not item.hidden for item in scene.document.objects.items)}
+        counts: dict[ExportKind, int] = {"objects": sum(not item.hidden for item in scene.document.objects.items)}
         if isinstance(self._found, Skeleton):
             counts["lines" if self._volume else "skeleton"] = 1
         elif self._found is not None and self._found.surface is not None:
             counts["surface"] = 1
         elif self._found is not None and not self._volume:
-            counts["contours"] = len(chosen(self._found, scene.document, ExportOrder(), "contours").contours)
+            counts["contours"] = len(prepare_export(self._found, scene.document, ExportOrder(), "contours").contours)
         counts |= {
             "pages": exportable.pages,
             "space": exportable.in_space,
@@ -290,14 +290,14 @@ class ExportDialog(QDialog):
         base, first = self.base.text().strip(), next(iter(self.rows), ("", ""))[0]
         self.list.blockSignals(True)
         for (what, suffix), row in self.rows.items():
-            row.setText(1, file_name(base, what, suffix, what == first))
+            row.setText(1, export_file_name(base, what, suffix, what == first))
         self.list.blockSignals(False)
         folder = str(self.folder)
         self._place.setText(self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _LIST_WIDTH - 60))
         self._place.setToolTip(folder)
         order = self.order
-        whats = {file.what for file in order.files}
-        suffixes = {file.suffix for file in order.files if file.what in ("objects", "contours", "surface", "lines")}
+        whats = {file.kind for file in order.files}
+        suffixes = {file.suffix for file in order.files if file.kind in ("objects", "contours", "surface", "lines")}
         drawn = bool(whats & {"objects", "contours"}) and not self._volume
         show = self._form.setRowVisible
         for field in self.classes.values():
@@ -308,26 +308,26 @@ class ExportDialog(QDialog):
         show(self.space, self._image.geometry is not None and bool(suffixes & SURFACE_SUFFIXES) and self._volume)
         for part in (self._steps, self._frames, self._size):
             show(part, "run" in whats)
-        self.setWindowTitle(KINDS[next(iter(whats))][1] if len(whats) == 1 else tr("Export"))
+        self.setWindowTitle(EXPORT_TITLES[next(iter(whats))][1] if len(whats) == 1 else tr("Export"))
         self._show(order)
 
     def _show(self, order: ExportOrder) -> None:
         """Describe what will be written."""
         document, parts, vertices = self._session.document, list[str](), [0, 0]
         problem = "" if order.files else tr("Choose what to export.")
-        for what in dict.fromkeys(file.what for file in order.files):
-            suffixes = [file.suffix for file in order.files if file.what == what]
+        for what in dict.fromkeys(file.kind for file in order.files):
+            suffixes = [file.suffix for file in order.files if file.kind == what]
             if what in _PICTURE_KINDS:
-                parts.append(KINDS[what][0])
+                parts.append(EXPORT_TITLES[what][0])
                 continue
-            result = chosen(self._found, document, order, what, self._image)
-            parts.append(summary_text(result, what, suffixes[0]))
+            result = prepare_export(self._found, document, order, what, self._image)
+            parts.append(describe_export(result, what, suffixes[0]))
             if not self._volume and all(count_left_out(result, suffix) == len(result.contours) for suffix in suffixes):
                 problem = tr("Nothing can be exported: {what}.").format(what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
-            if any(map(order.thins, suffixes)):
-                vertices[1] += sum(len(contour.points) for contour in thinned(result, order.tolerance).contours)
-        few, many = (written(f"{count:,}") for count in reversed(vertices))
+            if any(map(order.should_simplify, suffixes)):
+                vertices[1] += sum(len(contour.points) for contour in simplify_result(result, order.tolerance).contours)
+        few, many = (localize_number(f"{count:,}") for count in reversed(vertices))
         self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if vertices[1] else "")
         plan = self.animation
         frames = tr("{count} frames of {width} × {height} px")

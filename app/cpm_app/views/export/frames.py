@@ -142,7 +142,7 @@ def recorded(
             try:
                 if taken.moment is None:
                     gone = tr("The run of the animation no longer exists, so nothing was written.")
-                    raise ValueError(taken.sentence or gone)
+                    raise ValueError(taken.message or gone)
                 found.set_result(renderer.draw(taken))
             except Exception as error:  # reported by the thread that waits for the frame
                 found.set_exception(error)

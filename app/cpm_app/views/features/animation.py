@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QRectF
 
 from cpm_app.model.document.modes import MODES
-from cpm_app.model.text.language import reason, tr
+from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import CommandFailed, Exported, Report
 from cpm_app.session.session import Session
 from cpm_app.session.signals import FILMING
@@ -77,7 +77,7 @@ class AnimationFeature(Feature):
         try:
             check_animation(path)
         except ValueError as error:
-            session.say(reason(error), True, FILMING)
+            session.say(explain_error(error), True, FILMING)
             return None
         renderer = FrameRenderer(session.scene, canvas, self.part(), plan.size)
         frames = recorded(session, renderer, [(branch, step) for step in plan.steps])

@@ -63,15 +63,15 @@ class CompareFeature(Feature):
         )  # fmt: skip
 
     def _show_divider(self) -> None:
-        if self._compared.chosen == NOW:
+        if self._compared.selected == NOW:
             self.wipe.end()
         else:
             rows = self._compared.rows
-            self.wipe.begin(rows[NOW].title, rows[self._compared.chosen].title)
+            self.wipe.begin(rows[NOW].title, rows[self._compared.selected].title)
             self._draw()
 
     def _draw(self) -> None:
-        if self._compared.chosen != NOW:
+        if self._compared.selected != NOW:
             self.wipe.draw(self._compared.far())
 
     def _load(self) -> None:
@@ -92,10 +92,10 @@ class CompareFeature(Feature):
     def _jump(self, difference: Difference) -> None:
         slices = self.window.workspace.slices
         slices.through(difference.place)
-        points = difference.points if slices.now is None else slices.now.current.flattened(difference.points)
+        points = difference.points if slices.now is None else slices.now.current.project_points(difference.points)
         low, high = points.min(axis=0), points.max(axis=0)
         span = max(_MIN_DIFFERENCE_SPAN, 1.4 * float((high - low).max()))
         row, col = (0.5 * (low + high)).tolist()
         if slices.now is not None:
-            row, col = slices.now.current.within(difference.place)
+            row, col = slices.now.current.drop_axis(difference.place)
         self.canvas.look_at((row, col), span)

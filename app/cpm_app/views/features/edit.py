@@ -7,9 +7,9 @@ from functools import partial
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Mode
 from cpm_app.model.document.modes import MODES
-from cpm_app.model.state.resolve import resolve
+from cpm_app.model.state.resolve import resolve_texts
 from cpm_app.model.state.situation import Situation, has_image, has_shapes
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.views.canvas.canvas_area import FIRST_TOOL
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.widgets.actions import ActionSpec
@@ -51,7 +51,7 @@ class DrawFeature(Feature):
         start, session = Everywhere(kind), self.session
 
         def toggle_start() -> None:
-            name = from_core(start.title)
+            name = translate_core_text(start.title)
             if start in session.document.shapes:
                 name = tr("remove {start}", start=name)
             session.edit(name, lambda document: edits.toggle_everywhere(document, kind))
@@ -101,10 +101,10 @@ class UndoSelectionFeature(Feature):
 
         self.actions = (
             ActionSpec("undo", "Edit", "Undo", "Undo the last change.", session.undo, "Ctrl+Z", short=tr("Undo"),
-                       icon="undo", when=lambda now: bool(now.undo_name), worded=lambda now: resolve(now).undo_text),
+                       icon="undo", when=lambda now: bool(now.undo_name), worded=lambda now: resolve_texts(now).undo_text),
             ActionSpec("redo", "Edit", "Redo", "Redo the last undone change.", session.redo, "Ctrl+Shift+Z Ctrl+Y",
                        short=tr("Redo"), icon="redo", when=lambda now: bool(now.redo_name),
-                       worded=lambda situation: resolve(situation).redo_text),
+                       worded=lambda situation: resolve_texts(situation).redo_text),
             ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next, "N",
                        gap=True, when=has_shapes),
             ActionSpec("escape", ">" + tr("Edit"), "Cance&l",

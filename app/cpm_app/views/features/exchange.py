@@ -12,10 +12,10 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication
 
 from cpm_app.model.document import edits, imported
-from cpm_app.model.document.imported import Imported
-from cpm_app.model.export import ExportFile, ExportOrder, What, has_objects
+from cpm_app.model.document.imported import ImportedContent
+from cpm_app.model.export import ExportFile, ExportOrder, ExportKind, has_objects_to_export
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_particles, has_volume
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.session.exchange.messages import Opened
 from cpm_app.session.features.image_batch import TOPIC, BatchDone, apply_to_folder
 from cpm_app.session.features.import_contours import (
@@ -74,7 +74,7 @@ class ExportFeature(Feature):
         window, workspace = self.window, self.window.workspace
         navigation, space, pages = workspace.navigation, window.feature(SpaceFeature), workspace.pages.result
         exportable = Exportable(
-            self.session.scene.objects.chosen,
+            self.session.scene.objects.selected,
             frozenset(item.measures.number for item in workspace.review.chosen),
             0 if pages is None else len(pages.results),
             navigation.last(navigation.place[0]) if has_particles(self.session.situation) else 0,
@@ -93,11 +93,11 @@ class ExportFeature(Feature):
         found, paths = list[ExportFile](), list[Path]()
         for file in order.files:
             self._written.add(file.path)
-            if file.what == "run":
+            if file.kind == "run":
                 self.window.feature(AnimationFeature).write(workspace.navigation.place[0], animation, file.path)
-            elif file.what in ("space", "turntable"):
-                space.write(file.path, file.what == "turntable")
-            elif file.what == "pages":
+            elif file.kind in ("space", "turntable"):
+                space.write(file.path, file.kind == "turntable")
+            elif file.kind == "pages":
                 paths.append(file.path)
             else:
                 found.append(file)
@@ -119,7 +119,7 @@ def _can_export(situation: Situation) -> bool:
     return (
         has_contours(situation)
         or situation.status.surface is not None
-        or has_objects(situation.document)
+        or has_objects_to_export(situation.document)
         or has_particles(situation)
         or has_volume(situation)
     )
@@ -137,7 +137,7 @@ class ClipboardFeature(Feature):
         self.actions = (
             ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
                        self.copy, "Ctrl+C", gap=True,
-                       when=lambda now: has_contours(now) or (has_objects(now.document) and not has_volume(now))),
+                       when=lambda now: has_contours(now) or (has_objects_to_export(now.document) and not has_volume(now))),
             ActionSpec("copy_view", "Edit", "Copy &view as image",
                        "Copy the visible part of the image with its overlays to the clipboard.", self.copy_view,
                        "Ctrl+Shift+P", when=has_image),
@@ -146,9 +146,9 @@ class ClipboardFeature(Feature):
     def copy(self) -> None:
         """Copy the selection, else all objects, else all contours; other programs take the format that suits them."""
         session = self.session
-        chosen = session.scene.objects.chosen
+        chosen = session.scene.objects.selected
         contours = frozenset(item.measures.number for item in self.window.workspace.review.chosen)
-        what: What = "objects" if chosen or (has_objects(session.document) and not contours) else "contours"
+        what: ExportKind = "objects" if chosen or (has_objects_to_export(session.document) and not contours) else "contours"
         suffixes = (".svg", ".geojson", ".table.csv" if what == "objects" else ".measures.csv")
         files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in suffixes)
         session.export(ExportOrder(files, chosen or None, contours or None), self._put)
@@ -263,16 +263,16 @@ class ImportFeature(Feature):
             self.window.workspace.comparison.load(path)
 
 
-def _explained(found: Imported) -> str:
+def _explained(found: ImportedContent) -> str:
     sentences = [tr("Particles flow from a start to the edges; objects stay as they are.")]
     if found.kind == "surface" and not found.objects:
         sentences.append(tr("The surface is not closed, so it encloses no object."))
-    if found.open and found.objects:
+    if found.open_count and found.objects:
         sentences.append(tr("Open contours are not objects."))
-    return " ".join([*sentences, *map(from_core, found.notes)])
+    return " ".join([*sentences, *map(translate_core_text, found.notes)])
 
 
-def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
+def _buttons(found: ImportedContent, of_file: bool) -> Sequence[Button]:
     buttons = [Button("start", tr("&Start"), "accept")]
     if found.objects:
         buttons.append(Button("objects", tr("&Objects"), "accept"))

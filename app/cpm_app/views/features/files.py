@@ -11,10 +11,10 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QHBoxLayout, QToolButton, QWidget
 
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.samples import sample_at, samples
+from cpm_app.model.document.samples import find_sample_at, load_samples
 from cpm_app.model.preferences.table import SAVE_IN_FOLDER
 from cpm_app.model.state.situation import has_image
-from cpm_app.model.text.language import shortened, tr
+from cpm_app.model.text.language import elide_middle, tr
 from cpm_app.session.exchange.messages import ImageReady, NotOpened, Opened
 from cpm_app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
 from cpm_app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, middle
@@ -185,7 +185,7 @@ class OpenSaveFeature(Feature):
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
         if opened.saved is not None and opened.saved.file.truth is not None:
             self.window.workspace.comparison.restore(opened.saved.file.truth, path.absolute().parent)
-        if sample_at(opened.path) is None or opened.saved:
+        if find_sample_at(opened.path) is None or opened.saved:
             self._remember(path)
             self.recent.keep_part(opened)
 
@@ -234,7 +234,7 @@ class StartFeature(Feature):
         """Show the start screen in place of the image, with the `error` of a file that could not be opened."""
         shown = [
             Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
-            for sample in samples()
+            for sample in load_samples()
         ]
         recent = []
         for path in self._paths:
@@ -280,8 +280,8 @@ class StartFeature(Feature):
     def _stay(self, refused: NotOpened) -> None:
         """Show the start screen unless there is work: an untouched sample would be mistaken for the file."""
         image = self.session.document.image
-        if image is None or (sample_at(Path(image.path)) and not self.window.document_file.unsaved):
-            self.show(refused.sentence)
+        if image is None or (find_sample_at(Path(image.path)) and not self.window.document_file.unsaved):
+            self.show(refused.message)
 
     def _keep_picture(self) -> None:
         """Store the view of the canvas as the picture of the image, and of its session if there is one."""
@@ -290,7 +290,7 @@ class StartFeature(Feature):
             return
         picture = self.canvas.grab().toImage()
         for path in (Path(image.path), self.window.document_file.path):
-            if path is not None and sample_at(path) is None:
+            if path is not None and find_sample_at(path) is None:
                 self.pictures.put(path, picture)
 
 
@@ -361,7 +361,7 @@ class FolderFeature(Feature):
         return file.save_at_once(file.path or default_path)
 
     def _take(self, opened: Opened) -> None:
-        known = opened.path in opened.folder and sample_at(opened.path) is None
+        known = opened.path in opened.folder and find_sample_at(opened.path) is None
         self._images = opened.folder if known else ()
         self._here = self._ahead = opened.folder.index(opened.path) if known else 0
         self.bar.show_place(self._here, len(self._images), opened.path.parent.name)
@@ -416,7 +416,7 @@ class RecoveryFeature(Feature):
             Button("discard", tr("&Discard this work"), "discard"),
             Button("later", tr("Ask me &later"), "cancel"),
         )
-        text = tr("CPM ended unexpectedly. Restore “{name}”?", name=shortened(leftover.name, _MAX_SHOWN_PATH))
+        text = tr("CPM ended unexpectedly. Restore “{name}”?", name=elide_middle(leftover.name, _MAX_SHOWN_PATH))
         details = "\n".join(_details(leftover))
         self.box = box = Question(self.window, tr("Restore unsaved work"), text, details, buttons)
         box.buttonClicked.connect(lambda _: self._act_on(box.given()))
@@ -447,10 +447,10 @@ def _details(leftover: Leftover) -> Sequence[str]:
         QDateTime.fromSecsSinceEpoch(int(leftover.when.timestamp())), QLocale.FormatType.ShortFormat
     )
     image, objects, shapes = leftover.file.image, len(leftover.file.objects.items), len(leftover.file.shapes)
-    session = shortened(str(leftover.path), _MAX_SHOWN_PATH) if leftover.path else tr("never saved")
+    session = elide_middle(str(leftover.path), _MAX_SHOWN_PATH) if leftover.path else tr("never saved")
     return (
         tr("Last changed: {when}", when=when),
-        tr("Image: {path}", path=shortened(image.path, _MAX_SHOWN_PATH) if image else "–"),
+        tr("Image: {path}", path=elide_middle(image.path, _MAX_SHOWN_PATH) if image else "–"),
         tr("Session file: {path}", path=session),
         tr("Objects: {objects}, shapes: {shapes}", objects=objects, shapes=shapes),
     )

@@ -7,9 +7,9 @@ import html
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QMessageBox
 
-from cpm_app.model.document.samples import sample_called
-from cpm_app.model.text.about import LICENSE, PAPER, PURPOSE, versions
-from cpm_app.model.text.keys import with_keys
+from cpm_app.model.document.samples import find_sample_named
+from cpm_app.model.text.about import LICENSE_SENTENCE, PAPER_CITATION, PROGRAM_PURPOSE, list_versions
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import Opened
 from cpm_app.views.theme.icons import program_icon
@@ -49,7 +49,7 @@ class HelpFeature(Feature):
         def on_opened(_: Opened) -> None:
             session.stop_listening(Opened, on_opened)
             question = tr("New here? The guide ({key:guide}) has four examples, step by step.")
-            self.window.offers.offer(with_keys(question), (tr("&Guide"), self.show_guide))
+            self.window.offers.offer(insert_keys(question), (tr("&Guide"), self.show_guide))
 
         session.listen(Opened, on_opened)
 
@@ -78,12 +78,12 @@ class HelpFeature(Feature):
 
     def _show_about(self) -> None:
         """Show versions, license and paper; a button copies them."""
-        rows = "".join(f"<tr><td>{name} </td><td>{version}</td></tr>" for name, version in versions()[1:])
-        text = "".join(f"<p>{html.escape(text)}</p>" for text in (PURPOSE, PAPER, LICENSE))
+        rows = "".join(f"<tr><td>{name} </td><td>{version}</td></tr>" for name, version in list_versions()[1:])
+        text = "".join(f"<p>{html.escape(text)}</p>" for text in (PROGRAM_PURPOSE, PAPER_CITATION, LICENSE_SENTENCE))
         box = QMessageBox(
             self.window,
             iconPixmap=program_icon().pixmap(64, 64),
-            text=" ".join(versions()[0]),
+            text=" ".join(list_versions()[0]),
             informativeText=f"{text}<table>{rows}</table>",
             textInteractionFlags=Qt.TextInteractionFlag.TextBrowserInteraction,
         )
@@ -92,14 +92,14 @@ class HelpFeature(Feature):
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
         copy.setToolTip(tr("Copy it to the clipboard, for example for a bug report."))
         copy.clicked.disconnect()  # copying must not close the box
-        listed = "\n".join(f"{name}: {version}" for name, version in versions())
-        plain = f"CPM {__version__}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"  # ready for a bug report
+        listed = "\n".join(f"{name}: {version}" for name, version in list_versions())
+        plain = f"CPM {__version__}\n{PROGRAM_PURPOSE}\n\n{PAPER_CITATION}\n\n{LICENSE_SENTENCE}\n\n{listed}\n"  # ready for a bug report
         copy.clicked.connect(lambda: QApplication.clipboard().setText(plain))
         box.addButton(QMessageBox.StandardButton.Close)
         box.open()
 
     def _open_sample(self, file: str) -> None:
-        sample = sample_called(file)
+        sample = find_sample_named(file)
         if sample is not None:
             self.window.open_image(sample.path)
 

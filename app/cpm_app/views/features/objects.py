@@ -8,9 +8,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor, QKeyEvent
 from PySide6.QtWidgets import QMenu
 
-from cpm_app.model.document.modes import use_skeleton
-from cpm_app.model.document.objects import as_barriers, as_regions, as_starts, class_title, listed_classes
-from cpm_app.model.preferences.table import UNIT
+from cpm_app.model.document.modes import switch_to_skeleton
+from cpm_app.model.document.objects import add_objects_as_barriers, add_objects_as_regions, add_objects_as_starts, class_title, list_classes
+from cpm_app.model.preferences.table import UNIT_PREFERENCE
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_volume
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import Key, Kind
@@ -40,7 +40,7 @@ class ObjectsFeature(Feature):
         layer = area.canvas.layers.contours
         self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
-        window.preferences.follow(UNIT, self.panel.table.show_items)
+        window.preferences.follow(UNIT_PREFERENCE, self.panel.table.show_items)
         Keys(area.canvas, self.take_key)
         area.canvas.pointer.doubled.connect(self._open)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
@@ -201,7 +201,7 @@ class ObjectsFeature(Feature):
 
     def _fill_classes(self, menu: QMenu) -> None:
         objects = self._list.objects
-        for category in listed_classes(objects):
+        for category in list_classes(objects):
             text = f"{class_title(objects, category)}\t{category}"
             action = add_choice(
                 menu, text, partial(self._list.classify, category), checked=category == objects.category
@@ -210,9 +210,9 @@ class ObjectsFeature(Feature):
 
     def _fill_uses(self, menu: QMenu) -> None:
         for text, words, edit in (
-            (tr("&Start of the next run"), tr("start from {what}"), as_starts),
-            (tr("Region of &interest"), tr("region of interest of {what}"), as_regions),
-            (tr("&Barrier"), tr("barrier around {what}"), as_barriers),
+            (tr("&Start of the next run"), tr("start from {what}"), add_objects_as_starts),
+            (tr("Region of &interest"), tr("region of interest of {what}"), add_objects_as_regions),
+            (tr("&Barrier"), tr("barrier around {what}"), add_objects_as_barriers),
         ):
             add_choice(menu, text, partial(self._list.do, words, edit)).setEnabled(bool(self._list.chosen))
 
@@ -232,6 +232,6 @@ class ObjectsFeature(Feature):
     def _skeletonize(self, name: str, outlined: SkeletonTarget) -> None:
         """Find center lines in outlined regions, or in the whole image."""
         session = self.window.session
-        session.edit(name, lambda document: use_skeleton(document, outlined))
+        session.edit(name, lambda document: switch_to_skeleton(document, outlined))
         if session.status.phase != "running":
             session.run()

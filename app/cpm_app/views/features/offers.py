@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from cpm_app.model.display.lengths import size_text
+from cpm_app.model.display.lengths import format_pixel_size
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.modes import ADVICE, use_mode
-from cpm_app.model.document.samples import sample_like
+from cpm_app.model.document.modes import PRESET_OFFERS, switch_mode
+from cpm_app.model.document.samples import find_copied_sample
 from cpm_app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from cpm_app.model.state.situation import has_image, has_volume
-from cpm_app.model.text.language import from_core, tr, written
-from cpm_app.model.volume.parts import Parts
+from cpm_app.model.text.language import translate_core_text, tr, localize_number
+from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.exchange.messages import Finished, Opened
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.tasks.opening import parts_of
@@ -54,29 +54,29 @@ class BeginningFeature(Feature):
         session, offers, session_path = self.session, self.window.offers, opened.beside
         if session.image is not opened.image or session.status.started:
             return
-        of_sample = sample_like(opened.path) is not None
+        of_sample = find_copied_sample(opened.path) is not None
         if session_path is not None and not of_sample:
             earlier = tr("{name} contains earlier work on this image. Continue it?", name=session_path.name)
             offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, session_path)))
         elif (
             kind is not None
-            and kind in ADVICE
+            and kind in PRESET_OFFERS
             and not of_sample
             and session.document.mode != "skeleton"
             and self.window.preferences.value(OFFER_SETTINGS)
         ):
             preset, words = PRESETS[kind], tr("settings for the kind of image")
             use_settings = partial(
-                session.edit, words, lambda document: edits.use_preset(use_mode(document, "automatic"), preset)
+                session.edit, words, lambda document: edits.apply_preset(switch_mode(document, "automatic"), preset)
             )
-            offers.offer(ADVICE[kind], (tr("Use these settings"), use_settings))
+            offers.offer(PRESET_OFFERS[kind], (tr("Use these settings"), use_settings))
         document = session.document
         if settings is not None and _with_settings(document, settings) != document:
             sentence = tr(
                 "This image is large: {scales} scales and smoothing {smoothing} find its objects more "
                 "reliably. Use them?",
                 scales=settings.scales,
-                smoothing=written(f"{settings.smoothing:g}"),
+                smoothing=localize_number(f"{settings.smoothing:g}"),
             )
             enlarge = partial(_with_settings, settings=settings)
             offers.offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
@@ -105,7 +105,7 @@ class StackFeature(Feature):
             ActionSpec("parts", "File", "&Parts of the file…",
                        "Open all pages as a volume or one as an image, another channel, time or series.", self.ask,
                        when=lambda _: self._parts is not None
-                       and (self._parts.several or self._parts.series_around is not None)),
+                       and (self._parts.has_choice or self._parts.series_around is not None)),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -128,7 +128,7 @@ class StackFeature(Feature):
             self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0], show_found_parts)
 
         def show_found_parts(found: object) -> None:
-            if isinstance(found, Parts):
+            if isinstance(found, FileParts):
                 dialog.show_parts(found)
 
         dialog.asked.connect(inspect_series)
@@ -140,7 +140,7 @@ class StackFeature(Feature):
     # Internal
 
     @property
-    def _parts(self) -> Parts | None:
+    def _parts(self) -> FileParts | None:
         return None if self._opened is None else self._opened.parts
 
     def _offer(self, opened: Opened) -> None:
@@ -157,19 +157,19 @@ class StackFeature(Feature):
                 folder=parts.series_around.name,
             )
             offer(sentence, (tr("Open the series"), partial(self._open, None, opened.reading)))
-        elif parts.doubts and (volume or not parts.fit_a_volume):
+        elif parts.doubts and (volume or not parts.can_be_volume):
             # Doubts about a volume are reported only until somebody has worked on it.
-            if parts.planes == parts.pages:  # all were read, and only their distance is in doubt
+            if parts.volume_planes == parts.pages:  # all were read, and only their distance is in doubt
                 answers.insert(0, (tr("Voxel size…"), partial(self.window.do, "pixel_size")))
-            offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
-        elif parts.several_volumes or (parts.several and not volume):
-            if parts.fit_a_volume and not volume:
+            offer(f"{opened.path.name}: {' '.join(map(translate_core_text, parts.doubts))}", *answers)
+        elif parts.has_volume_choice or (parts.has_choice and not volume):
+            if parts.can_be_volume and not volume:
                 answers.insert(0, (tr("Open as volume"), partial(self._open, True, replace(opened.reading, page=None))))
             sentence = tr(
                 "{name} contains {parts}. Open now: {open}.",
                 name=opened.path.name,
-                parts=parts.counted,
-                open=parts.taken(opened.reading, volume),
+                parts=parts.count_text,
+                open=parts.describe_reading(opened.reading, volume),
             )
             offer(sentence, *answers)
 
@@ -215,7 +215,7 @@ class PixelSizeFeature(Feature):
         image = self.session.document.image
         if image is None:
             return
-        stated = "" if self._told is None or self._told[1] is None else size_text(*self._told)
+        stated = "" if self._told is None or self._told[1] is None else format_pixel_size(*self._told)
         self.dialog = PixelSizeDialog(self.window, image.spacing, image.unit, stated)
         self.dialog.reset_button.setEnabled(self._told is not None and image.reading.spacing is not None)
         self.dialog.chosen.connect(self._use)

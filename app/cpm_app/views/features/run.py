@@ -8,10 +8,10 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
 
 from cpm_app.model.document.modes import needs_start
-from cpm_app.model.preferences.table import TIMELINE_MEMORY, UNIT
-from cpm_app.model.state.resolve import resolve
+from cpm_app.model.preferences.table import TIMELINE_MEMORY, UNIT_PREFERENCE
+from cpm_app.model.state.resolve import resolve_texts
 from cpm_app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.session.timeline.timeline import MEGABYTE
 from cpm_app.session.worker.commands import run_call
@@ -50,10 +50,10 @@ class RunControlFeature(Feature):
         self._timer = QTimer(self.panel, interval=_NUMBERS_INTERVAL)
         self._timer.timeout.connect(self._show_values)
         session.status_changed.connect(self._show)
-        window.preferences.follow(UNIT, self._show)
+        window.preferences.follow(UNIT_PREFERENCE, self._show)
         self.actions = (
             ActionSpec("run", "Run", "Run", "Start or pause the run.", session.toggle, "Space", icon="run",
-                       when=has_image, worded=lambda situation: resolve(situation).run_text,
+                       when=has_image, worded=lambda situation: resolve_texts(situation).run_text,
                        pictured=lambda situation: "pause" if is_running(situation) else "run"),
             ActionSpec("step", "Run", "&Step", "Take a single step.", session.step, ".", short=tr("Step"), icon="step",
                        when=can_step),
@@ -81,7 +81,7 @@ class RunControlFeature(Feature):
     def _show_values(self) -> None:
         session = self.session
         resolved, snapshot = session.resolved, session.scene.snapshot
-        frames = written(f"{session.frames_per_second:.0f}") if is_running(session.situation) else "–"
+        frames = localize_number(f"{session.frames_per_second:.0f}") if is_running(session.situation) else "–"
         self.panel.status.show_resolved(resolved, frames)
         self.panel.plots.setVisible(needs_start(session.document.mode))  # only these modes move particles
         self.panel.show_metrics(snapshot.metrics if snapshot else None)

@@ -8,10 +8,10 @@ from pathlib import Path
 from PySide6.QtCore import QPoint
 from PySide6.QtWidgets import QWidget
 
-from cpm_app.model.preferences.table import UNIT
+from cpm_app.model.preferences.table import UNIT_PREFERENCE
 from cpm_app.model.state.situation import Situation, has_volume
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.slices import AXES, Slices
+from cpm_app.model.volume.slices import AXIS_NAMES, Slices
 from cpm_app.session.exchange.messages import Exported, Report
 from cpm_app.session.features.background import AsyncCache
 from cpm_app.session.scene import Scene
@@ -65,7 +65,7 @@ class SlicesFeature(Feature):
         self._draw_later(area.canvas)
         area.canvas.slice_wanted.connect(slices.go)
         area.flow.changed.connect(self._show)
-        window.preferences.follow(UNIT, self.show_place)
+        window.preferences.follow(UNIT_PREFERENCE, self.show_place)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def has_several_slices(situation: Situation) -> bool:
@@ -79,7 +79,7 @@ class SlicesFeature(Feature):
             window.refresh()
 
         def create_axis_action(axis: int) -> ActionSpec:
-            name = AXES[axis]
+            name = AXIS_NAMES[axis]
             return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}").format(axis=name),
                               tr("Show slices across this axis: {axis}.").format(axis=name),
                               partial(turn_to_axis, axis), f"Ctrl+Shift+{axis + 1}", there=has_volume,
@@ -195,7 +195,7 @@ class PagesFeature(Feature):
         pages.changed.connect(self._show)
         pages.found.connect(window.refresh)
         window.session.document_changed.connect(lambda _: self._show_bar())
-        window.preferences.follow(UNIT, self.panel.show_rows)
+        window.preferences.follow(UNIT_PREFERENCE, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def is_stack(_: Situation) -> bool:

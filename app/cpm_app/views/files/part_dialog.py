@@ -8,7 +8,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QComboBox, QDialog, QFormLayout, QLabel, QSpinBox, QWidget
 
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.parts import Parts
+from cpm_app.model.volume.parts import FileParts
 from cpm_app.views.widgets.containers import AcceptButtons, lay_out_form
 from cpm_core.formats import Reading
 from cpm_core.image import COLOR_CHOICES
@@ -51,7 +51,7 @@ class PartDialog(QDialog):
     """The user has selected a part: whether to open a volume, or None for the series in the folder; the reading."""
 
     def __init__(
-        self, parent: QWidget, name: str, parts: Parts, reading: Reading, as_volume: bool, colored: bool
+        self, parent: QWidget, name: str, parts: FileParts, reading: Reading, as_volume: bool, colored: bool
     ) -> None:
         super().__init__(parent)
         self.setWindowTitle(tr("Part of the file"))
@@ -81,14 +81,14 @@ class PartDialog(QDialog):
         self.open_button = buttons.accept_button
         lay_out_form(self, tr("Which part of {name} do you want to open?", name=name), self._form, buttons)
         self.show_parts(parts)
-        self.page.setValue(reading.page or parts.usual)
+        self.page.setValue(reading.page or parts.default_page)
         self.channel.setValue(reading.channel or 1)
         self.time.setValue(reading.time or 1)
         self.accepted.connect(lambda: self.chosen.emit(self.kind.currentData(), self.reading))
         self.series.currentIndexChanged.connect(self._ask)
         self.kind.currentIndexChanged.connect(self._enable)
 
-    def show_parts(self, parts: Parts) -> None:
+    def show_parts(self, parts: FileParts) -> None:
         """Show the contents of a series."""
         self._parts = parts
         self._page_label.setText(_PAGE_LABELS[parts.word])
@@ -98,7 +98,7 @@ class PartDialog(QDialog):
             self._form.setRowVisible(field, count > 1)
         self._form.setRowVisible(self.series, len(parts.series) > 1)
         self.kind.clear()
-        if parts.fit_a_volume:
+        if parts.can_be_volume:
             self.kind.addItem(tr("All as one volume"), True)
         self.kind.addItem(tr("One as an image"), False)
         if parts.series_around is not None:

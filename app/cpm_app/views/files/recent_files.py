@@ -54,7 +54,7 @@ class RecentFiles:
 
     def keep_part(self, opened: Opened) -> None:
         """Remember which part of a file was opened, if it holds several."""
-        if opened.saved is not None or opened.parts is None or not opened.parts.several:
+        if opened.saved is not None or opened.parts is None or not opened.parts.has_choice:
             return
         opened_as = opened.image.ndim == 3, opened.reading.arguments
         parts = self._preferences.mapping(_FILE_PARTS_KEY) | {str(opened.path.absolute()): opened_as}

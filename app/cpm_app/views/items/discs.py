@@ -12,7 +12,7 @@ from PySide6.QtCore import QPointF, QRect, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from cpm_app.model.display.stamps import LANES, Colors, stamp
+from cpm_app.model.display.stamps import STAMP_LANES, Colors, stamp_pictures
 from cpm_app.views.items.item import OverImage, to_xy
 from cpm_app.views.theme.theme import look
 from cpm_core.numerics import Array
@@ -169,7 +169,7 @@ class MovingDiscs(Discs):
         known, stamps = self._cut
         if (colors := self._stamp_for(ratio, abs(transform.m11()))) is not known:
             apart = np.frombuffer(colors.constBits(), np.uint32).reshape(side := colors.height(), -1, side)
-            stamps = np.pad(apart.swapaxes(0, 1), ((0, 0), (0, 0), (0, -side % LANES)))
+            stamps = np.pad(apart.swapaxes(0, 1), ((0, 0), (0, 0), (0, -side % STAMP_LANES)))
             self._cut = colors, stamps
         # discs that the border cuts off lie wholly within this margin
         top, left = (math.floor(ratio * low) - stamps.shape[2] for low in (seen.top(), seen.left()))
@@ -180,7 +180,7 @@ class MovingDiscs(Discs):
         scale, moved = np.array([transform.m22(), transform.m11()]), np.array([transform.dy(), transform.dx()])
         marks = np.zeros(count, np.uint8) if self._marks is None else self._marks
         opaque = painter.opacity() * (np.ones(count) if self._opacity is None else self._opacity)
-        stamp(self._picture, self.position, ratio * scale, ratio * moved - (top, left), stamps, marks, opaque)
+        stamp_pictures(self._picture, self.position, ratio * scale, ratio * moved - (top, left), stamps, marks, opaque)
         drawn = QImage(self._picture.data, shape[1], shape[0], 4 * shape[1], QImage.Format.Format_ARGB32_Premultiplied)
         drawn.setDevicePixelRatio(ratio)
         painter.save()

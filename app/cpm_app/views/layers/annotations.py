@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from cpm_app.model.display.lengths import bar, shown_in
+from cpm_app.model.display.lengths import find_scale_bar, preferred_pixel_size
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.slices import edges_of
+from cpm_app.model.volume.slices import find_edge_labels
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.item import INK, Pinned
 from cpm_app.views.layers.layer import Layer, Switch
@@ -64,11 +64,11 @@ class ScaleBarLayer(Layer):
         self.item.setVisible(shown)
         if shown and image is not None:
             pixel = float(self.view.viewPixelSize()[0])
-            size = shown_in(image.spacing, image.unit)
+            size = preferred_pixel_size(image.spacing, image.unit)
             longest = min(
                 LONGEST, max(0.5 * self.view.boundingRect().width() - _CENTER_LETTER_ROOM, _MIN_SCALE_BAR_LENGTH)
             )
-            self.bar = bar(longest * pixel, size.spacing[1], size.unit)
+            self.bar = find_scale_bar(longest * pixel, size.spacing[1], size.unit)
             self.item.show_html(_SCALE_BAR_HTML.format(label=self.bar.label, length=round(self.bar.pixels / pixel)))
 
 
@@ -102,7 +102,7 @@ class OrientationLayer(Layer):
 
     def _draw(self) -> None:
         whole = self.scene.whole
-        edges = None if whole is None or not self.shown else edges_of(whole, self.scene.slices)
+        edges = None if whole is None or not self.shown else find_edge_labels(whole, self.scene.slices)
         self.letters = ("",) * 4 if edges is None else (*edges[0], *edges[1])
         for item, text in zip(self._letters, self.letters, strict=True):
             item.setVisible(bool(text))

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.shape_sections import ChargeSection, Section, StartSection, circle_in
+from cpm_app.model.volume.shape_sections import ChargeSection, Section, StartSection, cut_sphere
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.discs import NO_POSITIONS, Discs
@@ -264,7 +264,7 @@ class DrawingLayer(Layer):
         if not len(places):
             return NO_POSITIONS
         slices, flat = self.scene.slices, np.array(places, dtype=float)
-        return flat if slices is None or flat.shape[1] == 2 else slices.current.flattened(flat)
+        return flat if slices is None or flat.shape[1] == 2 else slices.current.project_points(flat)
 
     def _ring(self, center: Place | None, radius: float) -> Array:
         """Return the outline of a ring, shape (K, 2), empty if there is none."""
@@ -273,7 +273,7 @@ class DrawingLayer(Layer):
         slices, volume = self.scene.slices, self.scene.volume
         if slices is None or volume is None or len(center) == 2:
             return Circle(center, radius).outline
-        line = circle_in(Sphere.from_voxel_size(center, radius, volume.spacing), slices.current)
+        line = cut_sphere(Sphere.from_voxel_size(center, radius, volume.spacing), slices.current)
         return NO_POSITIONS if line is None else line.outline
 
     def _show_starts(self) -> None:
@@ -350,7 +350,7 @@ def _outlines(shapes: Sequence[_Line | Grid | Threshold | Limit]) -> list[Array]
 
 
 def _ring(charge: _AnyCharge, radius: float) -> Array:
-    return charge.ring(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
+    return charge.cut_sphere_around(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
 
 
 def _color(charge: _AnyCharge) -> str:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pyqtgraph as pg
 
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import Probed, probe
 from cpm_app.views.items.item import FAINT, Markers, Pinned, line_pen, to_xy
@@ -111,15 +111,15 @@ class ForceLayer(Layer):
         place = (seen.y(), seen.x()) if self._pointer is None else self._pointer
         reach = math.inf if self._pointer is None else _PROBE_RADIUS * float(self.view.viewPixelSize()[0])
         here = None if self.scene.slices is None else self.scene.slices.current
-        self.requests.post(probe(snapshot.generation, place if here is None else here.lifted(place), reach))
+        self.requests.post(probe(snapshot.generation, place if here is None else here.lift_position(place), reach))
 
     def _use(self, probed: Probed | None) -> None:
         self.probed = probed
         if probed is not None:
             sizes = probed.sizes
             listed = [name for name in KINDS if name in _ALWAYS_LISTED or sizes[name] >= _MIN_SHOWN_FORCE]
-            self.lines = [(*KINDS[name], written(f"{sizes[name]:.3f}")) for name in listed]
-            title = tr("Particle {number}", number=written(f"{probed.identity:,}"))
+            self.lines = [(*KINDS[name], localize_number(f"{sizes[name]:.3f}")) for name in listed]
+            title = tr("Particle {number}", number=localize_number(f"{probed.identity:,}"))
             rows = (
                 f"<tr><td style='color:{color}'>━ </td><td>{name} </td><td align='right'>&nbsp;{size}</td></tr>"
                 for name, color, size in self.lines

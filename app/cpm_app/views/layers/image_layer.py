@@ -13,10 +13,10 @@ from PySide6.QtWidgets import QWidget
 from cpm_app.model.display.display_image import (
     DisplayImage,
     IntensityWindow,
-    color_curve,
+    compute_color_curve,
     percentile_window,
 )
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import shade
 from cpm_app.views.items.item import cached
@@ -193,12 +193,12 @@ class ImageLayer(Layer):
             return
         window, all_of_it = self.shown_window, self.shown_window == IntensityWindow(*self.ends)
         if image.colors is not None and channel is None:
-            self._item.use_curve(None if all_of_it else color_curve(window, image.colors.white))
+            self._item.use_curve(None if all_of_it else compute_color_curve(window, image.colors.white))
             self._item.show_image(whole)
         elif image.colors is None and all_of_it:
             self._item.show_image(whole)
         elif image.colors is None and image.values.size <= _AT_ONCE:
-            self._item.show_image(DisplayImage.within(image, window))
+            self._item.show_image(DisplayImage.from_image(image, window))
         elif channel is not None:
             self.requests.post(shade(image, window, channel))
 
@@ -230,7 +230,7 @@ def window_at(width_and_level: WidthAndLevel) -> Window:
 def named(window: Window) -> str:
     """Format width and level of a window in the manner of radiology."""
     low, high = window
-    return f"W {written(f'{high - low:.4g}')}  L {written(f'{0.5 * (low + high):.4g}')}"
+    return f"W {localize_number(f'{high - low:.4g}')}  L {localize_number(f'{0.5 * (low + high):.4g}')}"
 
 
 def dragged(window: Window, ends: Window, right: float, down: float) -> Window:

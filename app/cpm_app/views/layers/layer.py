@@ -34,13 +34,13 @@ class Choice:
 
     name: str
     title: str
-    ways: Mapping[str, str]
+    choices: Mapping[str, str]
     first: str
     tip: str
 
     def taken(self, value: object) -> Value | None:
         """Return the value to store, None if it is not one of the alternatives."""
-        return value if isinstance(value, str) and value in self.ways else None
+        return value if isinstance(value, str) and value in self.choices else None
 
 
 @frozen

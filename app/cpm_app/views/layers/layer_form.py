@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.language import tr, localize_number
 from cpm_app.views.layers.image_layer import CT_WINDOWS, ImageLayer, named, window_at
 from cpm_app.views.layers.layer import Choice, Layer, Option, Switch
 from cpm_app.views.theme import color_maps
@@ -85,10 +85,10 @@ class LayerForm(QWidget):
             switch.toggled.connect(set_option)
             return switch, switch.setChecked
         if isinstance(option, Choice):
-            box = ChoiceBox(option.ways)
+            box = ChoiceBox(option.choices)
             box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
             box.setIconSize(QSize(36, 12))
-            for index, name in enumerate(option.ways):
+            for index, name in enumerate(option.choices):
                 box.setItemIcon(index, color_maps.icon(name) if name in color_maps.MAPS else QIcon())
             box.chosen.connect(set_option)
             return box, box.show_value
@@ -103,7 +103,7 @@ class LayerForm(QWidget):
 
         def show_amount(value: float) -> None:
             slider.show_value(value)
-            figure.setText(written(f"{value:g}"))
+            figure.setText(localize_number(f"{value:g}"))
 
         return both, show_amount
 

@@ -102,13 +102,13 @@ class ObjectLayer(Layer):
         if other:
             self._show_objects()
         other_offer = shown.proposals is not last.proposals
-        if other or other_offer or shown.chosen != last.chosen:
-            self._chosen.show(self._paths_of(shown.chosen))
+        if other or other_offer or shown.selected != last.selected:
+            self._chosen.show(self._paths_of(shown.selected))
         if other or other_offer or shown.hovered != last.hovered:
             self._hovered.show(self._paths_of({shown.hovered}))
         if other_offer:
             self._show_proposals()
-        if other_offer or (shown.chosen, shown.hovered) != (last.chosen, last.hovered):
+        if other_offer or (shown.selected, shown.hovered) != (last.selected, last.hovered):
             self._show_likely()
         if shown.preview is not last.preview:
             self._show_preview()
@@ -161,7 +161,7 @@ class ObjectLayer(Layer):
         offered = offered if self.scene.volume is None else []  # bodies have no probability
         marked = [
             found for key, found in offered
-            if key in {*shown.chosen, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < DOUBTFUL)
+            if key in {*shown.selected, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < DOUBTFUL)
         ]  # fmt: skip
         texts = (f"{'? ' * (found.confidence < DOUBTFUL)}{percent(found)}" for found in marked)
         highest = (tuple(min(np.concatenate(_curves_of(found)).tolist())) for found in marked)

@@ -9,8 +9,8 @@ import numpy as np
 from PySide6.QtCore import QUrl
 from PySide6.QtGui import QColor, QTextDocument
 
-from cpm_app.model.display.coloring import QUANTITIES, SHADES, colored
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, color_particles
+from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.discs import NO_POSITIONS, MovingDiscs
@@ -187,10 +187,10 @@ class ParticleLayer(Layer):
         opacity = None if near is None else 1.0 - _OFF_SLICE_FADING * near.away
         if snapshot is not None and self.word("colour") != _BY_STATE:
             quantity = QUANTITIES[self.word("colour")]
-            shown = colored(quantity, snapshot.state, snapshot.metrics)
-            marks = shown.marks if near is None else shown.marks[near.index]
-            high = written(f"{shown.high:g}")
-            unknown = tr("● too new") if (shown.marks == SHADES).has_object() else ""
+            shown = color_particles(quantity, snapshot.state, snapshot.metrics)
+            marks = shown.color_indices if near is None else shown.color_indices[near.index]
+            high = localize_number(f"{shown.high:g}")
+            unknown = tr("● too new") if (shown.color_indices == SHADE_COUNT).has_object() else ""
             self.legend.show_html(
                 _LEGEND_HTML.format(title=quantity.title, map=self.word("map"), high=high, unknown=unknown)
             )
@@ -207,4 +207,4 @@ class ParticleLayer(Layer):
 
 def _palette(name: str) -> list[str]:
     """Build the palette: colors from low to high, and one for unknown values."""
-    return [QColor(*map(int, row)).name() for row in color_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]
+    return [QColor(*map(int, row)).name() for row in color_maps.table(name, SHADE_COUNT, BEGIN)] + [UNKNOWN]

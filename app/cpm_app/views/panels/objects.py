@@ -32,9 +32,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.display.lengths import shown_in
-from cpm_app.model.document.objects import class_title, listed_classes
-from cpm_app.model.text.keys import with_keys
+from cpm_app.model.display.lengths import preferred_pixel_size
+from cpm_app.model.document.objects import class_title, list_classes
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import BRUSH, KINDS, Figures, Key, Kind, ObjectList, Row, histogram
 from cpm_app.session.session import Session
@@ -212,7 +212,7 @@ class ObjectTable(ItemTable):
         """Show the rows with lengths in the unit of the image."""
         image = self._session.image
         spacing, unit = (image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)
-        self.rows.update(self.listed, shown_in(spacing, unit), columns_of(self._list.objects, spacing))
+        self.rows.update(self.listed, preferred_pixel_size(spacing, unit), columns_of(self._list.objects, spacing))
 
     def _look(self, row: Row, role: int, of_name: bool) -> Any:
         """Return the swatch next to a name; hidden and rejected rows are pale, rejected names struck out."""
@@ -397,7 +397,7 @@ class ObjectPanel(QWidget):
         parts = [
             one if found[kind] == 1 else many.format(count=found[kind]) for kind, one, many in words if found[kind]
         ]
-        nothing = with_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
+        nothing = insert_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
         self.summary.setText(", ".join(parts) or nothing)
 
     def ask_name(self, category: int) -> None:
@@ -442,7 +442,7 @@ class ObjectPanel(QWidget):
             self._grid.addWidget(button, *divmod(place, 3))
 
     def _show_classes(self) -> None:
-        listed = listed_classes(self._list.objects)
+        listed = list_classes(self._list.objects)
         for number in [*self.classes]:
             if number not in listed:
                 self.classes.pop(number).deleteLater()

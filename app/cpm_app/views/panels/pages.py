@@ -17,10 +17,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.display.lengths import shown_in
+from cpm_app.model.display.lengths import preferred_pixel_size
 from cpm_app.model.display.page_rows import PageRow
-from cpm_app.model.display.plots import PageMetrics, plots_of_pages, plotted
-from cpm_app.model.text.keys import with_keys
+from cpm_app.model.display.plots import PageMetrics, build_page_plots, select_plotted_tracks
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.views.panels.run import Chart
@@ -42,7 +42,7 @@ COLUMNS: tuple[Column[PageRow], ...] = (
     Column("track", tr("Track"), tr("Number of the object, which it keeps from page to page."),
            lambda row: row.track or None, "0000", form=".0f"),
     Column("happens", tr("What happens"), tr("What happens to the object here, or why the page could not be used."),
-           lambda row: row.happens, "splits off track 12"),
+           lambda row: row.event, "splits off track 12"),
     Column("area", tr("Area [{unit}²]"), tr("Gross area, including contours inside."),
            _measured(lambda found: found.area_in_units if found.closed else None), "00,000,000", 2),
     Column("gray", tr("Mean gray"), tr("Mean gray value inside."), lambda row: row.gray, "000.0"),
@@ -128,7 +128,7 @@ class PagePanel(QWidget):
         """Show the results of the pages."""
         found = self._pages.result
         first = None if found is None or not found.results else found.results[0][1]
-        size = shown_in((1.0, 1.0), None) if first is None else shown_in(first.spacing, first.unit)
+        size = preferred_pixel_size((1.0, 1.0), None) if first is None else preferred_pixel_size(first.spacing, first.unit)
         self.table.rows.update(self._pages.table[1], size)
         self.export.setEnabled(first is not None)
         self.kind.setVisible(len(self._pages.tables) > 1)
@@ -145,14 +145,14 @@ class PagePanel(QWidget):
     def show_plots(self) -> None:
         """Plot the selected objects, or the first ones, over the pages."""
         pages, (found, rows), size = self._pages, self._pages.table, self.table.rows
-        tracks = plotted(rows, {row.track for row in self.table.chosen if row.track})
+        tracks = select_plotted_tracks(rows, {row.track for row in self.table.chosen if row.track})
         area = tr("Area [{unit}²]").format(unit=size.unit)
         if (tracks, area) != self._plotted:
             self._plotted = tracks, area
-            self.chart.show_plots(plots_of_pages(tracks, area))
+            self.chart.show_plots(build_page_plots(tracks, area))
         self.chart.setVisible(bool(tracks))
         count = 0 if found is None else found.count
-        self.chart.show_metrics(PageMetrics.of(rows, count, pages.number, size.factor))
+        self.chart.show_metrics(PageMetrics.from_rows(rows, count, pages.number, size.factor))
 
 
 class PageBar(PlaceBar):
@@ -179,7 +179,7 @@ class PageBar(PlaceBar):
 
     def show_keys(self) -> None:
         """Name the current keys in the tooltip."""
-        self.slider.setToolTip(with_keys(tr("Move through the pages: {key:previous_slice} and {key:next_slice}.")))
+        self.slider.setToolTip(insert_keys(tr("Move through the pages: {key:previous_slice} and {key:next_slice}.")))
 
     def show_pages(self, number: int, count: int, *, following: bool, running: bool, possible: bool) -> None:
         """Show which page is open; hide the bar unless there are several."""

@@ -18,23 +18,23 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.display.effects import FILTERS, contours_left, effects
+from cpm_app.model.display.effects import FILTER_MEASURES, describe_contours_left, describe_effects
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.modes import acting_in, fresh_parameters
+from cpm_app.model.document.modes import find_effective_controls, initial_parameters
 from cpm_app.model.parameters.controls import (
-    BY_ITSELF,
-    CHANNEL,
-    MAIN,
+    AUTOMATIC_TEXTS,
+    CHANNEL_CHOICE,
+    MAIN_CONTROLS,
     ChoiceControl,
     Control,
-    adapted,
-    choice_controls,
-    controls,
-    value_of,
+    adapt_control,
+    build_choice_controls,
+    build_controls,
+    control_value,
 )
-from cpm_app.model.text.language import tr, written
-from cpm_app.model.text.wording import FORMULAS
+from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.wording import PARAMETER_FORMULAS
 from cpm_app.session.scene import NO_CONTOURS, ReviewedContours
 from cpm_app.session.session import Session
 from cpm_app.views.theme.icons import icon
@@ -55,10 +55,10 @@ def tip(control: Control) -> str:
     """Format the tooltip of a control, as HTML."""
     place = f" ({control.equation})" if control.equation else ""
     lines = (
-        f"<b>{control.title}</b> {control.facts}",
+        f"<b>{control.title}</b> {control.summary}",
         control.meaning,
-        f"{FORMULAS[control.name]}{place}",
-        f"{control.effect_of_larger} {control.acts}",
+        f"{PARAMETER_FORMULAS[control.name]}{place}",
+        f"{control.effect_of_larger} {control.effect_text}",
     )
     return "".join(f"<p style='margin: 3px 0'>{line}</p>" for line in lines)
 
@@ -94,9 +94,9 @@ class ParameterRow(QWidget):
         self.control = self._general = control
         self._label, self.effect = QLabel(control.label), dim_label()
         limits = control.low, control.high, control.step
-        self.number = DecimalField(*limits, control.decimals, words=control.words)
+        self.number = DecimalField(*limits, control.decimals, words=control.value_words)
         self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step)
-        self._automatic = QCheckBox(tr("auto")) if control.automatic else None
+        self._automatic = QCheckBox(tr("auto")) if control.can_be_automatic else None
         self._restore = QToolButton()
         self._label.setBuddy(self.number)
         self._label.installEventFilter(self)
@@ -111,15 +111,15 @@ class ParameterRow(QWidget):
         for field in (self.number, self.slider):
             field.setAccessibleName(control.title)
             field.installEventFilter(self)
-            if control.by_hand is not None:
-                field.show_value(control.by_hand)
+            if control.manual_default is not None:
+                field.show_value(control.manual_default)
         self._restore.setObjectName("restore")
         self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._restore.setAccessibleName(tr("{parameter}: restore the default", parameter=control.title))
         self._restore.clicked.connect(self._reset)
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            self._automatic.setToolTip(BY_ITSELF.get(control.name, ""))
+            self._automatic.setToolTip(AUTOMATIC_TEXTS.get(control.name, ""))
             self._automatic.clicked.connect(lambda on: self._finish("auto" if on else self.number.value()))
         self._lay_out()
         self.adapt(control)
@@ -142,14 +142,14 @@ class ParameterRow(QWidget):
         same = value == default
         if not isinstance(value, str):
             self.slider.show_value(value)
-            self.number.setSuffix(f" {control.unit}" if control.unit and value not in dict(control.words) else "")
+            self.number.setSuffix(f" {control.unit}" if control.unit and value not in dict(control.value_words) else "")
             self.number.show_value(value)
             same = not isinstance(default, str) and abs(value - default) < _DEFAULT_TOLERANCE
         self._restore.setVisible(not same)
 
     def use(self, usual: Parameters, ndim: int, contrast: float) -> None:
         """Adapt range, default and explanation to an image; see `adapted`."""
-        self.adapt(adapted(self._general, usual, ndim, contrast))
+        self.adapt(adapt_control(self._general, usual, ndim, contrast))
 
     def adapt(self, control: Control) -> None:
         """Take range, default and explanation from a control."""
@@ -157,10 +157,10 @@ class ParameterRow(QWidget):
         numeric = None if isinstance(default, str) else default
         self.slider.set_range(control.slider_low, control.slider_high, control.step, numeric)
         for field in (self.number, self.slider):
-            field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.effect_of_larger}")
+            field.setAccessibleDescription(f"{control.summary}. {control.meaning} {control.effect_of_larger}")
         self.setToolTip(tip(control))
         restore = tr("Restore the default, {default} (or double-click the slider or its name).")
-        self._restore.setToolTip(restore.format(default=default if numeric is None else written(f"{numeric:.4g}")))
+        self._restore.setToolTip(restore.format(default=default if numeric is None else localize_number(f"{numeric:.4g}")))
 
     def show_effect(self, words: str) -> None:
         """Show the effect of the current value below the slider."""
@@ -200,7 +200,7 @@ class ParameterRow(QWidget):
         self.effect.hide()
 
     def _report(self, value: float) -> None:
-        self.changed.emit(self.control.name, int(value) if self.control.whole else value)
+        self.changed.emit(self.control.name, int(value) if self.control.is_whole else value)
 
     def _reset(self) -> None:
         self._finish(self.control.default)
@@ -223,8 +223,8 @@ class ParametersPanel(QWidget):
         """Length of all contours [px]."""
         self._before: dict[str, int] = {}
         """Number of contours when the user pressed a slider, by parameter."""
-        self.rows = {control.name: ParameterRow(control) for control in controls()}
-        self.choices = {control.name: ChoiceRow(control, self.change) for control in choice_controls()}
+        self.rows = {control.name: ParameterRow(control) for control in build_controls()}
+        self.choices = {control.name: ChoiceRow(control, self.change) for control in build_choice_controls()}
         self.presets = presets
         self._acting: frozenset[str] = frozenset((*self.rows, *self.choices))
         self._shown: tuple[object, ...] = ()
@@ -242,12 +242,12 @@ class ParametersPanel(QWidget):
     def show_document(self, document: Document) -> None:
         """Show those parameters of a document that matter in its mode."""
         contrast = document.image.contrast if document.image else 0.0
-        usual = document.fitting(fresh_parameters(document.mode, document.image))
+        usual = document.fit_scales(initial_parameters(document.mode, document.image))
         dimension = len(document.image.shape) if document.image else 2
-        acting = acting_in(document.mode, dimension)
+        acting = find_effective_controls(document.mode, dimension)
         image = self._session.image
         if image is None or image.colors is None:
-            acting = acting - {CHANNEL}
+            acting = acting - {CHANNEL_CHOICE}
         shown = document.parameters, usual, dimension, contrast, acting
         if shown == self._shown:
             return
@@ -258,22 +258,22 @@ class ParametersPanel(QWidget):
         self._acting = acting
         for name, row in self.rows.items():
             row.use(usual, dimension, contrast)
-            row.show_value(value_of(document.parameters, name))
+            row.show_value(control_value(document.parameters, name))
         self._show_effects()
         for name, choice in self.choices.items():
-            choice.box.show_value(str(value_of(document.parameters, name)))
+            choice.box.show_value(str(control_value(document.parameters, name)))
 
     def _lay_out(self) -> Section:
         more = QWidget()
-        others = (choice for name, choice in self.choices.items() if name != CHANNEL)
-        arrange(QVBoxLayout(more), *others, *(row for name, row in self.rows.items() if name not in MAIN), spacing=0)
+        others = (choice for name, choice in self.choices.items() if name != CHANNEL_CHOICE)
+        arrange(QVBoxLayout(more), *others, *(row for name, row in self.rows.items() if name not in MAIN_CONTROLS), spacing=0)
         section = Section(tr("More parameters"), more)
         heading = QLabel(tr("Preset"))
         heading.setObjectName("heading")
         heading.setBuddy(self.presets)
         head = arrange(QHBoxLayout(), heading, self.presets, wide=self.presets)
         # the channel is not folded away: it is the first thing that a color image needs
-        shown = self.choices[CHANNEL], *(self.rows[name] for name in MAIN)
+        shown = self.choices[CHANNEL_CHOICE], *(self.rows[name] for name in MAIN_CONTROLS)
         arrange(QVBoxLayout(self), head, *shown, section, spacing=2)
         return section
 
@@ -296,14 +296,14 @@ class ParametersPanel(QWidget):
             self._length = sum(item.measures.length for item in scene.contours.items)
             self._show_effects()
         state = None if scene.snapshot is None else scene.snapshot.state
-        for name, words in effects(state, scene.document.parameters, self._length, scene.document.image).items():
+        for name, words in describe_effects(state, scene.document.parameters, self._length, scene.document.image).items():
             self.rows[name].show_effect(words)
 
     def _show_effects(self) -> None:
         rows = [item.measures for item in self._contours.items]
-        for name in FILTERS:
+        for name in FILTER_MEASURES:
             value = float(getattr(self._session.document.parameters, name))
-            self.rows[name].show_effect(contours_left(rows, name, value, self._before.get(name)))
+            self.rows[name].show_effect(describe_contours_left(rows, name, value, self._before.get(name)))
 
     def _hold(self, name: str, held: bool) -> None:
         """Remember the number of contours while a slider is pressed."""

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.parameters.presets import Preset
-from cpm_app.model.text.language import reason, tr
+from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.views.widgets.actions import add_choice
 from cpm_app.views.window.dialogs import Button, Question, ask_for_text
@@ -62,7 +62,7 @@ class Presets(QToolButton):
     def use(self, preset: Preset) -> None:
         """Set the parameters of a preset."""
         name = tr("preset “{name}”", name=preset.name)
-        self._session.edit(name, lambda document: edits.use_preset(document, preset.parameters))
+        self._session.edit(name, lambda document: edits.apply_preset(document, preset.parameters))
 
     def fill(self, menu: QMenu) -> None:
         """Fill a menu with the presets and the actions on them."""
@@ -80,7 +80,7 @@ class Presets(QToolButton):
             try:
                 do()
             except (ValueError, OSError) as error:
-                self._session.say(reason(error), True, _PRESET_CATEGORY)
+                self._session.say(explain_error(error), True, _PRESET_CATEGORY)
 
         action.triggered.connect(run_action)
         return action
@@ -94,7 +94,7 @@ class Presets(QToolButton):
         if self._compared == (document.parameters, document.image):
             return
         self._compared = document.parameters, document.image
-        same = (one for one in self.store.presets if edits.use_preset(document, one.parameters) == document)
+        same = (one for one in self.store.presets if edits.apply_preset(document, one.parameters) == document)
         self.current = next(same, None)
         self.delete.setEnabled(self.current is not None and self.current.is_own)
         whole = document.parameters == PRESETS["volume"]  # it suits no image, and is in no menu

@@ -12,14 +12,14 @@ from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPalette, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from cpm_app.model.display.plots import PLOTS, Metrics, Plot, RunMetrics, Series
-from cpm_app.model.state.resolve import LEADING, Resolved
-from cpm_app.model.state.surface_figures import SURFACE
+from cpm_app.model.display.plots import PLOTS, Metrics, Plot, RunMetrics, PlotCurve
+from cpm_app.model.state.resolve import LEADING_LABELS, WindowTexts
+from cpm_app.model.state.surface_figures import SURFACE_LABEL
 from cpm_app.model.text.language import tr
 from cpm_app.views.panels.parameters import ParametersPanel
 from cpm_app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange, dim_label
 
-_WIDE_NUMBERS = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE)
+_WIDE_NUMBERS = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE_LABEL)
 """Names of the numbers that need a row of their own."""
 
 _MIN_PANEL_HEIGHT = 120
@@ -82,7 +82,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
 
     def __init__(self, plots: Sequence[Plot], name: str) -> None:
         self._items: list[pg.PlotItem] = []
-        self._curves: list[tuple[Plot, Series, pg.PlotDataItem]] = []
+        self._curves: list[tuple[Plot, PlotCurve, pg.PlotDataItem]] = []
         self._marks: list[pg.VTickGroup] = []
         """Lines at the marks of the metrics, one group per plot."""
         self._plots = plots
@@ -104,7 +104,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             if metrics is None:
                 curve.clear()
             else:
-                values = np.asarray(series.of(metrics), float)
+                values = np.asarray(series.get_values(metrics), float)
                 known = np.isfinite(values) if plot.points else slice(None)
                 curve.setData(metrics.step[known], values[known])
         for marks in self._marks:
@@ -150,7 +150,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             item.addItem(marks, ignoreBounds=True)
             self._marks.append(marks)
             titles = []
-            for series in plot.series:
+            for series in plot.curves:
                 # the darker of two colors on a light background, the brighter on a dark one
                 color = series.colors[self._color(QPalette.ColorRole.Base).lightness() < 128]
                 curve = item.plot(pen=pg.mkPen(color, width=1.4), connect="finite", symbol="o" if plot.points else None)
@@ -191,15 +191,15 @@ class StatusPanel(QWidget):
         self.leading, self.others = Numbers(), Numbers()
         arrange(QVBoxLayout(self), self._label, self.leading, spacing=4)
 
-    def show_resolved(self, resolved: Resolved, frames_per_second: str) -> None:
+    def show_resolved(self, resolved: WindowTexts, frames_per_second: str) -> None:
         """Show a state and its numbers."""
         if resolved.state != self.state:
             # the explanation after a colon is only in the tooltip
             self._label.setText(resolved.state.partition(": ")[0])
             self._label.setToolTip(resolved.state)
             self._label.setAccessibleName(resolved.state)
-        self.leading.show_numbers([number for number in resolved.numbers if number[0] in LEADING])
-        others = [number for number in resolved.numbers if number[0] not in LEADING]
+        self.leading.show_numbers([number for number in resolved.numbers if number[0] in LEADING_LABELS])
+        others = [number for number in resolved.numbers if number[0] not in LEADING_LABELS]
         tip = tr("Drawn frames per second.")
         self.others.show_numbers([*others, (tr("Frames/s"), frames_per_second, tip)])
 

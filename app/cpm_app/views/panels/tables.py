@@ -34,8 +34,8 @@ from PySide6.QtWidgets import (
 )
 
 from cpm_app.model.display.lengths import PixelSize
-from cpm_app.model.text.keys import with_keys
-from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import tr, localize_number
 from cpm_app.views.widgets.actions import add_choice
 from cpm_app.views.widgets.containers import DELETE_KEYS, ENTER, takes_key
 from cpm_core.numerics.types import Callback, frozen
@@ -123,8 +123,8 @@ class Column(Generic[Row]):
             return NONE
         value *= factor**self.power
         if self.form:
-            return written(format(value, self.form)) + self.suffix
-        return written(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
+            return localize_number(format(value, self.form)) + self.suffix
+        return localize_number(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
 
     def sort_key(self, row: Row) -> float | str:
         """Return the sort key of a row; rows without a number come first, those without a text last."""
@@ -237,7 +237,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         if role == Role.DisplayRole:
             return self.columns[section].title.format(unit=self.unit)
         column = self.columns[section]
-        return f"{with_keys(column.tip)}{self.unit_of(column)}" if role == Role.ToolTipRole else None
+        return f"{insert_keys(column.tip)}{self.unit_of(column)}" if role == Role.ToolTipRole else None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         """Return text, alignment or look of a cell."""
@@ -354,7 +354,7 @@ class Table(QTableView):
         menu = QMenu(self, toolTipsVisible=True)
         for index, column in enumerate(self.rows.columns):
             title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
-            shown = add_choice(menu, title, partial(self._ask, index, hidden), with_keys(column.tip), not hidden)
+            shown = add_choice(menu, title, partial(self._ask, index, hidden), insert_keys(column.tip), not hidden)
             shown.setEnabled(index != self._wide)
         menu.aboutToHide.connect(menu.deleteLater)
         menu.popup(self.horizontalHeader().mapToGlobal(point))

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QCursor, QGuiApplication, QIcon, QPainter, QPi
 from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtWidgets import QColorDialog, QMenu, QWidget
 
-from cpm_app.model.text.assets import asset
+from cpm_app.model.text.assets import find_asset
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.theme import look
 
@@ -35,7 +35,7 @@ def icon(name: str, color: str, faded: str | None = None) -> QIcon:
     faded : str, optional
         Color of the disabled icon.
     """
-    source = asset(f"icons/{name}.svg").read_text(encoding="utf-8")
+    source = find_asset(f"icons/{name}.svg").read_text(encoding="utf-8")
     ratio = max(screen.devicePixelRatio() for screen in QGuiApplication.screens())
     made = QIcon()
     for mode, tint in ((QIcon.Mode.Normal, color), (QIcon.Mode.Disabled, faded)):
@@ -64,7 +64,7 @@ def pointer(name: str) -> QCursor:
 @cache
 def program_icon() -> QIcon:
     """Return the icon of the program itself."""
-    renderer = QSvgRenderer(str(asset("icons/cpm.svg")))
+    renderer = QSvgRenderer(str(find_asset("icons/cpm.svg")))
     made = QIcon()
     for size in (*_ICON_SIZES, 32, 48, 64, 128, 256):
         made.addPixmap(_pixmap(renderer, size))

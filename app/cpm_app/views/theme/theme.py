@@ -17,7 +17,7 @@ from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication, QWidget
 from shiboken6 import isValid
 
-from cpm_app.model.preferences.table import INKS
+from cpm_app.model.preferences.table import INK_PREFERENCES
 from cpm_core.numerics.types import Callback, frozen
 
 Kind = Literal["contours", "shapes", "fixed"]
@@ -76,22 +76,22 @@ CANVAS = "#14161a"
 """Background of the canvas."""
 
 # The preferences can change the inks. Items of the canvas and swatches resolve them; use `look` anywhere else.
-MOVING = Ink("moving", INKS["moving"].default)
+MOVING = Ink("moving", INK_PREFERENCES["moving"].default)
 """Moving particles."""
 
-RESTING = Ink("resting", INKS["resting"].default)
+RESTING = Ink("resting", INK_PREFERENCES["resting"].default)
 """Particles at rest."""
 
-CONTOUR = Ink("contour", INKS["contour"].default)
+CONTOUR = Ink("contour", INK_PREFERENCES["contour"].default)
 """Contours."""
 
-PROPOSAL = Ink("proposal", INKS["proposal"].default)
+PROPOSAL = Ink("proposal", INK_PREFERENCES["proposal"].default)
 """Proposed objects."""
 
-BY_HAND = Ink("by_hand", INKS["by_hand"].default)
+BY_HAND = Ink("by_hand", INK_PREFERENCES["by_hand"].default)
 """Stretches that were drawn by hand."""
 
-REJECTED = Ink("rejected", INKS["rejected"].default)
+REJECTED = Ink("rejected", INK_PREFERENCES["rejected"].default)
 """Rejected contours and objects."""
 
 JUNCTION = "#ff7ac6"

@@ -122,7 +122,7 @@ class SprayTool(RingTool):
         share = self._random.random(many)[:, None]
         angle, off = 2.0 * math.pi * self._random.random(many), self.radius * np.sqrt(self._random.random(many))
         places = begin + share * (end - begin) + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)
-        last = np.array(image.shape if self.here is None else self.here.within(image.shape)) - 0.5
+        last = np.array(image.shape if self.here is None else self.here.drop_axis(image.shape)) - 0.5
         inside = ((places >= -0.5 * sides) & (places <= last * sides)).all(axis=1)
         points = np.concatenate([self._taken, places[inside]])
         near = scipy.spatial.cKDTree(points).query_pairs(_SPRAY_SPACING, output_type="ndarray")

@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import Qt
 
 from cpm_app.model.document.document import ImageReference
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.model.volume.slices import Slice
 from cpm_app.session.signals import EDITING
 from cpm_app.views.tools.tool import CHARGE, CIRCLE, STROKE, ShapeTool
@@ -22,12 +22,12 @@ def box_between(one: Position, other: Position, here: Slice, volume: ImageRefere
     """Return two corners of a box in the volume, centered on the slice and as deep as its shorter side."""
     axis, low, high = here.axis, *np.sort([one, other], axis=0)
     high = np.maximum(high, low + LEAST_BOX_SIDE)
-    depth = ((high - low) * here.within(volume.spacing)).min()
+    depth = ((high - low) * here.drop_axis(volume.spacing)).min()
     half = max(0.5 * float(depth) / volume.spacing[axis], LEAST_BOX_SIDE)
     begin = max(here.index - half, 0.0)
     # not flat, even in a volume of a single slice
     end = max(min(here.index + half, volume.shape[axis] - 1.0), begin + LEAST_BOX_SIDE)
-    first, last = ([*here.lifted(tuple(corner.tolist()))] for corner in (low, high))
+    first, last = ([*here.lift_position(tuple(corner.tolist()))] for corner in (low, high))
     first[axis], last[axis] = begin, end
     return tuple(first), tuple(last)
 
@@ -58,7 +58,7 @@ class DraggedTool(ShapeTool):
         """Extend the shape to the pointer."""
         if self._index is not None and (self._drawn or math.dist(self._start, at) >= SMALLEST_RADIUS):
             shape = self.shape(self._start, at)
-            self._put(tr("draw {shape}", shape=from_core(shape.title)), shape)
+            self._put(tr("draw {shape}", shape=translate_core_text(shape.title)), shape)
             self._session.select(self._index)
 
     def release(self) -> None:
@@ -166,7 +166,7 @@ class ChargeTool(ShapeTool):
 
     def _place(self, charge: Charge) -> None:
         verb = tr("drop {charge}") if self._before is None else tr("move {charge}")
-        self._put(verb.format(charge=from_core(charge.title)), charge)
+        self._put(verb.format(charge=translate_core_text(charge.title)), charge)
 
     def _found(self, at: Place, reach: float) -> int | None:
         """Find the index of the charge nearest to the pointer, of equally near ones the topmost."""

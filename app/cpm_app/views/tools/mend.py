@@ -10,7 +10,7 @@ import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor
 
-from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import ObjectBrush
 from cpm_app.session.signals import EDITING
@@ -101,7 +101,7 @@ class MendTool(RingTool):
         held, item, away = self._held, self._item, self._takes_away
         name = "" if item is None else self._list.title(item)
         if held is not None and self._dragged:
-            return with_keys(_JOIN_ADVICE if held.at_end else _REDRAW_ADVICE)
+            return insert_keys(_JOIN_ADVICE if held.at_end else _REDRAW_ADVICE)
         if held is not None and item is not None:
             words = tr("Drag to bend the boundary of {name}.") if away else tr("Drag to pull the boundary of {name}.")
         elif held is not None:
@@ -112,7 +112,7 @@ class MendTool(RingTool):
             words = _ERASE_ADVICE if item is not None else _ERASE_ANYWHERE_ADVICE
         else:
             words = _ADD_ADVICE if item is not None else _PAINT_ADVICE
-        return with_keys(words, name=name)
+        return insert_keys(words, name=name)
 
     def _on_contour(self, held: Contact) -> str:
         """Return the advice for a place of a contour."""

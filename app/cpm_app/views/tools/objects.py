@@ -6,7 +6,7 @@ import math
 
 from PySide6.QtCore import Qt
 
-from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import OBJECT, TAKING_AWAY, Cursor, Tool
@@ -57,7 +57,7 @@ class ObjectTool(Tool):
         if not self._selection.ready:
             return ""
         if self._list.chosen and not self._selection.selecting:
-            return with_keys(
+            return insert_keys(
                 tr(
                     "Click again: correct · Ctrl-click: another object here · {key:name_object}: rename · "
                     "1-9: class · Delete: remove"
@@ -74,7 +74,7 @@ class ObjectTool(Tool):
         self.used = True
         existing = self._existing(at)
         offered = [each.key for each in self._selection.proposals]
-        if existing in self._session.scene.objects.chosen or (existing and offered == [existing]):
+        if existing in self._session.scene.objects.selected or (existing and offered == [existing]):
             self._selection.correct(existing)
         elif existing:
             self._list.choose((existing,))

@@ -8,8 +8,8 @@ from PySide6.QtCore import Qt
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import ImageReference
-from cpm_app.model.text.keys import with_keys
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.model.volume.slices import Slice
 from cpm_app.session.signals import EDITING
 from cpm_app.views.theme import theme
@@ -77,12 +77,12 @@ class PathTool(Tool):
         if not self._corners:
             return "" if self.used else self.tip
         if self._freehand and self._first:
-            return with_keys(tr("Release to finish; {key:escape} cancels."))
+            return insert_keys(tr("Release to finish; {key:escape} cancels."))
         ends = tr("Enter or a double click ends it;")
         if self.closed:
             ends = tr("Enter, a double click or the first corner ends it;")
         rest = tr("Shift snaps to eight directions; Backspace removes the last corner; {key:escape} cancels.")
-        return f"{ends} {with_keys(rest)}"
+        return f"{ends} {insert_keys(rest)}"
 
     def press(self, at: Place, reach: float) -> None:
         """Place a corner; a press on the last corner, or on the first one of a closed path, finishes it."""
@@ -134,7 +134,7 @@ class PathTool(Tool):
             return
         begun, volume = self._begun, self.volume
         path = tuple(self._corners) if self._boxed else polyline.simplify_path(self._corners)
-        flat = path if begun is None or (self.spatial and not self.closed) else tuple(map(begun.within, path))
+        flat = path if begun is None or (self.spatial and not self.closed) else tuple(map(begun.drop_axis, path))
         shape: Shape | None = None
         if polyline.enclosed_area(flat) >= MIN_DRAWN_AREA if self.closed else polyline.path_length(flat) >= _MIN_PATH_LENGTH:
             if begun is None or volume is None or self.spatial:
@@ -143,11 +143,11 @@ class PathTool(Tool):
                 shape = self.solid(flat, begun, volume)
         self.cancel()
         if shape is None:
-            advice = tr("That is too small for a {shape}. {advice}", shape=from_core(self.made.title), advice=self.tip)
+            advice = tr("That is too small for a {shape}. {advice}", shape=translate_core_text(self.made.title), advice=self.tip)
             self._session.say(advice, topic=EDITING)
             return
         self._session.edit(
-            tr("draw {shape}", shape=from_core(shape.title)), lambda document: edits.add_shape(document, shape)
+            tr("draw {shape}", shape=translate_core_text(shape.title)), lambda document: edits.add_shape(document, shape)
         )
         self._session.select(len(self._session.document.shapes) - 1)
 

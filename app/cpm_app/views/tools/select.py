@@ -6,9 +6,9 @@ import operator
 
 from PySide6.QtCore import Qt
 
-from cpm_app.model.document.edits import Hit
-from cpm_app.model.text.keys import with_keys
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.document.edits import ShapeHit
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.session.features.object_list import Key
 from cpm_app.session.features.slices import hit_in
 from cpm_app.views.theme import theme
@@ -60,12 +60,12 @@ class SelectTool(ShapeTool):
     def advice(self) -> str:
         """Sentence on what can be done with the selection."""
         if self._corner is not None:
-            return with_keys(tr("Shift adds to the selection, Ctrl removes from it; {key:escape} cancels."))
+            return insert_keys(tr("Shift adds to the selection, Ctrl removes from it; {key:escape} cancels."))
         kinds = {row.kind for row in self._list.selected_rows}
         if kinds == {"object"}:
-            return with_keys(tr("{key:name_object}: rename · 1-9: class · Delete: remove · {key:reject}: reject"))
+            return insert_keys(tr("{key:name_object}: rename · 1-9: class · Delete: remove · {key:reject}: reject"))
         if kinds:
-            return with_keys(tr("Enter accepts · {key:reject} rejects · {key:name_object}: name · 1-9: class"))
+            return insert_keys(tr("Enter accepts · {key:reject} rejects · {key:name_object}: name · 1-9: class"))
         return tr("Click to select, or drag a frame around several.") if self._list.rows else ""
 
     def press(self, at: Place, reach: float) -> None:
@@ -75,7 +75,7 @@ class SelectTool(ShapeTool):
         self._session.select(found.index if found is not None else None)
         if found is not None:
             self._begin(found.index)
-            self._part, self._anchor = found.part, found.at or at
+            self._part, self._anchor = found.part, found.handle or at
             self._list.select(())
             return
         self._crossing = key is None and self.here is not None
@@ -98,10 +98,10 @@ class SelectTool(ShapeTool):
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
-            self._put(tr("reshape {shape}", shape=from_core(shape.title)), shape.with_handle_at(self._anchor, at))
+            self._put(tr("reshape {shape}", shape=translate_core_text(shape.title)), shape.with_handle_at(self._anchor, at))
         else:
             by = tuple(map(operator.sub, at, self._anchor))
-            self._put(tr("move {shape}", shape=from_core(shape.title)), shape.translated(by))
+            self._put(tr("move {shape}", shape=translate_core_text(shape.title)), shape.translated(by))
 
     def release(self) -> None:
         """Keep the selection; a click beside all items clears it."""
@@ -142,7 +142,7 @@ class SelectTool(ShapeTool):
         found = self._hit(at, reach)
         return found is not None and found.part == "handle"
 
-    def _met(self, at: Place, reach: float) -> tuple[Hit | None, Key | None]:
+    def _met(self, at: Place, reach: float) -> tuple[ShapeHit | None, Key | None]:
         """Find the shape at a place, or else the row: lines before areas, the selected shape first."""
         found = self._hit(at, reach)
         if found is not None:
@@ -153,7 +153,7 @@ class SelectTool(ShapeTool):
         key = self._list.at(at, reach)
         return (None, key) if key is not None else (found, None)
 
-    def _hit(self, at: Place, reach: float) -> Hit | None:
+    def _hit(self, at: Place, reach: float) -> ShapeHit | None:
         return hit_in(self._session.scene, at, reach, self.here)
 
     def _draw_frame(self, corner: Position, at: Position) -> None:

@@ -11,9 +11,9 @@ import numpy as np
 from PySide6.QtCore import QTimer
 from PySide6.QtGui import QCursor
 
-from cpm_app.model.text.keys import with_keys
-from cpm_app.model.text.language import from_core, tr
-from cpm_app.model.volume.surface_section import holds
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.volume.surface_section import object_contains
 from cpm_app.session.signals import EDITING
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import pointer
@@ -62,10 +62,10 @@ class SplitTool(Tool):
     def advice(self) -> str:
         """Sentence on what the next click does."""
         if self._dragged:
-            return with_keys(tr("Release to split along the line; {key:escape} cancels."))
+            return insert_keys(tr("Release to split along the line; {key:escape} cancels."))
         if self._whole is not None:
             name = self._list.title(self._whole)
-            return with_keys(tr("Click the other half of {name}; {key:escape} cancels."), name=name)
+            return insert_keys(tr("Click the other half of {name}; {key:escape} cancels."), name=name)
         at = self._at
         if at is not None and self._contact(at) is not None and self._whole_at(at) is None:
             return tr("Click to cut the contour here.")
@@ -127,7 +127,7 @@ class SplitTool(Tool):
 
     def _click(self, at: Place) -> None:
         first, whole = self._whole, self._whole_at(at)
-        if first is not None and holds(first, at):
+        if first is not None and object_contains(first, at):
             self._use(first, partial(split_object, first, self._first, at, self._editing.edges), at)
         elif whole is not None:
             self._whole, self._first = whole, at
@@ -158,20 +158,20 @@ class SplitTool(Tool):
             else:
                 self._list.split_object(whole, halves())
         except ValueError as error:
-            self._session.say(from_core(str(error)), topic=EDITING)
+            self._session.say(translate_core_text(str(error)), topic=EDITING)
 
     def _whole_at(self, at: Place) -> SegmentedObject | None:
         """Find the object, proposal or closed contour around a place: a selected one first, then the smallest."""
         rows, under = self._list.selected_rows, ("object", self._list.under(at))
         key = under if under[1] else self._list.at(at, 0.0)
         wholes = [self._list.whole(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))]
-        return next((item for item in wholes if item is not None and holds(item, at)), None)
+        return next((item for item in wholes if item is not None and object_contains(item, at)), None)
 
     def _show(self) -> None:
         """Draw the line, or the clicked half and the cut that a click here would make."""
         path: Sequence[Place] | Array = self._path if self._dragged else ()
         whole, at = self._whole, self._at
-        if not (self._dragged or self.volume or whole is None or at is None) and holds(whole, at):
+        if not (self._dragged or self.volume or whole is None or at is None) and object_contains(whole, at):
             with suppress(ValueError):
                 cuts = split_object(whole, self._first, at, self._editing.edges).cuts
                 path = max(cuts, key=len, default=())

@@ -113,18 +113,18 @@ class Tool:
 
     def flat(self, place: Place) -> Place:
         """Return a place as (row, col) in the view under the pointer."""
-        return place if self.here is None or len(place) == 2 else self.here.within(place)
+        return place if self.here is None or len(place) == 2 else self.here.drop_axis(place)
 
     def lifted(self, position: Place) -> Place:
         """Return the place in the image or in the volume of (row, col) in the view under the pointer."""
-        return position if self.here is None else self.here.lifted(position)
+        return position if self.here is None else self.here.lift_position(position)
 
     @property
     def sides(self) -> tuple[float, float]:
         """Height and width of a pixel in the view under the pointer [smallest side of a voxel]."""
         if self.here is None or self.volume is None:
             return 1.0, 1.0
-        down, right = self.here.within(relative_sides(self.volume.spacing))
+        down, right = self.here.drop_axis(relative_sides(self.volume.spacing))
         return down, right
 
     @property

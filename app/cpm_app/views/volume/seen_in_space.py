@@ -10,11 +10,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from PySide6.QtGui import QColor
 
-from cpm_app.model.display.coloring import QUANTITIES, SHADES, colored
-from cpm_app.model.space.triangles import Mesh
-from cpm_app.model.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
-from cpm_app.model.space.voxels import Shaded
-from cpm_app.model.volume.shape_sections import wires
+from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, color_particles
+from cpm_app.model.space.triangles import SurfaceMesh
+from cpm_app.model.space.view_in_space import ColoredMesh, ShownParticles, ViewInSpace, Wires
+from cpm_app.model.space.voxels import ShadedVolume
+from cpm_app.model.volume.shape_sections import build_shape_wires
 from cpm_app.session.exchange.messages import Reconstruction, Snapshot
 from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.scene import Proposal, Scene
@@ -56,7 +56,7 @@ class SeenInSpace:
         return get(
             ViewInSpace,
             image,
-            get(Shaded, image.values, layers.image.shown_window),
+            get(ShadedVolume, image.values, layers.image.shown_window),
             slices,
             get(_particles, snapshot, size, layer.word("colour"), layer.word("map"), inks),
             get(_mesh, found),
@@ -69,19 +69,19 @@ class SeenInSpace:
 
 def _particles(
     snapshot: Snapshot | None, size: float, quantity: str, map_name: str, inks: tuple[str, str]
-) -> Particles | None:
+) -> ShownParticles | None:
     if snapshot is None or size == 0.0:
         return None
     state, palette, marks = snapshot.state, np.array(list(map(_rgb, inks)), np.uint8), snapshot.resting.astype(np.uint8)
     if quantity in QUANTITIES:
-        marks = colored(QUANTITIES[quantity], state, snapshot.metrics).marks
-        palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
-    return Particles(snapshot.position, palette[marks], size)
+        marks = color_particles(QUANTITIES[quantity], state, snapshot.metrics).color_indices
+        palette = np.vstack([color_maps.table(map_name, SHADE_COUNT, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
+    return ShownParticles(snapshot.position, palette[marks], size)
 
 
-def _mesh(found: Reconstruction | None) -> Mesh | None:
+def _mesh(found: Reconstruction | None) -> SurfaceMesh | None:
     surface = getattr(found.result, "surface", None) if found is not None else None
-    return None if surface is None or not len(surface.faces) else Mesh(surface)
+    return None if surface is None or not len(surface.faces) else SurfaceMesh(surface)
 
 
 def _objects(
@@ -109,7 +109,7 @@ def _truth(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMe
     return (_colored(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
 
 
-_MESH_CACHE: WeakKeyDictionary[Surface, Mesh] = WeakKeyDictionary()
+_MESH_CACHE: WeakKeyDictionary[Surface, SurfaceMesh] = WeakKeyDictionary()
 """Meshes of surfaces that are still in use."""
 
 
@@ -117,7 +117,7 @@ def _colored(surface: Surface, spacing: Sides, color: str) -> ColoredMesh:
     """Color a surface; reuse its mesh, with the normals, from the last view."""
     mesh, shade = _MESH_CACHE.get(surface), QColor(color)
     if mesh is None or mesh.surface.spacing != spacing:
-        mesh = _MESH_CACHE[surface] = Mesh(replace(surface, spacing=spacing))
+        mesh = _MESH_CACHE[surface] = SurfaceMesh(replace(surface, spacing=spacing))
     return ColoredMesh(mesh, (shade.red(), shade.green(), shade.blue()))
 
 
@@ -125,7 +125,7 @@ def _wires(
     shapes: tuple[Shape, ...], selected: int | None, image: Image, skeleton: Skeleton | None = None
 ) -> Wires | None:
     sides = relative_sides(image.spacing)
-    ends = [wires(shape, sides) for shape in shapes]
+    ends = [build_shape_wires(shape, sides) for shape in shapes]
     colors = []
     for index, (shape, each) in enumerate(zip(shapes, ends, strict=True)):
         ink: Ink | str = theme.REGION if isinstance(shape, Interest) else theme.MOVING

@@ -9,14 +9,14 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen
 
-from cpm_app.model.display.lengths import bar
+from cpm_app.model.display.lengths import find_scale_bar
 from cpm_app.model.space.camera import Camera
-from cpm_app.model.space.view_in_space import AXIS_COLORS, Look, ViewInSpace
-from cpm_app.model.volume.slices import ends_of
+from cpm_app.model.space.view_in_space import AXIS_COLORS, SpaceStyle, ViewInSpace
+from cpm_app.model.volume.slices import axis_ends
 from cpm_app.views.theme import theme
 from cpm_core.numerics.types import Pixels
 
-LOOK = Look(background=(0x14, 0x16, 0x1A))
+LOOK = SpaceStyle(background=(0x14, 0x16, 0x1A))
 """Look with the background of the canvas."""
 
 _MAX_BAR_LENGTH = 120.0
@@ -35,10 +35,10 @@ _AXIS_NAME_GAP = 12.0
 def draw_marks(painter: QPainter, view: ViewInSpace, camera: Camera, size: QSize) -> None:
     """Draw names at both ends of each axis, and a scale bar in the unit of the volume, over a picture of a camera."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    for axis, names in enumerate(ends_of(view.image) if view.shown.box else ()):
+    for axis, names in enumerate(axis_ends(view.image) if view.shown.box else ()):
         ends = np.zeros((2, 3))
         ends[1, axis] = view.lengths[axis]
-        seen = camera.seen(ends, (size.height(), size.width()))[:, :2].astype(float)
+        seen = camera.project(ends, (size.height(), size.width()))[:, :2].astype(float)
         way = seen[1] - seen[0]
         length = float(np.hypot(*way))
         if length < 2.0 * _AXIS_NAME_GAP:  # the axis points to the viewer
@@ -47,7 +47,7 @@ def draw_marks(painter: QPainter, view: ViewInSpace, camera: Camera, size: QSize
         for place, side, name in ((seen[0], -1.0, names[0]), (seen[1], 1.0, names[1])):
             col, row = place + side * _AXIS_NAME_GAP * way / length
             write(painter, QPointF(col, row), name)
-    scaled = bar(_MAX_BAR_LENGTH / camera.scale, 1.0, view.image.unit)
+    scaled = find_scale_bar(_MAX_BAR_LENGTH / camera.scale, 1.0, view.image.unit)
     length = scaled.pixels * camera.scale
     left, y = _BAR_MARGIN, size.height() - _BAR_MARGIN
     painter.setPen(QPen(QColor(theme.DRAWING), 2.0))
@@ -83,7 +83,7 @@ def picture_of(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Pixe
     ndarray of uint8, shape (rows, cols, 3)
         RGB colors, where `size` is (rows, cols).
     """
-    colors = np.ascontiguousarray(view.drawn(camera, size, LOOK).colors)
+    colors = np.ascontiguousarray(view.render_picture(camera, size, LOOK).colors)
     rows, cols = size
     image = QImage(colors.data, cols, rows, 3 * cols, QImage.Format.Format_RGB888)
     painter = QPainter(image)
@@ -102,4 +102,4 @@ def animation_size(size: tuple[int, int]) -> tuple[int, int]:
 def turn(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Iterator[Pixels]:
     """Render the frames of a full turn one by one, each of shape (rows, cols, 3), uint8."""
     for frame in range(FRAMES):
-        yield picture_of(view, camera.turned(2.0 * pi * frame / FRAMES, 0.0), size)
+        yield picture_of(view, camera.rotated(2.0 * pi * frame / FRAMES, 0.0), size)

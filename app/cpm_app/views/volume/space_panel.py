@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QHBoxLayout, Q
 from cpm_app.model.space.view_in_space import ShownParts, ViewInSpace
 from cpm_app.model.state.situation import Situation, has_volume
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.slices import AXES, ends_of
+from cpm_app.model.volume.slices import AXIS_NAMES, axis_ends
 from cpm_app.session.session import Session
 from cpm_app.session.signals import EXPORTING
 from cpm_app.views.volume.space_view import SpaceView
@@ -127,17 +127,17 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
 
     def create_axis_action(axis: int) -> ActionSpec:
         """Create the action for a view along an axis, titled by anatomy where the orientation is known."""
-        plain = tr("Along the &{axis}").format(axis=AXES[axis])
+        plain = tr("Along the &{axis}").format(axis=AXIS_NAMES[axis])
 
         def format_title(_: Situation) -> str:
             image = session.scene.image
             if image is None or image.geometry is None or image.ndim != 3:
                 return plain
-            return _PATIENT_VIEWS[ends_of(image)[axis][1]]
+            return _PATIENT_VIEWS[axis_ends(image)[axis][1]]
 
         return ActionSpec(f"space_along_{axis}", _SPACE_MENU, plain,
                           tr("Look along this axis: {axis} ({key} in the view).")
-                          .format(axis=AXES[axis], key=axis + 1), partial(panel.view.look_along, axis),
+                          .format(axis=AXIS_NAMES[axis], key=axis + 1), partial(panel.view.look_along, axis),
                           there=has_volume, worded=format_title)  # fmt: skip
 
     def create_part_action(name: str) -> ActionSpec:

@@ -23,10 +23,10 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QApplication, QSizePolicy, QWidget
 
 from cpm_app.model.space.camera import Camera
-from cpm_app.model.space.picture import FAR, Picture
-from cpm_app.model.space.view_in_space import Particles, ViewInSpace
+from cpm_app.model.space.picture import EMPTY_DEPTH, Picture
+from cpm_app.model.space.view_in_space import ShownParticles, ViewInSpace
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.slices import directions_of, first_seen
+from cpm_app.model.volume.slices import slice_directions, find_front_axis
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.session import Session
 from cpm_app.views.theme import theme
@@ -82,7 +82,7 @@ class _Frame:
     """A picture, and the particles, camera and settings it was drawn with."""
 
     picture: Picture
-    particles: Particles | None
+    particles: ShownParticles | None
     camera: Camera
     coarseness: int
     number: int
@@ -153,12 +153,12 @@ class SpaceView(QWidget):
         """Show the whole volume from the initial direction."""
         if self._view is not None:
             image = self._view.image
-            self.use(Camera.on(self._view.lengths, self.room, directions_of(image)[first_seen(image)]))
+            self.use(Camera.facing_box(self._view.lengths, self.room, slice_directions(image)[find_front_axis(image)]))
 
     def look_along(self, axis: int) -> None:
         """Look along an axis, in the orientation of the slices across it."""
         if self._view is not None and self.camera is not None:
-            self.use(replace(self.camera, axes=directions_of(self._view.image)[axis]))
+            self.use(replace(self.camera, axes=slice_directions(self._view.image)[axis]))
 
     def use(self, camera: Camera) -> None:
         """Show the volume from another camera."""
@@ -218,7 +218,7 @@ class SpaceView(QWidget):
         elif keys & Qt.KeyboardModifier.ControlModifier:
             self.use(camera.rolled(half_turn * way.x()))
         else:
-            self.use(camera.turned(half_turn * way.x(), half_turn * way.y()))
+            self.use(camera.rotated(half_turn * way.x(), half_turn * way.y()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Pick the clicked place; a right click opens the menu."""
@@ -252,7 +252,7 @@ class SpaceView(QWidget):
         """Turn, zoom, look along an axis, or show the whole volume."""
         key, camera = Qt.Key(event.key()), self.camera
         if camera is not None and key in _TURN_KEYS:
-            self.use(camera.turned(*_TURN_KEYS[key]))
+            self.use(camera.rotated(*_TURN_KEYS[key]))
         elif camera is not None and key in _ZOOM_KEYS:
             self.use(camera.zoomed(_ZOOM_KEYS[key]))
         elif key in _AXIS_KEYS:
@@ -300,10 +300,10 @@ class SpaceView(QWidget):
         row = min(max(int(point.y() / self.height() * rows), 0), rows - 1)
         col = min(max(int(point.x() / self.width() * cols), 0), cols - 1)
         depth = float(frame.picture.depths[row, col])
-        if depth >= float(FAR):
+        if depth >= float(EMPTY_DEPTH):
             return None
         camera = frame.camera
-        place = camera.corner((rows, cols)) + np.array([col, row, depth]) @ camera.axes / camera.scale
+        place = camera.first_pixel_position((rows, cols)) + np.array([col, row, depth]) @ camera.axes / camera.scale
         return tuple((place / np.array(view.image.spacing)).tolist())
 
 
@@ -319,10 +319,10 @@ def _draw(
     begin, particles = time.perf_counter(), view.particles
     look, seen = replace(LOOK, radius=max(LOOK.radius / coarseness, 0.6)), camera.enlarged(1.0 / coarseness)
     if view.shown.opacity < 1.0:
-        picture = view.drawn(seen, size, look)
+        picture = view.render_picture(seen, size, look)
     else:  # everything except the particles is drawn only once
         still = replace(view, particles=None)
         made_of = *(getattr(still, one.name) for one in fields(still)), camera, size
-        picture = parts.named("still", lambda: still.drawn(seen, size, look), *made_of).copy()
+        picture = parts.named("still", lambda: still.render_picture(seen, size, look), *made_of).copy()
         view.draw_particles(picture, particles, seen, look)
     return _Frame(picture, particles, seen, coarseness, number, time.perf_counter() - begin)

@@ -13,15 +13,15 @@ from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
 from cpm_app.model.state.situation import (
     ICONS_IN_VOLUMES,
-    NOT_IN_VOLUMES,
-    OTHERWISE_IN_VOLUMES,
+    HIDDEN_IN_VOLUMES,
+    TEXTS_IN_VOLUMES,
     Condition,
     Situation,
     always,
     has_volume,
 )
-from cpm_app.model.text.keys import with_keys
-from cpm_app.model.text.language import from_core
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import translate_core_text
 from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.turns import Turns
@@ -95,8 +95,8 @@ class ActionSpec:
     short: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "text", from_core(self.text))
-        object.__setattr__(self, "tip", from_core(self.tip))
+        object.__setattr__(self, "text", translate_core_text(self.text))
+        object.__setattr__(self, "tip", translate_core_text(self.tip))
 
     @property
     def shortcuts(self) -> Texts:
@@ -120,7 +120,7 @@ class Submenu:
     gap: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "text", from_core(self.text))
+        object.__setattr__(self, "text", translate_core_text(self.text))
 
 
 PRIMARY = "run"
@@ -149,7 +149,7 @@ class Actions(dict[str, QAction]):
         self._show_limits(volume)
         for name, spec in self.specs.items():
             action = self[name]
-            action.setVisible(spec.there(situation) and not (volume and name in NOT_IN_VOLUMES))
+            action.setVisible(spec.there(situation) and not (volume and name in HIDDEN_IN_VOLUMES))
             action.setEnabled(spec.when(situation))
             if spec.holds is not None:
                 action.setChecked(spec.holds(situation))
@@ -165,7 +165,7 @@ class Actions(dict[str, QAction]):
         if volume == self._limited:
             return
         self._limited = volume
-        for name, (in_volume, _) in OTHERWISE_IN_VOLUMES.items():
+        for name, (in_volume, _) in TEXTS_IN_VOLUMES.items():
             action, text = self[name], in_volume if volume else self.specs[name].text
             on_button = _plain(text) if action.iconText() == _plain(action.text()) else action.iconText()
             action.setText(text)
@@ -214,8 +214,8 @@ class Actions(dict[str, QAction]):
         """Set the tips of an action; some are different in volumes."""
         action, tip = self[name], self.specs[name].tip
         if self._limited:
-            tip = OTHERWISE_IN_VOLUMES.get(name, ("", tip))[1]
-        text, key = with_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
+            tip = TEXTS_IN_VOLUMES.get(name, ("", tip))[1]
+        text, key = insert_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
         action.setStatusTip(text)
         action.setToolTip(f"{_plain(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {text}")
 

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.state.resolve import FIRST_PACE, PACES, pace_text
+from cpm_app.model.state.resolve import INITIAL_PACE_INDEX, RUN_PACES, format_pace
 from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
 from cpm_app.views.widgets.containers import arrange, dim_label
@@ -279,14 +279,14 @@ class SpeedControl(QWidget):
         super().__init__()
         self._session = session
         self.slider = QSlider(Qt.Orientation.Horizontal)
-        self.slider.setRange(0, len(PACES) - 1)
+        self.slider.setRange(0, len(RUN_PACES) - 1)
         self.slider.setPageStep(1)
-        self.slider.setValue(FIRST_PACE)
+        self.slider.setValue(INITIAL_PACE_INDEX)
         self.slider.setFixedWidth(76)
         self.slider.setAccessibleName(tr("Speed"))
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.label = QLabel(pace_text(PACES[FIRST_PACE]))
-        self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8)
+        self.label = QLabel(format_pace(RUN_PACES[INITIAL_PACE_INDEX]))
+        self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(format_pace, RUN_PACES), key=len)) + 8)
         self.setToolTip(tr("Maximum number of steps per second."))
         arrange(QHBoxLayout(self), self.slider, self.label, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
@@ -301,5 +301,5 @@ class SpeedControl(QWidget):
         self.slider.setValue(self.slider.value() - 1)
 
     def _change(self, index: int) -> None:
-        self.label.setText(pace_text(PACES[index]))
-        self._session.set_pace(PACES[index])
+        self.label.setText(format_pace(RUN_PACES[index]))
+        self._session.set_pace(RUN_PACES[index])

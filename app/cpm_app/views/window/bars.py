@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from cpm_app.model.document.modes import MODES
-from cpm_app.model.state.situation import remaining_text
+from cpm_app.model.state.situation import format_remaining_time
 from cpm_app.model.text.language import tr
 from cpm_app.session.tasks.tasks import Task, Tasks
 from cpm_app.views.theme.icons import icon
@@ -223,7 +223,7 @@ class TaskBar(QWidget):
         task, others = self._task, len(current) - 1
         more = tr("{name} (and {others} more)", name=task.name, others=others)
         self._name.setText(more if others else task.name)
-        self._left.setText(remaining_text(task.seconds_left))
+        self._left.setText(format_remaining_time(task.seconds_left))
         self._left.setVisible(bool(self._left.text()))
         self._button.setVisible(task.cancellable)
         self._button.setToolTip(tr("Cancel: {name}", name=task.name))

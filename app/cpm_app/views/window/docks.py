@@ -9,7 +9,7 @@ from PySide6.QtCore import QByteArray, QEvent, QObject, Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QApplication, QBoxLayout, QDockWidget, QMainWindow, QTabWidget, QWidget
 
-from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.views.window.keyboard import Keyboard, in_panel, take_keyboard
 from cpm_core.numerics.types import record
 
@@ -83,7 +83,7 @@ class Docks(QObject):
                 below.addWidget(panel.widget)
                 panel.widget.hide()
             else:
-                self.tabs.addTab(panel.widget, from_core(panel.title))
+                self.tabs.addTab(panel.widget, translate_core_text(panel.title))
                 if not panel.shown:
                     self.offer(name, False)
         side = self.column.toggleViewAction()
@@ -148,7 +148,7 @@ class Docks(QObject):
 
     def _make_action(self, panel: Panel) -> QAction:
         """Create the action that moves the keyboard focus to a panel, or back from it to the canvas."""
-        title = from_core(panel.title)
+        title = translate_core_text(panel.title)
         action = QAction(
             title,
             self._window,

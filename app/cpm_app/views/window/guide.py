@@ -17,11 +17,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.parameters.controls import controls
-from cpm_app.model.text.assets import asset, guide_page
-from cpm_app.model.text.keys import key_of
-from cpm_app.model.text.language import from_core, tr
-from cpm_app.model.text.wording import rich
+from cpm_app.model.parameters.controls import build_controls
+from cpm_app.model.text.assets import find_asset, read_guide_page
+from cpm_app.model.text.keys import key_or_title
+from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.wording import format_symbol
 from cpm_app.views.widgets.actions import native
 from cpm_app.views.widgets.containers import Contents, arrange
 from cpm_app.views.window.shortcuts import Shortcuts
@@ -38,7 +38,7 @@ _GUIDE_SIZE = QSize(780, 640)
 _GUIDE_PICTURE_WIDTH = 300
 """Width of a picture [px]."""
 
-_PARAMETER_LABELS = {control.name: f"“{control.title}” ({rich(control.symbol)})" for control in controls()}
+_PARAMETER_LABELS = {control.name: f"“{control.title}” ({format_symbol(control.symbol)})" for control in build_controls()}
 """Labels of parameters by their names."""
 
 
@@ -56,7 +56,7 @@ class Guide(QDialog):
         self._open_sample = open_sample
         for key in shortcuts.keys(KEYS):
             QShortcut(QKeySequence(key), self, self.close)
-        self.contents = Contents(tr("Pages"), [from_core(guide_page(name)[0].text) for name in PAGES])
+        self.contents = Contents(tr("Pages"), [translate_core_text(read_guide_page(name)[0].text) for name in PAGES])
         self.text = QTextBrowser(openLinks=False)
         self.text.document().setDocumentMargin(14)
         self.text.anchorClicked.connect(self._follow)
@@ -82,11 +82,11 @@ class Guide(QDialog):
 
     def _show(self, _: int = 0) -> None:
         parts = []
-        for mark, text, picture in guide_page(self.page):
+        for mark, text, picture in read_guide_page(self.page):
             tag = {"# ": "h2", "1. ": "li", "": "p"}[mark]
-            address = QUrl.fromLocalFile(str(asset(f"guide/{picture}"))).toString() if picture else ""
+            address = QUrl.fromLocalFile(str(find_asset(f"guide/{picture}"))).toString() if picture else ""
             image = f"<br><img src='{address}' width='{_GUIDE_PICTURE_WIDTH}'><br>" if picture else ""
-            parts.append(f"<{tag}>{self._named(from_core(text))}{image}</{tag}>")
+            parts.append(f"<{tag}>{self._named(translate_core_text(text))}{image}</{tag}>")
         whole = re.sub(r"((?:<li>.*?</li>)+)", r"<ol>\1</ol>", "".join(parts), flags=re.DOTALL)
         self.text.setHtml(whole + (self._keys() if self.page == KEYS else ""))
 
@@ -99,7 +99,7 @@ class Guide(QDialog):
     def _named(self, text: str) -> str:
         """Replace actions in braces by name and key, and parameters (``{=beta}``) by label and symbol."""
         text = re.sub(r"\{=(\w+)\}", lambda found: _PARAMETER_LABELS[found.group(1)], text)
-        text = re.sub(r"\{key:(\w+)\}", lambda found: html.escape(key_of(found.group(1))), text)
+        text = re.sub(r"\{key:(\w+)\}", lambda found: html.escape(key_or_title(found.group(1))), text)
         actions = self._shortcuts.names()
 
         def format_action(found: re.Match[str]) -> str:

@@ -9,7 +9,7 @@ from PySide6.QtCore import QEvent, QObject, QPoint
 from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu, QMenuBar, QWidget
 
-from cpm_app.model.text.keys import distinct
+from cpm_app.model.text.keys import make_mnemonics_unique
 from cpm_app.model.text.language import tr
 from cpm_app.views.widgets.actions import Actions, ActionSpec, MenuOwner, Submenu
 from cpm_core.numerics.types import Texts
@@ -20,7 +20,7 @@ def keep_apart(menu: QMenu) -> None:
 
     def make_distinct() -> None:
         visible = [action for action in menu.actions() if action.isVisible() and not action.isSeparator()]
-        for action, text in zip(visible, distinct([action.text() for action in visible]), strict=True):
+        for action, text in zip(visible, make_mnemonics_unique([action.text() for action in visible]), strict=True):
             if text != action.text():
                 action.setText(text)
 
@@ -53,7 +53,7 @@ class Menus:
 
     def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
-        for name, title in zip(MENUS, distinct([*MENUS.values()]), strict=True):
+        for name, title in zip(MENUS, make_mnemonics_unique([*MENUS.values()]), strict=True):
             self._menus[name] = bar.addMenu(title)
         for spec in sorted(specs, key=lambda spec: spec.name == QUIT):
             if not spec.menu or spec.menu.startswith(">"):

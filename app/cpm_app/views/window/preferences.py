@@ -30,8 +30,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.preferences.shortcuts import refusal
-from cpm_app.model.preferences.table import BY_PAGE, PAGES, Choice, Color, Flag, Number, Preference
+from cpm_app.model.preferences.shortcuts import explain_reserved_key
+from cpm_app.model.preferences.table import PREFERENCES_BY_PAGE, PAGE_TITLES, ChoicePreference, ColorPreference, FlagPreference, NumberPreference, Preference
 from cpm_app.model.text.language import tr
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.theme.icons import swatch
@@ -73,10 +73,10 @@ class PreferencesDialog(QDialog):
         self.rows: dict[str, QWidget] = {}
         self._preferences = preferences
         self._show: dict[str, Callback] = {}
-        self.contents = Contents(tr("Pages of the preferences"), [*PAGES.values()])
+        self.contents = Contents(tr("Pages of the preferences"), [*PAGE_TITLES.values()])
         preferences.changed.connect(self._follow)
-        self._made = {name: self._make_page(name) for name in BY_PAGE} | {"shortcuts": ShortcutsPage(shortcuts)}
-        for name in PAGES:
+        self._made = {name: self._make_page(name) for name in PREFERENCES_BY_PAGE} | {"shortcuts": ShortcutsPage(shortcuts)}
+        for name in PAGE_TITLES:
             self._pages.addWidget(self._made[name])
         self.contents.currentRowChanged.connect(self._pages.setCurrentIndex)
         self.contents.setCurrentRow(0)
@@ -105,12 +105,12 @@ class PreferencesDialog(QDialog):
 
     def turn_to(self, page: str) -> None:
         """Show a page by its name."""
-        self.contents.setCurrentRow(list(PAGES).index(page))
+        self.contents.setCurrentRow(list(PAGE_TITLES).index(page))
 
     def reset(self) -> None:
         """Set everything on the shown page to its default."""
-        page = list(PAGES)[self.contents.currentRow()]
-        for preference in BY_PAGE.get(page, ()):
+        page = list(PAGE_TITLES)[self.contents.currentRow()]
+        for preference in PREFERENCES_BY_PAGE.get(page, ()):
             self._preferences.choose(preference, preference.default)
         if page == "shortcuts":
             self._keys.reset()
@@ -128,7 +128,7 @@ class PreferencesDialog(QDialog):
         )
         page.setWidget(content)
         page.setFrameShape(QFrame.Shape.NoFrame)
-        for preference in BY_PAGE[name]:
+        for preference in PREFERENCES_BY_PAGE[name]:
             self._add_row(rows, preference)
         return page
 
@@ -158,23 +158,23 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
     """
     value, store = preferences.value(preference), partial(preferences.choose, preference)
     match preference:
-        case Flag():
+        case FlagPreference():
             check = QCheckBox(preference.text)
             check.setChecked(value)
             check.toggled.connect(store)
             return check, check.setChecked
-        case Number():
+        case NumberPreference():
             limits = preference.low, preference.high, preference.step
             number = DecimalField(*limits, preference.decimals, preference.suffix)
             number.setValue(value)
             number.valueChanged.connect(store)
             return number, number.setValue
-        case Choice():
-            choice = ChoiceBox(preference.ways)
+        case ChoicePreference():
+            choice = ChoiceBox(preference.choices)
             choice.show_value(value)
             choice.chosen.connect(store)
             return choice, choice.show_value
-        case Color():
+        case ColorPreference():
             button = QPushButton(autoDefault=False)
             button.setMinimumWidth(_MIN_COLOR_BUTTON_WIDTH)
             button.setToolTip(tr("Choose another color…"))
@@ -283,7 +283,7 @@ class ShortcutsPage(QWidget):
         key, name = self.keys.keySequence().toString(QKeySequence.SequenceFormat.PortableText), self._current
         if not name or not key:
             return
-        other, refused = self._shortcuts.holder(key, name), refusal(key)
+        other, refused = self._shortcuts.holder(key, name), explain_reserved_key(key)
         if refused:
             self._say(refused)
         elif other is not None:

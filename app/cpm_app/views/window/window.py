@@ -15,9 +15,9 @@ from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplicat
 from PySide6.QtWidgets import QMainWindow, QWidget
 
 from cpm_app.model.display.lengths import prefer_unit
-from cpm_app.model.preferences.table import CONTOUR_WIDTH, INKS, POINT_SIZE, SHAPE_WIDTH, THEME, UNIT
-from cpm_app.model.state.situation import NOT_IN_VOLUMES
-from cpm_app.model.text.keys import use_names
+from cpm_app.model.preferences.table import CONTOUR_WIDTH, INK_PREFERENCES, POINT_SIZE, SHAPE_WIDTH, THEME_PREFERENCE, UNIT_PREFERENCE
+from cpm_app.model.state.situation import HIDDEN_IN_VOLUMES
+from cpm_app.model.text.keys import use_action_names
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import Opened
 from cpm_app.session.features.workspace import Workspace
@@ -52,7 +52,7 @@ _LAYOUT_KEY = "window/panels"
 _THEMES_BY_NAME = {"light": theme.LIGHT, "dark": theme.DARK}
 """Themes by the names in the preferences."""
 
-_STYLE_KEYS = {CONTOUR_WIDTH.name, SHAPE_WIDTH.name, POINT_SIZE.name, *(ink.name for ink in INKS.values())}
+_STYLE_KEYS = {CONTOUR_WIDTH.name, SHAPE_WIDTH.name, POINT_SIZE.name, *(ink.name for ink in INK_PREFERENCES.values())}
 """Preferences that change how the canvas looks."""
 
 
@@ -116,7 +116,7 @@ class MainWindow(QMainWindow):
         self.workspace = workspace
         self.session = session = workspace.session
         self.preferences = preferences or Preferences(self)
-        self.preferences.follow(UNIT, lambda: prefer_unit(self.preferences.value(UNIT)))
+        self.preferences.follow(UNIT_PREFERENCE, lambda: prefer_unit(self.preferences.value(UNIT_PREFERENCE)))
         self._garbage = GarbageCollector(self)  # before any widget is created: the worker thread is already running
         self.turns = Turns(self)
         self.setAcceptDrops(True)
@@ -217,7 +217,7 @@ class MainWindow(QMainWindow):
     def _keep_tool(self) -> None:
         """Switch to the first tool if the tool in use does not work in volumes."""
         tool = self.canvas_area.canvas.hold.tool
-        if self.session.scene.slices is not None and tool is not None and tool.name in NOT_IN_VOLUMES:
+        if self.session.scene.slices is not None and tool is not None and tool.name in HIDDEN_IN_VOLUMES:
             self.refresh()
             self.do(FIRST_TOOL)
 
@@ -244,7 +244,7 @@ class MainWindow(QMainWindow):
         self.shortcuts.changed.emit()
 
     def _use_keys(self) -> None:
-        use_names(self.shortcuts.names())
+        use_action_names(self.shortcuts.names())
         self.actions_by_name.show_keys()
         self.canvas_area.messages.show_keys()
         self.canvas_area.refresh()
@@ -256,7 +256,7 @@ class MainWindow(QMainWindow):
 
     def _follow(self, key: str) -> None:
         """Apply a preference that has changed."""
-        if key == THEME.name:
+        if key == THEME_PREFERENCE.name:
             self._use_chosen_theme()
         elif key in _STYLE_KEYS:
             self._use_look()
@@ -264,12 +264,12 @@ class MainWindow(QMainWindow):
                 item.update()
             self.canvas_area.strip.legend.update()
             self._use_chosen_theme()
-        elif key == UNIT.name:
+        elif key == UNIT_PREFERENCE.name:
             self.canvas_area.canvas.layers["scale_bar"].show_or_hide()
             self.refresh()
 
     def _use_chosen_theme(self) -> None:
-        self.use_theme(_THEMES_BY_NAME.get(self.preferences.value(THEME)) or theme.system_theme())
+        self.use_theme(_THEMES_BY_NAME.get(self.preferences.value(THEME_PREFERENCE)) or theme.system_theme())
 
     def _use_look(self) -> None:
         value = self.preferences.value
@@ -278,6 +278,6 @@ class MainWindow(QMainWindow):
                 contours=value(CONTOUR_WIDTH) / CONTOUR_WIDTH.default,
                 shapes=value(SHAPE_WIDTH) / SHAPE_WIDTH.default,
                 points=value(POINT_SIZE) / POINT_SIZE.default,
-                colors={name: value(color) for name, color in INKS.items() if value(color) != color.default},
+                colors={name: value(color) for name, color in INK_PREFERENCES.items() if value(color) != color.default},
             )
         )

@@ -131,7 +131,7 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     view = found.feature(SpaceFeature).panel.view
     hand.wait(lambda: view.idle and view._frame is not None)
     beside = np.array([OTHER]) + 5.0 * view.camera.axes[0]  # off the lines of the start in it
-    seen = view.camera.seen(beside, view.room)[0] / view.devicePixelRatioF()
+    seen = view.camera.project(beside, view.room)[0] / view.devicePixelRatioF()
     at = QPoint(round(seen[0]), round(seen[1]))
     hand.qtbot.mouseClick(view, Button.LeftButton, SHIFT, at)
     assert [said.inside for said in found.session.document.objects.clicks] == [False]

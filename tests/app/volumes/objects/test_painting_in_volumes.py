@@ -124,7 +124,7 @@ def test_the_lines_in_slices_enclose_the_voxels_that_have_been_painted(volume, h
     for view in (hand.canvas, *volume.feature(SlicesFeature).sides):
         here = view.drawn.slices.current
         (cut,) = view.drawn.document.objects.items
-        expected = here.of(mask)
+        expected = here.slice_array(mask)
         pixels = np.moveaxis(np.indices(expected.shape), 0, -1).reshape(-1, 2).astype(float)
         inside = np.zeros(len(pixels), bool)
         for line in cut.boundary:
@@ -202,7 +202,7 @@ def test_painted_objects_limit_the_next_run_start_it_and_have_center_lines(volum
     volume.workspace.object_list.ball = True
     stroke(hand.canvas, (12, 6), (12, 26))
     mask = masks(volume)[0]
-    for edit in (objects.as_regions, objects.as_barriers, objects.as_starts):
+    for edit in (objects.add_objects_as_regions, objects.add_objects_as_barriers, objects.add_objects_as_starts):
         volume.session.edit("use", lambda document, edit=edit: edit(document, (1,)))
     region, wall, points = volume.session.document.shapes
     assert not (volume.session.document.regions.voxel_mask(SHAPE) & ~mask).any()

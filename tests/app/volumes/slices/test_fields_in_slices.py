@@ -22,7 +22,7 @@ def test_arrows_of_the_field_point_to_the_surface_in_every_slice(volume, hand) -
     for view in views:
         field = view.drawn.overlays["field"]
         assert field.shape[1:] == view.shape
-        center = view.drawn.slices.current.flattened(CENTER[None])[0]
+        center = view.drawn.slices.current.project_points(CENTER[None])[0]
         places = np.argwhere(np.ones(view.shape))
         away = np.linalg.norm(places - center, axis=1)
         outward = ((places - center) * field[:, places[:, 0], places[:, 1]].T).sum(axis=1)
@@ -56,11 +56,11 @@ def test_forces_on_the_particle_under_the_pointer_are_shown_along_the_slice(volu
 def test_a_sampled_force_is_interpolated_and_counts_in_pixels_of_the_slice() -> None:
     planes, rows, cols = np.meshgrid(*(np.arange(side, dtype=float) for side in (96, 80, 72)), indexing="ij")
     force = np.stack([planes, rows + cols, 2.0 * cols])
-    sampled = SampledForce.of(force, (3.0, 1.0, 2.0))
-    assert sampled.step > 1
-    found = sampled.slice_of(Slice(0, 33), (80, 72))
+    sampled = SampledForce.from_force(force, (3.0, 1.0, 2.0))
+    assert sampled.stride > 1
+    found = sampled.interpolate_slice(Slice(0, 33), (80, 72))
     inner = (slice(0, 70), slice(0, 60))
     np.testing.assert_allclose(found[0][inner], (rows + cols)[33][inner], rtol=1e-5, atol=1e-3)
     np.testing.assert_allclose(found[1][inner], cols[33][inner], rtol=1e-5, atol=1e-3)
-    across = sampled.slice_of(Slice(2, 11), (96, 80))
+    across = sampled.interpolate_slice(Slice(2, 11), (96, 80))
     np.testing.assert_allclose(across[0][:80, :70], planes[:80, :70, 11] / 3.0, rtol=1e-5, atol=1e-3)

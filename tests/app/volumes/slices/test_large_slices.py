@@ -22,7 +22,7 @@ WHOLE = IntensityWindow(20.0, 200.0)
 def large(monkeypatch, window, hand, volume_file):
     """A window on a volume whose slices count as large."""
     monkeypatch.setattr(slices, "AT_ONCE", 100)
-    monkeypatch.setattr(display_image, "_PREVIEW", 8)
+    monkeypatch.setattr(display_image, "_PREVIEW_SIDE", 8)
     open_file(window, hand, volume_file)
     return window
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cpm_app.model.volume.shape_sections import RegionElsewhere, sections
+from cpm_app.model.volume.shape_sections import RegionElsewhere, cut_shape
 from cpm_app.model.volume.slices import Slice
-from cpm_app.model.volume.surface_section import section as lines_of
+from cpm_app.model.volume.surface_section import cut_surface as lines_of
 from hypothesis import given
 from hypothesis import strategies as st
 from skimage.measure import marching_cubes
@@ -47,21 +47,21 @@ triples = st.tuples(places, places, places)
 @given(axes, st.integers(0, 40), places, places)
 def test_a_position_in_a_slice_is_found_again_in_the_volume(axis, index, row, col) -> None:
     here = Slice(axis, index)
-    place = here.lifted((row, col))
+    place = here.lift_position((row, col))
     assert place[axis] == index
-    assert here.within(place) == (row, col)
-    np.testing.assert_array_equal(here.flattened(np.array([place])), [(row, col)])
+    assert here.drop_axis(place) == (row, col)
+    np.testing.assert_array_equal(here.project_points(np.array([place])), [(row, col)])
 
 
 @given(triples, st.floats(1, 40), st.tuples(*[st.floats(1, 4)] * 3), axes, st.integers(-60, 60))
 def test_the_section_of_a_sphere_lies_on_the_sphere(center, radius, sides, axis, index) -> None:
     sphere = Sphere(center, radius, sides)
-    found = next(iter(sections(sphere, Slice(axis, index))), None)
+    found = next(iter(cut_shape(sphere, Slice(axis, index))), None)
     if found is None:
         assert abs(index - center[axis]) * sides[axis] >= radius
         return
     if min(found.line.radii) > 0.5:  # the least radius that a shape has
-        outline = [Slice(axis, index).lifted(tuple(corner)) for corner in found.outline.tolist()]
+        outline = [Slice(axis, index).lift_position(tuple(corner)) for corner in found.outline.tolist()]
         assert max(map(sphere.distance_to, outline)) < 1e-6 * (1 + radius + max(map(abs, center)))
 
 
@@ -103,7 +103,7 @@ def test_a_slice_shows_of_a_box_the_rectangle_between_its_faces(axis, one, other
     low, high = np.sort([one, other], axis=0)
     high = np.maximum(high, low + 1.0)
     for kind in (Box, BoxRegion):
-        found = sections(kind(tuple(low), tuple(high)), Slice(axis, index))
+        found = cut_shape(kind(tuple(low), tuple(high)), Slice(axis, index))
         if low[axis] <= index <= high[axis]:
             (cut,) = found
             expected = np.delete([low, high], axis, axis=1)
@@ -118,10 +118,10 @@ def test_a_slice_shows_of_a_box_the_rectangle_between_its_faces(axis, one, other
 def test_the_handles_of_a_box_move_the_faces_that_they_lie_on(kind, axis) -> None:
     box = kind((10.0, 20.0, 30.0), (16.0, 28.0, 40.0))
     here = Slice(axis, (12, 25, 36)[axis])
-    (cut,) = sections(box, here)
+    (cut,) = cut_shape(box, here)
     for handle in cut.handles():
         for by in ((3.0, 0.0), (-2.0, 5.0), (50.0, -50.0)):
-            place, to = here.lifted(handle), here.lifted(tuple(np.add(handle, by).tolist()))
+            place, to = here.lift_position(handle), here.lift_position(tuple(np.add(handle, by).tolist()))
             changed = box.with_handle_at(place, to)
             moved = set()
             for name in ("first", "last"):
@@ -138,33 +138,33 @@ def test_the_handles_of_a_box_move_the_faces_that_they_lie_on(kind, axis) -> Non
 def test_what_is_drawn_through_slices_is_a_line_in_its_own_and_strips_in_the_others(axis) -> None:
     others = [other for other in range(3) if other != axis]
     region, wall = PrismRegion(SQUARE, axis, 2.0, 11.0), Wall(SQUARE[:3], axis, 2.0, 11.0)
-    (cut,), (line,) = sections(region, Slice(axis, 5)), sections(wall, Slice(axis, 5))
+    (cut,), (line,) = cut_shape(region, Slice(axis, 5)), cut_shape(wall, Slice(axis, 5))
     assert cut.points == SQUARE
     assert line == Barrier(SQUARE[:3])
-    assert sections(wall, Slice(axis, 14)) == ()
-    assert isinstance(sections(region, Slice(axis, 14))[0], RegionElsewhere)
+    assert cut_shape(wall, Slice(axis, 14)) == ()
+    assert isinstance(cut_shape(region, Slice(axis, 14))[0], RegionElsewhere)
     for along, across in (others, others[::-1]):
         at = 5.0  # where both are cut
-        (strip,) = sections(region, Slice(along, at))
+        (strip,) = cut_shape(region, Slice(along, at))
         assert isinstance(strip, Region)
         low, high = np.min(strip.points, axis=0), np.max(strip.points, axis=0)
         expected = {axis: (2.0, 11.0), across: (3.0, 9.0) if across == others[1] else (2.0, 8.0)}
         shown = sorted((axis, across))
         np.testing.assert_allclose(np.stack([low, high], axis=1), [expected[one] for one in shown])
         here = Slice(along, int(at))
-        handle = here.lifted(strip.handles()[1])
+        handle = here.lift_position(strip.handles()[1])
         to = tuple(7.0 if one == axis else value for one, value in enumerate(handle))
         assert region.with_handle_at(handle, to).last == 7.0
 
 
 def test_a_charge_is_seen_where_it_acts_and_held_where_it_lies() -> None:
     charge = Charge((20.0, 30.0, 40.0), 2.0)
-    (here,), (near,) = sections(charge, Slice(0, 20)), sections(charge, Slice(0, 26))
+    (here,), (near,) = cut_shape(charge, Slice(0, 20)), cut_shape(charge, Slice(0, 26))
     assert here.in_slice
     assert not near.in_slice
     assert here.distance((30.0, 40.0)) == 0.0
     assert near.distance((30.0, 40.0)) == np.inf
-    assert np.hypot(*(near.ring(16.0) - (30, 40)).T) == pytest.approx(np.sqrt(16.0**2 - 6.0**2))
-    assert sections(charge, Slice(0, 40)) == ()
-    (flat,) = sections(charge, Slice(1, 30), (2.0, 1.0, 1.0))
-    assert np.ptp(flat.ring(16.0), axis=0) == pytest.approx([16.0, 32.0], rel=1e-3)
+    assert np.hypot(*(near.cut_sphere_around(16.0) - (30, 40)).T) == pytest.approx(np.sqrt(16.0**2 - 6.0**2))
+    assert cut_shape(charge, Slice(0, 40)) == ()
+    (flat,) = cut_shape(charge, Slice(1, 30), (2.0, 1.0, 1.0))
+    assert np.ptp(flat.cut_sphere_around(16.0), axis=0) == pytest.approx([16.0, 32.0], rel=1e-3)

@@ -39,9 +39,9 @@ def test_the_other_axes_are_shown_beside_the_canvas(volume, hand) -> None:
         others = [other for other in range(3) if other != axis]
         for view, other in zip(sides(volume), others, strict=True):
             assert view.isVisible()
-            here = volume.session.scene.slices.across(other)
+            here = volume.session.scene.slices.slice_across(other)
             np.testing.assert_array_equal(view.drawn.image.values, np.take(ball(), here.index, axis=other))
-            assert lines(view) == list(here.within(volume.session.scene.slices.voxel))
+            assert lines(view) == list(here.drop_axis(volume.session.scene.slices.voxel))
 
 
 @pytest.mark.parametrize("button", [Qt.MouseButton.RightButton, LEFT])

@@ -35,7 +35,7 @@ def draw(window, shape) -> None:
 
 def on_screen(view, place) -> QPoint:
     """Where the view shows a place of the volume."""
-    seen = view.camera.seen(np.array([place]), view.room)[0] / view.devicePixelRatioF()
+    seen = view.camera.project(np.array([place]), view.room)[0] / view.devicePixelRatioF()
     return QPoint(round(float(seen[0])), round(float(seen[1])))
 
 

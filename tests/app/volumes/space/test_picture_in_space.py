@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from cpm_app.model.display.display_image import IntensityWindow
 from cpm_app.model.space.camera import Camera
-from cpm_app.model.space.picture import FAR, Picture, draw_balls, draw_lines
-from cpm_app.model.space.triangles import Cut, Mesh, draw_mesh
-from cpm_app.model.space.view_in_space import Look, Particles, ShownParts, ViewInSpace
-from cpm_app.model.space.voxels import Shaded, draw_projection, draw_slice
+from cpm_app.model.space.picture import EMPTY_DEPTH, Picture, draw_balls, draw_lines
+from cpm_app.model.space.triangles import CutPlane, SurfaceMesh, draw_mesh
+from cpm_app.model.space.view_in_space import SpaceStyle, ShownParticles, ShownParts, ViewInSpace
+from cpm_app.model.space.voxels import ShadedVolume, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slice, Slices
 from cpm_app.views.canvas.flow import start
 from hypothesis import given, settings
@@ -28,7 +28,7 @@ GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)
 
 angles = st.floats(-3.0, 3.0)
 cameras = st.builds(
-    lambda one, other, roll, scale: Camera.on((20.0, 30.0, 40.0), SIZE).turned(one, other).rolled(roll).zoomed(scale),
+    lambda one, other, roll, scale: Camera.facing_box((20.0, 30.0, 40.0), SIZE).rotated(one, other).rolled(roll).zoomed(scale),
     angles,
     angles,
     angles,
@@ -43,7 +43,7 @@ def blank() -> Picture:
 def of_shape(shape: tuple[int, ...], spacing: tuple[float, ...] = (1.0, 1.0, 1.0), **more: object) -> ViewInSpace:
     """A view of a volume of this shape."""
     image = Image(np.arange(float(np.prod(shape))).reshape(shape), spacing)
-    return ViewInSpace(image, Shaded(image.values, WHOLE), Slices.of(shape), **more)
+    return ViewInSpace(image, ShadedVolume(image.values, WHOLE), Slices.through_middle(shape), **more)
 
 
 def front(scale: float = 1.0) -> Camera:
@@ -65,15 +65,15 @@ def ball(radius: float, center: float, rings: int = 24) -> Surface:
 
 @given(camera=cameras, place=st.tuples(*[st.floats(-50.0, 50.0)] * 3))
 def test_a_pixel_and_its_depth_lead_back_to_the_position(camera, place) -> None:
-    x, y, depth = camera.seen(np.array([place]), SIZE)[0].astype(float)
-    back = camera.corner(SIZE) + np.array([x, y, depth]) @ camera.axes / camera.scale
+    x, y, depth = camera.project(np.array([place]), SIZE)[0].astype(float)
+    back = camera.first_pixel_position(SIZE) + np.array([x, y, depth]) @ camera.axes / camera.scale
     assert back == pytest.approx(place, abs=1e-2)
 
 
 @given(camera=cameras, right=st.floats(-20, 20), down=st.floats(-20, 20), factor=st.floats(0.2, 5.0))
 def test_enlarging_keeps_the_place_under_the_pointer(camera, right, down, factor) -> None:
     under = camera.center + (right * camera.axes[0] + down * camera.axes[1]) / camera.scale
-    seen = camera.zoomed(factor, right, down).seen(under[None], SIZE)[0]
+    seen = camera.zoomed(factor, right, down).project(under[None], SIZE)[0]
     assert seen[:2] == pytest.approx((MIDDLE[0] + right, MIDDLE[1] + down), abs=1e-2)
 
 
@@ -84,8 +84,8 @@ def test_each_pixel_shows_the_nearest_triangle_on_its_line_of_sight(seed, camera
     rng = np.random.default_rng(seed)
     vertices = np.array(camera.center) + rng.normal(0.0, 12.0 / camera.scale, (9, 3))
     picture = blank()
-    draw_mesh(picture, Mesh(Surface(vertices, np.arange(9).reshape(3, 3))), camera, RED, GREEN)
-    seen = camera.seen(vertices, SIZE).astype(float).reshape(3, 3, 3)
+    draw_mesh(picture, SurfaceMesh(Surface(vertices, np.arange(9).reshape(3, 3))), camera, RED, GREEN)
+    seen = camera.project(vertices, SIZE).astype(float).reshape(3, 3, 3)
     for row in range(0, SIZE[0], 3):
         for col in range(0, SIZE[1], 3):
             found, sure = np.inf, True
@@ -101,14 +101,14 @@ def test_each_pixel_shows_the_nearest_triangle_on_its_line_of_sight(seed, camera
                     found = min(found, (a + to_b * (b - a) + to_c * (c - a))[2])
             depth = picture.depths[row, col]
             if sure:
-                assert (depth == FAR) == np.isinf(found)
+                assert (depth == EMPTY_DEPTH) == np.isinf(found)
                 assert np.isinf(found) or depth == pytest.approx(found, abs=0.05)
 
 
 def test_a_cut_lays_the_inside_open() -> None:
-    mesh, camera = Mesh(ball(8.0, 0.0, 48)), front()
+    mesh, camera = SurfaceMesh(ball(8.0, 0.0, 48)), front()
     picture = blank()
-    draw_mesh(picture, mesh, camera, RED, GREEN, Cut(0, 0.0))
+    draw_mesh(picture, mesh, camera, RED, GREEN, CutPlane(0, 0.0))
     assert picture.depths[19, 29] == pytest.approx(8.0, abs=0.1)
     assert picture.colors[19, 29, 1] > picture.colors[19, 29, 0]
     assert picture.depths.min() >= -0.01
@@ -118,7 +118,7 @@ def test_a_cut_lays_the_inside_open() -> None:
 @settings(max_examples=10)
 def test_balls_hide_what_is_behind_them(camera, seed, radius) -> None:
     rng = np.random.default_rng(seed)
-    places = camera.seen(camera.center + rng.normal(0.0, 10.0 / camera.scale, (6, 3)), SIZE)
+    places = camera.project(camera.center + rng.normal(0.0, 10.0 / camera.scale, (6, 3)), SIZE)
     colors = rng.integers(100, 255, (6, 3)).astype(np.uint8)
     picture = blank()
     draw_balls(picture, places, colors, radius)
@@ -127,7 +127,7 @@ def test_balls_hide_what_is_behind_them(camera, seed, radius) -> None:
     depths = np.where(off >= 0, places[:, 2] - np.sqrt(np.maximum(off, 0)), np.inf)
     sure = (np.abs(off) > 1e-3).all(-1)
     nearest = depths.min(-1)
-    assert ((picture.depths < FAR) == np.isfinite(nearest))[sure].all()
+    assert ((picture.depths < EMPTY_DEPTH) == np.isfinite(nearest))[sure].all()
     both = sure & np.isfinite(nearest)
     assert picture.depths[both] == pytest.approx(nearest[both], abs=1e-2)
 
@@ -145,9 +145,9 @@ def test_a_slice_lies_where_its_voxels_are(camera, axis, index) -> None:
     colors = np.full((*[shape[k] for k in range(3) if k != axis], 3), 255, np.uint8)
     picture = blank()
     draw_slice(picture, Slice(axis, index), colors, camera, tuple(spacing))
-    rows, cols = np.nonzero(picture.depths < FAR)
+    rows, cols = np.nonzero(picture.depths < EMPTY_DEPTH)
     seen = np.stack([cols, rows, picture.depths[rows, cols]], -1)
-    voxels = (camera.corner(SIZE) + seen @ camera.axes / camera.scale) / spacing
+    voxels = (camera.first_pixel_position(SIZE) + seen @ camera.axes / camera.scale) / spacing
     assert np.abs(voxels[:, axis] - index).max(initial=0.0) < 1e-2
     assert (voxels > -0.51).all()
     assert (voxels < np.array(shape) - 0.49).all()
@@ -162,9 +162,9 @@ def test_the_projection_seen_straight_is_the_maximum_along_the_axis(axis, spread
     picture = Picture.blank(shape, (0, 0, 0))
     center = (np.array(voxels.shape) - 1) / 2
     camera = straight(center, axis)
-    draw_projection(picture, Shaded(voxels, WHOLE), camera, (1.0, 1.0, 1.0), GRAY)
+    draw_projection(picture, ShadedVolume(voxels, WHOLE), camera, (1.0, 1.0, 1.0), GRAY)
     assert (picture.colors[..., 0] == voxels.max(axis)).all()
-    assert (picture.depths == FAR).all()
+    assert (picture.depths == EMPTY_DEPTH).all()
 
 
 @given(ends=st.lists(st.tuples(st.floats(-90, 150), st.floats(-90, 150)), min_size=2, max_size=2))
@@ -172,7 +172,7 @@ def test_a_line_has_a_pixel_at_every_step_and_none_beside_it(ends) -> None:
     seen = np.array([[*ends[0], 0.0], [*ends[1], 0.0]], np.float32)
     picture = blank()
     draw_lines(picture, seen, np.array([RED], np.uint8))
-    rows, cols = np.nonzero(picture.depths < FAR)
+    rows, cols = np.nonzero(picture.depths < EMPTY_DEPTH)
     (x, y), (d_x, d_y) = seen[0, :2].astype(float), (seen[1] - seen[0])[:2].astype(float)
     steps = max(abs(d_x), abs(d_y), 1e-6)
     part = np.clip((((cols - x) * d_x) + ((rows - y) * d_y)) / max(d_x**2 + d_y**2, 1e-9), 0, 1)
@@ -184,14 +184,14 @@ def test_a_line_has_a_pixel_at_every_step_and_none_beside_it(ends) -> None:
 
 
 def test_a_surface_that_is_not_opaque_lets_the_particles_behind_it_be_seen() -> None:
-    mesh = Mesh(ball(8.0, 10.0, 48))
-    inside = Particles(np.array([[10.0, 10.0, 10.0]]), np.array([[0, 0, 250]], np.uint8))
-    look, camera = Look(radius=3.0), Camera(np.full(3, 10.0), front().axes, 1.0)
+    mesh = SurfaceMesh(ball(8.0, 10.0, 48))
+    inside = ShownParticles(np.array([[10.0, 10.0, 10.0]]), np.array([[0, 0, 250]], np.uint8))
+    look, camera = SpaceStyle(radius=3.0), Camera(np.full(3, 10.0), front().axes, 1.0)
     blue = {}
     for opacity in (0.0, 0.5, 1.0):
         shown = ShownParts(opacity=opacity, box=False)
         view = of_shape((21, 21, 21), particles=inside, mesh=mesh, shown=shown)
-        blue[opacity] = view.drawn(camera, (41, 41), look).colors[20, 20].astype(float)
+        blue[opacity] = view.render_picture(camera, (41, 41), look).colors[20, 20].astype(float)
     assert blue[0.0] == pytest.approx([0.0, 0.0, 250.0], abs=2.0)
     assert blue[0.5] == pytest.approx(0.5 * (blue[0.0] + blue[1.0]), abs=1.5)
 

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from cpm_app.model.display.display_image import IntensityWindow
-from cpm_app.model.space.triangles import Mesh
-from cpm_app.model.space.view_in_space import Particles, ViewInSpace
-from cpm_app.model.space.voxels import Shaded
+from cpm_app.model.space.triangles import SurfaceMesh
+from cpm_app.model.space.view_in_space import ShownParticles, ViewInSpace
+from cpm_app.model.space.voxels import ShadedVolume
 from cpm_app.model.volume.slices import Slices
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.volume.space_panel import SpacePanel
@@ -48,7 +48,7 @@ def contents(**more: object) -> ViewInSpace:
 
 def of(voxels: np.ndarray, spacing: tuple[float, ...], unit: str | None, **more: object) -> ViewInSpace:
     image = Image(voxels.astype(float), spacing, unit)
-    return ViewInSpace(image, Shaded(image.values, IntensityWindow(0.0, 255.0)), Slices.of(image.shape), **more)
+    return ViewInSpace(image, ShadedVolume(image.values, IntensityWindow(0.0, 255.0)), Slices.through_middle(image.shape), **more)
 
 
 @pytest.fixture
@@ -58,7 +58,7 @@ def panel(qtbot: QtBot, workspace: Workspace) -> Iterator[SpacePanel]:
     for part in (made, made.view):
         part.show()
         qtbot.waitExposed(part)
-    made.show_contents(contents(mesh=Mesh(CUBE)))
+    made.show_contents(contents(mesh=SurfaceMesh(CUBE)))
     settle(qtbot, made)
     yield made
     made.view.close_thread()
@@ -158,7 +158,7 @@ def test_a_click_picks_the_place_that_is_seen(qtbot, panel) -> None:
 
 def test_controls_show_and_hide_each_part(qtbot, panel) -> None:
     places = np.array([[10.0, 20.0, c] for c in range(41)])
-    shown = contents(mesh=Mesh(CUBE), particles=Particles(places, np.full((41, 3), (0, 255, 0), np.uint8)))
+    shown = contents(mesh=SurfaceMesh(CUBE), particles=ShownParticles(places, np.full((41, 3), (0, 255, 0), np.uint8)))
     panel.show_contents(shown)
     parts = panel.bar.checks
     for name, check in parts.items():
