@@ -76,7 +76,7 @@ def _open_window(path: str | None) -> int:
 
         # Before any module whose sentences are translated while it is imported.
         of_the_system = QLocale.system().uiLanguages()
-        language.use_language(Preferences().get(language.LANGUAGE_KEY, language.SYSTEM_LANGUAGE), of_the_system)
+        language.use_language(Preferences().read_key(language.LANGUAGE_KEY, language.SYSTEM_LANGUAGE), of_the_system)
         reason = explain_no_window()
         if reason:
             return _print_error(reason)

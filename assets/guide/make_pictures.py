@@ -45,7 +45,7 @@ def show(window: MainWindow, file: str) -> None:
     """Open a sample."""
     sample = find_sample_named(file)
     assert sample is not None
-    window.feature(OpenSaveFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
+    window.feature(OpenSaveFeature).document_file.treat_as_saved()  # nobody is there to be asked whether it is to be saved
     session, before = window.session, window.session.image_generation
     window.open_image(str(sample.path))
     wait(lambda: session.image_generation != before and session.idle and not session.status.busy)
@@ -103,7 +103,7 @@ def main() -> None:
     take(window, "artery_end")
     window.actions_by_name["mode_skeleton"].trigger()
     session.reset()
-    session.toggle()
+    session.toggle_run()
     wait(lambda: session.scene.skeleton is not None and session.idle)
     take(window, "artery_skeleton")
     show(window, "nuclei.png")
@@ -129,7 +129,7 @@ def main() -> None:
     take_in_space(window, "vessels_midway")
     run(window)
     take_in_space(window, "vessels_end")
-    window.feature(OpenSaveFeature).document_file.forget()
+    window.feature(OpenSaveFeature).document_file.treat_as_saved()
     window.close()
 
 

@@ -232,7 +232,7 @@ def hand(film: Film) -> None:
     film.hold(0.8)
     film.run(60)
     film.hold(0.6)
-    film.window.workspace.hand_editing.prepare()
+    film.window.workspace.hand_editing.request_edges()
     film.key(Qt.Key.Key_X, "X")
     film.settle()
     film.key(Qt.Key.Key_S, "S")

@@ -116,13 +116,13 @@ def objects(stand: Stand) -> None:
     stand.run()
     wait(lambda: selection.idle and bool(selection.proposals))
     stand.do("objects")
-    listed.accept()
+    listed.accept_pending()
     stand.settle()
     for category, name in ((1, "small"), (2, "large")):
         listed.name_class(category, name)
-    listed.choose({listed.under(place) for place in LARGE})
-    listed.classify(2)
-    listed.choose({listed.under(LARGE[0])})
+    listed.select_objects({listed.object_number_at(place) for place in LARGE})
+    listed.classify_selected(2)
+    listed.select_objects({listed.object_number_at(LARGE[0])})
     stand.window.docks.reveal("objects")
     stand.settle()
     stand.do("fit")
@@ -137,7 +137,7 @@ def steering(stand: Stand) -> None:
     shapes = (Charge((120.0, 60.0), 3.0), Charge((330.0, 120.0), -3.0), Barrier(((210.0, 235.0), (235.0, 300.0))))
     for shape in shapes:
         session.edit("place", lambda document, shape=shape: edits.add_shape(document, shape))
-    session.select(len(session.document.shapes) - 3)
+    session.select_shape(len(session.document.shapes) - 3)
     stand.do("layer_field")
     stand.step_to(120)
     stand.take("steering")
@@ -147,14 +147,14 @@ def branches(stand: Stand) -> None:
     """Two ways on from step 40, compared."""
     session, navigation = stand.window.session, stand.window.workspace.navigation
     stand.run()
-    navigation.go(navigation.outline.branch, 40)
+    navigation.go_to(navigation.timeline_state.branch, 40)
     stand.settle()
     session.edit("damping", lambda document: edits.set_parameter(document, "beta", 2.5))
     stand.step_to(90)
     compared = stand.window.workspace.comparison
-    compared.add_branch(navigation.outline.branches[0].identity)
-    compared.choose(max(compared.rows))
-    wait(lambda: len(compared.agreed) == 1)
+    compared.add_branch(navigation.timeline_state.branches[0].identity)
+    compared.select_row(max(compared.rows))
+    wait(lambda: len(compared.agreements) == 1)
     stand.window.docks.reveal("compare")
     stand.settle()
     stand.take("branches")
@@ -172,13 +172,13 @@ def trust(stand: Stand) -> None:
     with tempfile.TemporaryDirectory() as folder:
         mask = Path(folder) / "nuclei_mask.png"
         Picture.fromarray((values > np.percentile(values, 88)).astype(np.uint8) * 255).save(mask)
-        compared.load(mask)
+        compared.load_truth_file(mask)
         stand.settle()
         wait(lambda: len(compared.rows) == 2)
-    compared.choose(max(compared.rows))
+    compared.select_row(max(compared.rows))
     window.docks.reveal("compare")
     stand.settle()
-    wait(lambda: bool(compared.agreed))
+    wait(lambda: bool(compared.agreements))
     stand.take("trust")
 
 
@@ -197,14 +197,14 @@ def head(stand: Stand) -> None:
     stand.window.session.edit("clear", edits.clear_shapes)
     stand.do("objects")
     for category, (name, place) in enumerate(STRUCTURES.items(), start=1):
-        selection.click((place,))
+        selection.add_click((place,))
         wait(lambda: selection.idle and bool(selection.proposals))
         stand.settle()
-        listed.accept()
+        listed.accept_pending()
         stand.settle()
-        listed.choose({listed.under(place)})
-        listed.rename(("object", category), name)
-        listed.classify(category)
+        listed.select_objects({listed.object_number_at(place)})
+        listed.rename_row(("object", category), name)
+        listed.classify_selected(category)
         stand.settle()
     wait(lambda: stand.window.feature(SpaceFeature).panel.view.idle)
     stand.take("head")
@@ -233,7 +233,7 @@ def each_in_a_window(names: Iterable[str], size: tuple[int, int]) -> Iterator[tu
             stand = Stand(window)
             stand.settle()
             yield name, stand
-            window.feature(OpenSaveFeature).document_file.forget()
+            window.feature(OpenSaveFeature).document_file.treat_as_saved()
             window.close()
             window.deleteLater()
 

@@ -42,8 +42,8 @@ _COLLECTED_EVERY = 20
 """Number of tests after which garbage is collected, which takes as long as the quickest of them."""
 
 RESTS = (
-    (stack_pages, "_QUIET"), (stack_pages, "_WHILE_RUNNING"), (selector, "_QUIET"), (comparison, "_QUIET"),
-    (timeline, "_STAYING"), (run_keeping, "_QUIET"),
+    (stack_pages, "_LINK_DELAY"), (stack_pages, "_LINK_DELAY_WHILE_RUNNING"), (selector, "_PARTITION_DELAY"), (comparison, "_COMPARISON_DELAY"),
+    (timeline, "_CONTOURS_DELAY"), (run_keeping, "_COLLECT_DELAY"),
 )  # fmt: skip
 """Times without a change after which work begins [ms]."""
 
@@ -181,7 +181,7 @@ def rests_are_short(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def own_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No test reads or writes the user's pictures of recent work."""
-    monkeypatch.setattr(files, "folder_of_pictures", lambda: tmp_path / "pictures of work")
+    monkeypatch.setattr(files, "thumbnails_folder", lambda: tmp_path / "pictures of work")
 
 
 @pytest.fixture(autouse=True)
@@ -275,7 +275,7 @@ def window(qtbot: QtBot, workspace: Workspace, image_file: Path, kept_window: Ke
     elif shared:
         kept_window.keep(made)
     wait_until(qtbot, made.isActiveWindow)  # which the keys of actions need
-    session.open(image_file)
+    session.open_file(image_file)
     wait_until(qtbot, lambda: is_open(session, image_file))
     yield made
     if not shared:
@@ -304,7 +304,7 @@ def cases(window: MainWindow, request: pytest.FixtureRequest) -> Callable[[Itera
     def each(values: Iterable[T]) -> Iterator[T]:
         for value in values:
             request.node.add_report_section("call", "case", f"{value!r}\n")
-            window.session.begin_document(first)
+            window.session.load_document(first)
             window.canvas_area.messages.clear()
             yield value
 

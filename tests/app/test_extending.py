@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.text.wording import PARAMETER_FORMULAS
-from cpm_app.session.exchange.messages import Core
+from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views import layers as canvas_layers
 from cpm_app.views.canvas import canvas_area
@@ -95,7 +95,7 @@ def another_window(qtbot, request, workspace: Workspace, image_file) -> MainWind
     window.show()
     qtbot.waitExposed(window)
     window.session.set_pace(None)
-    window.session.open(image_file)
+    window.session.open_file(image_file)
     qtbot.waitUntil(lambda: window.session.image is not None, timeout=20_000)
     return window
 
@@ -225,7 +225,7 @@ class Halfway(ImageFields):
 
 
 def test_a_method_is_a_class_that_the_window_runs_without_knowing_it(opened, hand_on) -> None:
-    core = Core(methods=MappingProxyType({**RUN_METHODS, "cpm": Halfway}))
+    core = CoreFunctions(methods=MappingProxyType({**RUN_METHODS, "cpm": Halfway}))
     window = opened(core)
     window.session.edit("draw", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
     hand = hand_on(window)

@@ -81,7 +81,7 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
 
     for side in (4096, 896):
         path = image_of(folder, f"{side}.npy", (side, side))
-        yield f"open an image of {side} x {side}", lambda path=path: session.open(path)
+        yield f"open an image of {side} x {side}", lambda path=path: session.open_file(path)
     yield "draw", lambda: session.edit("draw", lambda d: edits.add_shape(d, Circle((32.0, 32.0), 10.0)))
     yield "run, first contours", session.run
     yield (
@@ -99,15 +99,15 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
     yield "click on a proposal", lambda: QTest.mouseClick(canvas.viewport(), click, pos=at(160, 160))
     yield "escape", lambda: do("escape")
     yield "wait for proposals", lambda: None, offered
-    yield "accept all", window.workspace.object_list.accept
+    yield "accept all", window.workspace.object_list.accept_pending
     for name in ("undo", "redo", "undo"):
         yield f"{name} it", lambda name=name: do(name)
     yield "wait for proposals", lambda: None, offered
-    yield "reject all", window.workspace.object_list.reject
+    yield "reject all", window.workspace.object_list.reject_selected
     for name in ("undo", "redo", "undo", "redo", "undo"):
         yield f"{name} it", lambda name=name: do(name)
     yield "wait for proposals", lambda: None, offered
-    yield "accept all again", window.workspace.object_list.accept
+    yield "accept all again", window.workspace.object_list.accept_pending
     yield "select one", lambda: QTest.mouseClick(canvas.viewport(), click, pos=at(352, 352))
     yield "select all", lambda: do("all_objects")
     yield "delete all", lambda: do("delete_object")
@@ -116,23 +116,23 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
         yield f"dialog {name}", lambda name=name: do(name)
         yield f"close {name}", lambda: [dialog.close() for dialog in window.findChildren(QDialog) if dialog.isVisible()]
     for name in ("dark", "light"):
-        yield f"theme {name}", lambda name=name: window.preferences.choose(THEME_PREFERENCE, name)
+        yield f"theme {name}", lambda name=name: window.preferences.store_preference(THEME_PREFERENCE, name)
 
 
 def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:
     """What is done with a volume."""
     session, slices = window.session, window.workspace.slices
     path = image_of(folder, "volume.npy", (256,) * 3)
-    yield "open a volume of 256^3", lambda: session.open(path)
-    yield "other slices", lambda: slices.through((60, 90, 90))
-    yield "next slice", lambda: slices.go(1)
-    yield "slices across another axis", lambda: slices.turn(2)
+    yield "open a volume of 256^3", lambda: session.open_file(path)
+    yield "other slices", lambda: slices.go_through((60, 90, 90))
+    yield "next slice", lambda: slices.go_by(1)
+    yield "slices across another axis", lambda: slices.set_axis(2)
     canvas, objects, click = window.canvas_area.canvas, window.workspace.object_list, Qt.MouseButton.LeftButton
     for name, radius, in_space in (("a slice", 8.0, False), ("10^6 voxels in space", 62.0, True), ("it", 8.0, False)):
         yield (
             f"take the brush for {name}",
             lambda radius=radius, in_space=in_space: (
-                window.canvas_area.use_tool("mend"), objects.set_brush(radius), setattr(objects, "ball", in_space)
+                window.canvas_area.use_tool("mend"), objects.set_brush_radius(radius), setattr(objects, "ball", in_space)
             ),
         )  # fmt: skip
         for act, col in (
@@ -170,7 +170,7 @@ def measure(only: str) -> None:
                 if only in what:
                     sys.stdout.write(f"{longest:6.1f} ms  {what}\n")
                     sys.stdout.flush()
-    window.feature(OpenSaveFeature).document_file.forget()  # without a question whether to save
+    window.feature(OpenSaveFeature).document_file.treat_as_saved()  # without a question whether to save
     window.close()
 
 

@@ -112,12 +112,12 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "values.npy"
         np.save(path, values)
-        session.open(path)
+        session.open_file(path)
         wait(application, lambda: session.document.image is not None)
     session.warm_up()
     wait(application, lambda: session.idle and window.turns.idle)
     if values.ndim == 3:
-        workspace.slices.through((64,) * 3)
+        workspace.slices.go_through((64,) * 3)
     else:
         session.edit("few", lambda document: edits.set_parameters(document, Parameters(scales=1)))
     session.edit("grid", lambda document: edits.add_shape(document, points))
@@ -149,7 +149,7 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
         ),
     ]
     sys.stdout.write("\n".join(lines) + "\n")
-    window.feature(OpenSaveFeature).document_file.forget()  # without a question whether to save
+    window.feature(OpenSaveFeature).document_file.treat_as_saved()  # without a question whether to save
     window.close()
 
 

@@ -101,12 +101,12 @@ def move_a_slider(window: MainWindow, keys: Keys) -> None:
 def go_back_and_forward(window: MainWindow, keys: Keys) -> None:
     """On the timeline."""
     workspace = window.workspace
-    last = workspace.navigation.place[1]
+    last = workspace.navigation.current_step[1]
     keys.press(KEY.Key_F6, held=SHIFT)
     keys.press(KEY.Key_Left, KEY.Key_Left)
-    keys.wait(lambda: workspace.navigation.place[1] == last - 2)
+    keys.wait(lambda: workspace.navigation.current_step[1] == last - 2)
     keys.press(KEY.Key_End)
-    keys.wait(lambda: workspace.navigation.place[1] == last)
+    keys.wait(lambda: workspace.navigation.current_step[1] == last)
 
 
 def select_and_name_an_object(window: MainWindow, keys: Keys) -> None:

@@ -86,7 +86,7 @@ def test_no_particle_crosses_a_barrier_drawn_by_hand(window, qtbot) -> None:
 
 def test_every_sample_opens_ready_and_runs(window, qtbot) -> None:
     for sample in load_samples():
-        window.session.open(sample.path)
+        window.session.open_file(sample.path)
         qtbot.waitUntil(lambda: window.session.idle, timeout=PATIENCE)
         assert window.session.document.image.name == sample.path.name
         assert window.session.document.parameters == sample.parameters

@@ -16,11 +16,11 @@ import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
-from cpm_app.session.signals import Board
-from cpm_app.session.timeline.moments import Erased
-from cpm_app.session.timeline.stored_runs import starts_of
+from cpm_app.session.signals import SceneStore
+from cpm_app.session.timeline.moments import EraseAction
+from cpm_app.session.timeline.stored_runs import starts_from_sources
 from cpm_app.session.undo_history import Erasure
-from cpm_app.session.worker.commands import Command, find_seeds, run_call
+from cpm_app.session.worker.commands import WorkerCommand, find_seeds, call_run
 from cpm_app.session.worker.run import Run
 from cpm_core.numerics import Place
 from cpm_core.shapes import Interest, Shape
@@ -32,126 +32,126 @@ _NO_SOURCES: Counter[Hashable] = Counter()
 """Sources of the particles while no run is shown."""
 
 
-class Live:
+class RunUpdater:
     """Sends the differences between two documents to the worker."""
 
-    def __init__(self, board: Board, post: Callable[[Command], None]) -> None:
-        self._board = board
+    def __init__(self, board: SceneStore, post: Callable[[WorkerCommand], None]) -> None:
+        self._store = board
         self._post = post
         self._run = 0
         self._late: dict[int, tuple[object, ...]] = {}
-        self.executed: dict[int, Counter[Hashable]] = {}
+        self.sources_by_run: dict[int, Counter[Hashable]] = {}
         """The sources of the particles of each run, by its generation."""
         self._erasures = 0
         self._drawn: Counter[Hashable] = Counter()
         self._last_shapes: tuple[Shape, ...] | None = None
         self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable] | None, bool] = (None, None, False)
 
-    def begin(self, run: int, document: Document) -> None:
+    def begin_run(self, run: int, document: Document) -> None:
         """Record that the run of this generation starts from a document."""
         self._run = run
-        self._late[run], self.executed[run] = document.start_inputs, document.start_counts
+        self._late[run], self.sources_by_run[run] = document.start_inputs, document.start_counts
         self._drawn, self._last_shapes = document.start_counts, document.shapes
 
-    def use(self, run: int) -> None:
+    def set_current_run(self, run: int) -> None:
         """Make the run of the timeline that began as this generation the current one."""
-        if run in self.executed:
+        if run in self.sources_by_run:
             self._run = run
 
-    def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
+    def restore_runs(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
         """Take over the runs of a session: their first documents and the sources of their particles."""
-        document = self._board.scene.document
+        document = self._store.scene.document
         self._drawn, self._last_shapes = document.start_counts, document.shapes
         for run, (first, executed) in begun.items():
-            self._late[run], self.executed[run] = replace(first, image=document.image).start_inputs, executed
+            self._late[run], self.sources_by_run[run] = replace(first, image=document.image).start_inputs, executed
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Remove all runs, because another image has been opened."""
         self._late.clear()
-        self.executed.clear()
+        self.sources_by_run.clear()
         self._run = 0
 
     @property
-    def _executed(self) -> Counter[Hashable]:
+    def _current_sources(self) -> Counter[Hashable]:
         """The sources of the particles of the run that is shown."""
-        return self.executed.get(self._run, _NO_SOURCES)
+        return self.sources_by_run.get(self._run, _NO_SOURCES)
 
-    def _execute(self, executed: Counter[Hashable]) -> None:
-        if self._run in self.executed:
-            self.executed[self._run] = executed
+    def _set_current_sources(self, sources: Counter[Hashable]) -> None:
+        if self._run in self.sources_by_run:
+            self.sources_by_run[self._run] = sources
 
-    def outdated(self, document: Document) -> bool:
+    def is_outdated(self, document: Document) -> bool:
         """Return whether a run from the current document would begin differently from the existing one.
 
         Starts that have only been added join the run.
         """
-        executed = self._executed
+        executed = self._current_sources
         # The window asks many times a second, and many thousand points take a while to compare.
         if document.shapes is not self._outdated[0] or executed is not self._outdated[1]:
             self._outdated = document.shapes, executed, bool(executed - document.start_counts)
         return self._outdated[2] or document.start_inputs != self._late.get(self._run, ())
 
-    def follow(self, before: Document, after: Document, complete: bool) -> None:
+    def update_run(self, before: Document, after: Document, complete: bool) -> None:
         """Send the changes of the document to the worker; unless `complete`, the gesture is still going on."""
-        board = self._board
+        board = self._store
         if before.parameters != after.parameters:
-            self._post(run_call(None, Run.set_parameters, after.parameters))
+            self._post(call_run(None, Run.set_parameters, after.parameters))
         if after.image_starts and before.seeding_inputs != after.seeding_inputs:
-            self._board.busy("seeding", tr("Looking for starting positions…"))
+            self._store.set_busy("seeding", tr("Looking for starting positions…"))
             self._post(find_seeds(board.image_generation, after))
         if before.charges != after.charges:
-            self._post(run_call(None, Run.place, board.image_generation, after.charges))
+            self._post(call_run(None, Run.set_charges, board.image_generation, after.charges))
         if before.hand_edits != after.hand_edits:
-            self._post(run_call(None, Run.edit_by_hand, after.hand_edits))
-        if not self._board.status.started:
+            self._post(call_run(None, Run.set_hand_edits, after.hand_edits))
+        if not self._store.status.started:
             return
         if before.regions != after.regions:
-            self._post(run_call(board.generation, Run.limit, after.regions))
+            self._post(call_run(board.generation, Run.set_regions, after.regions))
         if complete:
             self.end_gesture()
 
     def end_gesture(self) -> None:
         """End a gesture: the starts that it has added join the run."""
-        document = self._board.scene.document
+        document = self._store.scene.document
         if document.shapes is self._last_shapes:
             return  # most often only parameters changed, and many points take a while to compare
         self._last_shapes = document.shapes
         drawn = document.start_counts
         lost, gained = self._drawn - drawn, drawn - self._drawn
         self._drawn = drawn
-        if not self._board.status.started or lost.total() == gained.total():
+        if not self._store.status.started or lost.total() == gained.total():
             return  # no change, or a start that was moved or reshaped
-        new = (drawn - self._executed) & gained
+        new = (drawn - self._current_sources) & gained
         if new:
-            self._execute(self._executed + new)
+            self._set_current_sources(self._current_sources + new)
             regions = (shape for shape in document.shapes if isinstance(shape, Interest))
-            only = replace(document, shapes=(*starts_of(new), *regions))
-            self._post(run_call(self._board.generation, Run.join, only))
+            only = replace(document, shapes=(*starts_from_sources(new), *regions))
+            self._post(call_run(self._store.generation, Run.add_particles, only))
 
     def begin_erasure(self) -> Erasure:
         """Return an erasure that has not removed anything yet."""
         self._erasures += 1
         return Erasure(self._erasures)
 
-    def erase(self, path: tuple[Place, ...], radius: float, erasure: Erasure) -> tuple[Document, bool]:
+    def erase_particles(self, path: tuple[Place, ...], radius: float, erasure: Erasure) -> tuple[Document, bool]:
         """Remove the particles near a path; return the document without its shapes there, and whether the run changes.
 
         Run and document stay consistent, so that the run is not out of date afterwards.
         """
-        board = self._board
+        board = self._store
         rest = edits.erase_shapes(board.scene.document, path, radius)
-        lost = self._executed & (board.scene.document.start_counts - rest.start_counts)
-        self._execute(self._executed - lost)
-        if not self._board.status.started:
+        lost = self._current_sources & (board.scene.document.start_counts - rest.start_counts)
+        self._set_current_sources(self._current_sources - lost)
+        if not self._store.status.started:
             return rest, False
         erasure.sources += lost
-        self._post(run_call(board.generation, Run.erase, path, radius, erasure.number))
+        self._post(call_run(board.generation, Run.erase_particles, path, radius, erasure.number))
         # the window knows where particles were a moment ago; while they move, they may be some pixels farther on
-        scene, erased = board.scene, Erased(path, radius + _MOTION_ALLOWANCE * (board.status.phase == "running"))
+        scene, erased = board.scene, EraseAction(path, radius + _MOTION_ALLOWANCE * (board.status.phase == "running"))
         if lost or scene.snapshot is None or scene.image is None:
             return rest, True
-        return rest, bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))
+        return rest, bool(np.any(erased.is_near_path(scene.snapshot.position, scene.image.spacing)))
 
-    def turn(self, erasure: Erasure, back: bool) -> None:
+    def undo_or_redo_erasure(self, erasure: Erasure, back: bool) -> None:
         """Bring back the particles of an erasure and of the shapes it removed, or remove them again."""
-        self._execute(self._executed + erasure.sources if back else self._executed - erasure.sources)
+        self._set_current_sources(self._current_sources + erasure.sources if back else self._current_sources - erasure.sources)

@@ -17,8 +17,8 @@ from cpm_app.model.document.objects import AnySelection, object_from_selection
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import Slices
 from cpm_app.session.exchange.contour_tracking import TrackedContours
-from cpm_app.session.exchange.messages import Drawn, Reconstruction, Snapshot
-from cpm_app.session.worker.requests import Probed, Shaded
+from cpm_app.session.exchange.messages import OverlayData, Reconstruction, Snapshot
+from cpm_app.session.worker.requests import ForcesProbed, ImageShaded
 from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth
 from cpm_core.contours import Mark, Measures, ReviewedContour, pair_with_marks
 from cpm_core.numerics import Array, Index
@@ -29,7 +29,7 @@ from cpm_core.shapes import NO_SEEDS, ImageSeeds
 
 
 @record
-class Item:
+class ContourItem:
     """A contour as table and canvas show it; its key stays the same through all reconstructions."""
 
     key: int
@@ -55,18 +55,18 @@ class ReviewedContours:
     it, and the rejected ones.
     """
 
-    items: tuple[Item, ...] = ()
+    items: tuple[ContourItem, ...] = ()
     tracked: TrackedContours | None = None
     result: Result | None = None
 
     @staticmethod
-    def of(tracked: TrackedContours | None, marks: tuple[Mark, ...]) -> ReviewedContours:
+    def from_tracked(tracked: TrackedContours | None, marks: tuple[Mark, ...]) -> ReviewedContours:
         """Attach marks to the contours that they were made on."""
         if tracked is None:
             return NO_CONTOURS
-        whole = tracked.keeping(marks)
+        whole = tracked.with_kept_contours(marks)
         items = zip(whole.keys, pair_with_marks(whole.result.contours, marks), whole.measures, strict=True)
-        return ReviewedContours(tuple(Item(*one) for one in items), tracked, whole.result)
+        return ReviewedContours(tuple(ContourItem(*one) for one in items), tracked, whole.result)
 
 
 NO_CONTOURS = ReviewedContours()
@@ -95,12 +95,12 @@ class Proposal:
     clicks: Clicks
     number: int = 0
     key: int = 0
-    followed: SegmentedObject | None = None
+    followed_object: SegmentedObject | None = None
 
     @cached_property
-    def item(self) -> SegmentedObject:
+    def proposed_object(self) -> SegmentedObject:
         """The object that accepting it would create, of the first class unless it was followed; needs a boundary."""
-        return self.followed or object_from_selection(self.selection, self.clicks, self.number or 1, 1)
+        return self.followed_object or object_from_selection(self.selection, self.clicks, self.number or 1, 1)
 
 
 @record
@@ -157,7 +157,7 @@ class NearParticles:
     """
 
     index: Index
-    away: Array
+    distance: Array
 
 
 @record
@@ -213,34 +213,34 @@ class Scene:
 
     image: Image | None = None
     display: DisplayImage | None = None
-    shaded: Shaded | None = None
+    shaded: ImageShaded | None = None
     document: Document = field(default_factory=Document)
-    selected: int | None = None
+    selected_shape: int | None = None
     image_seeds: ImageSeeds = field(default_factory=lambda: NO_SEEDS)
     snapshot: Snapshot | None = None
     reconstruction: Reconstruction | None = None
     contours: ReviewedContours = NO_CONTOURS
     selected_contours: frozenset[int] = frozenset()
     hovered_contour: int | None = None
-    overlays: Mapping[str, Drawn] = field(default_factory=dict)
-    probed: Probed | None = None
+    overlays: Mapping[str, OverlayData] = field(default_factory=dict)
+    probed: ForcesProbed | None = None
     truth: Truth | VolumeTruth | None = None
     differences: tuple[Difference, ...] = ()
     surface_differences: tuple[SurfaceDifference, ...] = ()
     objects: ShownObjects = field(default_factory=ShownObjects)
     slices: Slices | None = None
     volume: Image | None = None
-    near: NearParticles | None = None
+    near_particles: NearParticles | None = None
 
     @property
-    def whole(self) -> Image | None:
+    def full_image(self) -> Image | None:
         """The image as it was opened: the volume if a slice is shown."""
         return self.image if self.volume is None else self.volume
 
     @property
-    def ground(self) -> tuple[Image | None, int | None]:
+    def view_source(self) -> tuple[Image | None, int | None]:
         """The image that a view shows a part of, and the axis of the slices if it is a volume."""
-        return self.whole, self.slices.axis if self.slices is not None else None
+        return self.full_image, self.slices.axis if self.slices is not None else None
 
     @property
     def skeleton(self) -> Skeleton | None:

@@ -15,10 +15,10 @@ from cpm_app.model.state.situation import Phase, RunStatus
 from cpm_app.model.text.language import elide_middle, tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
-    Compiling,
-    Exported,
-    Finished,
-    Opened,
+    CompilationProgress,
+    FilesExported,
+    WorkFinished,
+    ImageOpened,
     Reconstruction,
     ReconstructionFailed,
     Report,
@@ -26,53 +26,53 @@ from cpm_app.session.exchange.messages import (
     SeedsFound,
     Snapshot,
     WarmedUp,
-    WentOn,
+    RunContinued,
 )
 from cpm_app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from cpm_app.session.worker.commands import RunsRestored
-from cpm_app.session.worker.requests import Probed, Shaded
+from cpm_app.session.worker.requests import ForcesProbed, ImageShaded
 from cpm_app.session.worker.worker_thread import WorkerThread
 from cpm_core.numerics.types import Texts
 
 R = TypeVar("R", bound=Report)
 
-OPENING = "opening"
+OPENING_CATEGORY = "opening"
 """Category of messages about opening an image or a session."""
 
-RUNNING = "running"
+RUNNING_CATEGORY = "running"
 """Category of messages about the run."""
 
-EDITING = "editing"
+EDITING_CATEGORY = "editing"
 """Category of messages about edits of the document."""
 
-SAVING = "saving"
+SAVING_CATEGORY = "saving"
 """Category of messages about saving the session."""
 
-EXPORTING = "exporting"
+EXPORTING_CATEGORY = "exporting"
 """Category of messages about exported files."""
 
-FILMING = "filming"
+FILMING_CATEGORY = "filming"
 """Category of messages about animations."""
 
-CONTOURS = "contours"
+CONTOURS_CATEGORY = "contours"
 """Category of messages about the reconstruction of contours."""
 
-RECOVERY = "recovery"
+RECOVERY_CATEGORY = "recovery"
 """Category of messages about work restored after a crash."""
 
-JOURNAL = "journal"
+JOURNAL_CATEGORY = "journal"
 """Category of messages about the journal of unsaved work."""
 
-UNEXPECTED = "unexpected"
+UNEXPECTED_CATEGORY = "unexpected"
 """Category of messages about unexpected errors."""
 
-OF_THE_PROGRAM = (RECOVERY, JOURNAL, UNEXPECTED)
+PROGRAM_CATEGORIES = (RECOVERY_CATEGORY, JOURNAL_CATEGORY, UNEXPECTED_CATEGORY)
 """Categories of messages that do not concern the open image, and stay when another one is opened."""
 
 _COMPILING_TEXT = tr("Preparing for the first run on this computer: {percent} %")
 
 _ENDED_BY: Mapping[type[Report], Texts] = {
-    Opened: ("seeding", "restoring"), RunsRestored: ("restoring",), RunFailed: ("restoring",),
+    ImageOpened: ("seeding", "restoring"), RunsRestored: ("restoring",), RunFailed: ("restoring",),
     SeedsFound: ("seeding",), WarmedUp: ("preparing",),
 }  # fmt: skip
 """Activities that have ended once a report arrives."""
@@ -81,7 +81,7 @@ _STATUS_INTERVAL = 0.1
 """Time between two updates of the numbers in the window [s]."""
 
 
-class Board(QObject):
+class SceneStore(QObject):
     """The scene that a session shows and the state of its run, with signals for views.
 
     Snapshots and reports of the worker are taken once per display frame, checked, and dispatched.
@@ -95,9 +95,9 @@ class Board(QObject):
     """The document has been replaced: Document."""
     status_changed = Signal()
     """`resolved` may have changed."""
-    said = Signal(str, bool, str)
+    message_shown = Signal(str, bool, str)
     """A message for the user, whether it is an error, and its category, or ""."""
-    attempted = Signal(str)
+    messages_cleared = Signal(str)
     """Messages of this category no longer apply, because what they were about is attempted again."""
 
     def __init__(self, worker_thread: WorkerThread, parent: QObject) -> None:
@@ -105,139 +105,139 @@ class Board(QObject):
         self._worker_thread = worker_thread
         self._busy: dict[str, str] = {}
         self._shown_at = 0.0
-        self._known = RunStatus()
+        self._run_status = RunStatus()
         self.scene = Scene()
         """The scene that is shown."""
         self.generation = 0
         """Number of the current run; snapshots and reports of other runs are not shown."""
         self.image_generation = 0
         """Number under which the image was opened."""
-        self._troubles: dict[str, str] = {}
-        self._gathering = self._gathered = False
+        self._errors: dict[str, str] = {}
+        self._deferring = self._status_deferred = False
         self._listeners: dict[type[Report], list[Callable[[Any], object]]] = {}
 
-    def show(self, scene: Scene) -> None:
+    def set_scene(self, scene: Scene) -> None:
         """Show another scene."""
         self.scene = scene
         self.scene_changed.emit()
 
-    def show_status(self) -> None:
+    def announce_status(self) -> None:
         """Announce that `resolved` may have changed."""
-        if self._gathering:
-            self._gathered = True
+        if self._deferring:
+            self._status_deferred = True
         else:
             self.status_changed.emit()
 
     @contextmanager
-    def gathering(self) -> Iterator[None]:
+    def defer_status(self) -> Iterator[None]:
         """Announce a changed status only once, at the end: every action of the window is updated by it."""
-        if self._gathering:
+        if self._deferring:
             yield
             return
-        self._gathering, self._gathered = True, False
+        self._deferring, self._status_deferred = True, False
         try:
             yield
         finally:
-            self._gathering = False
-            if self._gathered:
+            self._deferring = False
+            if self._status_deferred:
                 self.status_changed.emit()
 
-    def listen(self, kind: type[R], take: Callable[[R], object]) -> None:
+    def add_listener(self, kind: type[R], listener: Callable[[R], object]) -> None:
         """Call a listener with all reports of one kind from now on."""
-        self._listeners.setdefault(kind, []).append(take)
+        self._listeners.setdefault(kind, []).append(listener)
 
-    def stop_listening(self, kind: type[R], take: Callable[[R], object]) -> None:
+    def remove_listener(self, kind: type[R], listener: Callable[[R], object]) -> None:
         """Stop calling a listener."""
-        self._listeners[kind].remove(take)
+        self._listeners[kind].remove(listener)
 
-    def pass_on(self, report: Report) -> None:
+    def dispatch_report(self, report: Report) -> None:
         """Call the listeners of a report's kind."""
         for take in tuple(self._listeners.get(type(report), ())):
             take(report)
 
-    def say(self, message: str, trouble: bool = False, category: str = "") -> None:
+    def show_message(self, message: str, is_error: bool = False, category: str = "") -> None:
         """Show one sentence to the user; its category, such as `EXPORTING`, decides when it is cleared."""
-        self.said.emit(elide_middle(message), trouble, category)
+        self.message_shown.emit(elide_middle(message), is_error, category)
 
-    def trouble(self, message: str, category: str) -> None:
+    def set_error(self, message: str, category: str) -> None:
         """Show the error of work that is repeated; an empty one clears it, because the work has succeeded.
 
         The same error is shown only once, so that the user can dismiss it.
         """
-        before = self._troubles.pop(category, "")
+        before = self._errors.pop(category, "")
         if message:
-            self._troubles[category] = message
+            self._errors[category] = message
             if message != before:
-                self.say(message, True, category)
+                self.show_message(message, True, category)
         elif before:
-            self.attempt(category)
+            self.clear_messages(category)
 
-    def attempt(self, *categories: str) -> None:
+    def clear_messages(self, *categories: str) -> None:
         """Clear the messages of some categories, because what they were about is attempted again."""
         for topic in categories:
-            self.attempted.emit(topic)
+            self.messages_cleared.emit(topic)
 
     # The run
 
     @property
     def status(self) -> RunStatus:
         """State of the run."""
-        return replace(self._known, busy=next(iter(self._busy.values()), ""))
+        return replace(self._run_status, busy=next(iter(self._busy.values()), ""))
 
-    def busy(self, what: str, text: str) -> None:
+    def set_busy(self, activity: str, text: str) -> None:
         """Show `text` while an activity is in progress."""
-        self._busy = {what: text} | {key: value for key, value in self._busy.items() if key != what}
-        self.show_status()
+        self._busy = {activity: text} | {key: value for key, value in self._busy.items() if key != activity}
+        self.announce_status()
 
-    def phase(self, phase: Phase) -> None:
+    def set_phase(self, phase: Phase) -> None:
         """Set the phase of the run, which the user has started or stopped."""
-        self._known = replace(self._known, phase=phase)
-        self.show_status()
+        self._run_status = replace(self._run_status, phase=phase)
+        self.announce_status()
 
-    def forget(self, method: str = "cpm") -> None:
+    def clear_run(self, method: str = "cpm") -> None:
         """Clear everything shown of the previous run; `method` is the name of the next run's method."""
-        self._known = RunStatus(phase="ready", method=method)
-        self.trouble("", CONTOURS)
-        self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None)
-        self.show_status()
+        self._run_status = RunStatus(phase="ready", method=method)
+        self.set_error("", CONTOURS_CATEGORY)
+        self._update_scene(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None)
+        self.announce_status()
 
-    def look(self) -> None:
+    def poll_worker(self) -> None:
         """Take the messages of the worker; drop those of another run or image."""
-        for report in self._worker_thread.reports():
-            self._take_report(report)
+        for report in self._worker_thread.take_reports():
+            self._on_report(report)
         snapshot = self._worker_thread.run.snapshots.take()
         if snapshot is not None and snapshot.generation == self.generation:
-            self._take_snapshot(snapshot)
+            self._on_snapshot(snapshot)
         contours = self._worker_thread.run.reconstructor.results.take()
         if contours is not None and contours.generation == self.generation:
-            self._take_contours(contours)
+            self._on_contours(contours)
         overlays = self._worker_thread.run.overlays.take()
         if overlays is not None and overlays.generation == self.image_generation:
-            self.trouble(overlays.error, "overlays")
-            self._show(overlays=overlays.arrays)
+            self.set_error(overlays.error, "overlays")
+            self._update_scene(overlays=overlays.arrays)
 
-    def _take_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
+    def _on_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
         if isinstance(found, ReconstructionFailed):
             trouble = found.message
             if self.scene.contours.items:
                 trouble = tr("{trouble} The contours that are shown are those of an earlier step.", trouble=trouble)
-            self.trouble(trouble, CONTOURS)
+            self.set_error(trouble, CONTOURS_CATEGORY)
             return
-        self.trouble("", CONTOURS)
-        self._known = replace(self._known, found=found.result)
-        reviewed = ReviewedContours.of(found.tracked, self.scene.document.marks)
-        self._show(reconstruction=found, contours=reviewed)
-        self.show_status()
+        self.set_error("", CONTOURS_CATEGORY)
+        self._run_status = replace(self._run_status, found=found.result)
+        reviewed = ReviewedContours.from_tracked(found.tracked, self.scene.document.marks)
+        self._update_scene(reconstruction=found, contours=reviewed)
+        self.announce_status()
 
-    def _show(self, **parts: Any) -> None:
+    def _update_scene(self, **parts: Any) -> None:
         """Replace parts of the scene."""
-        self.show(replace(self.scene, **parts))
+        self.set_scene(replace(self.scene, **parts))
 
-    def _take_snapshot(self, snapshot: Snapshot) -> None:
-        before, state, metrics = self._known.phase, snapshot.state, snapshot.metrics
+    def _on_snapshot(self, snapshot: Snapshot) -> None:
+        before, state, metrics = self._run_status.phase, snapshot.state, snapshot.metrics
         held: Phase = "paused" if before == "finished" else before  # the run has gone back from its end
-        self._known = replace(
-            self._known,
+        self._run_status = replace(
+            self._run_status,
             method=snapshot.method,
             phase="finished" if state.stop_reason else held,
             step=state.step,
@@ -249,42 +249,42 @@ class Board(QObject):
             steering=state.steering,
             steps_per_second=snapshot.steps_per_second,
         )
-        self._show(snapshot=snapshot)
+        self._update_scene(snapshot=snapshot)
         now = time.perf_counter()
-        if self._known.phase != "running" or before != "running" or now - self._shown_at >= _STATUS_INTERVAL:
+        if self._run_status.phase != "running" or before != "running" or now - self._shown_at >= _STATUS_INTERVAL:
             self._shown_at = now
-            self.show_status()
+            self.announce_status()
 
-    def _take_report(self, report: Report) -> None:
+    def _on_report(self, report: Report) -> None:
         for what in _ENDED_BY.get(type(report), ()):
             self._busy.pop(what, None)
         match report:
             case RunsRestored(generation, _, True) if generation == self.generation:
                 # the state that is shown may have been taken before this report
-                self._known = replace(self._known, phase="finished" if self._known.stop_reason else "paused")
+                self._run_status = replace(self._run_status, phase="finished" if self._run_status.stop_reason else "paused")
             case RunFailed(generation, sentence) if generation == self.generation:
-                self._known = replace(self._known, phase="paused" if self._known.count else "ready")
-                self.say(sentence, True, RUNNING)
-            case WentOn(generation) if generation == self.generation:
-                self._known = replace(self._known, phase="running")
+                self._run_status = replace(self._run_status, phase="paused" if self._run_status.count else "ready")
+                self.show_message(sentence, True, RUNNING_CATEGORY)
+            case RunContinued(generation) if generation == self.generation:
+                self._run_status = replace(self._run_status, phase="running")
             case SeedsFound(generation, image_seeds, sentence):
                 if sentence:
-                    self.say(sentence, True, EDITING)
+                    self.show_message(sentence, True, EDITING_CATEGORY)
                 if generation == self.image_generation:
-                    self._show(image_seeds=image_seeds)
-            case Exported(path, counts):
+                    self._update_scene(image_seeds=image_seeds)
+            case FilesExported(path, counts):
                 written = tr("Written: {path}", path=path)
-                self.say(f"{written} ({counts})" if counts else written, category=EXPORTING)
+                self.show_message(f"{written} ({counts})" if counts else written, category=EXPORTING_CATEGORY)
             case CommandFailed(sentence, topic):
-                self.say(sentence, True, topic)
-            case Compiling(percent) if "preparing" in self._busy:
+                self.show_message(sentence, True, topic)
+            case CompilationProgress(percent) if "preparing" in self._busy:
                 self._busy["preparing"] = _COMPILING_TEXT.format(percent=percent)
-            case Probed():
-                self.trouble(report.error, "forces")
-                self._show(probed=report)
-            case Shaded():
-                self._show(shaded=report)
-            case Finished(then):
+            case ForcesProbed():
+                self.set_error(report.error, "forces")
+                self._update_scene(probed=report)
+            case ImageShaded():
+                self._update_scene(shaded=report)
+            case WorkFinished(then):
                 then()
-        self.pass_on(report)
-        self.show_status()
+        self.dispatch_report(report)
+        self.announce_status()

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_core.numerics.types import frozen
 
-DEEPEST = 500
+MAX_UNDO_CHANGES = 500
 """Largest number of changes that can be undone."""
 
 
@@ -37,10 +37,10 @@ class Change:
     after: Document
     gesture: str = ""
     erasure: Erasure | None = None
-    rest: tuple[int, int, int] | None = None
+    resting_step: tuple[int, int, int] | None = None
 
 
-class History:
+class UndoHistory:
     """Undo stack and redo stack of changes of the document."""
 
     def __init__(self) -> None:
@@ -64,28 +64,28 @@ class History:
         if self._open and change.gesture and self._done and self._done[-1].gesture == change.gesture:
             known = self._done.pop()
             merged = replace(known, after=change.after, name=change.name, erasure=known.erasure or change.erasure)
-            if merged.before != merged.after or merged.erasure is not None or merged.rest is not None:
+            if merged.before != merged.after or merged.erasure is not None or merged.resting_step is not None:
                 self._done.append(merged)
             else:
                 self._open = False
             return
         self._done.append(change)
         self._open = bool(change.gesture)
-        del self._done[:-DEEPEST]
+        del self._done[:-MAX_UNDO_CHANGES]
 
-    def seal(self) -> None:
+    def end_gesture(self) -> None:
         """End a gesture: the next change is separate."""
         self._open = False
 
     def undo(self) -> Change | None:
         """Take the last change back, if there is one."""
-        return self._turn(self._done, self._undone)
+        return self._move_last_change(self._done, self._undone)
 
     def redo(self) -> Change | None:
         """Repeat the change that was undone last, if there is one."""
-        return self._turn(self._undone, self._done)
+        return self._move_last_change(self._undone, self._done)
 
-    def on(self, image: ImageReference | None) -> History:
+    def move_to_image(self, image: ImageReference | None) -> UndoHistory:
         """Apply the history to the image as it has been reopened, perhaps by another path.
 
         Erasures of particles are dropped, because their runs have ended with the image.
@@ -98,7 +98,7 @@ class History:
                 ]  # fmt: skip
         return self
 
-    def _turn(self, source: list[Change], target: list[Change]) -> Change | None:
+    def _move_last_change(self, source: list[Change], target: list[Change]) -> Change | None:
         self._open = False
         if source:
             target.append(source.pop())

@@ -36,7 +36,7 @@ def open_window(path: str | None = None) -> MainWindow:
     window, session = make_window(workspace), workspace.session
 
     def open_first_image() -> None:
-        session.open(path or load_samples()[0].path)
+        session.open_file(path or load_samples()[0].path)
         session.warm_up()
 
     window.show()

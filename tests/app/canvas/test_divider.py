@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from cpm_app.model.document.contours import set_verdict
-from cpm_app.session.features.comparison import NOW
+from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.views.features.compare import CompareFeature
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
@@ -27,9 +27,9 @@ def wipe(ready, hand):
     hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
     hand.wait(feature.panel.isVisible)
     hand.qtbot.mouseClick(feature.panel.keep, LEFT)
-    hand.wait(lambda: compared._latest.idle and len(compared.agreed) == 1)
+    hand.wait(lambda: compared._latest.idle and len(compared.agreements) == 1)
     hand.canvas.setFocus()
-    compared.choose(max(compared.rows))
+    compared.select_row(max(compared.rows))
     return feature.wipe
 
 
@@ -48,7 +48,7 @@ def drag(divider, by: int) -> None:
 
 def test_both_sides_show_their_result_at_the_same_place(ready, wipe, hand) -> None:
     review = ready.workspace.review
-    targets = review.targets(review.items)
+    targets = review.edit_targets(review.items)
     ready.session.edit("reject", lambda document: set_verdict(document, targets, "rejected"))
     mirror = wipe.mirror
     assert [name.text() for name in wipe.names] == [
@@ -82,5 +82,5 @@ def test_the_divider_is_dragged_and_moved_by_arrow_keys_and_esc_ends_it(ready, w
     assert wipe.share == 1.0
     hand.key(KEY.Key_Escape)
     assert wipe.mirror is None
-    assert ready.workspace.comparison.selected == NOW
+    assert ready.workspace.comparison.selected == CURRENT_KEY
     assert hand.canvas.hasFocus()

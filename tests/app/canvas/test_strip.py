@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from cpm_app.session.scene import Item, ReviewedContours
+from cpm_app.session.scene import ContourItem, ReviewedContours
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QLabel
 
@@ -33,7 +33,7 @@ def test_a_message_neither_covers_nor_moves_the_image(ready) -> None:
     area = ready.canvas_area
     place, seen = area.canvas.geometry(), area.canvas.view.viewRect()
     for text, error in (("By the way.", False), (LONG, True), ("", False)):
-        ready.session.say(text, error)
+        ready.session.show_message(text, error)
         assert area.canvas.geometry() == place
         assert area.canvas.view.viewRect() == seen
         assert not area.canvas.geometry().intersects(area.strip.geometry())
@@ -42,9 +42,9 @@ def test_a_message_neither_covers_nor_moves_the_image(ready) -> None:
 
 def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
     messages = ready.canvas_area.messages
-    ready.session.say("Short.", True)
+    ready.session.show_message("Short.", True)
     assert not messages.details.isVisible()
-    ready.session.say(LONG, True)
+    ready.session.show_message(LONG, True)
     qtbot.waitUntil(messages.details.isVisible)
     qtbot.mouseClick(messages.details, Qt.MouseButton.LeftButton)
     popups = [frame for frame in ready.findChildren(QFrame) if frame.windowType() == Qt.WindowType.Popup]
@@ -61,8 +61,8 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
     assert {entry.text: entry.count for entry in legend.entries} == {
         text: count for text, count in (("found", sum(layers.contours.counts)), ("proposed", len(offered))) if count
     }
-    rested.workspace.review.choose(item.key for item in rested.workspace.review.items)
-    rested.workspace.object_list.reject()
+    rested.workspace.review.select(item.key for item in rested.workspace.review.items)
+    rested.workspace.object_list.reject_selected()
     legend.show_now()
     assert {entry.text for entry in legend.entries} - {"proposed"} == {"rejected"}
     layers.contours.set_shown(False)
@@ -86,7 +86,7 @@ def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(res
     qtbot.waitUntil(lambda: legend.sizeHint().width() == whole)
     hand.key(KEY.Key_L, Qt.KeyboardModifier.AltModifier)
     assert legend.folded
-    assert rested.preferences.get("legend/folded", False)
+    assert rested.preferences.read_key("legend/folded", False)
     hand.key(KEY.Key_L, Qt.KeyboardModifier.AltModifier)
     assert not legend.folded
 
@@ -107,7 +107,7 @@ def test_short_open_contours_recede_and_kept_ones_do_not(rested) -> None:
     contour = Contour(half, False)
     (row,) = measure((contour,), (1.0, 1.0), contrast=False)
     for mark, short in ((None, 1), (Mark((1.0, 1.0), "kept"), 0)):
-        items = (Item(1, ReviewedContour(contour, mark, 0), row),)
+        items = (ContourItem(1, ReviewedContour(contour, mark, 0), row),)
         shown = ReviewedContours(items, None, session.scene.contours.result)
         rested.canvas_area.canvas.draw(replace(session.scene, contours=shown))
         assert layer.short.count == short

@@ -121,7 +121,7 @@ def colored(window, hand, tmp_path):
     pixels[:, :40], pixels[:, 40:] = (200, 40, 40), (40, 60, 200)
     pixels[28:33, 10:15] = 255
     PIL.Image.fromarray(pixels).save(tmp_path / "colored.png")
-    window.session.open(tmp_path / "colored.png")
+    window.session.open_file(tmp_path / "colored.png")
     hand.wait(lambda: window.session.document.image.name == "colored.png" and window.session.idle)
     return window
 
@@ -148,7 +148,7 @@ def test_levels_brighten_the_colors_and_keep_them_apart(colored, hand):
 
 def test_a_gray_image_after_a_colored_one_has_no_colors(colored, hand, image_file):
     hand.canvas.layers["image"].choose_window(0.0, 204.0)
-    colored.session.open(image_file)
+    colored.session.open_file(image_file)
     hand.wait(lambda: colored.session.document.image.name == image_file.name and colored.session.idle)
     red, green, blue = color_at(hand, 32.0, 32.0)
     assert red == green == blue > 250

@@ -42,7 +42,7 @@ def test_the_status_bar_tells_the_pixel_of_the_present_image(window, hand, tmp_p
     hand.move(20.0, 20.0)
     assert "row 20" in window.pointer_readout.text()
     np.save(tmp_path / "other.npy", np.eye(48))
-    window.session.open(tmp_path / "other.npy")
+    window.session.open_file(tmp_path / "other.npy")
     hand.wait(lambda: window.session.document.image.name == "other.npy")
     row, col = (int(word) for word in re.findall(r"\d+", window.pointer_readout.text())[:2])
     assert window.pointer_readout.text() == f"row {row}, col {col}:  {float(row == col):g}"

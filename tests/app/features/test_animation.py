@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.export.frames import AnimationPlan, every
 from cpm_app.views.features.animation import AnimationFeature
 from cpm_app.views.features.run import TasksFeature, TimelineFeature
@@ -42,7 +42,7 @@ def feature(window) -> AnimationFeature:
 def write(window, hand, path: Path, steps: tuple[int, ...]) -> None:
     task = feature(window).write(1, AnimationPlan(steps, SIZE, 10), path)
     assert task is not None
-    hand.wait(lambda: task.over and window.session.idle)
+    hand.wait(lambda: task.is_over and window.session.idle)
 
 
 def picture(path: Path) -> np.ndarray:
@@ -82,7 +82,7 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
     write(rested, hand, path, (6,))
     pixels = picture(path)
     navigation = rested.feature(TimelineFeature).navigation
-    navigation.go(1, 6)
+    navigation.go_to(1, 6)
     hand.wait(lambda: rested.session.status.step == 6 and rested.session.idle)
     position = rested.canvas_area.canvas.layers.particles.position
     row, col = np.round((position + 0.5) * SIZE[0] / 64).astype(int).T
@@ -97,19 +97,19 @@ def test_cancellation_leaves_no_partial_file(rested, hand, tmp_path, monkeypatch
     last = rested.session.status.step
     bar = rested.feature(TasksFeature).bar
     seen: list[int] = []
-    advance = Task.advance
+    advance = BackgroundTask.advance
 
-    def give_up_after_three(task: Task, fraction: float) -> None:
+    def give_up_after_three(task: BackgroundTask, fraction: float) -> None:
         seen.append(1)
         if len(seen) == 3:
             task.cancel()
         advance(task, fraction)
 
-    monkeypatch.setattr(Task, "advance", give_up_after_three)
+    monkeypatch.setattr(BackgroundTask, "advance", give_up_after_three)
     plan = AnimationPlan(every(0, last, 1), SIZE, 10)
     task = feature(rested).write(1, plan, path)
-    hand.wait(lambda: task.over and rested.session.idle)
-    assert task.cancelled
+    hand.wait(lambda: task.is_over and rested.session.idle)
+    assert task.is_cancelled
     assert len(seen) == 3
     assert not bar.isVisible()
     assert [file.name for file in tmp_path.iterdir() if "run" in file.name] == []
@@ -143,7 +143,7 @@ def test_frames_show_the_visible_part(rested, hand, tmp_path) -> None:
     dialog.reject()
     path = tmp_path / "zoomed.png"
     task = feature(rested).write(1, replace(zoomed, steps=(1,)), path)
-    hand.wait(lambda: task.over and rested.session.idle)
+    hand.wait(lambda: task.is_over and rested.session.idle)
     pixels = picture(path)
     assert pixels.shape[:2][::-1] == zoomed.size
     middle = pixels[pixels.shape[0] // 2, pixels.shape[1] // 2]

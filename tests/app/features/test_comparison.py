@@ -12,7 +12,7 @@ import pytest
 from cpm_app.model.document.modes import find_effective_controls
 from cpm_app.model.document.objects import build_objects_result
 from cpm_app.model.parameters.controls import build_controls
-from cpm_app.session.features.comparison import NOW, Row
+from cpm_app.session.features.comparison import CURRENT_KEY, ComparisonRow
 from cpm_app.views.comparison.panel import ComparePanel
 from cpm_app.views.features.compare import CompareFeature
 from cpm_app.views.features.files import OpenSaveFeature
@@ -69,8 +69,8 @@ def start(hand: Hand, panel: ComparePanel) -> None:
     hand.qtbot.mouseClick(next(b for b in page.findChildren(QPushButton) if b.text() == "Run"), LEFT)
 
 
-def rows(window: MainWindow) -> list[Row]:
-    return [row for row in window.workspace.comparison.rows.values() if row.key != NOW]
+def rows(window: MainWindow) -> list[ComparisonRow]:
+    return [row for row in window.workspace.comparison.rows.values() if row.key != CURRENT_KEY]
 
 
 def run(window: MainWindow, hand: Hand, panel: ComparePanel) -> None:
@@ -147,21 +147,21 @@ def test_values_that_are_no_numbers_are_named_where_they_are_typed(ready, values
 def test_methods_are_measured_by_a_truth_and_exported(ready, methods, hand, tmp_path, monkeypatch) -> None:
     PIL.Image.fromarray((disc() > 100).astype(np.uint8) * 255).save(tmp_path / "mask.png")
     compared = ready.workspace.comparison
-    compared.load(tmp_path / "mask.png")
+    compared.load_truth_file(tmp_path / "mask.png")
     hand.wait(lambda: ready.session.scene.truth is not None)
     run(ready, hand, methods)
-    hand.wait(lambda: len(compared.agreed) == len(DEFAULT_METHODS))
+    hand.wait(lambda: len(compared.agreements) == len(DEFAULT_METHODS))
     figures = dict(zip(methods.table.column("name"), methods.table.column("dice"), strict=True))
     for row in rows(ready):
         if row.trial is not None:
-            assert figures[row.title] == f"{compared.agreed[row.key].dice:.3f}"
+            assert figures[row.title] == f"{compared.agreements[row.key].dice:.3f}"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "a.csv"), ""))
     hand.qtbot.mouseClick(methods.export, LEFT)
     hand.wait(lambda: ready.session.tasks.idle)
     with (tmp_path / "a.csv").open(encoding="utf-8", newline="") as file:
         written = {row["name"]: row["dice"] for row in csv.DictReader(file)}
     assert written.keys() == figures.keys()
-    assert all(float(written[row.title]) == compared.agreed[row.key].dice for row in rows(ready) if row.trial)
+    assert all(float(written[row.title]) == compared.agreements[row.key].dice for row in rows(ready) if row.trial)
 
 
 def test_what_a_method_has_found_becomes_an_object(ready, methods, hand) -> None:
@@ -191,7 +191,7 @@ def test_a_session_keeps_the_methods_and_undo_takes_a_change_back(ready, methods
     assert compared == MethodComparison(compared.methods, (("geodesic", own),), around=True)
     file = ready.feature(OpenSaveFeature).document_file
     assert file.unsaved
-    assert file.save_at_once(tmp_path / "a.cpm")
+    assert file.save_and_wait(tmp_path / "a.cpm")
     assert load_session(tmp_path / "a.cpm").comparison == compared
     ready.session.undo()
     assert not choice.around.isChecked()

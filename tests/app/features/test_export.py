@@ -52,7 +52,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     path = tmp_path / "images" / "discs.npy"
     np.save(path, 20.0 + 150.0 * sum(inside(disc) for disc in DISCS))
     session = window.session
-    session.open(path)
+    session.open_file(path)
     hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
     session.edit("reach", lambda document: replace(document, parameters=Parameters()))
     for row, col, radius in DISCS:
@@ -133,7 +133,7 @@ def test_labels_are_the_closed_contours_and_open_ones_are_counted(found, hand, f
 def test_only_what_is_chosen_is_written_with_the_numbers_of_the_table(found, hand, folder) -> None:
     review = found.workspace.review
     numbers = {item.measures.number: item.key for item in review.items}
-    review.choose([numbers[1], numbers[3]])
+    review.select([numbers[1], numbers[3]])
     dialog = asked(hand.qtbot, found)
     check(hand.qtbot, dialog, "contours:.json")
     for wanted in ([1, 3], [1, 2, 3]):
@@ -230,7 +230,7 @@ def test_the_choice_is_kept_and_repeated_without_a_dialog_for_another_image(two,
     items = two.session.document.objects
     copy = image_file.with_name("second.npy")
     copy.write_bytes(image_file.read_bytes())
-    two.document_file.forget()
+    two.document_file.treat_as_saved()
     two.open_image(copy)
     hand.wait(lambda: two.session.document.image.name == copy.name and two.session.idle)
     two.session.edit("take", lambda document: replace(document, objects=items))

@@ -162,7 +162,7 @@ def test_objects_have_a_skeleton_of_their_own_that_follows_them(window, hand) ->
     item = SegmentedObject(1, (Click(((25.0, 30.0),)),), (boundary,))
     with_it = SegmentedObjects((item,))
     session.edit("an object", lambda document: replace(document, objects=with_it))
-    window.workspace.object_list.choose([1])
+    window.workspace.object_list.select_objects([1])
     window.actions_by_name["skeleton"].trigger()
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     first = session.scene.skeleton

@@ -120,7 +120,7 @@ def test_no_result_of_the_previous_image_reaches_an_image_opened_during_a_run(re
     ready.session.image_changed.connect(seen.clear)
     hand.key(KEY.Key_Space)
     hand.wait(lambda: ready.session.status.step > 0)
-    ready.session.open(other)
+    ready.session.open_file(other)
     hand.wait(lambda: ready.session.document.image.name == "other.npy")
     hand.wait(lambda: ready.session.idle)
     assert ready.session.status.phase == "ready"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.session.worker.commands import run_call
+from cpm_app.session.worker.commands import call_run
 from cpm_app.session.worker.run import Run
 from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
@@ -185,11 +185,11 @@ def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> 
 
     def take_a_step() -> None:
         hand.wait(lambda: session.idle)
-        seen[navigation.place] = shown().position
+        seen[navigation.current_step] = shown().position
         hand.key(KEY.Key_Period)
         hand.wait(lambda: session.idle)
 
-    session.post(run_call(None, Run.set_timeline_budget, 0))
+    session.post_command(call_run(None, Run.set_timeline_budget, 0))
     session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
     take_a_step()
     session.edit("points", lambda document: edits.add_shape(document, Points(((5.0, 5.0), (8.0, 8.0)))))
@@ -201,6 +201,6 @@ def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> 
     take_a_step()
     take_a_step()
     for (branch, step), position in seen.items():
-        navigation.go(branch, step)
+        navigation.go_to(branch, step)
         hand.wait(lambda step=step: session.idle and shown().state.step == step)
         np.testing.assert_array_equal(shown().position, position)

@@ -20,7 +20,7 @@ def colored(window, hand, tmp_path):
     pixels[np.hypot(row - 30, col - 20) < 12, 0] = 220
     pixels[np.hypot(row - 30, col - 60) < 12, 2] = 220
     PIL.Image.fromarray(pixels).save(tmp_path / "colored.png")
-    window.session.open(tmp_path / "colored.png")
+    window.session.open_file(tmp_path / "colored.png")
     hand.wait(lambda: window.session.document.image.name == "colored.png" and window.session.idle)
     return window
 
@@ -45,10 +45,10 @@ def test_a_channel_is_taken_with_the_keys_and_undone(colored, hand) -> None:
 def test_a_session_brings_back_the_channel(colored, hand, image_file, tmp_path) -> None:
     colored.panels["run"].parameters.change("channel", "blue")
     colored.feature(OpenSaveFeature).document_file.save(tmp_path / "kept.cpm")
-    colored.session.open(image_file)
+    colored.session.open_file(image_file)
     hand.wait(lambda: colored.session.document.image.name == image_file.name and colored.session.idle)
     assert colored.session.document.parameters.channel == "luminance"
-    colored.session.open(tmp_path / "kept.cpm")
+    colored.session.open_file(tmp_path / "kept.cpm")
     hand.wait(lambda: colored.session.document.image.name == "colored.png" and colored.session.idle)
     assert colored.session.document.parameters.channel == "blue"
     assert colored.panels["run"].parameters.choices["channel"].box.currentText() == "blue"

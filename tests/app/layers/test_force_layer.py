@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cpm_app.session.worker.requests import NAMES
+from cpm_app.session.worker.requests import FORCE_NAMES
 from cpm_app.views.layers.forces import KINDS
 
 
@@ -37,9 +37,9 @@ def test_the_forces_on_the_particle_under_the_pointer_are_those_of_the_engine(he
         assert probed.step == 6
         expected = engine.forces(state, parameters, (), index)
         size = 2.0**state.scale
-        for name in NAMES:
+        for name in FORCE_NAMES:
             assert probed.forces[name] == pytest.approx(size * getattr(expected, name)[0]), name
-        features = np.sum([probed.forces[name] for name in NAMES if name != "total"], axis=0)
+        features = np.sum([probed.forces[name] for name in FORCE_NAMES if name != "total"], axis=0)
         assert features == pytest.approx(probed.forces["total"])
         assert held.legend.isVisible()
 

@@ -43,7 +43,7 @@ def deep(window, hand, tmp_path):
     values = 3000.0 + np.arange(64.0 * 64.0).reshape(64, 64) % 200
     values[3, 3] = 65535.0
     np.save(tmp_path / "deep.npy", values)
-    window.session.open(tmp_path / "deep.npy")
+    window.session.open_file(tmp_path / "deep.npy")
     hand.wait(lambda: window.session.document.image.name == "deep.npy" and window.session.idle)
     window.docks.reveal("layers")
     row = window.panels["layers"].rows["image"]
@@ -106,7 +106,7 @@ def test_a_window_chosen_by_hand_is_kept_in_a_session_file_and_not_for_another_i
     layer.use_view_state(state)
     assert layer.window == (3050.0, 3090.0)
     assert layer.view_state() == state
-    window.session.open(image_file)
+    window.session.open_file(image_file)
     hand.wait(lambda: window.session.document.image.name == image_file.name)
     assert layer.window == (20.0, 200.0)
     assert layer.word("range") == "0"
@@ -119,7 +119,7 @@ def ct(window, hand, tmp_path):
     values = np.full((12, 40, 44), -1000, np.int16)
     values[:, 5:35, 5:40], values[:, 15:20, 15:20] = 0, 1200
     nibabel.save(nibabel.Nifti1Image(values.T, np.diag([1.0, 1.0, 2.0, 1.0])), tmp_path / "ct.nii.gz")
-    window.session.open(tmp_path / "ct.nii.gz")
+    window.session.open_file(tmp_path / "ct.nii.gz")
     hand.wait(lambda: window.session.document.image.name == "ct.nii.gz" and window.session.idle)
     window.docks.reveal("layers")
     row = window.panels["layers"].rows["image"]

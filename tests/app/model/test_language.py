@@ -139,7 +139,7 @@ def test_what_lacks_a_translation_stays_english_and_is_listed(update, monkeypatc
 
 
 def test_the_preferred_language_is_in_use_before_the_window_is_loaded(qapp, monkeypatch) -> None:
-    Preferences().put(language.LANGUAGE_KEY, "de")
+    Preferences().store_key(language.LANGUAGE_KEY, "de")
     seen = []
     monkeypatch.setattr(start, "explain_no_window", lambda: seen.append(language.current_language()) or "no window")
     assert main([]) == EXIT_CANNOT_OPEN

@@ -40,20 +40,20 @@ def test_any_stored_value_is_taken_within_the_limits_or_not_at_all(stored) -> No
 
 def test_a_broken_value_becomes_the_default() -> None:
     preferences = Preferences()
-    preferences.put(CONTOUR_WIDTH.name, "wide")
-    preferences.put(THEME_PREFERENCE.name, "sepia")
-    assert preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
-    assert preferences.value(THEME_PREFERENCE) == "system"
+    preferences.store_key(CONTOUR_WIDTH.name, "wide")
+    preferences.store_key(THEME_PREFERENCE.name, "sepia")
+    assert preferences.read_preference(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
+    assert preferences.read_preference(THEME_PREFERENCE) == "system"
 
 
 def test_a_value_comes_back_from_the_file_and_the_default_is_not_stored() -> None:
     preferences, seen = Preferences(), []
     preferences.changed.connect(seen.append)
-    preferences.choose(CONTOUR_WIDTH, 3.5)
-    preferences.choose(CONTOUR_WIDTH, 3.5)
+    preferences.store_preference(CONTOUR_WIDTH, 3.5)
+    preferences.store_preference(CONTOUR_WIDTH, 3.5)
     preferences.flush()
-    assert Preferences().value(CONTOUR_WIDTH) == 3.5
-    preferences.choose(CONTOUR_WIDTH, CONTOUR_WIDTH.default)
+    assert Preferences().read_preference(CONTOUR_WIDTH) == 3.5
+    preferences.store_preference(CONTOUR_WIDTH, CONTOUR_WIDTH.default)
     assert seen == [CONTOUR_WIDTH.name] * 2
     preferences.flush()
     kept = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")

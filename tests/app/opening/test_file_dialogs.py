@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.samples import load_samples
-from cpm_app.session.storage.folders import first_folder, remember_folder
+from cpm_app.session.storage.folders import initial_folder, remember_folder
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.features.compare import CompareFeature
 from cpm_app.views.features.files import OpenSaveFeature
@@ -67,19 +67,19 @@ def test_a_folder_chosen_for_an_image_holds_for_this_image_and_this_kind_of_file
     preferences, mine, other = Preferences(), of_image(tmp_path / "a.png"), of_image(tmp_path / "b.png")
     (tmp_path / "out").mkdir()
     remember_folder(preferences, mine, "export", tmp_path / "out" / "a.svg")
-    assert first_folder(preferences, mine, "export") == tmp_path / "out"
-    assert first_folder(preferences, mine, "session") == tmp_path
-    assert first_folder(preferences, other, "export") == tmp_path
+    assert initial_folder(preferences, mine, "export") == tmp_path / "out"
+    assert initial_folder(preferences, mine, "session") == tmp_path
+    assert initial_folder(preferences, other, "export") == tmp_path
 
 
 def test_without_an_image_of_the_user_a_dialog_begins_where_the_last_one_ended(qapp, tmp_path) -> None:
     preferences, sample = Preferences(), of_image(load_samples()[0].path)
-    assert first_folder(preferences, sample, "export") == Path.home()
+    assert initial_folder(preferences, sample, "export") == Path.home()
     remember_folder(preferences, of_image(tmp_path / "a.png"), "export", tmp_path / "a.svg")
-    assert first_folder(preferences, sample, "export") == first_folder(preferences, Document(), "export") == tmp_path
-    assert first_folder(preferences, sample, "open") == Path.home()
+    assert initial_folder(preferences, sample, "export") == initial_folder(preferences, Document(), "export") == tmp_path
+    assert initial_folder(preferences, sample, "open") == Path.home()
     remember_folder(preferences, Document(), "export", tmp_path / "gone" / "a.svg")
-    assert first_folder(preferences, Document(), "export") == Path.home()
+    assert initial_folder(preferences, Document(), "export") == Path.home()
 
 
 @pytest.mark.parametrize("agreed", [False, True])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.preferences.table import SAVE_IN_FOLDER
-from cpm_app.session.tasks.opening import images_beside, session_beside
+from cpm_app.session.tasks.opening import sibling_images, find_adjacent_session
 from cpm_app.views.features.files import FolderFeature, OpenSaveFeature
 from cpm_app.views.window.window import MainWindow
 from hypothesis import given
@@ -62,12 +62,12 @@ def test_what_has_been_exported_of_an_image_is_no_next_image(folder: Path) -> No
     for exported in ("hand1_objects.npy", "hand1_contours.figure.png", "hand1_other.npy", "arm_objects.npy"):
         np.save(folder / "x.npy", np.eye(64))
         (folder / "x.npy").rename(folder / exported)
-    names = [path.name for path in images_beside(folder / "hand1.npy")]
+    names = [path.name for path in sibling_images(folder / "hand1.npy")]
     assert names == ["arm_objects.npy", "hand1.npy", "hand1_other.npy", "hand2.npy", "Hand10.npy"]
 
 
 def test_images_are_in_the_order_in_which_people_count(folder: Path) -> None:
-    names = [path.name for path in images_beside(folder / "hand2.npy")]
+    names = [path.name for path in sibling_images(folder / "hand2.npy")]
     assert names == ["hand1.npy", "hand2.npy", "Hand10.npy"]
 
 
@@ -79,12 +79,12 @@ def test_any_names_can_be_put_in_order(names: list[str]) -> None:
 
 
 def test_only_a_session_that_names_the_image_belongs_to_it(folder: Path) -> None:
-    assert session_beside(folder / "hand2.npy") == folder / "hand2.cpm"
-    assert session_beside(folder / "hand1.npy") is None
+    assert find_adjacent_session(folder / "hand2.npy") == folder / "hand2.cpm"
+    assert find_adjacent_session(folder / "hand1.npy") is None
     save_session(load_session(folder / "hand2.cpm"), folder / "hand1.cpm")
-    assert session_beside(folder / "hand1.npy") is None
+    assert find_adjacent_session(folder / "hand1.npy") is None
     (folder / "hand1.cpm").write_text("{")
-    assert session_beside(folder / "hand1.npy") is None
+    assert find_adjacent_session(folder / "hand1.npy") is None
 
 
 def test_keys_lead_through_the_folder_and_the_place_is_shown(window, hand, folder) -> None:
@@ -115,7 +115,7 @@ def draw(window: MainWindow) -> None:
 
 
 def test_work_is_saved_on_the_way_by_choice(window, hand, folder) -> None:
-    window.preferences.choose(SAVE_IN_FOLDER, True)
+    window.preferences.store_preference(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand1.npy")
     draw(window)
     go(window, hand, NEXT, "hand2.npy")
@@ -125,7 +125,7 @@ def test_work_is_saved_on_the_way_by_choice(window, hand, folder) -> None:
 
 
 def test_saving_on_the_way_never_replaces_the_file_of_other_work(window, hand, folder, monkeypatch) -> None:
-    window.preferences.choose(SAVE_IN_FOLDER, True)
+    window.preferences.store_preference(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand2.npy")  # not its session
     draw(window)
     draw(window)
@@ -134,7 +134,7 @@ def test_saving_on_the_way_never_replaces_the_file_of_other_work(window, hand, f
 
 
 def test_where_saving_fails_the_image_stays(window, hand, folder, monkeypatch) -> None:
-    window.preferences.choose(SAVE_IN_FOLDER, True)
+    window.preferences.store_preference(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand1.npy")
     window.feature(OpenSaveFeature).document_file.path = folder / "none" / "a.cpm"
     draw(window)

@@ -113,7 +113,7 @@ def test_objects_that_are_exported_and_imported_are_the_same(volume, hand, tmp_p
     session.edit("color", lambda document: objects.update_objects(document, [9], color="#102030", name="Zyste"))
     before = session.document.objects.items
     what = ExportFile(tmp_path / name, "objects", find_format_suffix(name))
-    session.export(ExportOrder((what,)))
+    session.export_files(ExportOrder((what,)))
     hand.wait(lambda: (tmp_path / name).exists() and session.idle)
     session.edit("delete", lambda document: objects.delete_objects(document, [4, 9]))
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tmp_path / name), ""))
@@ -159,7 +159,7 @@ def test_what_lies_in_the_other_kind_of_image_is_refused(volume, hand, tmp_path)
 def test_objects_in_a_series_are_offered_as_dicom_segments_and_come_back(window, hand, tmp_path) -> None:
     pytest.importorskip("highdicom")
     series = write_series(tmp_path / "series", HEIGHTS, **HEADER)
-    window.session.open(series, as_volume=True)
+    window.session.open_file(series, as_volume=True)
     hand.wait(lambda: window.session.scene.slices is not None and window.session.idle)
     np.save(tmp_path / "labels.npy", np.where(LABELS, 4, 0).astype(np.uint8))
     with answering("Objects"):

@@ -12,7 +12,7 @@ import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.document.modes import initial_parameters, adapt_shapes_to_mode
 from cpm_app.model.preferences.table import KEEP_PARAMETERS
-from cpm_app.session.exchange.messages import Core
+from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.help import PreferencesFeature
 from cpm_app.views.window import dialogs
@@ -32,7 +32,7 @@ FRESH = PRESETS["shape"]
 def forgetful(window: MainWindow) -> Iterator[None]:
     """Let no test keep parameters for the next one."""
     yield
-    window.preferences.choose(KEEP_PARAMETERS, False)
+    window.preferences.store_preference(KEEP_PARAMETERS, False)
     window.session.keeps_parameters = False
 
 
@@ -70,7 +70,7 @@ def held(window: MainWindow, monkeypatch: pytest.MonkeyPatch) -> threading.Event
         assert ready.wait(20.0)
         return load_image(path, go_on)
 
-    monkeypatch.setattr(window.session._opener, "_core", Core(load_image=load))
+    monkeypatch.setattr(window.session._opener, "_core", CoreFunctions(load_image=load))
     return ready
 
 

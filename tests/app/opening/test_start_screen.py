@@ -11,7 +11,7 @@ import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.document.samples import load_samples
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.session.storage.pictures import SIZE
+from cpm_app.session.storage.pictures import THUMBNAIL_SIZE
 from cpm_app.views.application import make_application
 from cpm_app.views.features.files import OpenSaveFeature, StartFeature
 from cpm_app.views.files.start_screen import StartScreen
@@ -77,8 +77,8 @@ def test_a_sample_is_opened_by_a_click(window, hand) -> None:
 def test_what_was_open_has_a_picture_and_one_that_is_gone_is_not_shown(window, hand, other, image_file) -> None:
     open_image(window, hand, other)
     pictures = window.feature(StartFeature).pictures
-    assert pictures.get(image_file).size() == SIZE
-    assert pictures.get(other).isNull()
+    assert pictures.load_thumbnail(image_file).size() == THUMBNAIL_SIZE
+    assert pictures.load_thumbnail(other).isNull()
     image_file.unlink()
     hand.key(KEY.Key_Home, ALT)
     assert names(window) == ["other.npy"]
@@ -88,7 +88,7 @@ def test_a_saved_session_has_a_picture_at_once(ready, hand, tmp_path, monkeypatc
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "work.cpm"), ""))
     hand.key(KEY.Key_S, Qt.KeyboardModifier.ControlModifier)
     hand.wait(lambda: not ready.feature(OpenSaveFeature).document_file.unsaved)
-    assert not ready.feature(StartFeature).pictures.get(tmp_path / "work.cpm").isNull()
+    assert not ready.feature(StartFeature).pictures.load_thumbnail(tmp_path / "work.cpm").isNull()
 
 
 def test_a_session_saved_when_asked_is_recent_work_and_has_a_picture(
@@ -101,8 +101,8 @@ def test_a_session_saved_when_asked_is_recent_work_and_has_a_picture(
     hand.key(KEY.Key_Home, ALT)
     assert names(ready)[:2] == ["other.npy", "work.cpm"]
     pictures = ready.feature(StartFeature).pictures
-    assert not pictures.get(tmp_path / "work.cpm").isNull()
-    assert not pictures.get(image_file).isNull()
+    assert not pictures.load_thumbnail(tmp_path / "work.cpm").isNull()
+    assert not pictures.load_thumbnail(image_file).isNull()
 
 
 def test_where_nothing_can_be_opened_the_start_screen_is_shown(qtbot: QtBot, workspace: Workspace, tmp_path) -> None:

@@ -101,7 +101,7 @@ def test_what_was_accepted_is_offered_on_the_next_page_with_its_number_name_clas
     window.session.edit("name", lambda d: objects.update_objects(d, (2,), name="left", color="#123456", category=3))
     go(window, hand, 2)
     assert not items(window)
-    assert [each.item.number for each in window.workspace.object_selection.proposals] == [1, 2]
+    assert [each.proposed_object.number for each in window.workspace.object_selection.proposals] == [1, 2]
     hand.key(KEY.Key_Return)
     found = items(window)
     assert all(is_disk(found[number], MOVING[1][number - 1]) for number in (1, 2))
@@ -176,7 +176,7 @@ def test_a_click_in_the_table_or_in_the_plot_goes_to_the_page_and_selected_objec
     assert len(chart._curves) == 4
     row = table.column("page").index("3") + 1
     hand.qtbot.mouseClick(table.viewport(), LEFT, pos=table.visualRect(table.model().index(row, 0)).center())
-    hand.wait(lambda: window.workspace.pages.number == 3 and window.workspace.object_list.chosen == {2})
+    hand.wait(lambda: window.workspace.pages.number == 3 and window.workspace.object_list.selected_numbers == {2})
     settled(window, hand)
     assert len(chart._curves) == 2
     pages, areas = chart._curves[0][2].getData()
@@ -221,8 +221,8 @@ def test_following_can_be_cancelled_and_a_session_keeps_the_objects_of_all_pages
     followed(window, hand)
     rows = pages.tables["objects"][1]
     documents = window.feature(OpenSaveFeature).document_file
-    assert documents.save_at_once(tmp_path / "a.cpm")
-    window.session.open(tmp_path / "a.cpm")
+    assert documents.save_and_wait(tmp_path / "a.cpm")
+    window.session.open_file(tmp_path / "a.cpm")
     hand.wait(lambda: window.session.idle and set(pages.documents) == {1, 2, 3, 4})
     settled(window, hand)
     again = pages.tables["objects"][1]

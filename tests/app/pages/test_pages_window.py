@@ -45,7 +45,7 @@ def stack(window, hand, stack_file):
     window.open_image(str(stack_file))
     hand.wait(lambda: window.session.document.image.name == "cells.tif" and window.session.idle)
     # without a limit of reach, since a start that lies across an edge does not say what it is drawn around
-    window.session.begin_document(edits.set_parameters(window.session.document, Parameters()))
+    window.session.load_document(edits.set_parameters(window.session.document, Parameters()))
     window.session.edit("draw circle", lambda document: edits.add_shape(document, CIRCLE))
     window.canvas_area.canvas.setFocus()
     return window
@@ -156,8 +156,8 @@ def test_a_double_click_in_the_table_goes_to_the_contour_and_selects_it(window, 
         place = table.visualRect(table.model().index(row, 0)).center()
         hand.qtbot.mouseClick(table.viewport(), LEFT, pos=place)
         hand.qtbot.mouseDClick(table.viewport(), LEFT, pos=place)
-        hand.wait(lambda told=told: feature.bar.number.value() == told.page and len(review.chosen) == 1)
-        center = review.chosen[0].contour.points.mean(axis=0)
+        hand.wait(lambda told=told: feature.bar.number.value() == told.page and len(review.selected_items) == 1)
+        center = review.selected_items[0].contour.points.mean(axis=0)
         np.testing.assert_allclose(center, (told.row, told.col), atol=1.0)
 
 
@@ -198,7 +198,7 @@ def test_stop_keeps_the_pages_that_are_done(stack, hand) -> None:
     bar = stack.feature(PagesFeature).bar
     hand.qtbot.mouseClick(bar.run, LEFT)
     assert bar.run.text() == "Stop"
-    hand.wait(lambda: 1 in pages._found)
+    hand.wait(lambda: 1 in pages._found_pages)
     hand.qtbot.mouseClick(bar.run, LEFT)
     settled(stack, hand)
     assert bar.run.text() == "Run all pages"
@@ -211,12 +211,12 @@ def test_a_session_keeps_the_pages(stack, hand, tmp_path) -> None:
     run_all(stack, hand)
     documents = stack.feature(OpenSaveFeature).document_file
     assert documents.unsaved
-    assert documents.save_at_once(tmp_path / "a.cpm")
+    assert documents.save_and_wait(tmp_path / "a.cpm")
     assert not documents.unsaved
     before = [
         (page.number, [one.points.tolist() for one in page.contours]) for page in stack.workspace.pages.result.pages
     ]
-    stack.session.open(tmp_path / "a.cpm")
+    stack.session.open_file(tmp_path / "a.cpm")
     hand.wait(lambda: stack.session.idle and stack.workspace.pages.result is not None)
     settled(stack, hand)
     assert vertices(stack) == before
@@ -236,5 +236,5 @@ def test_paging_asks_nothing_and_loses_nothing(stack, hand, monkeypatch) -> None
     assert documents.unsaved
     go(stack, hand, page=2)
     assert documents.unsaved  # the circle on the page before
-    assert "the other pages" in documents.lost
+    assert "the other pages" in documents.unsaved_parts
     assert asked == []

@@ -42,7 +42,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     path = tmp_path / "discs.npy"
     np.save(path, values)
     session = window.session
-    session.open(path)
+    session.open_file(path)
     hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
     session.edit("reach", lambda document: replace(document, parameters=Parameters()))
     for at_row, at_col, radius, _ in DISCS:

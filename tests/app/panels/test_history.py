@@ -40,16 +40,16 @@ class EditingMachine(RuleBasedStateMachine):
     @precondition(lambda self: self.now.shapes)
     @rule()
     def delete(self) -> None:
-        self.editor.select(0)
+        self.editor.select_shape(0)
         self.editor.edit("delete", lambda document: edits.delete_shape(document, 0), "")
         self._edited(edits.delete_shape(self.now, 0))
 
     @rule(values=st.lists(st.sampled_from([0.5, 0.8, 1.0, 1.5]), min_size=1, max_size=4))
     def drag_slider(self, values: list[float]) -> None:
-        self.editor.seal()
+        self.editor.end_gesture()
         for value in values:
             self.editor.edit("beta", lambda document, value=value: edits.set_parameter(document, "beta", value), "beta")
-        self.editor.seal()
+        self.editor.end_gesture()
         before = self.now.parameters.beta
         if any(value != before for value in values):
             self.future = []
@@ -76,7 +76,7 @@ class EditingMachine(RuleBasedStateMachine):
     def same_document(self) -> None:
         assert self.editor.document == self.now
         assert bool(self.editor.history.undo_name) == bool(self.past)
-        assert self.editor.selected is None or self.editor.selected < len(self.now.shapes)
+        assert self.editor.selected_shape is None or self.editor.selected_shape < len(self.now.shapes)
 
 
 EditingMachine.TestCase.settings = settings(max_examples=40, stateful_step_count=25, deadline=None)

@@ -41,9 +41,9 @@ def shown_contours(window, *contours: Contour) -> None:
     """Show contours as a run would have found them."""
     image = window.session.image
     result = boundaries_result(contours, [], image.shape, image.spacing, image.unit, "")
-    tracked = ContourTracker().track(result, thorough=True)
+    tracked = ContourTracker().track_contours(result, thorough=True)
     scene = window.session.scene
-    window.session.show(replace(scene, contours=ReviewedContours.of(tracked, scene.document.marks)))
+    window.session.set_scene(replace(scene, contours=ReviewedContours.from_tracked(tracked, scene.document.marks)))
 
 
 @pytest.fixture
@@ -63,7 +63,7 @@ def _offer(window, *corners: tuple[float, float, float]) -> None:
         place = np.array([[top + side / 2, left + side / 2]])
         found.append(Proposal(Selection(mask, (line,), (), 0.9, place, np.empty((0, 2))), ()))
     scene = window.session.scene
-    window.session.show(replace(scene, objects=replace(scene.objects, proposals=tuple(found))))
+    window.session.set_scene(replace(scene, objects=replace(scene.objects, proposals=tuple(found))))
 
 
 @pytest.fixture
@@ -159,14 +159,14 @@ def test_the_columns_that_are_shown_fit_with_their_whole_titles_and_the_first_on
 
 def test_a_click_on_a_row_chooses_its_object_and_a_heading_sorts(window, hand, table) -> None:
     choose(hand, table, 1)
-    assert window.workspace.object_list.chosen == {2}
+    assert window.workspace.object_list.selected_numbers == {2}
     header, area = table.horizontalHeader(), table.number("area")
     at = QPoint(header.sectionViewportPosition(area) + 8, header.height() // 2)
     hand.qtbot.mouseClick(header.viewport(), LEFT, pos=at)
     assert column(table, "number") == ["2", "1"]
-    assert window.workspace.object_list.chosen == {2}
+    assert window.workspace.object_list.selected_numbers == {2}
     choose(hand, table, 1, CONTROL)
-    assert window.workspace.object_list.chosen == {1, 2}
+    assert window.workspace.object_list.selected_numbers == {1, 2}
     table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
 
 
@@ -218,11 +218,11 @@ def test_all_proposals_are_accepted_but_doubtful_ones_only_when_they_are_selecte
     scene, rows = window.session.scene, window.workspace.object_list
     sure, other = (replace(each, key=-at) for at, each in enumerate(scene.objects.proposals, start=1))
     doubtful = replace(other, selection=replace(other.selection, confidence=0.2))
-    window.session.show(replace(scene, objects=replace(scene.objects, proposals=(sure, doubtful))))
-    rows.accept()
+    window.session.set_scene(replace(scene, objects=replace(scene.objects, proposals=(sure, doubtful))))
+    rows.accept_pending()
     assert [item.confidence for item in items(window)] == [0.9]
-    rows.select([("proposal", -2)])
-    rows.accept()
+    rows.select_rows([("proposal", -2)])
+    rows.accept_pending()
     assert [item.confidence for item in items(window)] == [0.9, 0.2]
 
 
@@ -363,10 +363,10 @@ def test_new_contours_preserve_the_selection_and_a_name_being_edited(window, han
     hand.qtbot.keyClicks(editor, "half a na")
     scene = window.session.scene
     again = replace(scene.contours, items=scene.contours.items[:3])
-    window.session.show(replace(scene, contours=again))
+    window.session.set_scene(replace(scene, contours=again))
     assert len(column(drawn, "number")) == 3
     assert editor.text() == "half a na" and editor.isVisible()
-    assert len(window.workspace.object_list.selected) == 1
+    assert len(window.workspace.object_list.selected_keys) == 1
     hand.qtbot.keyClick(editor, KEY.Key_Escape)
 
 
@@ -374,8 +374,8 @@ def test_the_panel_opens_with_the_present_rows_and_its_key_gives_it_the_keyboard
     window, hand, panel, drawn
 ) -> None:
     window.docks.bring("run")
-    window.workspace.object_list.select([("contour", 0)])
-    window.workspace.object_list.reject()
+    window.workspace.object_list.select_rows([("contour", 0)])
+    window.workspace.object_list.reject_selected()
     hand.canvas.setFocus()
     hand.key(KEY.Key_O, CONTROL | SHIFT)
     hand.wait(panel.isVisible)
@@ -410,7 +410,7 @@ def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, t
     hand.wait(field.hasFocus)
     hand.qtbot.keyClicks(field, "aorta")
     before = window.session.image_generation
-    window.session.open(image_file)
+    window.session.open_file(image_file)
     hand.wait(lambda: window.session.image_generation != before and not field.isVisible())
 
 
@@ -425,6 +425,6 @@ def test_the_radius_of_the_brush_is_in_the_panel_while_the_tool_that_mends_is_us
     panel.brush.selectAll()
     hand.qtbot.keyClicks(panel.brush, "7")
     hand.qtbot.keyClick(panel.brush, KEY.Key_Return)
-    assert window.workspace.object_list.brush == 7.0
+    assert window.workspace.object_list.brush_radius == 7.0
     hand.key(KEY.Key_S)
     assert not panel.brush.isVisible()

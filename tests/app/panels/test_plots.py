@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cpm_app.model.display.lengths import format_short_number
 from cpm_app.model.display.plots import PLOTS, RunMetrics
-from cpm_app.session.timeline.moments import RunRecord
+from cpm_app.session.timeline.moments import BranchFigures
 from cpm_app.views.panels.run import Chart
 
 from cpm_core import Engine, Parameters
@@ -33,14 +33,14 @@ def panel(qtbot):
 
 def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
     parameters = Parameters()
-    engine, recorder = Engine(disc(), parameters), RunRecord()
+    engine, recorder = Engine(disc(), parameters), BranchFigures()
     state = engine.start([(32.0, 20.0), (32.0, 44.0), (20.0, 32.0)])
     states = []
     for _ in range(20):
         state = engine.step(state, parameters)
-        recorder.record(state.step, engine.measure_state(state, parameters))
+        recorder.add_step(state.step, engine.measure_state(state, parameters))
         states.append(state)
-    metrics = recorder.metrics()
+    metrics = recorder.metrics_until()
     for name in ("step", "count", "born", "deleted", "scale"):
         assert getattr(metrics, name).tolist() == [getattr(state, name) for state in states]
     assert metrics.kinetic == pytest.approx([engine.energies(state, parameters).kinetic for state in states])
@@ -49,7 +49,7 @@ def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
 def test_that_the_plots_are_unfolded_is_remembered(ready):
     ready.panels["run"].plots.fold.click()
     assert ready.panels["run"].plot.isVisible()
-    assert ready.preferences.get("run/unfolded", [""]) == ["plots"]
+    assert ready.preferences.read_key("run/unfolded", [""]) == ["plots"]
 
 
 def test_each_curve_and_each_change_of_scale_is_drawn(panel):

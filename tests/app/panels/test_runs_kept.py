@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.session.timeline.timeline import MOST_RUNS
+from cpm_app.session.timeline.timeline import MAX_TIMELINE_RUNS
 from cpm_app.views.features.compare import CompareFeature
 from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
@@ -38,7 +38,7 @@ def navigation(window):
 
 
 def names(window) -> list[str]:
-    return [branch.name for branch in navigation(window).outline.branches]
+    return [branch.name for branch in navigation(window).timeline_state.branches]
 
 
 def shown(window) -> np.ndarray:
@@ -47,7 +47,7 @@ def shown(window) -> np.ndarray:
 
 
 def wait_for_branch(window, hand, branch: int) -> None:
-    hand.wait(lambda: navigation(window).outline.branch == branch and window.session.idle)
+    hand.wait(lambda: navigation(window).timeline_state.branch == branch and window.session.idle)
 
 
 def press_name(window, hand, branch: int) -> None:
@@ -90,8 +90,8 @@ def test_a_run_from_another_start_is_a_run_beside_the_first(rested, hand) -> Non
     wait_for_branch(rested, hand, 1)
     np.testing.assert_array_equal(shown(rested), first)
     assert rested.session.status.stale  # its start is no longer drawn
-    press_name(rested, hand, navigation(rested).outline.branches[1].identity)
-    wait_for_branch(rested, hand, navigation(rested).outline.branches[1].identity)
+    press_name(rested, hand, navigation(rested).timeline_state.branches[1].identity)
+    wait_for_branch(rested, hand, navigation(rested).timeline_state.branches[1].identity)
     np.testing.assert_array_equal(shown(rested), second)
     assert not rested.session.status.stale
 
@@ -105,9 +105,9 @@ def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     assert branch.text() == "Run 1"
     branch.trigger()
     row = max(compared.rows)
-    hand.wait(lambda: row in compared.agreed)
-    assert compared.agreed[row].hausdorff < 1.0
-    compared.choose(row)
+    hand.wait(lambda: row in compared.agreements)
+    assert compared.agreements[row].hausdorff < 1.0
+    compared.select_row(row)
     hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
     rested.panels["compare"].acts["use"].trigger()
     wait_for_branch(rested, hand, 1)
@@ -132,13 +132,13 @@ def test_the_run_that_is_gone_back_to_can_be_deleted(rested, hand) -> None:
     wait_for_branch(rested, hand, 1)
     rested.actions_by_name["timeline_delete"].trigger()
     hand.wait(lambda: names(rested) == ["Run 2"] and rested.session.idle)
-    assert navigation(rested).outline.branch == navigation(rested).outline.branches[0].identity
+    assert navigation(rested).timeline_state.branch == navigation(rested).timeline_state.branches[0].identity
 
 
 def test_who_runs_too_often_is_told_which_runs_are_gone(rested, hand) -> None:
     said: list[str] = []
-    rested.session.said.connect(lambda text, _: said.append(text))
-    for number in range(MOST_RUNS):
+    rested.session.message_shown.connect(lambda text, _: said.append(text))
+    for number in range(MAX_TIMELINE_RUNS):
         rested.session.edit("beta", lambda d, n=number: edits.set_parameter(d, "beta", 1.0 + 0.01 * n))
         rested.session.reset()
         rested.session.step()

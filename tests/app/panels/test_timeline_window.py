@@ -7,8 +7,8 @@ import threading
 import numpy as np
 import pytest
 from cpm_app.model.preferences.table import TIMELINE_MEMORY
-from cpm_app.session.timeline.timeline import MEGABYTE
-from cpm_app.session.worker.commands import Command
+from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
+from cpm_app.session.worker.commands import WorkerCommand
 from cpm_app.session.worker.run import Run
 from cpm_app.views.features.compare import CompareFeature
 from cpm_app.views.features.run import TimelineFeature
@@ -88,7 +88,7 @@ def go_on_otherwise(window, hand) -> None:
 def test_scrubbing_back_shows_exactly_the_particles_of_that_step(rested, hand, fresh) -> None:
     assert rested.session.status.step == fresh[-1].step
     scrub(rested, hand, 1, 10, 25, 60, 40)
-    step = navigation(rested).place[1]
+    step = navigation(rested).current_step[1]
     assert abs(step - 40) <= 1  # a pixel of the timeline may be more than a step
     wait_for_step(rested, hand, step)
     assert rested.session.status.phase == "paused"
@@ -107,19 +107,19 @@ def test_continuing_differently_from_an_earlier_step_keeps_both_branches(rested,
     wait_for_step(rested, hand, 40)
     np.testing.assert_array_equal(shown(rested), ordered(fresh[40]))
     go_on_otherwise(rested, hand)
-    kept, new = navigation(rested).outline.branches
+    kept, new = navigation(rested).timeline_state.branches
     assert (kept.last, new.parent, new.first) == (fresh[-1].step, kept.identity, 40)
     engine, state = Engine(rested.session.image, PRESETS["shape"]), fresh[40]
     for _ in range(20):
         state = engine.step(state, rested.session.document.parameters)
     scrub(rested, hand, new.identity, 45)
     panel.view.setFocus()
-    while navigation(rested).place[1] != 60:
-        hand.key(KEY.Key_Right if navigation(rested).place[1] < 60 else KEY.Key_Left)
+    while navigation(rested).current_step[1] != 60:
+        hand.key(KEY.Key_Right if navigation(rested).current_step[1] < 60 else KEY.Key_Left)
     wait_for_step(rested, hand, 60)
     np.testing.assert_array_equal(shown(rested), ordered(state))
     hand.key(KEY.Key_Up)
-    hand.wait(lambda: navigation(rested).outline.branch == kept.identity and rested.session.idle)
+    hand.wait(lambda: navigation(rested).timeline_state.branch == kept.identity and rested.session.idle)
     np.testing.assert_array_equal(shown(rested), ordered(fresh[60]))
     assert not np.array_equal(ordered(state), ordered(fresh[60]))
 
@@ -131,14 +131,14 @@ def test_a_compared_branch_is_shown_at_its_end_or_at_the_same_step(rested, hand,
     compared, wipe = rested.workspace.comparison, rested.feature(CompareFeature).wipe
     compared.add_branch(1)
     row = max(compared.rows)
-    compared.choose(row)
+    compared.select_row(row)
     hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
     beyond = wipe.mirror.layers.particles
     np.testing.assert_array_equal(np.sort(beyond.position, axis=0), np.sort(fresh[-1].position, axis=0))
     hand.canvas.setFocus()
     for _ in range(3):
         hand.key(KEY.Key_Comma)
-    step = navigation(rested).place[1]
+    step = navigation(rested).current_step[1]
     wait_for_step(rested, hand, step)
     hand.wait(lambda: compared.rows[row].scene.snapshot.state.step == min(step, fresh[-1].step))
     assert beyond.count == fresh[min(step, fresh[-1].step)].count
@@ -155,12 +155,12 @@ def test_steps_backwards_return_exactly_and_forwards_repeat_the_branch(rested, h
         hand.key(KEY.Key_Period)
         wait_for_step(rested, hand, last - 5 + forward)
         np.testing.assert_array_equal(shown(rested), ordered(fresh[last - 5 + forward]))
-    assert len(navigation(rested).outline.branches) == 1
-    assert navigation(rested).last(1) == last
+    assert len(navigation(rested).timeline_state.branches) == 1
+    assert navigation(rested).last_step(1) == last
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     assert rested.session.status.step == last
-    assert len(navigation(rested).outline.branches) == 1
+    assert len(navigation(rested).timeline_state.branches) == 1
 
 
 def test_going_back_during_a_run_pauses_it(ready, hand) -> None:
@@ -171,21 +171,21 @@ def test_going_back_during_a_run_pauses_it(ready, hand) -> None:
     hand.wait(lambda: ready.session.idle)
     assert ready.session.status.phase == "paused"
     assert abs(ready.session.status.step - 5) <= 1
-    assert navigation(ready).last(1) >= 12
+    assert navigation(ready).last_step(1) >= 12
 
 
-def waiting(gate: threading.Event) -> Command:
+def waiting(gate: threading.Event) -> WorkerCommand:
     """Blocks the worker until it is released."""
-    return Command(lambda _: gate.wait(20))
+    return WorkerCommand(lambda _: gate.wait(20))
 
 
 def test_of_many_requested_steps_only_the_last_is_computed(rested, hand, monkeypatch) -> None:
     gone: list[int] = []
     go_to, gate = Run.go_to, threading.Event()
     monkeypatch.setattr(Run, "go_to", lambda run, *at: gone.append(at[1]) or go_to(run, *at))
-    rested.session.post(waiting(gate))
+    rested.session.post_command(waiting(gate))
     scrub(rested, hand, 1, *range(5, 60))
-    step = navigation(rested).place[1]
+    step = navigation(rested).current_step[1]
     assert abs(step - 59) <= 1
     assert rested.panels["timeline"].step.value() == step  # shown at once, before anything has been computed
     gate.set()
@@ -201,10 +201,10 @@ def test_branches_are_named_and_deleted(rested, hand, fresh, monkeypatch) -> Non
     go_on_otherwise(rested, hand)
     monkeypatch.setattr(timeline, "ask_for_text", lambda *_: "stiffer")
     panel.rename.trigger()
-    hand.wait(lambda: [branch.name for branch in navigation(rested).outline.branches] == ["Run 1", "stiffer"])
-    fork = navigation(rested).outline.branches[1].first
+    hand.wait(lambda: [branch.name for branch in navigation(rested).timeline_state.branches] == ["Run 1", "stiffer"])
+    fork = navigation(rested).timeline_state.branches[1].first
     rested.actions_by_name["timeline_delete"].trigger()
-    hand.wait(lambda: len(navigation(rested).outline.branches) == 1 and rested.session.idle)
+    hand.wait(lambda: len(navigation(rested).timeline_state.branches) == 1 and rested.session.idle)
     assert rested.session.status.step == fork
     np.testing.assert_array_equal(shown(rested), ordered(fresh[fork]))
     assert not rested.actions_by_name["timeline_delete"].isEnabled()
@@ -217,7 +217,7 @@ def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand,
     assert not panel.parameters.isVisible()
     go_on_otherwise(rested, hand)
     scrub(rested, hand, 1, 50)
-    step = navigation(rested).place[1]
+    step = navigation(rested).current_step[1]
     wait_for_step(rested, hand, step)
     assert panel.parameters.isVisible()
     hand.qtbot.mouseClick(panel.parameters, LEFT)
@@ -228,8 +228,8 @@ def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand,
     hand.key(KEY.Key_Period)
     wait_for_step(rested, hand, step + 1)
     np.testing.assert_array_equal(shown(rested), ordered(fresh[step + 1]))
-    assert navigation(rested).outline.branch == 1
-    assert len(navigation(rested).outline.branches) == 2
+    assert navigation(rested).timeline_state.branch == 1
+    assert len(navigation(rested).timeline_state.branches) == 2
 
 
 def timeline_of(window):
@@ -245,18 +245,18 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
     field.selectAll()
     hand.qtbot.keyClicks(field, "16")
     hand.qtbot.keyClick(field, KEY.Key_Return)
-    assert rested.preferences.value(TIMELINE_MEMORY) == 16
-    hand.wait(lambda: timeline_of(rested)._kept.budget == 16 * MEGABYTE)
+    assert rested.preferences.read_preference(TIMELINE_MEMORY) == 16
+    hand.wait(lambda: timeline_of(rested)._states.budget == 16 * BYTES_PER_MEGABYTE)
     hand.qtbot.keyClick(dialog, KEY.Key_Escape)
     hand.wait(lambda: not rested.findChildren(PreferencesDialog))
-    navigation(rested).by(-1)
+    navigation(rested).go_by(-1)
     wait_for_step(rested, hand, fresh[-1].step - 1)
 
 
 def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
-    timeline_of(rested).limit(1)
+    timeline_of(rested).set_budget(1)
     for step in (40, 3, 57, 56):
-        navigation(rested).go(1, step)
+        navigation(rested).go_to(1, step)
         wait_for_step(rested, hand, step)
         np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
-    assert len(timeline_of(rested)._kept) <= 2
+    assert len(timeline_of(rested)._states) <= 2

@@ -12,7 +12,7 @@ from cpm_app.model.display.differences import find_boundary_differences
 from cpm_app.model.document.contours import set_verdict
 from cpm_app.model.document.imported import add_objects, objects_from_contours
 from cpm_app.session.features.background import LatestOnlyWorker
-from cpm_app.session.features.comparison import NOW, Row
+from cpm_app.session.features.comparison import CURRENT_KEY, ComparisonRow
 from cpm_app.views.features.compare import CompareFeature
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
@@ -56,11 +56,11 @@ def compared(ready: MainWindow, hand: Hand, mask_file: Path, monkeypatch: pytest
     menu = ready.feature(CompareFeature).panel.add.menu()
     menu.aboutToShow.emit()
     menu.actions()[-1].trigger()
-    hand.wait(lambda: NOW in ready.workspace.comparison.agreed)
+    hand.wait(lambda: CURRENT_KEY in ready.workspace.comparison.agreements)
     return ready
 
 
-def truth_row(window: MainWindow) -> Row:
+def truth_row(window: MainWindow) -> ComparisonRow:
     return next(row for row in window.workspace.comparison.rows.values() if row.truth is not None)
 
 
@@ -109,15 +109,15 @@ def test_the_largest_difference_is_brought_into_view(compared, hand) -> None:
 
 
 def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> None:
-    before, agreed = figure(compared, "dice"), compared.workspace.comparison.agreed
+    before, agreed = figure(compared, "dice"), compared.workspace.comparison.agreements
     review = compared.workspace.review
-    targets = review.targets(review.items)
+    targets = review.edit_targets(review.items)
     compared.session.edit("reject", lambda document: set_verdict(document, targets, "rejected"))
     hand.wait(lambda: figure(compared, "dice") == 0.0)
-    assert math.isinf(compared.workspace.comparison.agreed[NOW].hausdorff)
+    assert math.isinf(compared.workspace.comparison.agreements[CURRENT_KEY].hausdorff)
     compared.session.undo()
     hand.wait(lambda: figure(compared, "dice") == before)
-    assert compared.workspace.comparison.agreed is not agreed
+    assert compared.workspace.comparison.agreements is not agreed
 
 
 def test_objects_are_compared_where_there_are_any(compared, hand) -> None:
@@ -134,10 +134,10 @@ def test_true_objects_that_touch_are_taken_one_by_one(compared, hand, tmp_path) 
     labels[10:30, 10:30], labels[10:30, 30:50], labels[40:50, 0:20] = 1, 2, 3
     np.save(tmp_path / "labels.npy", labels)
     comparison = compared.workspace.comparison
-    comparison.load(tmp_path / "labels.npy")
+    comparison.load_truth_file(tmp_path / "labels.npy")
     hand.wait(lambda: truth_row(compared).title == "labels.npy")
     assert truth_row(compared).count == 3
-    comparison.use(truth_row(compared).key)
+    comparison.use_row(truth_row(compared).key)
     hand.wait(lambda: len(compared.session.document.objects.items) == 3)
     for item in compared.session.document.objects.items:
         np.testing.assert_array_equal(item.mask((64, 64)), labels == item.number)
@@ -146,30 +146,30 @@ def test_true_objects_that_touch_are_taken_one_by_one(compared, hand, tmp_path) 
 def test_any_row_can_be_the_reference(compared, hand) -> None:
     panel, comparison = compared.panels["compare"], compared.workspace.comparison
     panel.keep.click()
-    comparison.choose(max(comparison.rows))
+    comparison.select_row(max(comparison.rows))
     panel.acts["refer"].trigger()
-    hand.wait(lambda: comparison.agreed.keys() == {NOW, truth_row(compared).key})
+    hand.wait(lambda: comparison.agreements.keys() == {CURRENT_KEY, truth_row(compared).key})
     assert figure(compared, "dice") == 1.0
-    assert comparison.agreed[truth_row(compared).key].dice < 0.8
+    assert comparison.agreements[truth_row(compared).key].dice < 0.8
     panel.acts["remove"].trigger()
-    assert comparison.reference == NOW
-    hand.wait(lambda: comparison.agreed.keys() == {truth_row(compared).key})
+    assert comparison.reference == CURRENT_KEY
+    hand.wait(lambda: comparison.agreements.keys() == {truth_row(compared).key})
     assert compared.session.scene.truth is None
 
 
 def test_a_mask_of_another_size_is_rejected_with_a_message_and_the_truth_stays(compared, hand, tmp_path) -> None:
     path = tmp_path / "small.npy"
     np.save(path, np.eye(20))
-    compared.workspace.comparison.load(path)
+    compared.workspace.comparison.load_truth_file(path)
     hand.wait(lambda: "64 x 64" in compared.canvas_area.messages.text)
     assert compared.session.scene.truth.source == truth_row(compared).title == "mask.npy"
-    assert compared.workspace.comparison.file.path.endswith("mask.npy")
+    assert compared.workspace.comparison.truth_file.path.endswith("mask.npy")
 
 
 def test_a_new_image_has_nothing_to_compare_with(compared, hand, tmp_path) -> None:
     other = tmp_path / "other.npy"
     np.save(other, disc(10.0))
-    compared.session.open(other)
+    compared.session.open_file(other)
     hand.wait(lambda: compared.session.document.image.name == "other.npy")
     assert compared.session.scene.truth is None
     assert hand.canvas.layers["truth"].counts == (0, 0, 0)
@@ -204,10 +204,10 @@ def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot, session) -> 
         threading.Event(),
         threading.Event(),
     )
-    latest.ask(lambda: (begun.set(), held.wait(20), "first")[-1], results.append)
+    latest.submit(lambda: (begun.set(), held.wait(20), "first")[-1], results.append)
     assert begun.wait(20)
     for number in range(5):
-        latest.ask(lambda number=number: number, results.append)
+        latest.submit(lambda number=number: number, results.append)
     held.set()
     qtbot.waitUntil(lambda: results[-1:] == [4], timeout=20_000)
     assert results == ["first", 4]

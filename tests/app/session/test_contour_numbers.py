@@ -25,7 +25,7 @@ def test_a_number_belongs_to_one_place_whatever_comes_and_goes(shown, off) -> No
     known: dict[int, int] = {}
     for count, present in enumerate(shown):
         contours = [moved(RINGS[index], off if count % 2 else -off) for index in present]
-        for index, number in zip(present, tracker.numbers(contours, lasting=True), strict=True):
+        for index, number in zip(present, tracker.assign_numbers(contours, lasting=True), strict=True):
             assert known.setdefault(index, number) == number
     assert len(set(known.values())) == len(known)
     assert sorted(known.values()) == list(range(1, len(known) + 1))
@@ -38,18 +38,18 @@ def moved(contour: Contour, by: float) -> Contour:
 def test_a_contour_that_a_filter_cuts_apart_has_its_number_again_when_it_is_whole_again() -> None:
     tracker = ContourTracker()
     whole, left, right = line((10, 10), (10, 110)), line((10, 10), (10, 50)), line((10, 58), (10, 110))
-    assert tracker.numbers([whole], lasting=True) == (1,)
-    assert 2 in tracker.numbers([left, right], lasting=True)
-    assert tracker.numbers([whole], lasting=True) == (1,)
+    assert tracker.assign_numbers([whole], lasting=True) == (1,)
+    assert 2 in tracker.assign_numbers([left, right], lasting=True)
+    assert tracker.assign_numbers([whole], lasting=True) == (1,)
 
 
 def test_a_kept_contour_that_a_run_lacks_is_shown_with_its_number_and_a_key_of_its_own() -> None:
     tracker = ContourTracker()
-    first = tracker.track(result_of(*RINGS[:3]), thorough=True)
+    first = tracker.track_contours(result_of(*RINGS[:3]), thorough=True)
     contours = first.result.contours
     marks = [Mark(find_anchors(contours, [1])[0], "kept", outline=capture_outline(contours[1]))]
-    again = tracker.track(result_of(RINGS[2], RINGS[0]), thorough=True).keeping(marks)
+    again = tracker.track_contours(result_of(RINGS[2], RINGS[0]), thorough=True).with_kept_contours(marks)
     assert [row.number for row in again.measures] == [3, 1, 2]
     assert len(set(again.keys)) == 3
-    whole = tracker.track(result_of(*RINGS[:3]), thorough=True)
-    assert whole.keeping(marks) is whole
+    whole = tracker.track_contours(result_of(*RINGS[:3]), thorough=True)
+    assert whole.with_kept_contours(marks) is whole

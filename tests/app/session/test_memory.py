@@ -27,8 +27,8 @@ def test_runs_in_many_regions_hold_the_fields_of_a_few() -> None:
         corner = 40.0 + 0.5 * run
         regions = Regions(interest=[[(2, 2), (2, corner), (corner, corner), (corner, 2)]])
         document = Document(parameters=Parameters(scales=1, beta=0.5 + 0.01 * run))
-        timeline.begin(plain.start(circle((24.0, 24.0), 8.0)), document)
-        made.append(weakref.ref(timeline.method(timeline.run, regions)))
+        timeline.begin_run(plain.start(circle((24.0, 24.0), 8.0)), document)
+        made.append(weakref.ref(timeline.method_of_run(timeline.current_run, regions)))
         gc.collect()
-    assert len({branch.run for branch in timeline.outline.branches}) == 1  # runs without a step are not kept
+    assert len({branch.run for branch in timeline.timeline_state.branches}) == 1  # runs without a step are not kept
     assert sum(engine() is not None for engine in made) <= 3

@@ -146,7 +146,7 @@ def large(window: MainWindow, qtbot, image_file: Path) -> MainWindow:
     session = window.session
 
     def open_it() -> None:
-        session.open(image_file)
+        session.open_file(image_file)
         qtbot.wait(20)
         qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
         qtbot.wait(100)

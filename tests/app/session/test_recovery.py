@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from cpm_app.model.document import edits
-from cpm_app.session.storage.recovery import KEY, folder_of_journals, left_behind
+from cpm_app.session.storage.recovery import JOURNAL_KEY, journals_folder, find_leftovers
 from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
 from PySide6.QtWidgets import QMessageBox
 
@@ -19,7 +19,7 @@ def leave(folder: Path, image: Path, name: str = "left.cpm", session: str = "") 
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}-journal.cpm"
     shapes = (Circle((30.0, 30.0), 7.0), Circle((10.0, 10.0), 5.0))
-    save_session(SessionFile(ImageFile(str(image)), shapes, extra={KEY: {"session": session, "name": name}}), path)
+    save_session(SessionFile(ImageFile(str(image)), shapes, extra={JOURNAL_KEY: {"session": session, "name": name}}), path)
     return path
 
 
@@ -69,24 +69,24 @@ def test_the_journal_goes_when_the_work_is_saved_taken_back_or_closed(window, ha
     draw(window, 40.0)
     assert written(window).exists()
     window.close()
-    assert list(folder_of_journals().iterdir()) == []
+    assert list(journals_folder().iterdir()) == []
 
 
 def test_nothing_is_written_where_nothing_would_be_lost(window) -> None:
     assert not written(window).exists()
-    assert not folder_of_journals().exists()
+    assert not journals_folder().exists()
 
 
 def test_the_journal_of_an_open_window_is_not_offered(window) -> None:
     draw(window)
     assert written(window).exists()
-    assert left_behind(folder_of_journals())[0] == []
+    assert find_leftovers(journals_folder())[0] == []
     assert offer(window) is None
 
 
 def test_what_was_left_is_restored_with_its_file_and_counts_as_unsaved(window, hand, image_file, tmp_path) -> None:
     session_file = tmp_path / "work.cpm"
-    left = leave(folder_of_journals(), image_file, "work.cpm", str(session_file))
+    left = leave(journals_folder(), image_file, "work.cpm", str(session_file))
     box = offer(window)
     assert "work.cpm" in box.text()
     assert "2" in box.informativeText()
@@ -100,15 +100,15 @@ def test_what_was_left_is_restored_with_its_file_and_counts_as_unsaved(window, h
     assert not left.exists()
     # restored work is in a journal again
     assert load_session(journal(window).path).shapes == window.session.document.shapes
-    assert KEY not in document_file.file.extra
+    assert JOURNAL_KEY not in document_file.content.extra
     document_file.save(session_file)
     hand.wait(lambda: not document_file.unsaved)
-    assert KEY not in load_session(session_file).extra
+    assert JOURNAL_KEY not in load_session(session_file).extra
 
 
 def test_what_is_discarded_is_gone_and_the_next_is_offered(window, image_file) -> None:
-    older = leave(folder_of_journals(), image_file, "older.cpm")
-    newer = leave(folder_of_journals(), image_file, "newer.cpm")
+    older = leave(journals_folder(), image_file, "older.cpm")
+    newer = leave(journals_folder(), image_file, "newer.cpm")
     os.utime(older, (1e9, 1e9))
     box = offer(window)
     assert "newer.cpm" in box.text()
@@ -121,18 +121,18 @@ def test_what_is_discarded_is_gone_and_the_next_is_offered(window, image_file) -
 
 
 def test_what_is_left_for_later_is_offered_again_and_meanwhile_to_no_other_window(window, image_file) -> None:
-    left = leave(folder_of_journals(), image_file)
+    left = leave(journals_folder(), image_file)
     box = offer(window)
-    assert left_behind(folder_of_journals())[0] == []
+    assert find_leftovers(journals_folder())[0] == []
     press(box, "Ask me later")
     window.close()
-    (again,) = left_behind(folder_of_journals())[0]
+    (again,) = find_leftovers(journals_folder())[0]
     assert again.journal == left
-    again.keep()
+    again.keep_for_later()
 
 
 def test_a_journal_of_a_missing_image_is_reported_and_stays(window, hand, tmp_path) -> None:
-    left = leave(folder_of_journals(), tmp_path / "gone.png")
+    left = leave(journals_folder(), tmp_path / "gone.png")
     press(offer(window), "Restore")
     hand.wait(lambda: "gone.png" in window.canvas_area.messages.text)
     assert left.exists()

@@ -35,7 +35,7 @@ def steered(ready, hand):
     """A window with a run, a branch of it with another damping, and a run from elsewhere."""
     session = ready.session
     run_to_the_end(ready, hand)
-    navigation(ready).go(1, 10)
+    navigation(ready).go_to(1, 10)
     hand.wait(lambda: session.idle and session.status.step == 10)
     session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.4))
     run_to_the_end(ready, hand)
@@ -62,9 +62,9 @@ def reopened(window, hand, path: Path) -> list[str]:
     """Open a file again; what is said meanwhile."""
     said: list[str] = []
     opened: list[bool] = []
-    window.session.said.connect(lambda text, _: said.append(text))
+    window.session.message_shown.connect(lambda text, _: said.append(text))
     window.session.image_changed.connect(lambda: opened.append(True))
-    window.session.open(path)
+    window.session.open_file(path)
     hand.wait(lambda: bool(opened) and window.session.idle and not window.session.status.busy)
     return said
 
@@ -81,12 +81,12 @@ def lines(window) -> list[bytes]:
 def test_what_was_seen_is_there_again(steered, hand, tmp_path) -> None:
     before, contours = particles(steered), lines(steered)
     figures = steered.session.scene.snapshot.metrics
-    names = [(branch.name, branch.first) for branch in navigation(steered).outline.branches]
+    names = [(branch.name, branch.first) for branch in navigation(steered).timeline_state.branches]
     assert [name for name, _ in names] == ["Run 1", "Branch 1", "Run 2"]
     reopened(steered, hand, saved(steered, hand, tmp_path / "a.cpm"))
     assert particles(steered) == before
     assert lines(steered) == contours
-    assert [(branch.name, branch.first) for branch in navigation(steered).outline.branches] == names
+    assert [(branch.name, branch.first) for branch in navigation(steered).timeline_state.branches] == names
     status = steered.session.status
     assert (status.phase, status.stale, status.steered) == ("finished", False, False)
     np.testing.assert_array_equal(steered.session.scene.snapshot.metrics.epsilon, figures.epsilon)
@@ -114,15 +114,15 @@ def test_every_step_and_its_steering_can_be_gone_back_to(steered, hand, tmp_path
     places = [(1, 10), (1, 25), (2, 12), (2, 30), (3, 3)]
 
     def at(branch: int, step: int) -> bytes:
-        navigation(steered).go(branch, step)
-        hand.wait(lambda: steered.session.idle and navigation(steered).place == (branch, step))
+        navigation(steered).go_to(branch, step)
+        hand.wait(lambda: steered.session.idle and navigation(steered).current_step == (branch, step))
         hand.wait(lambda: steered.session.status.step == step)
         return particles(steered)
 
     before = [at(*place) for place in places]
     saved(steered, hand, tmp_path / "a.cpm")
     reopened(steered, hand, tmp_path / "a.cpm")
-    assert navigation(steered).place == places[-1]
+    assert navigation(steered).current_step == places[-1]
     assert [at(*place) for place in places] == before
 
 
@@ -144,8 +144,8 @@ def test_an_intervention_is_repeated_after_opening(ready, hand, tmp_path) -> Non
     for _ in range(8):
         session.step()
     session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))
-    erasure = session.live.begin_erasure()
-    session.edit("erase", lambda _: session.live.erase(((32.0, 42.0), (34.0, 42.0)), 3.0, erasure)[0])
+    erasure = session.run_updater.begin_erasure()
+    session.edit("erase", lambda _: session.run_updater.erase_particles(((32.0, 42.0), (34.0, 42.0)), 3.0, erasure)[0])
     for _ in range(8):
         session.step()
     hand.wait(lambda: session.idle)
@@ -165,7 +165,7 @@ def test_a_run_that_was_reset_is_on_the_timeline_after_opening(ready, hand, tmp_
     hand.wait(lambda: ready.session.idle)
     reopened(ready, hand, saved(ready, hand, tmp_path / "a.cpm"))
     assert ready.session.status.phase == "ready"
-    assert [branch.name for branch in navigation(ready).outline.branches] == ["Run 1"]
+    assert [branch.name for branch in navigation(ready).timeline_state.branches] == ["Run 1"]
 
 
 def test_a_skeleton_is_there_again(ready, hand, tmp_path) -> None:
@@ -201,14 +201,14 @@ def test_a_damaged_piece_is_one_sentence_and_the_rest_is_opened(steered, hand, t
         (tmp_path / "b.cpm").write_text(json.dumps(content))
         said = reopened(steered, hand, tmp_path / "b.cpm")
         assert len([text for text in said if "damaged" in text]) == 1
-        assert [branch.name for branch in navigation(steered).outline.branches] == left
+        assert [branch.name for branch in navigation(steered).timeline_state.branches] == left
         assert steered.session.document.shapes == (Circle((30.0, 28.0), 6.0),)
 
 
 def test_the_truth_comes_back(ready, hand, tmp_path) -> None:
     truth, scene = ready.workspace.comparison, lambda: ready.session.scene
     np.save(tmp_path / "mask.npy", (np.load(tmp_path / "disc.npy") > 100).astype(np.uint8))
-    truth.load(tmp_path / "mask.npy")
+    truth.load_truth_file(tmp_path / "mask.npy")
     truth.set_tolerance(3.0)
     hand.wait(lambda: scene().truth is not None)
     saved(ready, hand, tmp_path / "a.cpm")
@@ -222,13 +222,13 @@ def test_the_truth_comes_back(ready, hand, tmp_path) -> None:
 def test_a_run_that_running_again_gives_is_no_work_and_a_steered_one_is(ready, hand, tmp_path) -> None:
     saved(ready, hand, tmp_path / "a.cpm")
     run_to_the_end(ready, hand)
-    assert file_of(ready).lost == ()
-    navigation(ready).go(1, 10)
+    assert file_of(ready).unsaved_parts == ()
+    navigation(ready).go_to(1, 10)
     hand.wait(lambda: ready.session.idle and ready.session.status.step == 10)
     ready.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.4))
     run_to_the_end(ready, hand)
-    assert file_of(ready).lost == ("the parameters", "the runs")
+    assert file_of(ready).unsaved_parts == ("the parameters", "the runs")
     ready.session.undo()
-    assert file_of(ready).lost == ("the runs",)
+    assert file_of(ready).unsaved_parts == ("the runs",)
     saved(ready, hand, tmp_path / "a.cpm")
-    assert file_of(ready).lost == ()
+    assert file_of(ready).unsaved_parts == ()

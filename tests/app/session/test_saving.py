@@ -157,7 +157,7 @@ def test_what_is_saved_while_another_image_opens_is_not_the_file_of_that_image(
     ready, hand, tmp_path, image_file
 ) -> None:
     shapes, path = ready.session.document.shapes, tmp_path / "work.cpm"
-    ready.session.open(image_file)
+    ready.session.open_file(image_file)
     document_file(ready).save(path)
     document_file(ready).save(path)
     hand.wait(lambda: ready.session.document.shapes == () and ready.session.idle)
@@ -210,7 +210,7 @@ def test_cancel_keeps_the_window_and_the_image(ready, hand, asked, tmp_path) -> 
     assert ready.isVisible()
     hand.wait(lambda: ready.session.idle)
     assert ready.session.document.image.name == "disc.npy"
-    ready.feature(OpenSaveFeature).document_file.forget()
+    ready.feature(OpenSaveFeature).document_file.treat_as_saved()
 
 
 def test_discard_closes_the_window_without_saving(ready, asked) -> None:
@@ -255,7 +255,7 @@ def test_a_save_that_fails_or_has_no_path_keeps_the_window(ready, hand, asked, m
             assert not ready.close()
         assert ready.isVisible()
     hand.wait(lambda: "none" in ready.canvas_area.messages.text)
-    ready.feature(OpenSaveFeature).document_file.forget()
+    ready.feature(OpenSaveFeature).document_file.treat_as_saved()
 
 
 def test_there_is_no_question_where_nothing_would_be_lost(window, asked, hand, saved_to) -> None:

@@ -62,18 +62,18 @@ def test_only_those_parts_are_drawn_that_have_changed(rested, hand, monkeypatch)
             kind, "show", lambda item, *what, kind=kind, show=show: (drawn.append(kind), show(item, *what))
         )
     session = rested.session
-    session.show(replace(session.scene))
+    session.set_scene(replace(session.scene))
     assert drawn == []
-    session.show(replace(session.scene, snapshot=replace(session.scene.snapshot)))
+    session.set_scene(replace(session.scene, snapshot=replace(session.scene.snapshot)))
     assert drawn == [Discs, Discs]
     drawn.clear()
-    session.show(replace(session.scene, hovered_contour=session.scene.contours.items[0].key))
+    session.set_scene(replace(session.scene, hovered_contour=session.scene.contours.items[0].key))
     assert drawn == [Curves]
 
 
 def test_another_image_leaves_nothing_of_the_one_before_in_the_scene(rested, hand, tmp_path) -> None:
     np.save(tmp_path / "other.npy", np.indices((40, 50)).sum(axis=0) % 17 * 1.0)
-    rested.session.open(tmp_path / "other.npy")
+    rested.session.open_file(tmp_path / "other.npy")
     hand.wait(lambda: rested.session.idle and rested.session.image.shape == (40, 50))
     scene, empty = rested.session.scene, Scene()
     assert scene.document.image.name == "other.npy"

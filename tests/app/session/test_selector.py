@@ -15,5 +15,5 @@ def test_each_place_under_the_pointer_costs_one_answer_however_many_came_before(
     monkeypatch.setattr(Partition, "select", lambda *given, **more: asked.append(given) or answer)
     selector, clicks = Selector(there, (), 0, Offer()), tuple(Click(((32.0, col),)) for col in (16.0, 18.0, 20.0))
     for col in range(300):
-        selector.selection((*clicks, Click(((10.0, float(col)),))))
+        selector.selection_for((*clicks, Click(((10.0, float(col)),))))
     assert len(asked) == len(clicks) + 300

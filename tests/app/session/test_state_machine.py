@@ -15,7 +15,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.session.features.timeline import TimelineNavigation
 from cpm_app.session.session import Session
 from cpm_app.session.storage.preferences import Preferences
-from cpm_app.session.storage.recovery import Journal, left_behind
+from cpm_app.session.storage.recovery import Journal, find_leftovers
 from cpm_app.session.storage.session_file import DocumentFile
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
@@ -61,7 +61,7 @@ class SessionMachine(RuleBasedStateMachine):
         self.said: list[str] = []
         self.session = Session()
         self.session.set_pace(None)
-        self.session.said.connect(lambda sentence, trouble: self.said.append(sentence) if trouble else None)
+        self.session.message_shown.connect(lambda sentence, trouble: self.said.append(sentence) if trouble else None)
         self.document_file = DocumentFile(self.session, lambda: {"place": {}})
         self.journal = Journal(self.document_file, self.folder / "journals", Preferences(self.session))
         self.navigation = TimelineNavigation(self.session)
@@ -74,7 +74,7 @@ class SessionMachine(RuleBasedStateMachine):
 
     @initialize()
     def open(self) -> None:
-        self.session.open(self.folder / "disc.npy")
+        self.session.open_file(self.folder / "disc.npy")
         self.wait(lambda: self.session.document.image is not None)
         self.settle()
         self.begin()
@@ -197,41 +197,41 @@ class SessionMachine(RuleBasedStateMachine):
         """Whether the run has come to rest by the user's hand, so that it can be gone through."""
         self.session.pause()
         self.settle()
-        return self.session.status.step > 0 and self.navigation.last(self.navigation.place[0]) > 0
+        return self.session.status.step > 0 and self.navigation.last_step(self.navigation.current_step[0]) > 0
 
     @rule(share=st.floats(0.0, 1.0))
     def seek(self, share: float) -> None:
         if not self.stands():
             return
         branch, first, last = (
-            self.navigation.place[0],
+            self.navigation.current_step[0],
             0,
-            self.navigation.last(self.navigation.place[0]),
+            self.navigation.last_step(self.navigation.current_step[0]),
         )
         step = round(first + share * (last - first))
-        self.navigation.go(branch, step)
+        self.navigation.go_to(branch, step)
         self.settle()
-        assert self.navigation.place == (branch, step)
+        assert self.navigation.current_step == (branch, step)
         assert self.session.status.step == step
-        assert self.navigation.last(branch) == last
+        assert self.navigation.last_step(branch) == last
 
     @rule(share=st.floats(0.0, 0.9), beta=st.floats(0.1, 3.0))
     def branch(self, share: float, beta: float) -> None:
         if not self.stands() or self.session.status.stale:
             return
-        before = {branch.identity: self.navigation.last(branch.identity) for branch in self.navigation.outline.branches}
-        branch, last = self.navigation.place[0], self.navigation.last(self.navigation.place[0])
+        before = {branch.identity: self.navigation.last_step(branch.identity) for branch in self.navigation.timeline_state.branches}
+        branch, last = self.navigation.current_step[0], self.navigation.last_step(self.navigation.current_step[0])
         step = min(round(share * last), last - 1)
-        self.navigation.go(branch, step)
+        self.navigation.go_to(branch, step)
         self.settle()
         self.edit(edits.set_parameter(self.now, "beta", beta))
         self.session.step()
         self.settle()
         if self.session.status.step == step:  # it was the end of the run, or no particle was left
             return
-        assert self.navigation.place == (self.navigation.place[0], step + 1)
+        assert self.navigation.current_step == (self.navigation.current_step[0], step + 1)
         for identity, end in before.items():
-            assert self.navigation.last(identity) >= end
+            assert self.navigation.last_step(identity) >= end
 
     # Save, load, recover
 
@@ -254,7 +254,7 @@ class SessionMachine(RuleBasedStateMachine):
     def load(self, data: st.DataObject) -> None:
         path = data.draw(st.sampled_from(sorted(self.saved)))
         before = self.session.image_generation
-        self.session.open(path)
+        self.session.open_file(path)
         self.wait(lambda: self.session.image_generation != before)
         self.settle()
         assert self.session.document == self.saved[path]
@@ -271,7 +271,7 @@ class SessionMachine(RuleBasedStateMachine):
         if self.document_file.unsaved:
             file = load_session(self.journal.path)
             assert (file.shapes, file.parameters) == (self.now.shapes, self.now.parameters)
-        assert left_behind(self.folder / "journals")[0] == []
+        assert find_leftovers(self.folder / "journals")[0] == []
 
     # Invariants
 
@@ -280,7 +280,7 @@ class SessionMachine(RuleBasedStateMachine):
         assert self.session.document == self.now
         assert bool(self.session.situation.undo_name) == bool(self.past)
         assert bool(self.session.situation.redo_name) == bool(self.future)
-        assert self.session.selected is None or self.session.selected < len(self.now.shapes)
+        assert self.session.selected_shape is None or self.session.selected_shape < len(self.now.shapes)
 
     @invariant()
     def generations_never_go_back(self) -> None:

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.export import ExportFile, ExportOrder
-from cpm_app.session.exchange.messages import CommandFailed, Core, Report
+from cpm_app.session.exchange.messages import CommandFailed, CoreFunctions, Report
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.session.tasks.tasks import Cancelled, Task, Tasks
-from cpm_app.session.worker.commands import Command
+from cpm_app.session.tasks.tasks import Cancelled, BackgroundTask, TaskManager
+from cpm_app.session.worker.commands import WorkerCommand
 from cpm_app.views.application import make_application
 from cpm_app.views.features.run import TasksFeature
 from cpm_app.views.main_window import make_window
@@ -25,12 +25,12 @@ PATIENCE = 20_000
 
 
 def test_advance_of_a_cancelled_task_raises() -> None:
-    task = Task("Counting")
+    task = BackgroundTask("Counting")
     task.advance(0.1)
     task.cancel()
     with pytest.raises(Cancelled):
         task.advance(0.2)
-    assert task.over
+    assert task.is_over
 
 
 @pytest.fixture
@@ -39,24 +39,24 @@ def reports() -> list[Report]:
 
 
 @pytest.fixture
-def tasks(qapp: QObject, reports: list[Report]) -> Iterator[Tasks]:
-    made = Tasks(reports.append, lambda: None)
+def tasks(qapp: QObject, reports: list[Report]) -> Iterator[TaskManager]:
+    made = TaskManager(reports.append, lambda: None)
     yield made
     made.close()
 
 
-def settled(tasks: Tasks) -> bool:
-    tasks.look()
+def settled(tasks: TaskManager) -> bool:
+    tasks.announce_changes()
     return tasks.idle
 
 
 def test_the_result_and_the_error_of_a_task_are_reported(qtbot, tasks, reports) -> None:
-    def fall(task: Task) -> Report:
+    def fall(task: BackgroundTask) -> Report:
         raise ValueError("the disk is full")
 
-    tasks.start("Good", lambda task: CommandFailed("News."), "being good")
+    tasks.start_task("Good", lambda task: CommandFailed("News."), "being good")
     qtbot.waitUntil(lambda: settled(tasks), timeout=PATIENCE)
-    tasks.start("Bad", fall, "being bad")
+    tasks.start_task("Bad", fall, "being bad")
     qtbot.waitUntil(lambda: settled(tasks), timeout=PATIENCE)
     assert reports == [CommandFailed("News."), CommandFailed("The disk is full.")]
 
@@ -64,17 +64,17 @@ def test_the_result_and_the_error_of_a_task_are_reported(qtbot, tasks, reports) 
 def test_nothing_comes_of_a_task_that_was_given_up_whether_it_notices_or_not(qtbot, tasks, reports) -> None:
     gate = threading.Event()
 
-    def deaf(task: Task) -> Report:
+    def deaf(task: BackgroundTask) -> Report:
         assert gate.wait(20)
         return CommandFailed("Too late.")
 
-    def listening(task: Task) -> Report:
+    def listening(task: BackgroundTask) -> Report:
         assert gate.wait(20)
         task.advance(0.5)
         return CommandFailed("Too late.")
 
     for work in (deaf, listening):
-        task = tasks.start("Work", work, "working")
+        task = tasks.start_task("Work", work, "working")
         assert tasks.current[-1] is task
         task.cancel()
         assert task not in tasks.current
@@ -87,20 +87,20 @@ def test_nothing_comes_of_a_task_that_was_given_up_whether_it_notices_or_not(qtb
 def test_closing_gives_everything_up_and_leaves_no_thread(tasks, reports) -> None:
     began = threading.Event()
 
-    def endless(task: Task) -> Report:
+    def endless(task: BackgroundTask) -> Report:
         began.set()
         while True:
             task.advance(0.5)
 
-    tasks.start("Endless", endless, "going on")
+    tasks.start_task("Endless", endless, "going on")
     assert began.wait(20)
     tasks.close()
     assert (tasks.idle, reports) == (True, [])
 
 
-def waiting(gate: threading.Event) -> Command:
+def waiting(gate: threading.Event) -> WorkerCommand:
     """Blocks the worker until it is released."""
-    return Command(lambda _: gate.wait(20))
+    return WorkerCommand(lambda _: gate.wait(20))
 
 
 class Gated:
@@ -122,7 +122,7 @@ def reader() -> Gated:
 
 @pytest.fixture
 def workspace(qapp: QObject, compiled_loops: None, reader: Gated) -> Iterator[Workspace]:
-    made = Workspace(Core(load_image=reader))
+    made = Workspace(CoreFunctions(load_image=reader))
     made.session.set_pace(None)
     yield made
     reader.gate.set()
@@ -143,7 +143,7 @@ def test_an_image_that_takes_long_is_given_up_by_a_click_and_the_one_before_runs
     session.set_pace(30.0)
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.status.step >= 1)
-    session.open(slow_file)
+    session.open_file(slow_file)
     hand.wait(bar.isVisible)
     assert bar.text.startswith("Opening slow.npy…")
     assert session.resolved.state.startswith("Running")  # the bar tells of the other image
@@ -161,8 +161,8 @@ def test_an_image_that_takes_long_is_given_up_by_a_click_and_the_one_before_runs
 
 def test_of_two_images_opened_in_a_row_the_later_one_is_open(window, hand, slow_file, reader, tmp_path) -> None:
     np.save(tmp_path / "quick.npy", np.eye(24))
-    window.session.open(slow_file)
-    window.session.open(tmp_path / "quick.npy")
+    window.session.open_file(slow_file)
+    window.session.open_file(tmp_path / "quick.npy")
     hand.wait(lambda: window.session.document.image.name == "quick.npy")
     reader.gate.set()
     hand.wait(lambda: window.session.idle)
@@ -174,11 +174,11 @@ def test_an_export_that_was_given_up_writes_nothing(ready, hand, tmp_path) -> No
     hand.key(Qt.Key.Key_Period)
     hand.wait(lambda: session.status.step == 1 and session.idle)
     gate = threading.Event()
-    session.post(waiting(gate))  # so that the export has not begun when it is cancelled
-    session.export(ExportOrder((ExportFile(tmp_path / "a.csv", "contours", ".csv"),)))
+    session.post_command(waiting(gate))  # so that the export has not begun when it is cancelled
+    session.export_files(ExportOrder((ExportFile(tmp_path / "a.csv", "contours", ".csv"),)))
     for task in session.tasks.current:
         task.cancel()
-    session.export(ExportOrder((ExportFile(tmp_path / "b.csv", "contours", ".csv"),)))
+    session.export_files(ExportOrder((ExportFile(tmp_path / "b.csv", "contours", ".csv"),)))
     gate.set()
     hand.wait(lambda: session.idle)
     assert (tmp_path / "b.csv").exists()
@@ -191,7 +191,7 @@ def test_closing_while_an_image_is_being_opened_ends_at_once_and_well(
     make_application()
     window, session = make_window(workspace), workspace.session
     window.show()
-    session.open(slow_file)
+    session.open_file(slow_file)
     reader.gate.set()
     window.close()
     assert session.document.image is None

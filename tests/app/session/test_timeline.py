@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from cpm_app.model.document.document import Document
-from cpm_app.session.timeline.moments import Stepped
-from cpm_app.session.timeline.timeline import MOST_RUNS, Timeline
+from cpm_app.session.timeline.moments import StepAction
+from cpm_app.session.timeline.timeline import MAX_TIMELINE_RUNS, Timeline
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
@@ -76,7 +76,7 @@ def same(one: State, other: State) -> bool:
 def begin(timeline: Timeline, beta: float = 0.0) -> State:
     """Begin a run of its own."""
     document = Document(parameters=Parameters(beta=beta))
-    timeline.begin(toy(), document)
+    timeline.begin_run(toy(), document)
     return toy()
 
 
@@ -94,22 +94,22 @@ class TimelineMachine(RuleBasedStateMachine):
     def begin_a_run(self) -> None:
         self.begun += 0.01
         self.state = begin(self.timeline, self.begun)
-        self.shifts[self.timeline.run] = self.begun
+        self.shifts[self.timeline.current_run] = self.begun
         self._forget_removed()
-        self.book[self.timeline.here[0]] = [self.state]
+        self.book[self.timeline.current_step[0]] = [self.state]
 
     @rule()
     def leave(self) -> None:
-        self.timeline.leave()
+        self.timeline.leave_run()
         self.state = None
 
-    @precondition(lambda self: self.timeline.here is not None)
+    @precondition(lambda self: self.timeline.current_step is not None)
     @rule(value=st.integers(0, 2), count=st.integers(1, 9))
     def step(self, value: int, count: int) -> None:
         for _ in range(count):
             self._do(Toy("step", value))
 
-    @precondition(lambda self: self.timeline.here is not None)
+    @precondition(lambda self: self.timeline.current_step is not None)
     @rule(value=st.integers(0, 2))
     def change(self, value: int) -> None:
         self._do(Toy("change", value))
@@ -118,7 +118,7 @@ class TimelineMachine(RuleBasedStateMachine):
     def go(self, data: st.DataObject) -> None:
         branch = data.draw(st.sampled_from(sorted(self.book)))
         step = data.draw(st.integers(0, len(self.book[branch]) - 1))
-        state = self.timeline.go(branch, step)
+        state = self.timeline.go_to(branch, step)
         assert same(state, self.book[branch][step])
         self.state = state
         self._forget_removed()  # the run that it came from is the current one no longer
@@ -128,36 +128,36 @@ class TimelineMachine(RuleBasedStateMachine):
     def drop(self, data: st.DataObject) -> None:
         branch = data.draw(st.sampled_from(sorted(self.book)))
         try:
-            self.timeline.drop(branch)
+            self.timeline.remove_branch(branch)
         except ValueError as error:
             assert "several branches" in str(error)
             return
         del self.book[branch]
-        if self.timeline.here is not None:
-            branch, step = self.timeline.here
+        if self.timeline.current_step is not None:
+            branch, step = self.timeline.current_step
             self.state = self.book[branch][step]
 
     @rule(budget=st.sampled_from([1, 3_000, 12_000, AMPLE]))
     def change_budget(self, budget: int) -> None:
-        self.timeline.limit(budget)
+        self.timeline.set_budget(budget)
         self._forget_removed()
 
     def _forget_removed(self) -> None:
         """Runs that have fallen are gone as a whole, and never the current one or the newest."""
-        there = {branch.identity for branch in self.timeline.outline.branches}
+        there = {branch.identity for branch in self.timeline.timeline_state.branches}
         self.book = {branch: states for branch, states in self.book.items() if branch in there}
-        assert self.timeline.here is None or self.timeline.here[0] in there
-        assert len({branch.run for branch in self.timeline.outline.branches}) <= MOST_RUNS
+        assert self.timeline.current_step is None or self.timeline.current_step[0] in there
+        assert len({branch.run for branch in self.timeline.timeline_state.branches}) <= MAX_TIMELINE_RUNS
 
     def _do(self, action: Toy) -> None:
-        timeline, before = self.timeline, self.timeline.here
-        self.state = toy_step(self.state, action, self.shifts[timeline.run])
+        timeline, before = self.timeline, self.timeline.current_step
+        self.state = toy_step(self.state, action, self.shifts[timeline.current_run])
         if action.kind == "step":
-            timeline.record(action, self.state, {})
+            timeline.record_step(action, self.state, {})
         else:
-            timeline.amend(action, self.state)
+            timeline.amend_state(action, self.state)
         self._forget_removed()
-        branch, step = timeline.here
+        branch, step = timeline.current_step
         if branch not in self.book:
             self.book[branch] = self.book[before[0]][: before[1] + 1]
         book = self.book[branch]
@@ -171,19 +171,19 @@ class TimelineMachine(RuleBasedStateMachine):
 
     @invariant()
     def every_step_is_recovered_bit_for_bit(self) -> None:
-        here = self.timeline.here
-        assert here is None or same(self.timeline.state(*here), self.state)
+        here = self.timeline.current_step
+        assert here is None or same(self.timeline.compute_state(*here), self.state)
         for branch, states in self.book.items():
             for step in {0, len(states) // 2, len(states) - 1}:
-                assert same(self.timeline.state(branch, step), states[step])
-        assert self.timeline.here == here
+                assert same(self.timeline.compute_state(branch, step), states[step])
+        assert self.timeline.current_step == here
 
     @invariant()
     def steps_are_contiguous(self) -> None:
-        branches = {branch.identity: branch for branch in self.timeline.outline.branches}
+        branches = {branch.identity: branch for branch in self.timeline.timeline_state.branches}
         assert branches.keys() == self.book.keys()
         for branch in branches.values():
-            last = self.timeline.state(branch.identity, 10**6)
+            last = self.timeline.compute_state(branch.identity, 10**6)
             assert last is not None and last.step == len(self.book[branch.identity]) - 1
             assert branch.parent is None or branches[branch.parent].first <= branch.first
         runs = [branch.run for branch in branches.values() if branch.parent is None]
@@ -193,15 +193,15 @@ class TimelineMachine(RuleBasedStateMachine):
     @invariant()
     def memory_stays_within_its_bounds(self) -> None:
         timeline = self.timeline
-        assert timeline._kept.used <= timeline._kept.budget or len(timeline._kept) <= 3
-        kept = timeline._kept._states.values()
+        assert timeline._states.used <= timeline._states.budget or len(timeline._states) <= 3
+        kept = timeline._states._states.values()
         arrays = {
             id(array): array.nbytes
             for state in kept
             for array in (*(getattr(state.particles, name) for name in vars(state.particles)), *state.coverage[:2])
             if array is not None
         }
-        assert timeline._kept.used == sum(arrays.values())
+        assert timeline._states.used == sum(arrays.values())
 
 
 TestTimeline = TimelineMachine.TestCase
@@ -221,51 +221,51 @@ def one_step(timeline: Timeline, state: State, value: float = 1.0) -> State:
     """The next state, recorded with its value as the figure of its step."""
     action = Toy("step", value)
     state = toy_step(state, action)
-    timeline.record(action, state, {"epsilon": value})
+    timeline.record_step(action, state, {"epsilon": value})
     return state
 
 
 def test_a_new_run_keeps_the_runs_before_it() -> None:
     timeline, states = recorded(10)
     one_step(timeline, begin(timeline, 0.5), 2.0)
-    assert [branch.name for branch in timeline.outline.branches] == ["Run 1", "Run 2"]
-    assert same(timeline.go(1, 10), states[10])
-    timeline.leave()
-    assert timeline.here is None
-    assert same(timeline.go(1, 7), states[7])
+    assert [branch.name for branch in timeline.timeline_state.branches] == ["Run 1", "Run 2"]
+    assert same(timeline.go_to(1, 10), states[10])
+    timeline.leave_run()
+    assert timeline.current_step is None
+    assert same(timeline.go_to(1, 7), states[7])
 
 
 def test_the_oldest_runs_fall_first_and_those_with_a_name_of_their_own_last() -> None:
     timeline, _ = recorded(2)
-    timeline.rename(1, "the good one")
-    for number in range(MOST_RUNS + 2):
+    timeline.rename_branch(1, "the good one")
+    for number in range(MAX_TIMELINE_RUNS + 2):
         one_step(timeline, begin(timeline, 0.01 * number + 0.01))
-    branches = timeline.outline.branches
+    branches = timeline.timeline_state.branches
     assert [branches[0].name, branches[1].name] == ["the good one", "Run 5"]
-    timeline.limit(1)
-    assert [branch.run for branch in timeline.outline.branches] == [timeline.run]
+    timeline.set_budget(1)
+    assert [branch.run for branch in timeline.timeline_state.branches] == [timeline.current_run]
 
 
 def test_a_run_that_is_deleted_gives_way_to_the_one_before() -> None:
     timeline, states = recorded(4)
     one_step(timeline, begin(timeline, 0.5))
-    timeline.drop(2)
-    assert timeline.here == (1, 4)
-    assert same(timeline.state(1, 4), states[4])
+    timeline.remove_branch(2)
+    assert timeline.current_step == (1, 4)
+    assert same(timeline.compute_state(1, 4), states[4])
 
 
 def test_going_on_by_the_same_actions_repeats_the_branch_and_by_others_begins_one() -> None:
     timeline, states = recorded(10)
-    timeline.go(1, 4)
+    timeline.go_to(1, 4)
     one_step(timeline, states[4])
-    assert timeline.here == (1, 5)
-    assert len(timeline.outline.branches) == 1
+    assert timeline.current_step == (1, 5)
+    assert len(timeline.timeline_state.branches) == 1
     one_step(timeline, states[5], 2.0)
-    kept, new = timeline.outline.branches
+    kept, new = timeline.timeline_state.branches
     assert (kept.last, new.parent, new.first, new.last) == (10, kept.identity, 5, 6)
-    timeline.go(new.identity, 5)
+    timeline.go_to(new.identity, 5)
     one_step(timeline, states[5])
-    assert timeline.here == (kept.identity, 6)
+    assert timeline.current_step == (kept.identity, 6)
 
 
 _row, _col = np.indices((64, 64))
@@ -276,34 +276,34 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
     barrier = Regions(barriers=(((10.0, 20.0), (50.0, 20.0)),))
     charge = (PlacedCharge((20.0, 40.0), 2.0),)
     features = (
-        Stepped(Parameters()),
-        Stepped(Parameters(), charge),
-        Stepped(Parameters(), charge, barrier),
-        Stepped(Parameters(beta=0.4), (), barrier),
-        Stepped(Parameters()),
+        StepAction(Parameters()),
+        StepAction(Parameters(), charge),
+        StepAction(Parameters(), charge, barrier),
+        StepAction(Parameters(beta=0.4), (), barrier),
+        StepAction(Parameters()),
     )
     engines = {None: ENGINE, barrier: ENGINE.with_regions(barrier)}
     timeline, states = Timeline(lambda _: ENGINE, 1), [ENGINE.start(circle((32.0, 32.0), 10.0))]
-    timeline.begin(states[0], Document())
+    timeline.begin_run(states[0], Document())
     for step in range(50):
         action = features[step // 10]
         engine = engines[action.regions]
         states.append(engine.step(states[-1], action.parameters, action.charges))
-        timeline.record(action, states[-1], engine.measure_state(states[-1], action.parameters))
-    assert len(timeline._kept) <= 2
+        timeline.record_step(action, states[-1], engine.measure_state(states[-1], action.parameters))
+    assert len(timeline._states) <= 2
     for step in (49, 12, 31, 5):
-        assert same(timeline.go(1, step), states[step])
-        assert timeline.outline.parameters == features[(step - 1) // 10].parameters
-        assert list(timeline.metrics(1, step).step) == list(range(1, step + 1))
+        assert same(timeline.go_to(1, step), states[step])
+        assert timeline.timeline_state.parameters == features[(step - 1) // 10].parameters
+        assert list(timeline.metrics_until(1, step).step) == list(range(1, step + 1))
 
 
 def test_records_for_plots_follow_their_branches() -> None:
     timeline, states = recorded(20)
-    timeline.go(1, 5)
+    timeline.go_to(1, 5)
     state = states[5]
     for _ in range(10):
         state = one_step(timeline, state, 2.0)
-    assert list(timeline.metrics(1, 20).epsilon) == [1.0] * 20
-    assert list(timeline.metrics(2, 15).epsilon) == [1.0] * 5 + [2.0] * 10
-    assert timeline.drop(2).step == 5
-    assert timeline.here == (1, 5)
+    assert list(timeline.metrics_until(1, 20).epsilon) == [1.0] * 20
+    assert list(timeline.metrics_until(2, 15).epsilon) == [1.0] * 5 + [2.0] * 10
+    assert timeline.remove_branch(2).step == 5
+    assert timeline.current_step == (1, 5)

@@ -52,7 +52,7 @@ def folder_itself(folder: Path) -> Path:
 def test_an_unusable_file_is_reported_in_one_sentence_and_the_image_stays(ready, hand, tmp_path, cases) -> None:
     for make in cases([no_image, one_pixel, constant, not_a_number, missing, folder_itself]):
         document, step = ready.session.document, ready.session.status.step
-        ready.session.open(make(tmp_path))
+        ready.session.open_file(make(tmp_path))
         hand.wait(lambda: bool(ready.canvas_area.messages.text))
         hand.wait(lambda: ready.session.idle)
         said = ready.canvas_area.messages.text
@@ -71,7 +71,7 @@ def test_a_run_goes_on_while_another_file_turns_out_to_be_unusable(ready, hand, 
     ready.session.set_pace(30.0)
     hand.key(KEY.Key_Space)
     hand.wait(lambda: ready.session.status.step >= 1)
-    ready.session.open(no_image(tmp_path))
+    ready.session.open_file(no_image(tmp_path))
     hand.wait(lambda: bool(ready.canvas_area.messages.text))
     step = ready.session.status.step
     hand.wait(lambda: ready.session.status.step > step or ready.session.status.phase == "finished")

@@ -14,9 +14,9 @@ from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.export import ExportFile, ExportOrder
 from cpm_app.session.exchange.mailbox import Mailbox
-from cpm_app.session.exchange.messages import Core, Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
-from cpm_app.session.tasks.tasks import Task
-from cpm_app.session.worker.commands import find_seeds, run_call, start, warm_up, write_files
+from cpm_app.session.exchange.messages import CoreFunctions, ImageOpened, Reconstruction, RunFailed, SeedsFound, Snapshot, RunContinued
+from cpm_app.session.tasks.tasks import BackgroundTask
+from cpm_app.session.worker.commands import find_seeds, call_run, start_run, compile_kernels, write_files
 from cpm_app.session.worker.run import Run
 from cpm_app.session.worker.worker_thread import WorkerThread
 
@@ -144,7 +144,7 @@ class Bench:
         self.warm = threading.Event()
         self.hold = threading.Event()
         self.hold.set()
-        core = Core(
+        core = CoreFunctions(
             load_image=self._load,
             methods={"cpm": self._build},
             encode=self._encode,
@@ -172,12 +172,12 @@ class Bench:
     def open(self, generation: int = 1) -> FakeEngine:
         image = self._load(Path("good.png"))
         engine = self._build(image, Parameters(), None)
-        opened = Opened(image, engine, None, Path("good.png"), Parameters(), ())  # type: ignore[arg-type]
-        self.worker_thread.post(run_call(None, Run.use, generation, opened.method, opened.parameters))
+        opened = ImageOpened(image, engine, None, Path("good.png"), Parameters(), ())  # type: ignore[arg-type]
+        self.worker_thread.post_command(call_run(None, Run.use_image, generation, opened.method, opened.parameters))
         return engine
 
     def take(self) -> None:
-        self.reports += self.worker_thread.reports()
+        self.reports += self.worker_thread.take_reports()
 
     def take_contours(self) -> Reconstruction | None:
         """Show the newest contours, as a window does."""
@@ -197,8 +197,8 @@ class Bench:
         """Open, start as run 2 and run to the end; return the newest snapshot too."""
         engine = self.open()
         engine.last_step = last_step
-        self.worker_thread.post(start(2, 1, DOCUMENT))
-        self.worker_thread.post(run_call(2, Run.go))
+        self.worker_thread.post_command(start_run(2, 1, DOCUMENT))
+        self.worker_thread.post_command(call_run(2, Run.take_steps))
         return engine, self.settle()
 
     def settle(self) -> Snapshot | None:
@@ -228,13 +228,13 @@ def bench() -> Iterator[Bench]:
 
 def test_commands_are_obeyed_in_order_and_none_is_lost(bench: Bench) -> None:
     engine = bench.open()
-    bench.worker_thread.post(start(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
     betas = [0.1 * k for k in range(1, 40)]
     for beta in betas:
-        bench.worker_thread.post(run_call(None, Run.set_parameters, Parameters(beta=beta)))
-        bench.worker_thread.post(run_call(2, Run.go, 1))
-        bench.worker_thread.post(run_call(None, Run.halt))
-        bench.worker_thread.post(run_call(2, Run.go, 1))
+        bench.worker_thread.post_command(call_run(None, Run.set_parameters, Parameters(beta=beta)))
+        bench.worker_thread.post_command(call_run(2, Run.take_steps, 1))
+        bench.worker_thread.post_command(call_run(None, Run.halt))
+        bench.worker_thread.post_command(call_run(2, Run.take_steps, 1))
     snapshot = bench.settle()
     # Halt may be executed before or after the step, but later parameters never act on earlier steps.
     assert snapshot is not None
@@ -246,46 +246,46 @@ def test_commands_are_obeyed_in_order_and_none_is_lost(bench: Bench) -> None:
 
 def test_parameters_sent_between_steps_act_at_exactly_the_next_one(bench: Bench) -> None:
     engine = bench.open()
-    bench.worker_thread.post(start(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
     for beta in (0.5, 1.5, 1.0):
-        bench.worker_thread.post(run_call(None, Run.set_parameters, Parameters(beta=beta)))
-        bench.worker_thread.post(run_call(2, Run.go, 1))
+        bench.worker_thread.post_command(call_run(None, Run.set_parameters, Parameters(beta=beta)))
+        bench.worker_thread.post_command(call_run(2, Run.take_steps, 1))
         bench.settle()
     assert engine.states[-1].betas == (0.5, 1.5, 1.0)
 
 
 def test_a_stopped_run_does_not_go_on(bench: Bench) -> None:
     engine, _ = bench.run_to_the_end(3)
-    bench.worker_thread.post(run_call(2, Run.go))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
     assert bench.settle() is None
     assert len(engine.states) == 3
 
 
 def test_a_stopped_run_goes_on_with_other_parameters(bench: Bench) -> None:
     engine, _ = bench.run_to_the_end(3)
-    bench.worker_thread.post(run_call(None, Run.set_parameters, Parameters(beta=1.5)))
-    bench.worker_thread.post(run_call(2, Run.go))
+    bench.worker_thread.post_command(call_run(None, Run.set_parameters, Parameters(beta=1.5)))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
     bench.settle()
     assert [state.betas[-1] for state in engine.states] == [0.8, 0.8, 0.8, 1.5]
 
 
 def test_what_was_meant_for_another_image_or_run_is_not_obeyed(bench: Bench) -> None:
     engine = bench.open(generation=5)
-    bench.worker_thread.post(start(6, 4, DOCUMENT))
-    bench.worker_thread.post(run_call(6, Run.go))
-    bench.worker_thread.post(start(7, 5, DOCUMENT))
-    bench.worker_thread.post(run_call(None, Run.discard, 8))
-    bench.worker_thread.post(run_call(7, Run.go))
+    bench.worker_thread.post_command(start_run(6, 4, DOCUMENT))
+    bench.worker_thread.post_command(call_run(6, Run.take_steps))
+    bench.worker_thread.post_command(start_run(7, 5, DOCUMENT))
+    bench.worker_thread.post_command(call_run(None, Run.discard_state, 8))
+    bench.worker_thread.post_command(call_run(7, Run.take_steps))
     bench.settle()
     assert engine.states == []
 
 
 def test_other_scales_make_another_engine_at_the_next_start_only(bench: Bench) -> None:
     bench.open()
-    bench.worker_thread.post(run_call(None, Run.set_parameters, Parameters(scales=2)))
+    bench.worker_thread.post_command(call_run(None, Run.set_parameters, Parameters(scales=2)))
     bench.settle()
     assert len(bench.engines) == 1
-    bench.worker_thread.post(start(2, 1, replace(DOCUMENT, parameters=Parameters(scales=2))))
+    bench.worker_thread.post_command(start_run(2, 1, replace(DOCUMENT, parameters=Parameters(scales=2))))
     bench.settle()
     assert [engine.scales for engine in bench.engines] == [3, 2]
 
@@ -295,48 +295,48 @@ def test_limits_go_to_another_engine_at_the_next_start_and_stay_until_they_chang
     barrier = Barrier(((1.0, 1.0), (1.0, 9.0)))
     limited = replace(DOCUMENT, shapes=(*DOCUMENT.shapes, barrier))
     for generation, document in enumerate((limited, limited, DOCUMENT), start=2):
-        bench.worker_thread.post(start(generation, 1, document))
+        bench.worker_thread.post_command(start_run(generation, 1, document))
         bench.settle()
     assert [engine.regions for engine in bench.engines] == [None, Regions(barriers=(barrier.points,)), None]
 
 
 def test_placed_charges_act_at_the_next_step_and_of_many_moves_the_last_wins(bench: Bench) -> None:
     engine = bench.open()
-    bench.worker_thread.post(start(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
     bench.settle()
     bench.hold = threading.Event()
-    bench.worker_thread.post(warm_up())
+    bench.worker_thread.post_command(compile_kernels())
     charges = [(PlacedCharge((1.0, float(col)), 1.0),) for col in range(9)]
     for placed in charges:
-        bench.worker_thread.post(run_call(None, Run.place, 1, placed))
-    bench.worker_thread.post(run_call(2, Run.go, 1))
+        bench.worker_thread.post_command(call_run(None, Run.set_charges, 1, placed))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps, 1))
     bench.hold.set()
     bench.settle()
-    bench.worker_thread.post(run_call(None, Run.place, 1, ()))
-    bench.worker_thread.post(run_call(None, Run.place, 0, charges[3]))
-    bench.worker_thread.post(run_call(None, Run.place, 1, ()))
-    bench.worker_thread.post(run_call(2, Run.go, 1))
+    bench.worker_thread.post_command(call_run(None, Run.set_charges, 1, ()))
+    bench.worker_thread.post_command(call_run(None, Run.set_charges, 0, charges[3]))
+    bench.worker_thread.post_command(call_run(None, Run.set_charges, 1, ()))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps, 1))
     bench.settle()
     assert engine.charges == [charges[-1], ()]
 
 
 def test_a_run_that_has_ended_goes_on_when_a_charge_is_placed_and_a_halted_one_does_not(bench: Bench) -> None:
     engine = bench.open()
-    bench.worker_thread.post(start(2, 1, DOCUMENT))
-    bench.worker_thread.post(run_call(2, Run.go, 2))
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps, 2))
     bench.settle()
-    bench.worker_thread.post(run_call(None, Run.place, 1, (PlacedCharge((1.0, 1.0), 1.0),)))
+    bench.worker_thread.post_command(call_run(None, Run.set_charges, 1, (PlacedCharge((1.0, 1.0), 1.0),)))
     bench.settle()
     assert len(engine.states) == 2
     engine.last_step = 3
-    bench.worker_thread.post(run_call(2, Run.go))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
     bench.settle()
     assert engine.states[-1].stop_reason
     engine.last_step = 6
-    bench.worker_thread.post(run_call(None, Run.place, 1, ()))
+    bench.worker_thread.post_command(call_run(None, Run.set_charges, 1, ()))
     bench.settle()
     assert len(engine.states) == 6
-    assert [report.generation for report in bench.reports if isinstance(report, WentOn)] == [2]
+    assert [report.generation for report in bench.reports if isinstance(report, RunContinued)] == [2]
 
 
 def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(bench: Bench) -> None:
@@ -344,10 +344,10 @@ def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(ben
     bench.settle()
     engine_is_busy = threading.Event()
     bench.hold = engine_is_busy
-    bench.worker_thread.post(warm_up())
+    bench.worker_thread.post_command(compile_kernels())
     documents = [edits.toggle_everywhere(replace(DOCUMENT, parameters=Parameters(smoothing=s)), "grid") for s in (1, 2)]
     for document in (*documents, *documents):
-        bench.worker_thread.post(find_seeds(1, document))
+        bench.worker_thread.post_command(find_seeds(1, document))
     engine_is_busy.set()
     bench.settle()
     (found,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
@@ -357,16 +357,16 @@ def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(ben
 
 def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(bench: Bench, caplog) -> None:
     bench.open()
-    bench.worker_thread.post(start(2, 1, DOCUMENT))
-    bench.worker_thread.post(run_call(None, Run.set_parameters, Parameters(beta=4.0)))
-    bench.worker_thread.post(run_call(2, Run.go))
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(call_run(None, Run.set_parameters, Parameters(beta=4.0)))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
     bench.settle()
     (failed,) = [report for report in bench.reports if isinstance(report, RunFailed)]
     assert failed.generation == 2
     assert "kernel fell over" in failed.message
     assert "kernel fell over" in caplog.text
-    bench.worker_thread.post(run_call(None, Run.set_parameters, Parameters()))
-    bench.worker_thread.post(run_call(2, Run.go, 2))
+    bench.worker_thread.post_command(call_run(None, Run.set_parameters, Parameters()))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps, 2))
     snapshot = bench.settle()
     assert snapshot is not None
     assert snapshot.state.step == 2
@@ -376,8 +376,8 @@ def test_the_last_state_is_always_reconstructed(bench: Bench) -> None:
     engine = bench.open()
     engine.last_step = 400
     results = []
-    bench.worker_thread.post(start(2, 1, DOCUMENT))
-    bench.worker_thread.post(run_call(2, Run.go))
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
 
     def done() -> bool:
         bench.worker_thread.run.snapshots.take()
@@ -394,8 +394,8 @@ def test_the_last_state_is_always_reconstructed(bench: Bench) -> None:
 def test_closing_waits_for_the_step_that_is_being_taken_and_no_more(bench: Bench) -> None:
     engine = bench.open()
     engine.gate.clear()
-    bench.worker_thread.post(start(2, 1, DOCUMENT))
-    bench.worker_thread.post(run_call(2, Run.go))
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
     bench.wait(lambda: bench.worker_thread.run.snapshots.take() is not None)
     closing = threading.Thread(target=bench.worker_thread.close)
     closing.start()
@@ -416,7 +416,7 @@ def test_a_mailbox_gives_the_newest_once() -> None:
 
 def export(bench: Bench, shown: Reconstruction | None = None) -> None:
     order = ExportOrder((ExportFile(Path("a.csv"), "contours", ".csv"),))
-    bench.worker_thread.post(write_files(Task("Writing a.csv…"), shown, Document(), order, lambda contents: None))
+    bench.worker_thread.post_command(write_files(BackgroundTask("Writing a.csv…"), shown, Document(), order, lambda contents: None))
 
 
 def test_what_is_written_is_the_very_reconstruction_that_is_shown(bench: Bench) -> None:
@@ -430,8 +430,8 @@ def test_what_is_written_is_the_very_reconstruction_that_is_shown(bench: Bench) 
 def test_the_export_of_a_held_run_waits_for_the_contours_of_its_last_state(bench: Bench) -> None:
     engine = bench.open()
     engine.reconstructing.clear()
-    bench.worker_thread.post(start(2, 1, DOCUMENT))
-    bench.worker_thread.post(run_call(2, Run.go, 5))
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps, 5))
     bench.wait(lambda: len(engine.states) == 5)
     export(bench)
     time.sleep(0.1)
@@ -444,14 +444,14 @@ def test_the_export_of_a_held_run_waits_for_the_contours_of_its_last_state(bench
 
 def test_the_export_during_a_run_writes_the_contours_shown_at_its_request(bench: Bench) -> None:
     engine = bench.open()
-    bench.worker_thread.post(start(2, 1, DOCUMENT))
-    bench.worker_thread.post(run_call(2, Run.go))
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
     bench.wait(lambda: bench.take_contours() is not None)
     shown = bench.shown
     steps = len(engine.states)
     bench.wait(lambda: len(engine.states) > steps + 100)
     export(bench, shown)
     bench.wait(lambda: bench.written)
-    bench.worker_thread.post(run_call(None, Run.halt))
+    bench.worker_thread.post_command(call_run(None, Run.halt))
     bench.settle()
     assert bench.written == [shown.result]

@@ -60,7 +60,7 @@ def test_a_stroke_beside_all_objects_paints_a_new_one_as_wide_as_the_ring(window
     assert item.area == pytest.approx(2 * radius * 20 + math.pi * radius**2, rel=0.02)
     away = near(((30, 20), (30, 40)))
     assert differ(item.mask((64, 64)), away <= radius, np.abs(away - radius)) == 0
-    assert window.workspace.object_list.chosen == {item.number}
+    assert window.workspace.object_list.selected_numbers == {item.number}
     assert window.session.document.shapes == ()
     assert window.actions_by_name["undo"].text() == "Undo paint object"
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)

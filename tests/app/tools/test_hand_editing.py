@@ -92,7 +92,7 @@ def test_merging_open_contours_joins_them(gap, hand) -> None:
     assert len(contours(gap)) == 2
     hand.click(*at(2.0))
     hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, CONTROL, hand.at(*at(-2.0)))
-    assert len(gap.workspace.review.selected) == 2
+    assert len(gap.workspace.review.selected_keys) == 2
     hand.key(KEY.Key_M)
     settle(gap, hand)
     assert len(contours(gap)) == 1 and not contours(gap)[0].closed
@@ -101,7 +101,7 @@ def test_merging_open_contours_joins_them(gap, hand) -> None:
 def test_closing_waits_for_the_edges_and_is_done_once(gap, hand) -> None:
     hand.click(*at(math.pi))
     editing = gap.workspace.hand_editing
-    editing._forget()
+    editing._on_image_changed()
     for _ in range(2):
         hand.key(KEY.Key_C, SHIFT)
     assert len(gap.session.document.hand_edits) == 1
@@ -167,7 +167,7 @@ def test_edits_are_carried_out_again_after_another_run(gap, hand) -> None:
     settle(gap, hand)
     (rest,) = contours(gap)
     assert not rest.closed and np.linalg.norm(rest.points - at(0.0), axis=1).min() > 6.0
-    assert gap.workspace.hand_editing.missed == ()
+    assert gap.workspace.hand_editing.unmatched_edits == ()
 
 
 def draw_outline(hand: Hand) -> None:
@@ -183,7 +183,7 @@ def test_an_outline_along_the_edge_is_an_object_before_any_run(window, hand) -> 
     draw_outline(hand)
     (one,) = window.session.document.objects.items
     assert one.area == pytest.approx(AREA, rel=0.04) and one.measure_gap_length() < 3.0
-    assert window.workspace.object_list.chosen == {1}
+    assert window.workspace.object_list.selected_numbers == {1}
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert window.session.document.objects.items == () and contours(window) == []
@@ -217,10 +217,10 @@ def test_a_freehand_outline_snaps_and_closes_where_it_began(window, hand) -> Non
 def test_edits_by_hand_are_saved_and_come_back(gap, hand, tmp_path: Path) -> None:
     path = tmp_path / "work.cpm"
     edits = gap.session.document.hand_edits
-    assert gap.feature(OpenSaveFeature).document_file.save_at_once(path)
+    assert gap.feature(OpenSaveFeature).document_file.save_and_wait(path)
     assert load_session(path).hand_edits == edits
     shown = gap.workspace.review.result
-    gap.session.open(path)
+    gap.session.open_file(path)
     hand.wait(lambda: gap.session.idle and gap.workspace.review.result not in (None, shown))
     assert gap.session.document.hand_edits == edits
     settle(gap, hand)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from cpm_app.model.document.objects import delete_objects
 from cpm_app.session.features import object_list, object_selection, selector
-from cpm_app.session.features.object_selection import percent
-from cpm_app.session.features.selector import all_objects
+from cpm_app.session.features.object_selection import format_confidence
+from cpm_app.session.features.selector import find_all_objects
 from cpm_app.session.scene import Proposal
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.widgets.fields import DecimalField
@@ -207,9 +207,9 @@ def test_escape_drops_the_proposal_and_backspace_takes_a_click_back(window, hand
 def test_a_click_in_an_object_chooses_it_and_a_click_in_a_chosen_one_corrects_it(window, hand, objects) -> None:
     click(hand, 18, 18)
     take(hand)
-    window.workspace.object_list.choose(())
+    window.workspace.object_list.select_objects(())
     click(hand, 20, 20)
-    assert window.workspace.object_list.chosen == {1}
+    assert window.workspace.object_list.selected_numbers == {1}
     assert not objects.selecting
     assert "Click again: correct" in window.canvas_area.hint.text()
     click(hand, 20, 20)
@@ -226,7 +226,7 @@ def test_a_click_with_shift_in_an_object_begins_to_correct_it_at_once(window, ha
     click(hand, 18, 18)
     click(hand, 43, 42)
     take(hand)
-    window.workspace.object_list.choose(())
+    window.workspace.object_list.select_objects(())
     click(hand, 43, 40, SHIFT)
     assert window.session.document.objects.edited == 1
     assert not offered(objects)[43, 40]
@@ -265,11 +265,11 @@ def doubtful(window, monkeypatch):
         def found(partition, task):
             return tuple(
                 replace(each, selection=replace(each.selection, confidence=0.9 if holds else 0.4))
-                for each in all_objects(partition, task)
+                for each in find_all_objects(partition, task)
                 for holds in each.selection.contains(np.array([sure]))
             )
 
-        monkeypatch.setattr(object_selection, "all_objects", found)
+        monkeypatch.setattr(object_selection, "find_all_objects", found)
 
     return chosen
 
@@ -284,7 +284,7 @@ def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_
     hand.wait(lambda: all(row.figures for row in found.rows if row.kind == "proposal"))
     left = next(row for row in found.rows if row.kind == "proposal" and row.item.confidence < 0.5)
     measured = []
-    monkeypatch.setattr(object_list, "_measured", lambda item, image: measured.append(item))
+    monkeypatch.setattr(object_list, "_measure_object", lambda item, image: measured.append(item))
     take(hand)
     assert len(taken(window)) == 1
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
@@ -295,7 +295,7 @@ def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_
     assert "Enter: accept" not in window.canvas_area.hint.text()
     take(hand)
     assert len(taken(window)) == 1
-    found.choose((row.key[1],))
+    found.select_objects((row.key[1],))
     take(hand)
     assert len(taken(window)) == 2
     hand.qtbot.wait(50)
@@ -307,16 +307,16 @@ def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, 
 
     def found(partition, task):
         likely = [
-            replace(each, selection=replace(each.selection, confidence=0.9)) for each in all_objects(partition, task)
+            replace(each, selection=replace(each.selection, confidence=0.9)) for each in find_all_objects(partition, task)
         ]
         doubtful = replace(partition.select(np.array([corner])), confidence=0.4)
         return (*likely, Proposal(doubtful, (Click((corner,)),)))
 
-    monkeypatch.setattr(object_selection, "all_objects", found)
+    monkeypatch.setattr(object_selection, "find_all_objects", found)
     hint, listed = window.canvas_area.hint, window.workspace.object_list
     run_everywhere(hand, count=3)
     assert hint.text().startswith("2 of 3 objects are likely. Enter: accept them")
-    listed.choose(
+    listed.select_objects(
         row.key[1]
         for row in listed.rows
         if row.kind == "proposal" and row.item.encloses(np.array([SMALL[0], corner])).any()
@@ -349,7 +349,7 @@ def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(wind
     (rest,) = objects.proposals
     hand.wait(lambda: objects.idle)
     assert rest.selection.contains(np.array([LARGE[0]])).all()
-    window.workspace.object_list.choose((rest.key,))
+    window.workspace.object_list.select_objects((rest.key,))
     hand.key(KEY.Key_X)
     hand.wait(lambda: objects.idle and not objects.proposals)
     assert len(taken(window)) == 1
@@ -391,7 +391,7 @@ def test_brackets_take_the_next_candidate_and_undo_takes_the_step_back(window, h
     take(hand)
     (item,) = taken(window)
     assert item.clicks[-1].step == -1
-    objects.fit(frozenset({1}))
+    objects.refit_objects(frozenset({1}))
     hand.wait(lambda: window.session.tasks.idle)
     assert taken(window)[0].area == pytest.approx(item.area)
     for _ in range(2):
@@ -424,12 +424,12 @@ def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window,
 def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_takes_it(window, hand) -> None:
     selection, session = window.workspace.object_selection, window.session
     hand.drag((18, 18), (18, 20), (18, 22))
-    session.select(None)
+    session.select_shape(None)
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
-    likely = percent(selection.proposals[0].selection)
+    likely = format_confidence(selection.proposals[0].selection)
     assert f"1 object found, {likely}. Enter: accept" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
@@ -463,11 +463,11 @@ def test_a_session_file_keeps_objects_classes_and_the_selection_in_progress(wind
     click(hand, 43, 42)
     before = window.session.document.objects
     kept = DocumentFile(window.session, dict)
-    assert kept.save_at_once(tmp_path / "kept.cpm")
+    assert kept.save_and_wait(tmp_path / "kept.cpm")
     hand.key(KEY.Key_Escape)
-    window.workspace.object_list.choose((1,))
-    window.workspace.object_list.delete()
-    window.session.open(tmp_path / "kept.cpm")
+    window.workspace.object_list.select_objects((1,))
+    window.workspace.object_list.delete_selected()
+    window.session.open_file(tmp_path / "kept.cpm")
     hand.wait(lambda: window.session.document.objects == before)
     hand.wait(lambda: bool(objects.proposals))
     assert overlap(offered(objects), disk(*LARGE)) > 0.9
@@ -488,10 +488,10 @@ def test_each_result_of_a_run_is_partitioned_once(window, hand, objects, monkeyp
     hand.key(KEY.Key_Space)
     hand.wait(lambda: bool(window.session.scene.contours.result and window.session.scene.contours.result.stop_reason))
     at_rest.set()
-    hand.wait(lambda: objects.partitions.source is window.session.scene.contours.result)
-    chosen = objects.partitions.partition
+    hand.wait(lambda: objects.partition_updater.source is window.session.scene.contours.result)
+    chosen = objects.partition_updater.partition
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
-    assert objects.partitions.partition is chosen
+    assert objects.partition_updater.partition is chosen
     assert len({id(each) for each in prepared}) == len(prepared)
 
 
@@ -503,7 +503,7 @@ def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> No
     session.run()
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.scene.contours.result is not None and session.scene.contours.result.stop_reason != "")
-    hand.wait(lambda: objects.partitions.source is session.scene.contours.result)
+    hand.wait(lambda: objects.partition_updater.source is session.scene.contours.result)
     hand.wait(lambda: objects.proposals[0].selection is not before)
     assert overlap(offered(objects), disk(*SMALL)) > 0.85
     session.reset()

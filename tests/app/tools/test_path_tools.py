@@ -48,7 +48,7 @@ def test_clicks_place_corners_and_enter_ends_the_path_as_one_step_of_undo(window
         shape = only(window)
         assert type(shape) is KINDS[key]
         assert near(shape.points, CORNERS)
-        assert window.session.selected == 0
+        assert window.session.selected_shape == 0
         hand.key(KEY.Key_Z, CONTROL)
         assert window.session.document.shapes == ()
         hand.key(KEY.Key_Y, CONTROL)
@@ -103,11 +103,11 @@ def test_a_path_is_selected_on_its_line_moved_by_drag_and_keys_and_deleted(windo
         draw(hand, key)
         drawn = only(window)
         hand.key(KEY.Key_Escape)
-        assert window.session.selected is None
+        assert window.session.selected_shape is None
         hand.key(KEY.Key_S)
         middle = tuple(np.mean(drawn.points[:2], axis=0))
         hand.drag(middle, (middle[0] + 2, middle[1] + 2), (middle[0] + 4, middle[1] + 3))
-        assert window.session.selected == 0
+        assert window.session.selected_shape == 0
         moved = only(window)
         assert near(moved.points, [(row + 4, col + 3) for row, col in drawn.points])
         assert [math.dist(a, b) for a, b in pairwise(moved.points)] == pytest.approx(

@@ -40,7 +40,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     path = tmp_path / "discs.npy"
     np.save(path, np.random.default_rng(0).normal(100.0, 1.0, (84, 124)))
     session = window.session
-    session.open(path)
+    session.open_file(path)
     hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
     shown_contours(window, *(Contour(ring(place), True, 5.0) for place in PLACES))
     hand.canvas.setFocus()
@@ -68,12 +68,12 @@ def move(hand: Hand, at: tuple[float, ...], held: Qt.KeyboardModifier) -> None:
 
 
 def selected(window: MainWindow) -> set[tuple[int, int]]:
-    centers = [np.mean(item.contour.points, axis=0) for item in window.workspace.review.chosen]
+    centers = [np.mean(item.contour.points, axis=0) for item in window.workspace.review.selected_items]
     return {min(PLACES, key=lambda place: float(np.hypot(*(center - place)))) for center in centers}
 
 
 def chosen(window: MainWindow) -> frozenset[int]:
-    return window.workspace.object_list.chosen
+    return window.workspace.object_list.selected_numbers
 
 
 def test_a_frame_selects_what_lies_in_it_shift_adds_and_ctrl_removes(found, hand) -> None:
@@ -149,18 +149,18 @@ def test_a_line_of_a_shape_comes_before_what_lies_under_it_and_its_inside_after(
     circle = Circle((20.0, 60.0), 15.0)
     found.session.edit("draw", lambda document: edits.add_shape(document, circle))
     drag(hand, (20.0, 60.0))
-    assert (found.session.selected, selected(found)) == (None, {(20, 60)})
+    assert (found.session.selected_shape, selected(found)) == (None, {(20, 60)})
     drag(hand, (20.0, 75.0), (30.0, 75.0))
-    assert (found.session.selected, selected(found)) == (0, set())
+    assert (found.session.selected_shape, selected(found)) == (0, set())
     assert found.session.document.shapes[0].center == pytest.approx((30.0, 60.0), abs=0.5)
 
 
 def test_keys_alone_select_and_accept(found, hand) -> None:
     hand.key(KEY.Key_N, SHIFT)
     hand.key(KEY.Key_N, SHIFT)
-    assert len(found.workspace.object_list.selected) == 1
+    assert len(found.workspace.object_list.selected_keys) == 1
     hand.key(KEY.Key_I, CONTROL)
-    assert len(found.workspace.object_list.selected) == 5
+    assert len(found.workspace.object_list.selected_keys) == 5
     hand.key(KEY.Key_Return)
     assert len(found.session.document.objects.items) == 5
     assert found.session.history.undo_name == "accept 5 contours"

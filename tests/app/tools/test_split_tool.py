@@ -78,7 +78,7 @@ def test_two_clicks_part_touching_nuclei_in_one_step_of_undo(pair, hand) -> None
     hand.wait(lambda: draft.getData()[0] is not None and len(draft.getData()[0]) > 1)
     hand.click(39, 44)
     check_halves(pair)
-    assert pair.workspace.object_list.chosen == {1, 2}
+    assert pair.workspace.object_list.selected_numbers == {1, 2}
     assert pair.session.history.undo_name == "split both"
     hand.key(KEY.Key_Z, CONTROL)
     (item,) = items(pair)
@@ -107,8 +107,8 @@ def test_a_frozen_object_stays_and_escape_forgets_the_first_half(pair, hand) -> 
     hand.key(KEY.Key_Escape)
     hand.click(39, 44)
     assert len(items(pair)) == 1 and hand.canvas.hold.tool.drafting
-    pair.workspace.object_list.choose((1,))
-    pair.workspace.object_list.toggle("frozen")
+    pair.workspace.object_list.select_objects((1,))
+    pair.workspace.object_list.toggle_state("frozen")
     hand.drag((40, 20), (22, 44))
     assert len(items(pair)) == 1 and "frozen" in pair.canvas_area.messages.text
     hand.click(3, 3)

@@ -64,7 +64,7 @@ def test_a_run_begins_with_the_particles_that_were_shown(window, hand, seen, kin
     hand.wait(lambda: bool(seen) and window.session.idle)
     window.session.step()
     hand.wait(lambda: window.session.idle and window.session.status.step == 1)
-    window.workspace.navigation.to_first()
+    window.workspace.navigation.go_to_first()
     hand.wait(lambda: window.session.idle and window.session.status.step == 0)
     first = window.session.scene.snapshot.position
     shown = seen[-1][Everywhere(kind)]

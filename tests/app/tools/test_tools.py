@@ -25,7 +25,7 @@ def test_a_drag_with_the_circle_tool_draws_from_the_center_to_the_pointer(window
     circle = circle_of(window)
     assert circle.center == pytest.approx((30, 20), abs=PIXEL)
     assert circle.radius == pytest.approx(12, abs=PIXEL)
-    assert window.session.selected == 0
+    assert window.session.selected_shape == 0
 
 
 def test_escape_deletes_the_circle_being_drawn_and_leaves_nothing_to_undo(window, hand) -> None:

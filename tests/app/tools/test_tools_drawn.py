@@ -68,7 +68,7 @@ def test_a_drag_with_the_ellipse_tool_draws_it_in_its_box_as_one_step_of_undo(wi
     assert isinstance(ellipse, Ellipse)
     assert ellipse.center == pytest.approx((20, 32), abs=PIXEL)
     assert ellipse.radii == pytest.approx((20, 10), abs=PIXEL)
-    assert window.session.selected == 0
+    assert window.session.selected_shape == 0
     assert window.actions_by_name["undo"].text() == "Undo draw ellipse"
     hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
     assert window.session.document.shapes == ()
@@ -104,7 +104,7 @@ def test_shift_restricts_the_sides_of_a_path_to_eight_directions(window, hand) -
 
 def test_an_ellipse_is_resized_and_turned_by_its_handles_with_any_tool(window, hand) -> None:
     add(window, Ellipse((32.0, 32.0), (20.0, 10.0)))
-    window.session.select(0)
+    window.session.select_shape(0)
     hand.drag((32, 52), (32, 46), (35, 44))
     assert only(window).radii == pytest.approx((12, 10), abs=PIXEL)
     turning = only(window).handles()[-1]
@@ -130,7 +130,7 @@ SIZES = [
 def test_less_and_greater_change_the_size_of_the_selected_shape_and_undo_brings_it_back(window, hand, cases) -> None:
     for shape, value in cases(SIZES):
         add(window, shape)
-        window.session.select(0)
+        window.session.select_shape(0)
         hand.canvas.setFocus()
         hand.key(KEY.Key_BracketRight)
         assert value(only(window)) > value(shape)
@@ -183,7 +183,7 @@ def test_a_click_places_a_charge_and_a_drag_moves_it(window, hand, key, sign) ->
     assert isinstance(dropped, Charge)
     assert dropped.strength * sign > 0
     assert dropped.position == pytest.approx((20, 20), abs=PIXEL)
-    assert window.session.selected == 0
+    assert window.session.selected_shape == 0
     hand.drag((20, 20), (30, 30), (40, 35))
     assert only(window).position == pytest.approx((40, 35), abs=PIXEL)
     assert only(window).strength == dropped.strength

@@ -34,7 +34,7 @@ def raising(error: Exception):
 BROKEN = [
     (Engine, "result", ValueError("the crust has no triangles")),
     (ContourTracker, "track", RuntimeError("tracking")),
-    (reconstruction, "edited", ValueError("the edit by hand meets nothing")),
+    (reconstruction, "apply_hand_edits", ValueError("the edit by hand meets nothing")),
     (Engine, "result", MemoryError()),
 ]
 
@@ -71,7 +71,7 @@ def test_contours_of_an_earlier_step_are_not_exported_as_those_of_the_last_one(
     monkeypatch.setattr(Engine, "result", raising(ValueError("No triangles.")))
     hand.key(KEY.Key_Period)
     hand.wait(lambda: bool(said(ready)))
-    ready.session.export(ExportOrder((ExportFile(tmp_path / "a.svg", "contours", ".svg"),)))
+    ready.session.export_files(ExportOrder((ExportFile(tmp_path / "a.svg", "contours", ".svg"),)))
     hand.wait(lambda: ready.session.idle)
     assert "No triangles." in said(ready)
     assert not (tmp_path / "a.svg").exists()
@@ -79,25 +79,25 @@ def test_contours_of_an_earlier_step_are_not_exported_as_those_of_the_last_one(
 
 def test_a_run_starts_and_goes_on_where_an_overlay_fails(ready, hand, monkeypatch) -> None:
     monkeypatch.setattr(prepared_methods, "shade_potential", raising(MemoryError()))
-    ready.session.want_overlay("potential", True)
+    ready.session.set_overlay_enabled("potential", True)
     hand.wait(lambda: "memory" in said(ready))
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.status.step == 1)
-    ready.session.want_overlay("potential", False)
-    ready.session.want_overlay("edge_map", True)
+    ready.session.set_overlay_enabled("potential", False)
+    ready.session.set_overlay_enabled("edge_map", True)
     hand.wait(lambda: "edge_map" in ready.session.scene.overlays)
     assert said(ready) == ""
 
 
 def test_what_background_work_fails_with_is_said_once_and_taken_back(window, hand) -> None:
     latest, results = LatestOnlyWorker(window.session, "test", "measuring"), []
-    latest.ask(raising(ZeroDivisionError("by zero")), results.append)
+    latest.submit(raising(ZeroDivisionError("by zero")), results.append)
     hand.wait(lambda: said(window) == "An unexpected error occurred while measuring: by zero.")
     window.canvas_area.messages.dismiss()
-    latest.ask(raising(ZeroDivisionError("by zero")), results.append)
+    latest.submit(raising(ZeroDivisionError("by zero")), results.append)
     hand.wait(lambda: latest.idle)
     assert said(window) == ""
-    latest.ask(lambda: "done", results.append)
+    latest.submit(lambda: "done", results.append)
     hand.wait(lambda: results == ["done"])
     assert said(window) == ""
     latest.close()

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cpm_app.session.exchange.messages import Core
+from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.workspace import Workspace
 
 from cpm_core.formats import load_image
@@ -44,14 +44,14 @@ def patient(qapp, huge, image_file, compiled_loops):
             go_on()
         return load_image(image_file, go_on)
 
-    made = Workspace(replace(Core(), load_image=load, load_volume=load))
+    made = Workspace(replace(CoreFunctions(), load_image=load, load_volume=load))
     yield made
     made.close()
     made.session.deleteLater()
 
 
 def test_a_page_of_a_huge_stack_is_opened_at_once(window, qtbot, huge) -> None:
-    window.session.open(huge)
+    window.session.open_file(huge)
     qtbot.waitUntil(lambda: window.session.document.image.name == huge.name, timeout=20_000)
     assert window.session.document.image.shape == SHAPE[1:]
     assert window.session.document.image.sha256.startswith("sampled:")
@@ -59,16 +59,16 @@ def test_a_page_of_a_huge_stack_is_opened_at_once(window, qtbot, huge) -> None:
 
 def test_another_image_can_be_opened_while_a_huge_file_is_read(patient, qtbot, huge, image_file) -> None:
     session = patient.session
-    session.open(huge)
+    session.open_file(huge)
     qtbot.wait(50)
-    session.open(image_file)
+    session.open_file(image_file)
     qtbot.waitUntil(lambda: session.document.image is not None, timeout=20_000)
     assert session.document.image.name == image_file.name
     qtbot.waitUntil(lambda: session.idle, timeout=20_000)
 
 
 def test_closing_does_not_wait_for_a_huge_file(patient, qtbot, huge) -> None:
-    patient.session.open(huge)
+    patient.session.open_file(huge)
     qtbot.wait(50)
     patient.session.close()
     assert patient.session.tasks.idle

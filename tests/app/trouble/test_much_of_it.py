@@ -44,7 +44,7 @@ HOSTILE = {
 def test_a_session_with_a_million_letters_shows_only_few_of_them(ready, hand, tmp_path, content) -> None:
     path, opened = tmp_path / "long.cpm", ready.session.image_generation
     path.write_text(json.dumps({"cpm-session": 1, **content}))
-    ready.session.open(path)
+    ready.session.open_file(path)
     shown = ready.canvas_area.messages
     hand.wait(lambda: bool(shown.text) or ready.session.image_generation > opened)
     assert len(shown.text) <= MAX_SHOWN_LETTERS
@@ -63,7 +63,7 @@ def test_a_gesture_on_a_line_of_many_corners_takes_few_calls(window, hand, kind)
         "letting go": lambda: hand.release(corner[0] + 1.0, corner[1] + 1.0),
         "undoing": session.undo,
         "redoing": session.redo,
-        "deleting": lambda: (session.select(0), session.delete_selected()),
+        "deleting": lambda: (session.select_shape(0), session.delete_selected_shape()),
     }
     for name, gesture in gestures.items():
         with Watch() as watch:
@@ -73,6 +73,6 @@ def test_a_gesture_on_a_line_of_many_corners_takes_few_calls(window, hand, kind)
 
 
 def test_a_file_whose_name_is_too_long_is_refused_in_one_sentence(ready, hand, tmp_path) -> None:
-    ready.session.open(Path(tmp_path / (LONG + ".png")))
+    ready.session.open_file(Path(tmp_path / (LONG + ".png")))
     hand.wait(lambda: bool(ready.canvas_area.messages.text))
     assert len(ready.canvas_area.messages.text) <= MAX_SHOWN_LETTERS

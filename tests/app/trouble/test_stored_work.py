@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 from cpm_app.session.storage import recovery
-from cpm_app.session.storage.recovery import KEY, folder_of_journals, left_behind
+from cpm_app.session.storage.recovery import JOURNAL_KEY, journals_folder, find_leftovers
 from cpm_app.views.features.files import RecoveryFeature
 
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle
 from tests.app.session.test_recovery import draw, journal, leave, offer, press, written
 
-PLAIN = {"cpm-session": 1, "image": {"path": "a.png"}, KEY: {"name": "a"}}
+PLAIN = {"cpm-session": 1, "image": {"path": "a.png"}, JOURNAL_KEY: {"name": "a"}}
 
 
 def said(window) -> str:
@@ -28,25 +28,25 @@ UNREADABLE = {
     "newer": json.dumps({**PLAIN, "cpm-session": 7}).encode(),
     "unknown shape": json.dumps({**PLAIN, "shapes": [{"kind": "torus"}]}).encode(),
     "no journal": json.dumps({"cpm-session": 1, "image": {"path": "a.png"}}).encode(),
-    "no image": json.dumps({"cpm-session": 1, KEY: {"name": "a"}}).encode(),
+    "no image": json.dumps({"cpm-session": 1, JOURNAL_KEY: {"name": "a"}}).encode(),
 }
 
 
 @pytest.mark.parametrize("content", UNREADABLE.values(), ids=UNREADABLE)
 def test_a_journal_that_cannot_be_read_is_set_aside_and_the_window_says_where(window, content) -> None:
-    folder_of_journals().mkdir(parents=True)
-    path = folder_of_journals() / "x.cpm"
+    journals_folder().mkdir(parents=True)
+    path = journals_folder() / "x.cpm"
     path.write_bytes(content)
     assert offer(window) is None
     kept = path.with_suffix(".unreadable")
     assert kept.read_bytes() == content
     assert str(kept) in said(window)
     assert not path.exists()
-    assert left_behind(folder_of_journals())[1] == []
+    assert find_leftovers(journals_folder())[1] == []
 
 
 def test_one_failing_read_leaves_a_journal_where_it_is_for_the_next_start(window, image_file, monkeypatch) -> None:
-    left = leave(folder_of_journals(), image_file)
+    left = leave(journals_folder(), image_file)
     whole = Path.open
 
     def refuse(path: Path, *how, **more):
@@ -65,17 +65,17 @@ def test_one_failing_read_leaves_a_journal_where_it_is_for_the_next_start(window
 def test_work_that_could_not_be_restored_is_not_deleted_by_opening_a_session(
     window, hand, image_file, tmp_path
 ) -> None:
-    left = leave(folder_of_journals(), tmp_path / "gone.png")
+    left = leave(journals_folder(), tmp_path / "gone.png")
     press(offer(window), "Restore")
     hand.wait(lambda: "gone.png" in said(window))
     save_session(SessionFile(ImageFile(str(image_file)), (Circle((9.0, 9.0), 4.0),)), tmp_path / "other.cpm")
-    window.session.open(tmp_path / "other.cpm")
+    window.session.open_file(tmp_path / "other.cpm")
     hand.wait(lambda: len(window.session.document.shapes) == 1)
     assert left.exists()
 
 
 def test_restored_work_stays_in_its_journal_until_another_one_holds_it(window, hand, image_file, monkeypatch) -> None:
-    left = leave(folder_of_journals(), image_file, "work.cpm")
+    left = leave(journals_folder(), image_file, "work.cpm")
 
     def refuse(*_: object) -> None:
         raise ValueError("No space left on device.")
@@ -104,9 +104,9 @@ def test_work_that_no_journal_can_take_is_said_once_and_taken_back(window, hand,
 
 
 def test_a_folder_that_takes_no_journal_is_said(window, hand) -> None:
-    folder_of_journals().parent.mkdir(parents=True, exist_ok=True)
-    folder_of_journals().write_text("a file in its place")
+    journals_folder().parent.mkdir(parents=True, exist_ok=True)
+    journals_folder().write_text("a file in its place")
     draw(window)
     journal(window).write()
-    hand.wait(lambda: folder_of_journals().name in said(window))
+    hand.wait(lambda: journals_folder().name in said(window))
     assert window.feature(RecoveryFeature).close()

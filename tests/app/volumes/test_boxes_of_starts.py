@@ -30,7 +30,7 @@ def test_a_drag_fills_a_box_with_a_grid_that_every_slice_shows(volume, hand) -> 
     assert isinstance(grid, BoxGrid)
     assert np.allclose(grid.first[1:], (4, 4), atol=0.5)
     assert np.allclose(grid.last[1:], (20, 26), atol=0.5)
-    assert volume.session.selected == 0
+    assert volume.session.selected_shape == 0
     near = grid.seeds()[np.abs(grid.seeds()[:, 0] - 12) <= 4.0]
     (section,) = hand.canvas.drawn.document.shapes
     assert len(section.seeds()) == len(near) > 0
@@ -63,9 +63,9 @@ def test_a_threshold_shows_the_strong_edges_in_its_box_and_starts_there(volume, 
     for _ in range(10):
         hand.key(KEY.Key_BracketRight)
     hand.wait(lambda: volume.session.idle and everywhere(hand) < before)
-    volume.workspace.slices.at(0)
+    volume.workspace.slices.go_to(0)
     assert everywhere(hand) == 0
-    volume.workspace.slices.at(12)
+    volume.workspace.slices.go_to(12)
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     assert volume.session.scene.snapshot.state.step > 0

@@ -44,7 +44,7 @@ def test_a_drag_draws_a_box_whose_faces_are_dragged_in_any_slice(volume, hand, c
         depth = box.last[axis] - box.first[axis]
         assert depth == pytest.approx(min(np.ptp([flat(view, box.first), flat(view, box.last)], axis=0)), abs=1e-6)
         assert 0.5 * (box.first[axis] + box.last[axis]) == view.here.index
-        assert volume.session.selected == 0
+        assert volume.session.selected_shape == 0
         drag(view, (12, 13), (13, 13), (15, 13))
         grown = only(volume, Box)
         assert grown.first == box.first
@@ -94,7 +94,7 @@ def test_a_drag_with_the_tool_for_regions_is_a_box_that_dims_what_is_outside(vol
     canvas = volume.canvas_area.canvas
     veil = canvas.layers.drawing._dim._veil
     assert not veil.isEmpty()
-    volume.workspace.slices.at(0)
+    volume.workspace.slices.go_to(0)
     outside = canvas.layers.drawing._dim._veil
     assert outside.boundingRect().contains(veil.boundingRect())
     assert outside.contains(canvas.layers.drawing._dim._room.center()), "nothing of this slice lies in it"
@@ -145,7 +145,7 @@ def test_limits_and_charges_act_on_the_run_and_come_back_with_the_session(volume
     assert len(found) > 50
     assert (found[:, 2] < 16).all(), "no particle crosses the barrier"
     path = tmp_path / "work.cpm"
-    volume.feature(OpenSaveFeature).document_file.save_at_once(path)
+    volume.feature(OpenSaveFeature).document_file.save_and_wait(path)
     document = volume.session.document
     volume.session.edit("clear", lambda known: type(known)(known.image))
     volume.open_image(str(path))

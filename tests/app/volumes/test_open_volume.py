@@ -71,7 +71,7 @@ def test_each_axis_has_its_slices_in_the_same_gray_values(volume, hand, axis) ->
     assert shown(volume) == (axis, MIDDLE[axis])
     canvas = volume.canvas_area.canvas
     for index in (MIDDLE[axis], 0):
-        volume.workspace.slices.at(index)
+        volume.workspace.slices.go_to(index)
         np.testing.assert_array_equal(canvas.drawn.image.values, np.take(ball(), index, axis=axis))
         assert canvas.layers["image"].window == (20.0, 200.0)
     assert canvas.layers["image"].shades.max() == 0, "what is even in one slice stays as dark as in the volume"

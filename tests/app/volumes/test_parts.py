@@ -94,7 +94,7 @@ def test_sessions_and_recent_files_keep_the_part(window, hand, hyperstack, image
     choose(window, hand, ask(window, hand), page=4, channel=3, time=2)
     values = window.session.image.values
     files = window.feature(OpenSaveFeature)
-    assert files.document_file.save_at_once(tmp_path / "cells.cpm")
+    assert files.document_file.save_and_wait(tmp_path / "cells.cpm")
     kept = json.loads((tmp_path / "cells.cpm").read_text())["image"]["reading"]
     assert kept == {"page": 4, "channel": 3, "time": 2}
     open_file(window, hand, image_file)

@@ -33,21 +33,21 @@ def test_a_drag_draws_a_sphere_that_each_slice_shows_as_its_circle(volume, hand)
     sphere = sphere_of(volume)
     assert sphere.center == pytest.approx((12, 14, 16), abs=PIXEL)
     assert sphere.radius == pytest.approx(6, abs=PIXEL)
-    assert volume.session.selected == 0
+    assert volume.session.selected_shape == 0
     for off in (0, 3, -3):
-        volume.workspace.slices.at(12 + off)
+        volume.workspace.slices.go_to(12 + off)
         section = section_of(volume)
         assert section.line.center == pytest.approx(sphere.center[1:])
         assert section.line.radii == pytest.approx((math.sqrt(sphere.radius**2 - off**2),) * 2)
-    volume.workspace.slices.at(12 + 8)
+    volume.workspace.slices.go_to(12 + 8)
     assert volume.canvas_area.canvas.drawn.document.shapes == ()
-    assert volume.canvas_area.canvas.drawn.selected is None
+    assert volume.canvas_area.canvas.drawn.selected_shape is None
 
 
 def test_a_sphere_is_moved_and_resized_in_any_slice_that_cuts_it(volume, hand) -> None:
     hand.drag((14, 16), (14, 18), (14, 22))
     before = sphere_of(volume)
-    volume.workspace.slices.at(15)
+    volume.workspace.slices.go_to(15)
     row, col = section_of(volume).handles()[0]
     hand.drag((row, col), (row, col + 1), (row, col + 3))
     grown = sphere_of(volume)
@@ -75,8 +75,8 @@ def test_a_run_covers_the_ball_and_each_slice_shows_the_particles_near_it(volume
     assert np.abs(away - 7.0).max() < 1.0
     reach = volume.session.document.parameters.d_min
     for axis, index in ((0, 12), (0, 5), (1, 13), (2, 20)):
-        volume.workspace.slices.turn(axis)
-        volume.workspace.slices.at(index)
+        volume.workspace.slices.set_axis(axis)
+        volume.workspace.slices.go_to(index)
         near = np.abs(snapshot.position[:, axis] - index) < reach
         expected = np.delete(snapshot.position[near], axis, axis=1)
         drawn = canvas.layers.particles.position

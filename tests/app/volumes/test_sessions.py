@@ -24,11 +24,11 @@ def test_a_session_brings_back_drawing_run_and_slice(volume, hand, tmp_path, ima
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: volume.session.idle)
-    volume.workspace.slices.turn(2)
-    volume.workspace.slices.at(9)
+    volume.workspace.slices.set_axis(2)
+    volume.workspace.slices.go_to(9)
     found, document = volume.session.scene.snapshot.position, volume.session.document
     assert file.unsaved
-    file.save_at_once(path)
+    file.save_and_wait(path)
     assert load_session(path).image.shape == document.image.shape
     open_file(volume, hand, image_file)
     assert volume.session.scene.slices is None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cpm_app.session.features.comparison import NOW
+from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.views.features.volumes import SpaceFeature
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
@@ -49,7 +49,7 @@ def compared(volume: MainWindow, hand: Hand, labels_file: Path, monkeypatch: pyt
     menu.aboutToShow.emit()
     assert [action.text().replace("&", "") for action in menu.actions()] == ["Keep this result", "Ground truth…"]
     menu.actions()[-1].trigger()
-    hand.wait(lambda: NOW in volume.workspace.comparison.agreed)
+    hand.wait(lambda: CURRENT_KEY in volume.workspace.comparison.agreements)
     return volume
 
 
@@ -57,7 +57,7 @@ def test_overlap_and_distances_are_those_of_geometry(compared) -> None:
     radius, panel = 7.0, compared.panels["compare"]
     common = math.pi * (2 * radius - AWAY) ** 2 * (4 * radius + AWAY) / 12.0
     both = 2 * 4 / 3 * math.pi * radius**3 + 4**3
-    agreed = compared.workspace.comparison.agreed[NOW]
+    agreed = compared.workspace.comparison.agreements[CURRENT_KEY]
     assert agreed.dice == pytest.approx(2 * common / both, abs=0.04)
     assert agreed.hausdorff > 10.0  # the ball in the corner is missed
     assert (agreed.objects.found, agreed.objects.missed) == (1, 1)
@@ -69,11 +69,11 @@ def test_overlap_and_distances_are_those_of_geometry(compared) -> None:
 def test_a_kept_surface_can_be_the_reference(compared, hand) -> None:
     comparison = compared.workspace.comparison
     truth = comparison.reference
-    comparison.keep()
-    comparison.refer_to(max(comparison.rows))
-    hand.wait(lambda: comparison.agreed.keys() == {NOW, truth})
-    assert comparison.agreed[NOW].dice == 1.0
-    assert comparison.agreed[truth].objects.extra == 1
+    comparison.keep_current()
+    comparison.set_reference(max(comparison.rows))
+    hand.wait(lambda: comparison.agreements.keys() == {CURRENT_KEY, truth})
+    assert comparison.agreements[CURRENT_KEY].dice == 1.0
+    assert comparison.agreements[truth].objects.extra == 1
 
 
 def test_each_slice_shows_the_truth_and_where_the_surface_differs(compared, hand) -> None:
@@ -81,21 +81,21 @@ def test_each_slice_shows_the_truth_and_where_the_surface_differs(compared, hand
     assert layer.counts[0] == 1
     assert layer.counts[1] >= 1
     assert layer.counts[2] >= 1
-    slices.at(4)
+    slices.go_to(4)
     assert layer.counts[:2] == (1, 1)
     assert layer.counts[2] == 0
-    slices.at(SHAPE[0] - 1)
+    slices.go_to(SHAPE[0] - 1)
     assert layer.counts == (0, 0, 0)
     panel = compared.panels["compare"]
     panel.tolerance.setFocus()
-    slices.at(12)
+    slices.go_to(12)
     hand.qtbot.keyClick(panel.tolerance, KEY.Key_End)
     hand.wait(lambda: layer.counts == (1, 0, 0))
 
 
 def test_keys_lead_to_the_differences_one_after_the_other(compared, hand) -> None:
     hand.canvas.setFocus()
-    compared.workspace.slices.at(20)
+    compared.workspace.slices.go_to(20)
     hand.key(KEY.Key_W, SHIFT)
     worst = compared.session.scene.differences[0]
     assert worst.kind == "missing"

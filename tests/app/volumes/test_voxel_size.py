@@ -75,7 +75,7 @@ def test_a_run_takes_the_size_and_one_before_it_is_out_of_date(volume, hand) -> 
 def test_a_session_keeps_the_size_and_another_program_reads_it(volume, hand, tmp_path, volume_file) -> None:
     choose(volume, hand, (2.0, 0.5, 0.5), "mm")
     files = volume.feature(OpenSaveFeature)
-    assert files.document_file.save_at_once(tmp_path / "ball.cpm")
+    assert files.document_file.save_and_wait(tmp_path / "ball.cpm")
     kept = json.loads((tmp_path / "ball.cpm").read_text())["image"]["reading"]
     assert kept == {"spacing": [2.0, 0.5, 0.5], "unit": "mm"}
     assert load_volume(volume_file, **kept).spacing == (2.0, 0.5, 0.5)

@@ -6,7 +6,7 @@ import gc
 from collections import Counter
 
 import pytest
-from cpm_app.session.features.comparison import NOW
+from cpm_app.session.features.comparison import CURRENT_KEY
 from PySide6.QtCore import QCoreApplication, QEvent, QTimer
 from PySide6.QtWidgets import QApplication
 
@@ -81,9 +81,9 @@ def test_a_closed_dialog_menu_or_view_is_not_kept(rested, hand) -> None:
 
 def test_a_divider_that_is_gone_follows_no_layer(rested, hand) -> None:
     compared = rested.workspace.comparison
-    compared.keep()
-    compared.choose(max(compared.rows))
-    compared.choose(NOW)
+    compared.keep_current()
+    compared.select_row(max(compared.rows))
+    compared.select_row(CURRENT_KEY)
     existing()
     for layer in hand.canvas.layers:
         layer.set_opacity(0.5)

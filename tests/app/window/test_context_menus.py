@@ -80,7 +80,7 @@ def test_a_right_drag_moves_the_image_and_opens_no_menu(window, hand, menus) -> 
 def test_a_right_click_on_a_shape_selects_it(window, hand, menus, shape, thing) -> None:
     window.session.edit("draw", lambda document: edits.add_shape(document, shape))
     right_click(hand, 32, 42)
-    assert window.session.selected == 0
+    assert window.session.selected_shape == 0
     assert names(window, menus.menu) == [name for name in THINGS[thing] if name]
     window.actions_by_name["enlarge"].trigger()
     assert window.session.document.shapes == (shape.resized_by(1.0),)
@@ -95,7 +95,7 @@ def test_the_menu_of_a_table_row_selects_the_row_and_is_that_of_the_canvas(ready
     row = table.visualRect(table.model().index(0, 0)).center()
     hand.wait(lambda: table.viewport().visibleRegion().contains(row))
     ask(table.viewport(), row)
-    assert len(ready.workspace.object_list.selected) == 1
+    assert len(ready.workspace.object_list.selected_keys) == 1
     assert names(ready, menus.menu) == [n for n in THINGS["object"] if n in ready.actions_by_name]
     menus.menu.close()
     header = table.horizontalHeader()
@@ -112,10 +112,10 @@ def test_the_timeline_shows_the_step_under_the_pointer_and_opens_its_menu(ready,
     ready.resize(1400, 800)
     run(ready, hand)
     view, navigation = ready.panels["timeline"].view, ready.workspace.navigation
-    branch, last = navigation.place
+    branch, last = navigation.current_step
     hand.wait(lambda: view.visibleRegion().contains(view.point(branch, last // 2).toPoint()))
     ask(view, view.point(branch, last // 2).toPoint())
-    hand.wait(lambda: abs(navigation.place[1] - last // 2) <= 2)  # as exact as a pixel
+    hand.wait(lambda: abs(navigation.current_step[1] - last // 2) <= 2)  # as exact as a pixel
     assert texts(menus.menu)[0] == "Rename the branch…"
     assert "timeline_parameters" in names(ready, menus.menu)
 

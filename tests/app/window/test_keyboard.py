@@ -131,12 +131,12 @@ def test_a_table_that_opens_is_walked_at_once(board, hand) -> None:
     hand.key(KEY.Key_Space)
     hand.wait(lambda: board.session.status.phase == "finished" and bool(board.workspace.review.items))
     shapes = board.session.document.shapes
-    board.workspace.review.choose()
+    board.workspace.review.select()
     hand.canvas.setFocus()
     hand.key(KEY.Key_O, MODIFIER.ControlModifier | MODIFIER.ShiftModifier)
     hand.wait(board.panels["objects"].table.hasFocus)
     hand.key(KEY.Key_Down)
-    assert len(board.workspace.object_list.selected) == 1
+    assert len(board.workspace.object_list.selected_keys) == 1
     assert board.session.document.shapes == shapes
     hand.key(KEY.Key_Escape)
     assert hand.canvas.hasFocus()

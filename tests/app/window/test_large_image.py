@@ -44,7 +44,7 @@ def test_one_click_takes_what_suits_a_large_image_and_one_key_takes_it_back(wind
 
 def test_an_image_of_common_size_after_it_offers_nothing(window, hand, bar, image_file):
     assert bar.text
-    window.session.open(image_file)
+    window.session.open_file(image_file)
     hand.wait(lambda: window.session.document.image.name == image_file.name and window.session.idle)
     assert not bar.text
 

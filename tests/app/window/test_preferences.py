@@ -71,19 +71,19 @@ def test_lines_of_shapes_get_wider_at_once(window, dialog, hand) -> None:
     before = across(window, theme.BARRIER)
     dialog.turn_to("appearance")
     type_into(hand, dialog.rows[SHAPE_WIDTH.label], "4.2")
-    assert window.preferences.value(SHAPE_WIDTH) == 4.2
+    assert window.preferences.read_preference(SHAPE_WIDTH) == 4.2
     assert across(window, theme.BARRIER) > 2 * before > 0
 
 
 def test_reset_of_a_page_restores_its_defaults_and_no_others(window, dialog, hand) -> None:
     preferences = window.preferences
-    preferences.choose(CONTOUR_WIDTH, 4.0)
-    preferences.choose(INK_PREFERENCES["contour"], "#123456")
+    preferences.store_preference(CONTOUR_WIDTH, 4.0)
+    preferences.store_preference(INK_PREFERENCES["contour"], "#123456")
     assert look().color(theme.CONTOUR) == "#123456"
     dialog.turn_to("appearance")
     button = next(b for b in dialog.findChildren(QPushButton) if b.text() == "Reset this page")
     hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
-    assert preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
+    assert preferences.read_preference(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
     assert look().color(theme.CONTOUR) == INK_PREFERENCES["contour"].default
     assert look().contours == 1.0
 
@@ -125,7 +125,7 @@ def test_a_new_key_acts_and_is_shown_everywhere(ready, hand) -> None:
     ready.canvas_area.canvas.setFocus()
     hand.key(KEY.Key_F4)
     assert ready.session.status.phase != "ready"
-    assert "F4" in Preferences().get("shortcuts", "")
+    assert "F4" in Preferences().read_key("shortcuts", "")
 
 
 def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, hand) -> None:
@@ -164,9 +164,9 @@ def test_another_unit_is_shown_at_once(window, hand, monkeypatch) -> None:
     monkeypatch.setattr(type(session), "image", property(lambda self: image))
     window.pointer_readout._show((10.0, 20.0))
     assert "5 µm" in window.pointer_readout.text()
-    window.preferences.choose(UNIT_PREFERENCE, "nm")
+    window.preferences.store_preference(UNIT_PREFERENCE, "nm")
     window.pointer_readout._show((10.0, 20.0))
     assert "5000 nm" in window.pointer_readout.text()
-    window.preferences.choose(UNIT_PREFERENCE, "px")
+    window.preferences.store_preference(UNIT_PREFERENCE, "px")
     window.pointer_readout._show((10.0, 20.0))
     assert "µm" not in window.pointer_readout.text()

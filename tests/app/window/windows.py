@@ -38,7 +38,7 @@ def new_window(qtbot: QtBot, workspace: Workspace) -> MainWindow:
 def is_open(session: Session, path: Path) -> bool:
     """Whether this file is the image of the session."""
     image = session.document.image
-    return image is not None and image.path == str(path) and not session.opening
+    return image is not None and image.path == str(path) and not session.opening_name
 
 
 def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
@@ -48,7 +48,7 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
     """
     preferences = window.preferences
     for preference in ALL_PREFERENCES:
-        preferences.choose(preference, preference.default)
+        preferences.store_preference(preference, preference.default)
     preferences._settings.clear()
     for layer in window.canvas_area.canvas.layers:
         if layer.view_state() != views[layer.name]:
@@ -61,8 +61,8 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
         tool.used = False
         if isinstance(tool, RingTool):
             tool._chosen = None
-    window.workspace.object_list.set_brush(None)
-    window.session.begin_document(switch_mode(window.session.document, "shape"))
+    window.workspace.object_list.set_brush_radius(None)
+    window.session.load_document(switch_mode(window.session.document, "shape"))
     window.actions_by_name[FIRST_TOOL].trigger()
     window.canvas_area.messages.clear()
     window.resize(*SIZE)

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from cpm_app.model.document.document import ImageReference
-from cpm_app.session.timeline.plain_runs import runs_from_plain
+from cpm_app.session.timeline.plain_runs import runs_from_json
 
 from cpm_core import load_centerlines, load_contours, load_image, load_surface, load_volume
 from cpm_core.formats.sessions.session_file import load_session
@@ -29,10 +29,10 @@ def test_a_saved_session_holds_the_run_at_its_end_as_the_window_reads_it(found, 
     assert session.shapes == (Circle((40.0, 50.0), 9.0),)
     assert session.image.path == disk.name
     reference = ImageReference.from_image(disk, load_image(disk))
-    stored, fault = runs_from_plain(session.runs, reference)
+    stored, fault = runs_from_json(session.runs, reference)
     assert fault == ""
     ((place, state),) = stored.states.items()
-    assert place == stored.here
+    assert place == stored.shown_step
     (branch,) = stored.runs[0].branches
     assert len(branch.steps) == state.step + 1
     assert state.converged

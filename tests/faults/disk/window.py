@@ -114,7 +114,7 @@ def _save(window: MainWindow, folder: Path) -> Path:
 
 def _export(window: MainWindow, folder: Path) -> Path:
     target = folder / "work" / "a.svg"
-    window.session.export(ExportOrder((ExportFile(target, "contours", target.suffix),)))
+    window.session.export_files(ExportOrder((ExportFile(target, "contours", target.suffix),)))
     until(lambda: window.session.idle)
     return target
 

@@ -62,8 +62,8 @@ def read(path: Path, of: str) -> SessionFile | None:
             f"{kinds} axes on an image of {sides}"
         )
         image = ImageReference(of, str(path.parent / of), SHAPES[of], 180.0)
-        _, fault = plain_runs.runs_from_plain(session.runs, image)
-        pages = StoredPages.of(session.pages, Document(image), StackSource(image.path, PAGES if of == STACK else 0))
+        _, fault = plain_runs.runs_from_json(session.runs, image)
+        pages = StoredPages.from_json(session.pages, Document(image), StackSource(image.path, PAGES if of == STACK else 0))
         for sentence in filter(None, (fault, pages.error)):
             check_sentence(ValueError(sentence))
     return session

@@ -39,7 +39,7 @@ def work(folder: Path) -> None:
         window.session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))  # type: ignore[misc]
         journal.write()
         journal.flush()
-        window.preferences.put(_KEY, number)
+        window.preferences.store_key(_KEY, number)
         window.preferences.flush()
         os.write(noted, b"%d " % number)
         if number % _SAVED_EVERY == 0:
@@ -56,7 +56,7 @@ def next_start(folder: Path) -> tuple[int, int]:
     if box is not None:
         next(button for button in box.buttons() if "Restore" in button.text().replace("&", "")).click()
         until(lambda: bool(window.session.document.shapes) and window.session.idle)
-    found, stored = len(window.session.document.shapes), window.preferences.get(_KEY, 0)
+    found, stored = len(window.session.document.shapes), window.preferences.read_key(_KEY, 0)
     window.close()
     return found, stored
 

@@ -44,7 +44,7 @@ def prepare_partition(window: MainWindow, folder: Path) -> None:
 def run_values(window: MainWindow, folder: Path) -> None:
     document, axes = window.session.document, {control.name: control for control in build_controls()}
     rows, columns = TrialAxis(axes["beta"], (0.5, 1.0)), TrialAxis(axes["w2"], (1.0, 2.0))
-    window.workspace.comparison.run(plan_parameter_trials(document.parameters, (rows, columns)))
+    window.workspace.comparison.start_trials(plan_parameter_trials(document.parameters, (rows, columns)))
 
 
 def write_film(window: MainWindow, folder: Path) -> None:
@@ -53,7 +53,7 @@ def write_film(window: MainWindow, folder: Path) -> None:
 
 
 def export(window: MainWindow, folder: Path) -> None:
-    window.session.export(ExportOrder((ExportFile(folder / "contours.csv", "contours", ".csv"),)))
+    window.session.export_files(ExportOrder((ExportFile(folder / "contours.csv", "contours", ".csv"),)))
 
 
 def save(window: MainWindow, folder: Path) -> None:
@@ -75,13 +75,13 @@ def find_skeleton(window: MainWindow, folder: Path) -> None:
 
 
 def compare_with_truth(window: MainWindow, folder: Path) -> None:
-    window.workspace.comparison.load(folder.parent / "images" / IMAGES[0])
+    window.workspace.comparison.load_truth_file(folder.parent / "images" / IMAGES[0])
 
 
 def compare_two_results(window: MainWindow, folder: Path) -> None:
     compared = window.workspace.comparison
-    compared.keep()
-    compared.choose(max(compared.rows))
+    compared.keep_current()
+    compared.select_row(max(compared.rows))
 
 
 TASKS: Sequence[Callable[[MainWindow, Path], None]] = (

@@ -28,7 +28,7 @@ PLACES: tuple[tuple[Any, str], ...] = (
     (Reconstructor, "_reconstruct"),
     (Engine, "result"),
     (Run, "reconstruction"),
-    (opening, "prepare"),
+    (opening, "prepare_image"),
     (opening, "guessed_kind"),
     (Journal, "_put"),
     (session_file, "save_session"),

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cpm_app.session.worker.worker_thread import give_back
+from cpm_app.session.worker.worker_thread import release_free_memory
 from PySide6.QtCore import QCoreApplication, QEvent, QObject
 from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
@@ -98,7 +98,7 @@ def taken() -> Taken:
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
     gc.collect()
     QPixmapCache.clear()
-    give_back()
+    release_free_memory()
     qt: Counter[str] = Counter()
     for top in QApplication.topLevelWidgets():
         if top.parent() is None:

@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cpm_app.model.preferences.table import TIMELINE_MEMORY
-from cpm_app.session.worker.worker_thread import QUIET
+from cpm_app.session.worker.worker_thread import IDLE_BEFORE_RELEASE
 from PySide6.QtCore import QEventLoop, QObject, QTimer
 from PySide6.QtWidgets import QApplication, QWidget
 
@@ -82,7 +82,7 @@ class Monkey(QObject):
     def check(self) -> list[str]:
         """Come to rest for a moment, as a person does, and say what does not hold then."""
         self.come_to_rest()
-        rested = time.monotonic() + 1.5 * QUIET
+        rested = time.monotonic() + 1.5 * IDLE_BEFORE_RELEASE
         await_true(lambda: time.monotonic() > rested, "resting")
         broken = list(self._watch.troubles)
         session = self.window.session
@@ -108,7 +108,7 @@ class Monkey(QObject):
     def store_little(self) -> None:
         """Let the runs keep few steps, so that what they may keep does not hide what else takes memory."""
         preferences = self.window.preferences
-        preferences.choose(TIMELINE_MEMORY, TIMELINE_MEMORY.low)
+        preferences.store_preference(TIMELINE_MEMORY, TIMELINE_MEMORY.low)
         await_true(lambda: self.window.session.idle, "storing fewer steps")
 
     def tidy(self) -> None:

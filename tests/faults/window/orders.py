@@ -13,7 +13,7 @@ import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.export import ExportFile, ExportOrder
-from cpm_app.session.exchange.messages import Core
+from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.session.storage.recovery import Journal
@@ -47,15 +47,15 @@ class Office:
         self._wanted = images[0]
         self._kept: Document | None = None
         self._saved: dict[Path, Document] = {}
-        self.workspace = Workspace(Core(load_image=load_image))
+        self.workspace = Workspace(CoreFunctions(load_image=load_image))
         self.session = session = self.workspace.session
         session.set_pace(None)
-        session.said.connect(self._hear)
+        session.message_shown.connect(self._hear)
         session.scene_changed.connect(self._look)
         self.document_file = DocumentFile(session, lambda: {})
         self._preferences = Preferences(session)
         self._journal = Journal(self.document_file, folder / "journals", self._preferences)
-        session.open(images[0])
+        session.open_file(images[0])
         self.wait(lambda: session.document.image is not None, "opening")
         session.edit("set", lambda document: edits.set_parameters(document, Parameters(scales=1)))
         session.edit("draw", lambda document: edits.add_shape(document, Circle((12.0, 12.0), 6.0)))
@@ -85,7 +85,7 @@ class Office:
             self.wait(lambda: self.session.idle, "coming to rest")
             self._check_rest(last)
         began = now()
-        self.document_file.finish()
+        self.document_file.finish_saving()
         self._journal.close()
         self.workspace.close()
         if now() - began > ANSWERS_WITHIN:
@@ -121,9 +121,9 @@ class Office:
 
     def _seek(self) -> None:
         navigation = self.workspace.navigation
-        branch = navigation.place[0]
-        if navigation.branch(branch) is not None:
-            navigation.go(branch, self._choice.randint(0, navigation.last(branch)))
+        branch = navigation.current_step[0]
+        if navigation.find_branch(branch) is not None:
+            navigation.go_to(branch, self._choice.randint(0, navigation.last_step(branch)))
 
     def _branch(self) -> None:
         self._seek()
@@ -131,10 +131,10 @@ class Office:
         self.session.step()
 
     def _open(self) -> None:
-        self.document_file.finish()  # as before the question about unsaved work
+        self.document_file.finish_saving()  # as before the question about unsaved work
         self._opened += 1
         self._wanted = self._images[self._opened % len(self._images)]
-        self.session.open(self._wanted)
+        self.session.open_file(self._wanted)
 
     def _undo(self) -> None:
         self.session.undo()
@@ -146,7 +146,7 @@ class Office:
 
     def _export(self) -> None:
         suffix = self._choice.choice([".csv", ".json", ".svg"])
-        self.session.export(ExportOrder((ExportFile(self._folder / f"contours{suffix}", "contours", suffix),)))
+        self.session.export_files(ExportOrder((ExportFile(self._folder / f"contours{suffix}", "contours", suffix),)))
 
     # Laws
 

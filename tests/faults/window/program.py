@@ -92,7 +92,7 @@ def await_true(condition: Callable[[], bool], what: str, seconds: float = 6 * AN
 
 def settled(window: MainWindow) -> bool:
     """Whether nothing is going on in a window."""
-    return window.session.idle and not window.session.opening
+    return window.session.idle and not window.session.opening_name
 
 
 def ours(thread: threading.Thread) -> bool:

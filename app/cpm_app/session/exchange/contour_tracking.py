@@ -23,7 +23,7 @@ class TrackedContours:
     keys: Integers
     measures: tuple[Measures, ...]
 
-    def keeping(self, marks: Sequence[Mark]) -> TrackedContours:
+    def with_kept_contours(self, marks: Sequence[Mark]) -> TrackedContours:
         """Add the kept contours that the reconstruction lacks; their keys are their numbers, negated."""
         result = restore_kept_contours(self.result, marks)
         if result is self.result:
@@ -34,7 +34,7 @@ class TrackedContours:
         each = zip(result.contours, measures, strict=True)
         return TrackedContours(result, tuple(known.get(one, -row.number) for one, row in each), measures)
 
-    def contrasted(self) -> TrackedContours:
+    def with_contrast(self) -> TrackedContours:
         """Add the contrast of each contour, which takes as long as all other measures together."""
         return replace(self, measures=measure(self.result.contours, self.result.spacing))
 
@@ -53,14 +53,14 @@ class ContourTracker:
         self.places = places or {}
         """A place on each numbered contour; the mapping is replaced, never changed."""
 
-    def track(self, result: Result, thorough: bool) -> TrackedContours:
+    def track_contours(self, result: Result, thorough: bool) -> TrackedContours:
         """Identify, measure and number the contours of a reconstruction.
 
         If `thorough`, because no other one follows soon, the numbers stay. A volume has a surface and no contours.
         """
         if len(result.shape) == 3:
             return TrackedContours(result, (), ())
-        numbers = self.numbers(result.contours, lasting=thorough)
+        numbers = self.assign_numbers(result.contours, lasting=thorough)
         contours = tuple(replace(one, number=number) for one, number in zip(result.contours, numbers, strict=True))
         found = assign_anchors(contours, [place for _, place in self._seen])
         known = {index: key for (key, _), index in zip(self._seen, found, strict=True) if index is not None}
@@ -69,7 +69,7 @@ class ContourTracker:
         measures = measure(contours, result.spacing, contrast=False)
         return TrackedContours(replace(result, contours=contours) if contours else result, keys, measures)
 
-    def numbers(self, contours: Contours, *, lasting: bool) -> Integers:
+    def assign_numbers(self, contours: Contours, *, lasting: bool) -> Integers:
         """Give each contour the number of the contour that was there before, or a new one.
 
         Of several numbers at one contour the oldest wins, so that a contour cut apart by a filter gets its number back

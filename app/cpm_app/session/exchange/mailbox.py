@@ -56,21 +56,21 @@ class Pacer:
         self._since = time.perf_counter()
         self.per_second = 0.0
 
-    def limit(self, steps_per_second: float | None) -> None:
+    def set_limit(self, steps_per_second: float | None) -> None:
         """Set the largest number of steps per second; None for no limit."""
         self._limit = steps_per_second
         self._due = time.perf_counter()
 
-    def begin(self) -> None:
+    def start_measuring(self) -> None:
         """Start measuring the rate, for example when a run continues after a pause."""
         self._due = self._since = time.perf_counter()
         self._counted = 0
 
-    def wait(self) -> float:
+    def seconds_until_due(self) -> float:
         """Return the time until the next step is due, 0 if it is [s]."""
         return 0.0 if self._limit is None else max(0.0, self._due - time.perf_counter())
 
-    def stepped(self) -> None:
+    def count_step(self) -> None:
         """Count a step."""
         now = time.perf_counter()
         if self._limit is not None:

@@ -19,7 +19,7 @@ from cpm_app.model.text.language import explain_error, tr
 from cpm_app.model.volume.parts import FileParts
 from cpm_app.model.volume.slices import SampledForce
 from cpm_app.session.exchange.contour_tracking import ContourTracker, TrackedContours
-from cpm_app.session.timeline.timeline import Outline
+from cpm_app.session.timeline.timeline import TimelineState
 from cpm_core import (
     METHODS,
     Image,
@@ -44,7 +44,7 @@ log = logging.getLogger(__name__)
 
 
 @frozen
-class Core:
+class CoreFunctions:
     """The core's functions that run on the worker thread.
 
     `load_image` and `load_volume` take a path, a callback that raises once the image is no longer wanted, and as
@@ -63,7 +63,7 @@ class Core:
     warm_up_volumes: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_volumes
 
 
-def sentence(error: Exception, activity: str) -> str:
+def explain_failure(error: Exception, activity: str) -> str:
     """Describe in one sentence what went wrong during an activity such as ``tr("opening {name}")``.
 
     The text of a `ValueError` or `OSError` is used. Any other error, except for lack of memory, is a defect of the
@@ -127,7 +127,7 @@ class Snapshot:
     resting: Mask
     steps_per_second: float
     metrics: RunMetrics
-    timeline: Outline
+    timeline: TimelineState
 
 
 @record
@@ -140,14 +140,14 @@ class Reconstruction:
     generation: int
     result: Result | Skeleton
     tracked: TrackedContours | None
-    missed: Integers = ()
+    unmatched_edits: Integers = ()
 
     @classmethod
-    def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
+    def from_result(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
         """Identify and measure the contours of a run."""
         if isinstance(result, Skeleton):
             return cls(generation, result, None)
-        tracked = tracker.track(result, thorough)
+        tracked = tracker.track_contours(result, thorough)
         format_surface_figures(result.surface)  # measures it on this thread
         return cls(generation, tracked.result, tracked)
 
@@ -160,7 +160,7 @@ class ReconstructionFailed:
     message: str
 
 
-Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce
+OverlayData = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce
 """Data of an overlay: an array or an image, or for a volume the data that its slices are made from."""
 
 
@@ -174,7 +174,7 @@ class Overlays:
     """
 
     generation: int
-    arrays: Mapping[str, Drawn]
+    arrays: Mapping[str, OverlayData]
     error: str = ""
 
 
@@ -186,14 +186,14 @@ class Report:
 
 
 @frozen
-class Finished(Report):
+class WorkFinished(Report):
     """Work on another thread is done; `then` is called on the window's thread."""
 
-    then: Callback
+    callback: Callback
 
 
 @frozen
-class Saved(Report):
+class SavedSession(Report):
     """A session file has been written or read; `path` is None for work that has none yet.
 
     If `recovered`, it was found after a crash and is not saved yet. If `turned`, it is another page of the open stack,
@@ -203,12 +203,12 @@ class Saved(Report):
     path: Path | None
     file: SessionFile
     recovered: bool = False
-    turned: bool = False
-    known: Document | None = None
+    is_other_page: bool = False
+    saved_document: Document | None = None
 
 
 @record
-class Opened(Report):
+class ImageOpened(Report):
     """An image is opened: it has been read, and a method is ready.
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images of its
@@ -224,10 +224,10 @@ class Opened(Report):
     parameters: Parameters
     notes: Texts
     sha256: str = ""
-    saved: Saved | None = None
+    saved: SavedSession | None = None
     scales: int = 1
-    folder: tuple[Path, ...] = ()
-    beside: Path | None = None
+    folder_images: tuple[Path, ...] = ()
+    adjacent_session: Path | None = None
     parts: FileParts | None = None
     reading: Reading = DEFAULT_READING
 
@@ -236,11 +236,11 @@ class Opened(Report):
 class ImageReady(Report):
     """An image has been prepared and can replace the one that is open."""
 
-    opened: Opened
+    opened: ImageOpened
 
 
 @frozen
-class NotOpened(Report):
+class OpeningFailed(Report):
     """An image could not be used; the open one stays."""
 
     message: str
@@ -251,7 +251,7 @@ class RunsKept(Report):
     """The runs on the timeline while none of them is shown, for example after a reset."""
 
     generation: int
-    timeline: Outline
+    timeline: TimelineState
 
 
 @frozen
@@ -263,7 +263,7 @@ class RunFailed(Report):
 
 
 @frozen
-class WentOn(Report):
+class RunContinued(Report):
     """A run that had ended continues after an intervention."""
 
     generation: int
@@ -279,7 +279,7 @@ class SeedsFound(Report):
 
 
 @frozen
-class Exported(Report):
+class FilesExported(Report):
     """A file has been written, or several of which it is the first; `counts` says how much they contain."""
 
     path: Path
@@ -295,7 +295,7 @@ class CommandFailed(Report):
 
 
 @frozen
-class Compiling(Report):
+class CompilationProgress(Report):
     """Compiling the kernels has come this far."""
 
     percent: int

@@ -11,7 +11,7 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import sentence
+from cpm_app.session.exchange.messages import explain_failure
 from cpm_app.session.session import Session
 from cpm_core.numerics.types import Callback
 
@@ -35,44 +35,44 @@ class LatestOnlyWorker(QObject):
         self._session = session
         self._pool: ThreadPoolExecutor | None = ThreadPoolExecutor(1, name)
         self._newest: Future[None] | None = None
-        self._done.connect(self._finish)
+        self._done.connect(self._on_done)
 
     @property
     def idle(self) -> bool:
         """Whether there is no work."""
         return self._newest is None or self._newest.done()
 
-    def ask(self, work: Callable[[], Made], then: Callable[[Made], object], failed: Callback = lambda: None) -> None:
+    def submit(self, compute: Callable[[], Made], on_result: Callable[[Made], object], on_error: Callback = lambda: None) -> None:
         """Do this work in place of work that is still waiting; after `close` nothing is done.
 
         On the window's thread, `then` is called with the result, or `failed` after an error.
         """
-        self.forget()
+        self.drop_waiting()
         if self._pool is not None:
-            self._newest = self._pool.submit(self._work, work, then, failed)
+            self._newest = self._pool.submit(self._compute_and_report, compute, on_result, on_error)
 
-    def forget(self) -> None:
+    def drop_waiting(self) -> None:
         """Drop waiting work."""
         if self._newest is not None:
             self._newest.cancel()
 
     def close(self) -> None:
         """Drop waiting work, accept no more, and wait for the current one."""
-        self.forget()
+        self.drop_waiting()
         if self._pool is not None:
             self._pool.shutdown()
             self._pool = None
 
-    def _work(self, work: Callable[[], Made], then: Callable[[Made], object], failed: Callback) -> None:
+    def _compute_and_report(self, work: Callable[[], Made], then: Callable[[Made], object], failed: Callback) -> None:
         try:
             result = work()
         except Exception as error:  # shown to the user
-            self._done.emit(sentence(error, self._activity), failed)
+            self._done.emit(explain_failure(error, self._activity), failed)
         else:
             self._done.emit("", partial(then, result))
 
-    def _finish(self, trouble: str, then: Callback) -> None:  # a method: Qt would call a lambda on the sending thread
-        self._session.trouble(trouble, self._name)
+    def _on_done(self, trouble: str, then: Callback) -> None:  # a method: Qt would call a lambda on the sending thread
+        self._session.set_error(trouble, self._name)
         then()
 
 
@@ -84,29 +84,29 @@ class IdentityCache:
 
     def get(self, make: Callable[Arguments, Made], *given: Arguments.args, **named: Arguments.kwargs) -> Made:
         """Return the function's result for these arguments, computed again only if they differ from the last ones."""
-        return self.named(make, lambda: make(*given, **named), *given)
+        return self.get_named(make, lambda: make(*given, **named), *given)
 
-    def named(self, name: object, make: Callable[[], Made], *given: object) -> Made:
+    def get_named(self, name: object, make: Callable[[], Made], *given: object) -> Made:
         """Return the part with a name, made again only if its inputs differ from the last ones."""
         known = self._made.get(name)
-        if known is None or not is_same(known[0], given):
+        if known is None or not is_same_input(known[0], given):
             known = self._made[name] = (given, make())
         made: Made = known[1]
         return made
 
-    def replace(self, name: object, given: tuple[Any, ...], part: object) -> bool:
+    def replace_part(self, name: object, given: tuple[Any, ...], part: object) -> bool:
         """Replace a part, if its inputs are still the same; return whether they are."""
-        same = is_same(self._made[name][0], given)
+        same = is_same_input(self._made[name][0], given)
         if same:
             self._made[name] = given, part
         return same
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Remove all parts."""
         self._made.clear()
 
 
-def is_same(known: tuple[Any, ...], given: tuple[Any, ...]) -> bool:
+def is_same_input(known: tuple[Any, ...], given: tuple[Any, ...]) -> bool:
     """Return whether two tuples of inputs agree: each the same object, or equal and neither array nor mapping."""
     return len(known) == len(given) and all(
         one is other or (not isinstance(one, np.ndarray | Mapping) and one == other)
@@ -126,22 +126,22 @@ class AsyncCache(QObject):
         self._parts = IdentityCache()
         self._workers: dict[str, LatestOnlyWorker] = {}
 
-    def named(self, name: str, make: Callable[[], Made], meanwhile: Callable[[], Made], *given: object) -> Made:
+    def get_named(self, name: str, make: Callable[[], Made], meanwhile: Callable[[], Made], *given: object) -> Made:
         """Return the part made from these inputs, or `meanwhile` until it is ready."""
 
         def start_making() -> Made:
             if name not in self._workers:
                 self._workers[name] = LatestOnlyWorker(self._session, "cpm-slices", tr("drawing a slice"))
-            self._workers[name].ask(make, partial(self._take, name, given))
+            self._workers[name].submit(make, partial(self._on_part_made, name, given))
             return meanwhile()
 
-        return self._parts.named(name, start_making, *given)
+        return self._parts.get_named(name, start_making, *given)
 
     def close(self) -> None:
         """End the threads."""
         for worker in self._workers.values():
             worker.close()
 
-    def _take(self, name: str, given: tuple[Any, ...], part: object) -> None:
-        if self._parts.replace(name, given, part):
+    def _on_part_made(self, name: str, given: tuple[Any, ...], part: object) -> None:
+        if self._parts.replace_part(name, given, part):
             self.completed.emit()

@@ -20,10 +20,10 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.timeline import TimelineNavigation
-from cpm_app.session.features.trials import run_trials, scene_of, start_of
+from cpm_app.session.features.trials import run_trials, scene_from_result, start_for_methods
 from cpm_app.session.scene import ReviewedContours, Scene
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.worker.requests import FrameTaken, take_frame
 from cpm_core import (
     Comparison,
@@ -44,21 +44,21 @@ from cpm_core.formats.contours import mask
 from cpm_core.numerics.types import JsonDict, record
 from cpm_core.objects.segmented import SegmentedObject
 
-NOW = 0
+CURRENT_KEY = 0
 """Key of the present result, which is always compared."""
 
 _COMPARISON_CATEGORY = "comparing"
 """Category of messages about the comparison."""
 
-_QUIET = 200
+_COMPARISON_DELAY = 200
 """Time without another step after which another run is shown at the same step [ms]."""
 
-Agreed = Comparison | SurfaceComparison
-_Marked = tuple[tuple[Difference, ...], tuple[SurfaceDifference, ...]]
+TruthComparison = Comparison | SurfaceComparison
+_MarkedDifferences = tuple[tuple[Difference, ...], tuple[SurfaceDifference, ...]]
 
 
 @record
-class Row:
+class ComparisonRow:
     """A result that is compared.
 
     Attributes
@@ -106,9 +106,9 @@ class Row:
         return len({contour.group or -index for index, contour in enumerate(self.found.contours, start=1)})
 
     @property
-    def usable(self) -> bool:
+    def is_usable(self) -> bool:
         """Whether the document can take over something from the row."""
-        return self.key != NOW and self.found is not None
+        return self.key != CURRENT_KEY and self.found is not None
 
 
 class ComparedResults(QObject):
@@ -119,31 +119,31 @@ class ComparedResults(QObject):
 
     changed = Signal()
     """The rows, their figures or the reference have changed."""
-    chosen_changed = Signal()
+    selection_changed = Signal()
     """Another row is selected, or its scene has changed."""
-    _news = Signal(int, object)
+    _row_changed = Signal(int, object)
     """Parts of a row have changed; sent by the thread that runs it."""
 
     def __init__(self, session: Session, navigation: TimelineNavigation) -> None:
         super().__init__(session)
-        self.reference = self.selected = NOW
-        self.rows = {NOW: Row(NOW, tr("Shown now"))}
-        self.agreed: dict[int, Agreed] = {}
+        self.reference = self.selected = CURRENT_KEY
+        self.rows = {CURRENT_KEY: ComparisonRow(CURRENT_KEY, tr("Shown now"))}
+        self.agreements: dict[int, TruthComparison] = {}
         """Agreement with the reference by row."""
         self.tolerance, self.holes = DEFAULT_TOLERANCE, True
-        self.task: Task | None = None
-        self._path: Path | None = None
+        self.task: BackgroundTask | None = None
+        self._truth_path: Path | None = None
         self._keys = itertools.count(1)
         self._session, self._navigation = session, navigation
         self._seen, self._made = IdentityCache(), IdentityCache()
         self._latest = LatestOnlyWorker(session, "cpm-comparison", tr("comparing results"))
-        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
-        self._quiet.timeout.connect(self._take_branch)
-        self._quiet.timeout.connect(self._take_now)
-        self._news.connect(self._change)
-        session.scene_changed.connect(self._follow)
-        session.image_changed.connect(self.forget)
-        session.tasks.changed.connect(self._look)
+        self._quiet = QTimer(self, singleShot=True, interval=_COMPARISON_DELAY)
+        self._quiet.timeout.connect(self._request_branch_frame)
+        self._quiet.timeout.connect(self._update_current_row)
+        self._row_changed.connect(self._change_row)
+        session.scene_changed.connect(self._on_scene_changed)
+        session.image_changed.connect(self.clear)
+        session.tasks.changed.connect(self._remove_cancelled_rows)
 
     @property
     def in_volume(self) -> bool:
@@ -153,11 +153,11 @@ class ComparedResults(QObject):
     @property
     def subject(self) -> int:
         """The row whose differences from the reference are marked: the selected one, or else the present result."""
-        return self.selected if self.selected != self.reference else NOW
+        return self.selected if self.selected != self.reference else CURRENT_KEY
 
     # Rows
 
-    def keep(self) -> None:
+    def keep_current(self) -> None:
         """Keep the present result, so that later ones can be compared with it."""
         scene = self._session.scene
         step = scene.snapshot.state.step if scene.snapshot is not None else 0
@@ -166,21 +166,21 @@ class ComparedResults(QObject):
             document=scene.document, snapshot=scene.snapshot, reconstruction=scene.reconstruction,
             contours=scene.contours,
         )  # fmt: skip
-        self._add(Row(next(self._keys), title, self._found, shown))
+        self._add_row(ComparisonRow(next(self._keys), title, self._current_result, shown))
 
     def add_branch(self, identity: int) -> None:
         """Add another run or branch of the timeline, at its end, or at the shown step if the run is not at an end."""
-        branch = self._navigation.branch(identity)
+        branch = self._navigation.find_branch(identity)
         if branch is not None:
-            row = Row(next(self._keys), branch.name, state=tr("waiting"), branch=identity)
-            self._add(row)
-            self._take_branch(row.key)
+            row = ComparisonRow(next(self._keys), branch.name, state=tr("waiting"), branch=identity)
+            self._add_row(row)
+            self._request_branch_frame(row.key)
 
-    def run(self, trials: Sequence[Trial]) -> None:
+    def start_trials(self, trials: Sequence[Trial]) -> None:
         """Run trials without changing the run of the session; raise ValueError if there is no start."""
         image, document = self._session.image, self._session.document
         if any(trial.method for trial in trials):
-            start_of(document)
+            start_for_methods(document)
         elif not document.starts:
             raise ValueError(NOTHING_TO_START_FROM)
         if image is None:
@@ -188,10 +188,10 @@ class ComparedResults(QObject):
         self.cancel()
         planned = {next(self._keys): trial for trial in trials}
         for key, trial in planned.items():
-            self._add(Row(key, trial.title, state=tr("waiting"), trial=trial))
-        self.task = self._session.tasks.start(
+            self._add_row(ComparisonRow(key, trial.title, state=tr("waiting"), trial=trial))
+        self.task = self._session.tasks.start_task(
             tr("Running {count} results to compare…", count=len(trials)),
-            partial(run_trials, image, document, planned, self._news.emit),
+            partial(run_trials, image, document, planned, self._row_changed.emit),
             tr("running results to compare"),
         )
 
@@ -199,46 +199,46 @@ class ComparedResults(QObject):
         """Cancel the runs that have not ended."""
         if self.task is not None:
             self.task.cancel()
-            self._look()
+            self._remove_cancelled_rows()
 
-    def remove(self, key: int) -> None:
+    def remove_row(self, key: int) -> None:
         """Remove a row; the present result stays."""
-        if key == NOW or key not in self.rows:
+        if key == CURRENT_KEY or key not in self.rows:
             return
         if self.rows.pop(key).truth is not None:
-            self._path = None
+            self._truth_path = None
         if key == self.selected:
-            self.selected = NOW
-            self.chosen_changed.emit()
-        self.refer_to(self.reference if key != self.reference else NOW)
+            self.selected = CURRENT_KEY
+            self.selection_changed.emit()
+        self.set_reference(self.reference if key != self.reference else CURRENT_KEY)
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Remove all rows, because another image has been opened."""
         self.cancel()
-        self._latest.forget()
-        self.rows, self._path, self._made = {NOW: Row(NOW, tr("Shown now"))}, None, IdentityCache()
-        self.reference = self.selected = NOW
-        self.chosen_changed.emit()
-        self.refer_to(NOW)
+        self._latest.drop_waiting()
+        self.rows, self._truth_path, self._made = {CURRENT_KEY: ComparisonRow(CURRENT_KEY, tr("Shown now"))}, None, IdentityCache()
+        self.reference = self.selected = CURRENT_KEY
+        self.selection_changed.emit()
+        self.set_reference(CURRENT_KEY)
 
     # Selection and reference
 
-    def choose(self, key: int) -> None:
+    def select_row(self, key: int) -> None:
         """Show a row beyond the divider; the present result removes the divider."""
         if key != self.selected and key in self.rows:
             self.selected = key
-            self._take_branch()
-            self.chosen_changed.emit()
-            self._compare()
+            self._request_branch_frame()
+            self.selection_changed.emit()
+            self._compare_rows()
 
-    def refer_to(self, key: int) -> None:
+    def set_reference(self, key: int) -> None:
         """Compare all other rows with this one."""
-        self.reference, self.agreed = key, {}
-        self._show(self.rows[key].truth)
-        self._compare()
+        self.reference, self.agreements = key, {}
+        self._show_differences(self.rows[key].truth)
+        self._compare_rows()
         self.changed.emit()
 
-    def use(self, key: int) -> None:
+    def use_row(self, key: int) -> None:
         """Apply a row to the session: its parameters, its branch, or its contours as objects."""
         row, image = self.rows[key], self._session.image
         trial, found = row.trial, row.found
@@ -248,19 +248,19 @@ class ComparedResults(QObject):
                 lambda document: replace(document, parameters=set_control_values(document.parameters, trial.values)),
             )
         elif row.branch is not None:
-            self._navigation.go(row.branch, self._navigation.last(row.branch))
+            self._navigation.go_to(row.branch, self._navigation.last_step(row.branch))
         elif found is not None and image is not None:
-            self._session.tasks.start(
+            self._session.tasks.start_task(
                 tr("Adding objects from {name}…", name=row.title),
-                lambda task: _objects(row, found, image),
+                lambda task: _objects_from_row(row, found, image),
                 tr("adding objects from {name}", name=row.title),
                 partial(CommandFailed, topic=_COMPARISON_CATEGORY),
-                then=lambda made: self._session.edit(
+                on_result=lambda made: self._session.edit(
                     tr("add objects from {name}", name=row.title), lambda document: add_objects(document, made)
                 ),
             )
 
-    def far(self) -> Scene:
+    def scene_beyond_divider(self) -> Scene:
         """Return the scene that is shown beyond the divider."""
         scene = self._session.scene
         return replace(
@@ -271,53 +271,53 @@ class ComparedResults(QObject):
 
     # Ground truth
 
-    def load(self, path: str | Path) -> None:
+    def load_truth_file(self, path: str | Path) -> None:
         """Read a ground truth, which becomes the reference: a mask or contours for an image, labels for a volume."""
         image = self._session.image
-        self._session.attempt(_COMPARISON_CATEGORY)
+        self._session.clear_messages(_COMPARISON_CATEGORY)
         if image is None:
             return
         file, generation, holes = Path(path), self._session.image_generation, self.holes
 
-        def add_truth(row: Row) -> None:
+        def add_truth(row: ComparisonRow) -> None:
             if generation == self._session.image_generation:
                 known = (each.key for each in self.rows.values() if each.truth is not None)
-                key, self._path = next(known, NOW) or next(self._keys), file
-                self._add(replace(row, key=key))
-                self.refer_to(key)
+                key, self._truth_path = next(known, CURRENT_KEY) or next(self._keys), file
+                self._add_row(replace(row, key=key))
+                self.set_reference(key)
 
-        self._session.tasks.start(
+        self._session.tasks.start_task(
             tr("Reading {name}…", name=file.name),
-            lambda task: _read(file, image, holes),
+            lambda task: _read_truth(file, image, holes),
             tr("reading {name}", name=file.name),
             partial(CommandFailed, topic=_COMPARISON_CATEGORY),
-            then=add_truth,
+            on_result=add_truth,
         )
 
     @property
-    def file(self) -> TruthFile | None:
+    def truth_file(self) -> TruthFile | None:
         """The ground truth as stored in a session."""
-        if self._path is None:
+        if self._truth_path is None:
             return None
-        return TruthFile(str(self._path.absolute()), tolerance=self.tolerance, holes=self.holes)
+        return TruthFile(str(self._truth_path.absolute()), tolerance=self.tolerance, holes=self.holes)
 
-    def restore(self, file: TruthFile, folder: Path) -> None:
+    def restore_truth(self, file: TruthFile, folder: Path) -> None:
         """Load the ground truth of a session that lies in a folder."""
         self.tolerance, self.holes = file.tolerance, file.holes
         beside = folder / file.path
-        self.load(beside if beside.exists() or not file.absolute else file.absolute)
+        self.load_truth_file(beside if beside.exists() or not file.absolute else file.absolute)
 
     def set_tolerance(self, tolerance: float) -> None:
         """Set the distance up to which boundaries count as the same [px]."""
         self.tolerance = tolerance
-        self._compare()
+        self._compare_rows()
 
     def set_holes(self, holes: bool) -> None:
         """Set whether a contour inside another one is a hole."""
         self.holes = holes
-        if self._path is not None:
-            self.load(self._path)
-        self._compare()
+        if self._truth_path is not None:
+            self.load_truth_file(self._truth_path)
+        self._compare_rows()
 
     def close(self) -> None:
         """End the thread."""
@@ -325,62 +325,62 @@ class ComparedResults(QObject):
 
     # Internal
 
-    def _add(self, row: Row) -> None:
+    def _add_row(self, row: ComparisonRow) -> None:
         """Add a row, or replace the one with its key; later rows with the same title get a number."""
-        self.rows[NOW] = replace(self.rows[NOW], found=self._found)
+        self.rows[CURRENT_KEY] = replace(self.rows[CURRENT_KEY], found=self._current_result)
         titles = {other.title for other in self.rows.values() if other.key != row.key}
         names = (f"{row.title} ({number})" if number > 1 else row.title for number in itertools.count(1))
         self.rows[row.key] = replace(row, title=next(name for name in names if name not in titles))
-        self._compare()
+        self._compare_rows()
         self.changed.emit()
 
-    def _change(self, key: int, parts: JsonDict) -> None:
+    def _change_row(self, key: int, parts: JsonDict) -> None:
         if key in self.rows:
             self.rows[key] = replace(self.rows[key], **parts)
             if key == self.selected:
-                self.chosen_changed.emit()
-            self._compare()
+                self.selection_changed.emit()
+            self._compare_rows()
             self.changed.emit()
 
-    def _look(self) -> None:
+    def _remove_cancelled_rows(self) -> None:
         """Remove the rows of runs that have been cancelled."""
-        if self.task is not None and self.task.over:
-            cancelled, self.task = self.task.cancelled, None
+        if self.task is not None and self.task.is_over:
+            cancelled, self.task = self.task.is_cancelled, None
             for row in [row for row in self.rows.values() if cancelled and row.trial and row.state and not row.found]:
-                self.remove(row.key)
+                self.remove_row(row.key)
 
-    def _take_branch(self, key: int | None = None) -> None:
+    def _request_branch_frame(self, key: int | None = None) -> None:
         """Request the frame of a branch of the timeline, by default the selected one, at the current step."""
-        row, (here, step) = self.rows[self.selected if key is None else key], self._navigation.place
-        if row.branch is None or self._navigation.branch(row.branch) is None:
+        row, (here, step) = self.rows[self.selected if key is None else key], self._navigation.current_step
+        if row.branch is None or self._navigation.find_branch(row.branch) is None:
             return
-        last = self._navigation.last(row.branch)
-        wanted = last if step >= self._navigation.last(here) else min(step, last)
+        last = self._navigation.last_step(row.branch)
+        wanted = last if step >= self._navigation.last_step(here) else min(step, last)
         shown = row.scene.snapshot
         if shown is None or shown.state.step != wanted:
-            take = partial(self._use_frame, row.key, self._session.scene.document)
-            task, generation = Task(row.title), self._session.generation
-            self._session.post(take_frame(task, generation, row.branch, wanted, True, take))
+            take = partial(self._on_frame_taken, row.key, self._session.scene.document)
+            task, generation = BackgroundTask(row.title), self._session.generation
+            self._session.post_command(take_frame(task, generation, row.branch, wanted, True, take))
 
-    def _use_frame(self, key: int, document: Document, frame: FrameTaken) -> None:
-        if frame.moment is None:
-            self._change(key, {"state": frame.message or tr("This run no longer exists.")})
+    def _on_frame_taken(self, key: int, document: Document, frame: FrameTaken) -> None:
+        if frame.snapshot is None:
+            self._change_row(key, {"state": frame.message or tr("This run no longer exists.")})
             return
         made, marks = frame.contours, document.marks
-        reviewed = ReviewedContours.of(made.tracked if made else None, marks)
+        reviewed = ReviewedContours.from_tracked(made.tracked if made else None, marks)
         shown = Scene(
-            document=Document(mode=document.mode), snapshot=frame.moment, reconstruction=made, contours=reviewed
+            document=Document(mode=document.mode), snapshot=frame.snapshot, reconstruction=made, contours=reviewed
         )
-        self._change(key, {"found": _unrejected(reviewed), "scene": shown, "state": ""})
+        self._change_row(key, {"found": _without_rejected(reviewed), "scene": shown, "state": ""})
 
     @property
-    def _found(self) -> Result | None:
+    def _current_result(self) -> Result | None:
         """The present result: the objects, if there are any, or else the contours of the run."""
         scene = self._session.scene
-        objects = self._seen.named("objects", lambda: build_objects_result(scene.document), scene.document.objects.items)
-        return objects or self._seen.get(_unrejected, scene.contours)
+        objects = self._seen.get_named("objects", lambda: build_objects_result(scene.document), scene.document.objects.items)
+        return objects or self._seen.get(_without_rejected, scene.contours)
 
-    def _follow(self) -> None:
+    def _on_scene_changed(self) -> None:
         """Compare the present result again, and show the selected branch at the same step.
 
         This waits for objects of a volume, which change many times while they are painted; their surfaces take long.
@@ -389,19 +389,19 @@ class ComparedResults(QObject):
             return
         painted = self.in_volume and bool(self._session.document.objects.items)
         if not painted:
-            self._take_now()
+            self._update_current_row()
         if painted or self.rows[self.selected].branch is not None:
             self._quiet.start()
 
-    def _take_now(self) -> None:
+    def _update_current_row(self) -> None:
         """Compare the present result again if it has changed."""
-        found = self._found
-        if found is not self.rows[NOW].found:
-            self.rows[NOW] = replace(self.rows[NOW], found=found)
-            self._compare()
+        found = self._current_result
+        if found is not self.rows[CURRENT_KEY].found:
+            self.rows[CURRENT_KEY] = replace(self.rows[CURRENT_KEY], found=found)
+            self._compare_rows()
             self.changed.emit()
 
-    def _compare(self) -> None:
+    def _compare_rows(self) -> None:
         """Compare the rows with the reference; during a run only the one whose differences are marked."""
         reference, subject, image = self.rows[self.reference], self.rows[self.subject], self._session.image
         everything = self._session.status.phase != "running"
@@ -410,37 +410,37 @@ class ComparedResults(QObject):
             if row.found is not None and row is not reference and (everything or row is subject)
         ]  # fmt: skip
         if image is None or reference.found is None or not (rows or reference.key):
-            self.agreed = {}
-            self._show(reference.truth)
+            self.agreements = {}
+            self._show_differences(reference.truth)
             return
         tolerance, holes = self.tolerance, self.holes
 
-        def compare_rows() -> tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]:
-            make, named = partial(_truth_of, reference, holes), self._made.named
+        def compare_rows() -> tuple[Truth | VolumeTruth, dict[int, TruthComparison], _MarkedDifferences]:
+            make, named = partial(_truth_from_row, reference, holes), self._made.get_named
             truth = reference.truth or named("reference", make, reference.found, holes)
             agreed = {
-                key: named(key, partial(_agreement, found, truth, tolerance, holes), found, truth, tolerance, holes)
+                key: named(key, partial(_compare_with_truth, found, truth, tolerance, holes), found, truth, tolerance, holes)
                 for key, found in rows
             }
-            return truth, agreed, _marked(subject.found, truth, agreed.get(subject.key))
+            return truth, agreed, _find_differences(subject.found, truth, agreed.get(subject.key))
 
-        def show_agreement(done: tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]) -> None:
+        def show_agreement(done: tuple[Truth | VolumeTruth, dict[int, TruthComparison], _MarkedDifferences]) -> None:
             truth, agreed, marked = done
             if reference.key == self.reference and image is self._session.image:
-                self.agreed = agreed if everything else {**self.agreed, **agreed}
-                self._show(truth if reference.key else None, marked)
+                self.agreements = agreed if everything else {**self.agreements, **agreed}
+                self._show_differences(truth if reference.key else None, marked)
                 self.changed.emit()
 
         # after an error: no figures rather than those of other contours
-        self._latest.ask(compare_rows, show_agreement, lambda: self._show(reference.truth))
+        self._latest.submit(compare_rows, show_agreement, lambda: self._show_differences(reference.truth))
 
-    def _show(self, truth: Truth | VolumeTruth | None, marked: _Marked = ((), ())) -> None:
+    def _show_differences(self, truth: Truth | VolumeTruth | None, marked: _MarkedDifferences = ((), ())) -> None:
         scene, (different, apart) = self._session.scene, marked
         if (truth, different, apart) != (scene.truth, scene.differences, scene.surface_differences):
-            self._session.show(replace(scene, truth=truth, differences=different, surface_differences=apart))
+            self._session.set_scene(replace(scene, truth=truth, differences=different, surface_differences=apart))
 
 
-def _unrejected(reviewed: ReviewedContours) -> Result | None:
+def _without_rejected(reviewed: ReviewedContours) -> Result | None:
     """Return the result without the rejected contours."""
     if reviewed.result is None:
         return None
@@ -448,7 +448,7 @@ def _unrejected(reviewed: ReviewedContours) -> Result | None:
     return replace(reviewed.result, contours=kept)
 
 
-def _read(file: Path, image: Image, holes: bool) -> Row:
+def _read_truth(file: Path, image: Image, holes: bool) -> ComparisonRow:
     """Read the ground truth of an image, or of a volume with everything that its slices need."""
     truth: Truth | VolumeTruth
     if image.ndim == 2:
@@ -461,10 +461,10 @@ def _read(file: Path, image: Image, holes: bool) -> Row:
         np.empty((0, image.ndim)), contours, surface, 0, True, "", image.shape, image.spacing, image.unit, file.name
     )
     _ = truth.objects  # cached on this thread, not on the window's
-    return Row(NOW, file.name, found, scene_of(found), truth=truth)
+    return ComparisonRow(CURRENT_KEY, file.name, found, scene_from_result(found), truth=truth)
 
 
-def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
+def _truth_from_row(row: ComparisonRow, holes: bool) -> Truth | VolumeTruth:
     """Convert a result into a ground truth; raise ValueError for a surface that is not closed."""
     assert row.found is not None
     found, surface = row.found, row.found.surface
@@ -476,33 +476,33 @@ def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
     return VolumeTruth(labels, found.spacing, found.unit, row.title, boundary=surface)
 
 
-def _agreement(found: Result, truth: Truth | VolumeTruth, tolerance: float, holes: bool) -> Agreed:
+def _compare_with_truth(found: Result, truth: Truth | VolumeTruth, tolerance: float, holes: bool) -> TruthComparison:
     if isinstance(truth, Truth):
         return compare(found.contours, truth, tolerance, holes=holes)
-    known = _sized(truth, found)
+    known = _with_spacing_of(truth, found)
     return compare_surface(found.surface, known, tolerance * min(known.spacing))
 
 
-def _sized(truth: VolumeTruth, found: Result) -> VolumeTruth:
+def _with_spacing_of(truth: VolumeTruth, found: Result) -> VolumeTruth:
     """Return the ground truth with the voxel size of a result."""
     if (found.spacing, found.unit) == (truth.spacing, truth.unit):
         return truth
     return replace(truth, spacing=found.spacing, unit=found.unit)
 
 
-def _marked(found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | None) -> _Marked:
+def _find_differences(found: Result | None, truth: Truth | VolumeTruth, agreed: TruthComparison | None) -> _MarkedDifferences:
     """Find where a result differs from the reference, the largest first; in a volume also as parts of surfaces."""
     if found is None or agreed is None:
         return (), ()
     if isinstance(truth, VolumeTruth) and isinstance(agreed, SurfaceComparison):
-        apart = find_surface_differences(found.surface, _sized(truth, found), agreed)
+        apart = find_surface_differences(found.surface, _with_spacing_of(truth, found), agreed)
         parts = itertools.chain.from_iterable(each.components for each in apart)
         return tuple(sorted(parts, key=lambda part: -part.farthest)), apart
     assert isinstance(agreed, Comparison)
     return find_boundary_differences(found.contours, agreed), ()
 
 
-def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ...]:
+def _objects_from_row(row: ComparisonRow, found: Result, image: Image) -> tuple[SegmentedObject, ...]:
     """Make objects of a row; for a trial, everything that its contours enclose is one object with its name."""
     closed = [contour for contour in found.contours if contour.closed]
     if found.surface is not None:

@@ -9,8 +9,8 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.document.contours import MarkTarget
-from cpm_app.session.features.background import is_same
-from cpm_app.session.scene import NO_CONTOURS, Item, ReviewedContours
+from cpm_app.session.features.background import is_same_input
+from cpm_app.session.scene import NO_CONTOURS, ContourItem, ReviewedContours
 from cpm_app.session.session import Session
 from cpm_core import Result
 from cpm_core.contours import find_anchors, build_path_tree
@@ -46,20 +46,20 @@ class ContourReview(QObject):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self.rejected_seen = True
+        self.shows_rejected = True
         self._session = session
         self._contours: ReviewedContours = NO_CONTOURS
         self._around: PathTree | None = None
         self._places: Array | None = None
         self._along: dict[int, tuple[Line, Index]] = {}
         """Closed lines by identity, with the indices of the sampled points of contours along them."""
-        session.scene_changed.connect(self._follow)
-        session.image_changed.connect(self.choose)
+        session.scene_changed.connect(self._on_scene_changed)
+        session.image_changed.connect(self.select)
 
     # State
 
     @property
-    def items(self) -> tuple[Item, ...]:
+    def items(self) -> tuple[ContourItem, ...]:
         """The contours, longest first."""
         return self._session.scene.contours.items
 
@@ -69,45 +69,45 @@ class ContourReview(QObject):
         return self._session.scene.contours.result
 
     @property
-    def selected(self) -> frozenset[int]:
+    def selected_keys(self) -> frozenset[int]:
         """Keys of the selected contours."""
         return self._session.scene.selected_contours
 
     @property
-    def chosen(self) -> tuple[Item, ...]:
+    def selected_items(self) -> tuple[ContourItem, ...]:
         """The selected contours."""
-        selected = self.selected
+        selected = self.selected_keys
         return tuple(item for item in self.items if item.key in selected) if selected else ()
 
-    def near(self, place: Position, reach: float) -> list[Item]:
+    def contours_near(self, place: Position, distance: float) -> list[ContourItem]:
         """Find the shown contours within `reach` [px] of a place (row, col), nearest first."""
         if self._around is None:
             self._around = build_path_tree([item.contour for item in self.items])
-        return list(filter(self.sees, map(self.items.__getitem__, self._around.paths_near(place, reach))))
+        return list(filter(self.is_shown, map(self.items.__getitem__, self._around.paths_near(place, distance))))
 
-    def sees(self, item: Item) -> bool:
+    def is_shown(self, item: ContourItem) -> bool:
         """Return whether a contour is shown."""
-        return self.rejected_seen or not item.reviewed.rejected
+        return self.shows_rejected or not item.reviewed.rejected
 
-    def within(self, outline: Sequence[Position]) -> frozenset[int]:
+    def contours_inside(self, outline: Sequence[Position]) -> frozenset[int]:
         """Find the keys of the shown contours at least half inside a closed outline of places (row, col)."""
-        inside = polyline.points_inside(outline, self._sampled).reshape(-1, _SAMPLES_PER_CONTOUR).mean(axis=1)
+        inside = polyline.points_inside(outline, self._sampled_places).reshape(-1, _SAMPLES_PER_CONTOUR).mean(axis=1)
         lie = zip(self.items, inside.tolist(), strict=True)
-        return frozenset(item.key for item, part in lie if part >= 0.5 and self.sees(item))
+        return frozenset(item.key for item, part in lie if part >= 0.5 and self.is_shown(item))
 
-    def apart(self, boundaries: Sequence[Line]) -> tuple[Item, ...]:
+    def not_on_boundary(self, boundaries: Sequence[Line]) -> tuple[ContourItem, ...]:
         """Find the contours that do not run along any of some closed lines of places (row, col) [px]."""
         if not boundaries or not self.items:
             return self.items
-        self._compare([line for line in boundaries if id(line) not in self._along])
-        along = np.zeros(len(self._sampled), bool)
+        self._find_along([line for line in boundaries if id(line) not in self._along])
+        along = np.zeros(len(self._sampled_places), bool)
         along[np.concatenate([self._along[id(line)][1] for line in boundaries])] = True
         for line in [*self._along][: len(self._along) - _MAX_CACHED_LINES]:
             del self._along[line]
         share = along.reshape(-1, _SAMPLES_PER_CONTOUR).mean(axis=1).tolist()
         return tuple(item for item, part in zip(self.items, share, strict=True) if part < _MAX_SHARE_ON_BOUNDARY)
 
-    def _compare(self, lines: Sequence[Line]) -> None:
+    def _find_along(self, lines: Sequence[Line]) -> None:
         """Find the sampled points of contours along closed lines."""
         if not lines:
             return
@@ -118,12 +118,12 @@ class ContourReview(QObject):
             for first in range(0, len(path) - 1, _CORNERS_PER_PIECE)
         ]
         of = np.repeat(np.arange(len(paths)), [-(-(len(path) - 1) // _CORNERS_PER_PIECE) for path in paths])
-        place, piece, _ = PathTree(pieces).pairs_within(self._sampled, _ON_BOUNDARY_DISTANCE)
+        place, piece, _ = PathTree(pieces).pairs_within(self._sampled_places, _ON_BOUNDARY_DISTANCE)
         order = np.argsort(of[piece], kind="stable")
         found = np.split(place[order], np.searchsorted(of[piece][order], np.arange(1, len(paths))))
         self._along.update((id(line), (line, places)) for line, places in zip(lines, found, strict=True))
 
-    def targets(self, items: Iterable[Item]) -> list[MarkTarget]:
+    def edit_targets(self, items: Iterable[ContourItem]) -> list[MarkTarget]:
         """Return the targets by which edits of the document refer to contours."""
         given, known = [*items], () if self.result is None else self.result.contours
         fresh = [item.reviewed.index for item in given if item.reviewed.mark is None]
@@ -135,17 +135,17 @@ class ContourReview(QObject):
 
     # Selecting
 
-    def choose(self, contours: Iterable[int] = (), objects: Iterable[int] = ()) -> None:
+    def select(self, contours: Iterable[int] = (), objects: Iterable[int] = ()) -> None:
         """Select only the contours of these keys, and the objects of these numbers, or proposals of keys below 0."""
         scene, keys, numbers = self._session.scene, frozenset(contours), frozenset(objects)
         if (keys, numbers) != (scene.selected_contours, scene.objects.selected):
             shown = replace(scene.objects, selected=numbers)
-            with self._session.gathering():
-                self._session.show(replace(scene, selected_contours=keys, objects=shown))
+            with self._session.defer_status():
+                self._session.set_scene(replace(scene, selected_contours=keys, objects=shown))
                 self.selection_changed.emit()
 
     @property
-    def _sampled(self) -> Array:
+    def _sampled_places(self) -> Array:
         """Points along each contour, one contour after the other, shape (N, 2) [px]."""
         if self._places is None:
             paths = [item.contour.path for item in self.items]
@@ -154,24 +154,24 @@ class ContourReview(QObject):
             )
         return self._places
 
-    def hover(self, key: int | None) -> None:
+    def set_hovered(self, key: int | None) -> None:
         """Set the contour under the pointer, None for none."""
         scene = self._session.scene
         if key != scene.hovered_contour:
-            self._session.show(replace(scene, hovered_contour=key))
+            self._session.set_scene(replace(scene, hovered_contour=key))
 
-    def _follow(self) -> None:
+    def _on_scene_changed(self) -> None:
         scene = self._session.scene
         if scene.contours is self._contours:
             return
         before, self._contours = self._contours.items, scene.contours
         lines = (tuple(item.contour.points for item in items) for items in (before, scene.contours.items))
-        if not is_same(*lines):  # not only other marks
+        if not is_same_input(*lines):  # not only other marks
             self._around = self._places = None
             self._along = {}
         keys = {item.key for item in scene.contours.items}
         self.changed.emit()
         scene = self._session.scene
-        self.choose(scene.selected_contours & keys, scene.objects.selected)
+        self.select(scene.selected_contours & keys, scene.objects.selected)
         if scene.hovered_contour not in keys:
-            self.hover(None)
+            self.set_hovered(None)

@@ -12,9 +12,9 @@ from cpm_app.model.document.contours import HAND_EDIT_NAMES, add_hand_edits, dro
 from cpm_app.model.document.objects import accept_objects, object_from_contours, object_title
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.contour_review import ContourReview
-from cpm_app.session.scene import Item, ReviewedContours
+from cpm_app.session.scene import ContourItem, ReviewedContours
 from cpm_app.session.session import Session
-from cpm_app.session.worker.requests import EDGES, find_edges
+from cpm_app.session.worker.requests import EDGES_CATEGORY, find_edges
 from cpm_core import Contour
 from cpm_core.contours import HandEdit, build_path_tree
 from cpm_core.field import ScaleField
@@ -24,7 +24,7 @@ from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contou
 from cpm_core.parameters import find_invalidating
 from cpm_core.reconstruction import Contact, LiveWire, chain_contours, cut_contour, delete_stretch, snap_place_to_ridge, live_wire_from
 
-Way = Callable[[Position], Array]
+PathFinder = Callable[[Position], Array]
 """Finds the path from a fixed place to another one, shape (K, 2) [px]."""
 
 _SNAP_DISTANCE = 3.0
@@ -49,7 +49,7 @@ class HandEditing(QObject):
 
     def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__(session)
-        self.marked: tuple[Contact, ...] = ()
+        self.marked_places: tuple[Contact, ...] = ()
         self._session = session
         self._review = review
         self._contours: ReviewedContours | None = None
@@ -63,18 +63,18 @@ class HandEditing(QObject):
         self._then: Callback | None = None
         """Called as soon as the edges arrive."""
         self._reported: Integers = ()
-        session.image_changed.connect(self._forget)
-        session.scene_changed.connect(self._follow)
+        session.image_changed.connect(self._on_image_changed)
+        session.scene_changed.connect(self._on_scene_changed)
 
     # Hits of the pointer
 
-    def prepare(self) -> None:
+    def request_edges(self) -> None:
         """Request the edges of the image, unless they are there or have been requested."""
         document, generation = self._session.document, self._session.image_generation
         wanted = (generation, document.regions, *(getattr(document.parameters, name) for name in find_invalidating("field")))
         if document.image is not None and wanted != self._asked:
             self._asked = wanted
-            self._session.attempt(EDGES)
+            self._session.clear_messages(EDGES_CATEGORY)
 
             def on_edges_found(edges: ScaleField) -> None:
                 if generation == self._session.image_generation:
@@ -83,9 +83,9 @@ class HandEditing(QObject):
                     if then is not None:
                         then()
 
-            self._session.post(find_edges(generation, document.parameters, on_edges_found))
+            self._session.post_command(find_edges(generation, document.parameters, on_edges_found))
 
-    def contact(self, at: Position, reach: float) -> Contact | None:
+    def find_contact(self, at: Position, reach: float) -> Contact | None:
         """Find the end of a contour within reach of a place [px], or else the nearest place on a contour, or None.
 
         Of several ends at a junction, the one of the contour nearest to the place is returned.
@@ -96,13 +96,13 @@ class HandEditing(QObject):
         contours, places = self._ends
         away = np.linalg.norm(places - at, axis=1)
         near = [Contact.from_contour_ends(contours[index // 2])[index % 2] for index in np.flatnonzero(away <= reach).tolist()]
-        near = [end for end in near if self._item(end) is not None]
+        near = [end for end in near if self._find_item(end) is not None]
         if near:
             return min(near, key=lambda end: end.line.project_point(at)[1])
-        lines = self._review.near(at, reach)
+        lines = self._review.contours_near(at, reach)
         return Contact.from_nearest_place(lines[0].contour, at) if lines else None
 
-    def boundary(self, at: Position, reach: float) -> tuple[SegmentedObject, Contact] | None:
+    def find_boundary(self, at: Position, reach: float) -> tuple[SegmentedObject, Contact] | None:
         """Find the nearest place on the boundary of an object within `reach` [px], unless a contour is nearer."""
         objects = self._session.document.objects
         if self._lines is None or self._lines[0] is not objects:
@@ -114,7 +114,7 @@ class HandEditing(QObject):
         if not found:
             return None
         item, contour = curves[found[0]]
-        held, other = Contact.from_nearest_place(contour, at), self.contact(at, reach)
+        held, other = Contact.from_nearest_place(contour, at), self.find_contact(at, reach)
         if other is not None and (
             other.at_end or _CONTOUR_PREFERENCE + other.line.project_point(at)[1] < held.line.project_point(at)[1]
         ):
@@ -123,36 +123,36 @@ class HandEditing(QObject):
 
     def key_of(self, contact: Contact) -> int | None:
         """Return the key of the contour that a place lies on, None if it is gone."""
-        item = self._item(contact)
+        item = self._find_item(contact)
         return None if item is None else item.key
 
-    def mark(self, places: Sequence[Contact]) -> None:
+    def mark_places(self, places: Sequence[Contact]) -> None:
         """Mark up to two places on a contour; none removes the marks."""
-        self.marked = tuple(places)
+        self.marked_places = tuple(places)
         self.changed.emit()
-        self._session.show_status()
+        self._session.announce_status()
 
     # Lines that follow the edges
 
-    def way_from(self, start: Position, avoided: Sequence[Array] = ()) -> Way:
+    def path_from(self, start: Position, avoided: Sequence[Array] = ()) -> PathFinder:
         """Return a finder of paths along the edges from a place; they avoid some lines, each of shape (K, 2) [px]."""
         if self.edges is None:
             return lambda place: np.array([start, place], float)
         return LiveWire(self.edges, start, avoided, [tuple(line[0].tolist()) for line in avoided]).path_to
 
-    def way_from_end(self, end: Contact) -> Way:
+    def path_from_end(self, end: Contact) -> PathFinder:
         """Return a finder of paths along the edges from the end of a contour, not back along it."""
         if self.edges is None:
-            return self.way_from(end.place)
+            return self.path_from(end.place)
         return live_wire_from(self.edges, end).path_to
 
-    def snapped(self, place: Position) -> Position:
+    def snap_to_edge(self, place: Position) -> Position:
         """Move a place onto the edge next to it, if there is one."""
         return place if self.edges is None else snap_place_to_ridge(place, self.edges, _SNAP_DISTANCE)
 
     # Edits
 
-    def redraw(self, item: SegmentedObject, held: Contact, edit: HandEdit, snapping: bool) -> None:
+    def redraw_boundary(self, item: SegmentedObject, held: Contact, edit: HandEdit, snapping: bool) -> None:
         """Carry out an edit on the boundary of an object that was held at a place."""
         assert held.line.source is not None
         new = redraw_boundary(item, held.line.source, edit, self.edges if snapping else None)
@@ -162,82 +162,82 @@ class HandEditing(QObject):
             lambda document: accept_objects(document, (new,), ends=objects.edited == item.number),
         )
 
-    def outline(self, path: Array) -> int:
+    def add_outline(self, path: Array) -> int:
         """Make an object of a drawn closed line, shape (K, 2) [px]; return its number."""
         objects = self._session.document.objects
         item = mark_gaps(object_from_contours(objects.next_number, objects.category, [Contour(path, True)]), self.edges)
         self._session.edit(HAND_EDIT_NAMES["outline"], lambda document: accept_objects(document, (item,)))
         return item.number
 
-    def add(self, edits: Sequence[HandEdit]) -> None:
+    def add_edits(self, edits: Sequence[HandEdit]) -> None:
         """Carry out edits as one undo step."""
         if edits:
-            self.mark(())
+            self.mark_places(())
             self._session.edit(HAND_EDIT_NAMES[edits[-1].kind], lambda document: add_hand_edits(document, edits))
 
     def cut_contour(self, at: Contact) -> None:
         """Cut a contour at a place that is not one of its ends."""
         if at.at_end:
-            self._session.say(tr("A contour cannot be cut at its end: click farther along it."))
+            self._session.show_message(tr("A contour cannot be cut at its end: click farther along it."))
         else:
-            self.add((cut_contour(at),))
+            self.add_edits((cut_contour(at),))
 
     def delete_stretch(self) -> None:
         """Delete the stretch between the two marked places, which lie on one contour."""
-        if len(self.marked) == 2:
-            self.add((delete_stretch(*self.marked),))
+        if len(self.marked_places) == 2:
+            self.add_edits((delete_stretch(*self.marked_places),))
 
     def join_selected(self, closing: bool) -> None:
         """Join the selected contours by their nearest ends, to a closed one if `closing`."""
-        contours = [item.contour for item in self._review.chosen if not item.contour.closed]
+        contours = [item.contour for item in self._review.selected_items if not item.contour.closed]
         if self.edges is None:
             self._asked, self._then = (), partial(self.join_selected, closing)  # they may have failed
-            self.prepare()
+            self.request_edges()
             return
         edits = chain_contours(self.edges, contours, closing)
         if not edits:
-            self._session.say(tr("Select an open contour to close it, or several to join them."))
+            self._session.show_message(tr("Select an open contour to close it, or several to join them."))
             return
         self._session.edit(
             tr("close contours") if closing else HAND_EDIT_NAMES["join"], lambda document: add_hand_edits(document, edits)
         )
 
     @property
-    def missed(self) -> Integers:
+    def unmatched_edits(self) -> Integers:
         """Indices of the edits without a matching contour among the present ones."""
         found = self._session.scene.reconstruction
-        return found.missed if found is not None else ()
+        return found.unmatched_edits if found is not None else ()
 
-    def drop(self, indices: Collection[int] | None = None) -> None:
+    def remove_edits(self, indices: Collection[int] | None = None) -> None:
         """Remove edits by their indices, by default all."""
         gone = range(len(self._session.document.hand_edits)) if indices is None else tuple(indices)
         self._session.edit(tr("remove manual edits"), lambda document: drop_hand_edits(document, gone))
 
     # Internal
 
-    def _item(self, contact: Contact) -> Item | None:
+    def _find_item(self, contact: Contact) -> ContourItem | None:
         """Return the contour of a place, if it is shown and has not been replaced."""
         found = (item for item in self._review.items if item.contour is contact.line.source)
-        return next(filter(self._review.sees, found), None)
+        return next(filter(self._review.is_shown, found), None)
 
-    def _forget(self) -> None:
+    def _on_image_changed(self) -> None:
         self.edges, self._lines, self._asked, self._reported, self._then = None, None, (), (), None
-        self.mark(())
+        self.mark_places(())
 
-    def _follow(self) -> None:
+    def _on_scene_changed(self) -> None:
         contours = self._session.scene.contours
         if contours is self._contours:
             return
         self._contours = contours
         self._ends = None
-        if self.marked:
+        if self.marked_places:
             still = {id(item.contour) for item in contours.items}
-            self.mark([mark for mark in self.marked if id(mark.line.source) in still])
+            self.mark_places([mark for mark in self.marked_places if id(mark.line.source) in still])
         # reported once, after a run
-        missed, found = self.missed, self._session.scene.reconstruction
+        missed, found = self.unmatched_edits, self._session.scene.reconstruction
         if missed == self._reported or found is None or (missed and not getattr(found.result, "steps", 0)):
             return
         new = [index for index in missed if index not in self._reported]
         self._reported = missed
         if new:
-            self._session.say(_UNMATCHED_TEXT.format(count=len(missed), all=len(self._session.document.hand_edits)))
+            self._session.show_message(_UNMATCHED_TEXT.format(count=len(missed), all=len(self._session.document.hand_edits)))

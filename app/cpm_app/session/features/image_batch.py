@@ -10,12 +10,12 @@ from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import explain_system_error, tr
 from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.opening import images_in
-from cpm_app.session.tasks.tasks import OVER, Task
+from cpm_app.session.tasks.opening import list_images
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core.formats import SESSION_SUFFIX, SessionFile, save_session
 from cpm_core.numerics.types import frozen
 
-TOPIC = "batch"
+BATCH_CATEGORY = "batch"
 """Category of messages about the batch."""
 
 _RESULTS_FOLDER = "contours"
@@ -37,26 +37,26 @@ class BatchDone:
     table: Path
 
 
-def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], object]) -> Task:
+def apply_to_folder(session: Session, folder: Path, on_done: Callable[[BatchDone], object]) -> BackgroundTask:
     """Apply the present session to the images of a folder, on a thread; finished images are not run again."""
-    session.attempt(TOPIC)
+    session.clear_messages(BATCH_CATEGORY)
     document = session.document
     if document.mode == "skeleton":
-        session.say(tr("Skeletons are found image by image: choose another mode to run many images."), True, TOPIC)
-        return OVER
+        session.show_message(tr("Skeletons are found image by image: choose another mode to run many images."), True, BATCH_CATEGORY)
+        return ENDED_TASK
     if not document.starts:
-        session.say(document.nothing_to_start_from, True, TOPIC)
-        return OVER
+        session.show_message(document.nothing_to_start_from, True, BATCH_CATEGORY)
+        return ENDED_TASK
     name = tr("Running the images of {folder}…", folder=folder.name)
-    work = partial(_apply, to_session_file(document, {}), folder)
-    return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC), then=then)
+    work = partial(_run_batch, to_session_file(document, {}), folder)
+    return session.tasks.start_task(name, work, tr("running many images"), partial(CommandFailed, topic=BATCH_CATEGORY), on_result=on_done)
 
 
-def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
+def _run_batch(session: SessionFile, folder: Path, task: BackgroundTask) -> BatchDone:
     from cpm_core.cli.batch import DEFAULT_SUFFIXES, Batch
     from cpm_core.cli.workers import run_locally
 
-    images, output = tuple(map(str, images_in(folder))), folder / _RESULTS_FOLDER
+    images, output = tuple(map(str, list_images(folder))), folder / _RESULTS_FOLDER
     if not images:
         raise ValueError(tr("This folder contains no readable image: choose another one."))
     try:

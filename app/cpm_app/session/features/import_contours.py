@@ -12,7 +12,7 @@ from PySide6.QtGui import QImage
 from cpm_app.model.document.imported import ImportedContent
 from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_core import Image, load_centerlines, load_points
 from cpm_core.formats import (
     CONTOURS_READABLE,
@@ -26,79 +26,79 @@ from cpm_core.formats import (
 from cpm_core.numerics.polyline import as_line
 from cpm_core.shapes import Points
 
-MOST_POINTS = 100_000
+MAX_DRAWN_POINTS = 100_000
 """Largest number of points that can be drawn."""
 
 _POINT_TABLE_SUFFIX = ".csv"
 """Suffix of tables, which hold contours or points."""
 
-Found = ImportedContent | Points
+ImportedDrawing = ImportedContent | Points
 """Content of a file: contours, surfaces and center lines, or points."""
 
 
-def read_file(session: Session, path: Path, use: Callable[[Found], object]) -> None:
+def read_contour_file(session: Session, path: Path, on_read: Callable[[ImportedDrawing], object]) -> None:
     """Start to read contours, a surface or points."""
     image, plane = session.image, describe_plane(session.image)
 
-    def read_content(task: Task) -> Found:
+    def read_content(task: BackgroundTask) -> ImportedDrawing:
         if image is not None and image.ndim == 3:
-            return _points(path, 3) if path.suffix.lower() == _POINT_TABLE_SUFFIX else _in_volume(path, image)
+            return _read_points(path, 3) if path.suffix.lower() == _POINT_TABLE_SUFFIX else _read_in_volume(path, image)
         try:
             return ImportedContent.from_contour_file(read_contours(path, plane), path.name)
         except ValueError as error:
-            if path.suffix.lower() != _POINT_TABLE_SUFFIX or _names_contours(path):
+            if path.suffix.lower() != _POINT_TABLE_SUFFIX or _has_contour_column(path):
                 raise
             try:
-                return _points(path)
+                return _read_points(path)
             except ValueError as other:
                 raise other from error
 
-    _start(session, path.name, read_content, f"reading {path.name}", use)
+    _read_in_background(session, path.name, read_content, f"reading {path.name}", on_read)
 
 
-def read_pasted(session: Session, content: bytes, use: Callable[[Found], object]) -> None:
+def read_pasted(session: Session, content: bytes, on_read: Callable[[ImportedDrawing], object]) -> None:
     """Start to read contours from the clipboard."""
     plane, name = describe_plane(session.image), tr("the clipboard")
 
-    def decode_content(task: Task) -> Found:
+    def decode_content(task: BackgroundTask) -> ImportedDrawing:
         return ImportedContent.from_contour_file(decode_contours(content, name, plane), name)
 
-    _start(session, name, decode_content, "reading the clipboard", use)
+    _read_in_background(session, name, decode_content, "reading the clipboard", on_read)
 
 
-def _start(
-    session: Session, name: str, work: Callable[[Task], Found], activity: str, use: Callable[[Found], object]
+def _read_in_background(
+    session: Session, name: str, work: Callable[[BackgroundTask], ImportedDrawing], activity: str, on_read: Callable[[ImportedDrawing], object]
 ) -> None:
     """Read on a thread, and use the content unless another image has been opened."""
     image = session.image_generation
-    then: Callable[[Found], object] = lambda found: use(found) if image == session.image_generation else None  # noqa: E731
-    session.tasks.start(tr("Reading {name}…", name=name), work, activity, then=then)
+    then: Callable[[ImportedDrawing], object] = lambda found: on_read(found) if image == session.image_generation else None  # noqa: E731
+    session.tasks.start_task(tr("Reading {name}…", name=name), work, activity, on_result=then)
 
 
-def keep_picture(session: Session, picture: QImage, use: Callable[[Path], object]) -> None:
+def save_pasted_picture(session: Session, picture: QImage, on_saved: Callable[[Path], object]) -> None:
     """Start to write a picture from the clipboard to a file, because a session needs one."""
 
-    def write_picture(task: Task) -> Path:
+    def write_picture(task: BackgroundTask) -> Path:
         buffer = QBuffer()
         buffer.open(QIODevice.OpenModeFlag.WriteOnly)
         if not picture.save(buffer, "PNG"):  # type: ignore[call-overload]  # bytes are refused
             raise ValueError(tr("The picture on the clipboard cannot be used: copy it again."))
         content = bytes(buffer.data().data())
-        folder = folder_of_pasted()
+        folder = pasted_pictures_folder()
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"pasted-{hashlib.sha256(content).hexdigest()[:8]}.png"
         write_together([(path, content)])
         return path
 
-    session.tasks.start(tr("Reading {name}…", name=tr("the clipboard")), write_picture, "keeping the picture", then=use)
+    session.tasks.start_task(tr("Reading {name}…", name=tr("the clipboard")), write_picture, "keeping the picture", on_result=on_saved)
 
 
-def folder_of_pasted() -> Path:
+def pasted_pictures_folder() -> Path:
     """Return the folder of pasted pictures in the user's data folder."""
     return Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericDataLocation)) / "cpm/pasted"
 
 
-def _in_volume(path: Path, volume: Image) -> ImportedContent:
+def _read_in_volume(path: Path, volume: Image) -> ImportedContent:
     """Read a surface or center lines for a volume."""
     suffix, notes = path.suffix.lower(), list[str]()
     if suffix in CONTOURS_READABLE:
@@ -110,15 +110,15 @@ def _in_volume(path: Path, volume: Image) -> ImportedContent:
     return ImportedContent.from_surface(surface, volume, path.name, assumed)
 
 
-def _points(path: Path, axes: int = 2) -> Points:
+def _read_points(path: Path, axes: int = 2) -> Points:
     positions = load_points(path, axes)
-    if len(positions) > MOST_POINTS:
+    if len(positions) > MAX_DRAWN_POINTS:
         message = tr("{name} has {count} points, but at most {most} can be drawn.")
-        raise ValueError(message.format(name=path.name, count=len(positions), most=MOST_POINTS))
+        raise ValueError(message.format(name=path.name, count=len(positions), most=MAX_DRAWN_POINTS))
     return Points(as_line(positions))
 
 
-def _names_contours(path: Path) -> bool:
+def _has_contour_column(path: Path) -> bool:
     """Return whether the first line of a table has a column of contours."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as stream:

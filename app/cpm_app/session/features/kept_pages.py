@@ -16,10 +16,10 @@ from cpm_app.model.document.objects import build_objects_result
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import FileParts
-from cpm_app.session.exchange.messages import sentence
-from cpm_app.session.tasks.tasks import Cancelled, Task
-from cpm_app.session.timeline.plain_runs import sound
-from cpm_app.session.undo_history import History
+from cpm_app.session.exchange.messages import explain_failure
+from cpm_app.session.tasks.tasks import Cancelled, BackgroundTask
+from cpm_app.session.timeline.plain_runs import read_valid_entries
+from cpm_app.session.undo_history import UndoHistory
 from cpm_core import Engine, Page, Result, State, load_pages
 from cpm_core.contours import contour_midpoint
 from cpm_core.formats import Pages, Reading, decode_session, encode_session, page_from_json, page_to_json
@@ -55,7 +55,7 @@ class StackSource:
     default_page: int = 1
 
     @classmethod
-    def of(cls, path: str, parts: FileParts | None, reading: Reading) -> StackSource:
+    def from_file(cls, path: str, parts: FileParts | None, reading: Reading) -> StackSource:
         """Describe the stack in a file."""
         if parts is None:
             return cls(path)
@@ -63,11 +63,11 @@ class StackSource:
         count = parts.channels if by_channel else parts.pages
         return cls(path, count if count > 1 else 0, by_channel, reading, parts.default_page)
 
-    def number_of(self, reading: Reading) -> int:
+    def page_number(self, reading: Reading) -> int:
         """Return the number of the page that a reading selects."""
         return (reading.channel or 1) if self.by_channel else (reading.page or self.default_page)
 
-    def reading_of(self, number: int) -> Reading:
+    def reading_for(self, number: int) -> Reading:
         """Return the reading of a page; the default page needs no number."""
         selected = None if number == (1 if self.by_channel else self.default_page) else number
         return replace(self.reading, channel=selected) if self.by_channel else replace(self.reading, page=selected)
@@ -104,94 +104,94 @@ class KeptPage:
 
     document: Document
     runs: JsonObject = field(default_factory=dict)
-    history: History = field(default_factory=History)
-    known: Document | None = None
-    given: tuple[Start, ...] = ()
+    history: UndoHistory = field(default_factory=UndoHistory)
+    saved_document: Document | None = None
+    given_starts: tuple[Start, ...] = ()
     runs_unsaved: bool = False
 
     @property
-    def own_start(self) -> bool:
+    def has_own_start(self) -> bool:
         """Whether the user has drawn where its run starts."""
-        return bool(self.document.starts) and self.document.starts != self.given
+        return bool(self.document.starts) and self.document.starts != self.given_starts
 
     @property
     def unsaved(self) -> bool:
         """Whether closing would lose changes of it."""
-        return self.runs_unsaved or self.document != self.known
+        return self.runs_unsaved or self.document != self.saved_document
 
 
-def started_by(document: Document, starts: tuple[Start, ...]) -> Document:
+def with_starts(document: Document, starts: tuple[Start, ...]) -> Document:
     """Replace the starts of a document; limits and charges stay."""
     others = (shape for shape in document.shapes if not isinstance(shape, Start))
     return replace(document, shapes=(*starts, *others))
 
 
-def bare(document: Document) -> Document:
+def without_results(document: Document) -> Document:
     """Keep the settings of a document for another page: shapes, parameters, mode and classes, but no results."""
     known = SegmentedObjects(classes=document.objects.classes, category=document.objects.category)
     return Document(document.image, document.shapes, document.parameters, mode=document.mode, objects=known)
 
 
-def numbered(document: Document, taken: int) -> Document:
+def with_taken_numbers(document: Document, taken: int) -> Document:
     """Let new objects of a document get numbers above the taken ones."""
     return replace(document, objects=replace(document.objects, taken=taken))
 
 
-Table = tuple[StackResult | None, tuple[PageRow, ...]]
+StackTable = tuple[StackResult | None, tuple[PageRow, ...]]
 """The results of all pages, and the rows of their table."""
 
-NOTHING: Table = (None, ())
+EMPTY_TABLE: StackTable = (None, ())
 """The table while there are no results."""
 
-Listed = Literal["objects", "contours"]
+ListedKind = Literal["objects", "contours"]
 """Kind of results that is shown of all pages."""
 
-Measured = Mapping[int, tuple[SegmentedObjects, Result | None]]
+MeasuredObjects = Mapping[int, tuple[SegmentedObjects, Result | None]]
 """The objects of each page, and a result with their mean gray values; None where there are no objects."""
 
 
-class Linked(NamedTuple):
+class LinkedPages(NamedTuple):
     """The results of all pages of a stack, with tracks."""
 
     source: StackSource
-    measured: Measured
-    tables: Mapping[Listed, Table]
+    measured: MeasuredObjects
+    tables: Mapping[ListedKind, StackTable]
 
 
-def linked(
+def link_pages(
     source: StackSource,
     found: Mapping[int, Page],
     drawn: tuple[JsonObject, ...],
     documents: Mapping[int, Document],
-    known: Measured,
-) -> Linked:
+    measured: MeasuredObjects,
+) -> LinkedPages:
     """Link the contours of all pages to tracks, page by page, and measure objects that are not `known`."""
     follower = ContourFollower()
     pages = [found[number] for number in sorted(found)]
     pages = [follower.add_page(page.number, page.result) if page.result else page for page in pages]
     measured = {}
     for number, document in documents.items():
-        before, result = known.get(number, (None, None))
+        before, result = measured.get(number, (None, None))
         if before is not document.objects:
             result = build_objects_result(document)
             result = result and strip_image(replace(result, image=source.pages[number - 1]))
         measured[number] = document.objects, result
     objects = pages_from_results({number: result for number, (_, result) in measured.items() if result is not None})
-    tables: dict[Listed, Table] = {}
-    of_kinds: tuple[tuple[Listed, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
+    tables: dict[ListedKind, StackTable] = {}
+    of_kinds: tuple[tuple[ListedKind, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
     for kind, made in of_kinds:
         name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.has_single_axis
         if made:
             whole = StackResult(name, source.count, tuple(made), axis, alone, drawn)
             tables[kind] = whole, collect_page_rows(whole)
-    return Linked(source, measured, tables)
+    return LinkedPages(source, measured, tables)
 
 
 _MAX_PAGE_RUNS_CHARACTERS = 24 * 2**20
 """Largest size of the recorded runs of other pages in a session file [characters]; all else is always written."""
 
 
-def pages_to_plain(
+def pages_to_json(
     others: Mapping[int, KeptPage],
     following: bool,
     drawn: tuple[JsonObject, ...],
@@ -211,7 +211,7 @@ def pages_to_plain(
         if page.runs and size <= left:
             left -= size
             session["runs"] = dict(page.runs)
-        sessions.append({"page": number, "given": not page.own_start, "session": session})
+        sessions.append({"page": number, "given": not page.has_own_start, "session": session})
     return {
         "following": following,
         "drawn": list(drawn),
@@ -245,40 +245,40 @@ class StoredPages:
     found: dict[int, Page]
     following: bool
     drawn: tuple[JsonObject, ...]
-    given: tuple[Start, ...]
+    given_starts: tuple[Start, ...]
     error: str
 
     @classmethod
-    def of(cls, plain: JsonObject, here: Document, source: StackSource) -> StoredPages:
+    def from_json(cls, plain: JsonObject, here: Document, source: StackSource) -> StoredPages:
         """Read the pages of a session file; damaged ones are left out. The open page has the document `here`."""
 
         def read_session(entry: JsonObject) -> tuple[int, KeptPage]:
-            number = _checked(entry["page"], source)
+            number = _check_page_number(entry["page"], source)
             file = decode_session(json.dumps(entry["session"]).encode(), tr("page {number}", number=number))
-            image = here.image and replace(here.image, reading=source.reading_of(number))
+            image = here.image and replace(here.image, reading=source.reading_for(number))
             if image is None:
                 raise ValueError("there is no image")
             check_axes(file.shapes, image.shape)
             document = from_session_file(file, image, file.parameters)
             given = document.starts if entry.get("given") is True else ()
-            return number, KeptPage(document, file.runs, known=document, given=given)
+            return number, KeptPage(document, file.runs, saved_document=document, given_starts=given)
 
         def read_page(entry: JsonObject) -> tuple[int, Page]:
             page = page_from_json(entry)
-            return _checked(page.number, source), page
+            return _check_page_number(page.number, source), page
 
         faults: list[Exception] = []
         kept, pages = (
-            dict(sound(plain, "sessions", read_session, faults)),
-            dict(sound(plain, "found", read_page, faults)),
+            dict(read_valid_entries(plain, "sessions", read_session, faults)),
+            dict(read_valid_entries(plain, "found", read_page, faults)),
         )
-        drawn = tuple(sound(plain, "drawn", dict, []))
+        drawn = tuple(read_valid_entries(plain, "drawn", dict, []))
         given = here.starts if plain.get("given") is True else ()
         trouble = tr("Some pages of the stack are damaged in the session and were skipped.")
         return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if faults else "")
 
 
-class PlainPages(Mapping[str, Any]):
+class LazyJsonPages(Mapping[str, Any]):
     """Pages as plain JSON, encoded on access: on the thread that writes a file, not on the window's."""
 
     def __init__(self, make: Callable[[], JsonDict]) -> None:
@@ -298,7 +298,7 @@ class PlainPages(Mapping[str, Any]):
         return len(self._plain)
 
 
-def _checked(given: object, source: StackSource) -> int:
+def _check_page_number(given: object, source: StackSource) -> int:
     if type(given) is not int or not 1 <= given <= source.count:
         raise ValueError("there is no such page")
     return given
@@ -310,11 +310,11 @@ class PageDone:
 
     page: Page
     document: Document
-    given: tuple[Start, ...] = ()
+    given_starts: tuple[Start, ...] = ()
     runs: JsonObject = field(default_factory=dict)
 
 
-def _recorded(recorder: RunRecorder, task: Task, state: State) -> None:
+def _record_state(recorder: RunRecorder, task: BackgroundTask, state: State) -> None:
     task.check_cancelled()
     recorder(state)
 
@@ -324,7 +324,7 @@ def run_pages(
     numbers: Sequence[int],
     document_of: Callable[[int, tuple[Start, ...]], tuple[Document, tuple[Start, ...]]],
     before: Sequence[Page],
-    task: Task,
+    task: BackgroundTask,
 ) -> Iterator[PageDone]:
     """Run pages, each as soon as the previous one is done; raise `Cancelled` if the task has been cancelled.
 
@@ -337,17 +337,17 @@ def run_pages(
         document, given = document_of(number, follower.next_starts)
         try:
             image = source.pages[number - 1]
-            reference = ImageReference.from_image(Path(source.path), image, source.reading_of(number))
+            reference = ImageReference.from_image(Path(source.path), image, source.reading_for(number))
             document = replace(document, image=reference, parameters=limit_scales(document.parameters, image.shape))
             recorder = RunRecorder()
             engine = Engine(image, document.parameters, document.regions)
             seeds = document.find_image_seeds(SeedCache(image))
-            result = run_document(engine, document, seeds, partial(_recorded, recorder, task))
+            result = run_document(engine, document, seeds, partial(_record_state, recorder, task))
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others
             known = isinstance(error, ValueError | MemoryError)
-            trouble = describe_error(error) if known else sentence(error, tr("running page {number}", number=number))
+            trouble = describe_error(error) if known else explain_failure(error, tr("running page {number}", number=number))
             yield PageDone(Page(number, None, error=trouble), document, given)
             continue
         page = follower.add_page(number, result)

@@ -19,18 +19,18 @@ from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
-    MOST_OFFERED,
+    MAX_OFFERED_PIXELS,
     AnyPartition,
-    Drawn,
+    SeededStart,
     Offer,
-    Partitions,
+    PartitionUpdater,
     Selector,
-    all_objects,
-    extent,
+    find_all_objects,
+    measure_extent,
 )
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.tasks import OVER, Task
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
@@ -42,13 +42,13 @@ _SAME_OBJECT_COVERAGE = 0.5
 """Share of an object covered by others from which it counts as one of them."""
 
 
-def percent(selection: AnySelection) -> str:
+def format_confidence(selection: AnySelection) -> str:
     """Format the confidence of an object as text; empty in a volume, where it is unknown."""
     return localize_number(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
 
 
 @frozen
-class Question:
+class SelectionRequest:
     """A request for the object of some clicks, and for what the run offers.
 
     `pointed` also asks for the effect of one more click, at the pointer; `stepped` for a candidate that is some steps
@@ -57,36 +57,36 @@ class Question:
 
     selector: Selector
     clicks: Clicks
-    pointed: tuple[Selector, Clicks, Click] | None
-    stepped: tuple[Selector, Clicks, int] | None
+    preview_prompt: tuple[Selector, Clicks, Click] | None
+    candidate_step: tuple[Selector, Clicks, int] | None
 
-    def answer(self) -> Answer:
+    def compute_answer(self) -> SelectionAnswer:
         """Compute the answer, which takes some milliseconds for each new click."""
         selector, clicks = self.selector, self.clicks
-        selection, offered = selector.selection(clicks), selector.proposals
+        selection, offered = selector.selection_for(clicks), selector.proposals
         if selection is not None:
             rest = [each for each in offered if each.clicks != clicks[: len(each.clicks)]]
             held = (selection.contains(np.array(each.clicks[0].places[:1]))[0] for each in rest)
             rest = [each for each, within in zip(rest, held, strict=True) if not within]
             offered = (Proposal(selection, clicks, selector.edited), *rest)
         for each in offered:
-            _ = each.item if each.selection.has_boundary else None  # cached on this thread, not on the window's
+            _ = each.proposed_object if each.selection.has_boundary else None  # cached on this thread, not on the window's
         preview, candidate = None, None
-        if self.pointed is not None:
-            selector, before, click = self.pointed
-            after = selector.selection((*before, click)) if selector.quick((*before, click)) else None
-            preview = None if after is None else Preview(after, selector.selection(before), click.inside)
-        if self.stepped is not None:
-            selector, before, by = self.stepped
-            candidate = selector.stepped(before, by)
+        if self.preview_prompt is not None:
+            selector, before, click = self.preview_prompt
+            after = selector.selection_for((*before, click)) if selector.is_quick((*before, click)) else None
+            preview = None if after is None else Preview(after, selector.selection_for(before), click.inside)
+        if self.candidate_step is not None:
+            selector, before, by = self.candidate_step
+            candidate = selector.step_clicks(before, by)
         return offered, preview, candidate
 
 
-Answer = tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int, int] | None]
+SelectionAnswer = tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int, int] | None]
 """Proposals, the effect of a click, and the clicks of a candidate with its number and the number of candidates."""
 
 
-Search = Callable[[Partition, Task], tuple[Proposal, ...]]
+ObjectSearch = Callable[[Partition, BackgroundTask], tuple[Proposal, ...]]
 """Finds objects to offer."""
 
 
@@ -99,28 +99,28 @@ class ObjectSelection(QObject):
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         super().__init__(session)
         self._session, self._list = session, object_list
-        self._in_use, self._over = False, False
+        self._in_use, self._run_ended = False, False
         self._pointed: Click | None = None
         self._steps = 0
-        self._next: Callback | None = None
+        self._on_answered: Callback | None = None
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
         self._selectors: dict[int, Selector] = {}
-        self._asked: Question | None = None
+        self._request: SelectionRequest | None = None
         self._remark, self._was_ready = "", False
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
-        self._finding = OVER
-        self.partitions = Partitions(
-            session, lambda: self._in_use or self.selecting or bool(self._offering) or self.followed() is not None
+        self._finding = ENDED_TASK
+        self.partition_updater = PartitionUpdater(
+            session, lambda: self._in_use or self.selecting or bool(self._offered_starts) or self.followed_search() is not None
         )
-        self.partitions.changed.connect(self._follow)
-        self.partitions.changed.connect(self.changed)
-        session.document_changed.connect(lambda _: self.partitions.look())
-        session.document_changed.connect(lambda _: self._follow())
-        session.scene_changed.connect(self._follow_run)
-        session.image_changed.connect(self._forget)
-        self.offers_for: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
-        self.followed: Callable[[], Search | None] = lambda: None
+        self.partition_updater.changed.connect(self._request_answer)
+        self.partition_updater.changed.connect(self.changed)
+        session.document_changed.connect(lambda _: self.partition_updater.update_partition())
+        session.document_changed.connect(lambda _: self._request_answer())
+        session.scene_changed.connect(self._on_scene_changed)
+        session.image_changed.connect(self._on_image_changed)
+        self.should_offer: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
+        self.followed_search: Callable[[], ObjectSearch | None] = lambda: None
         """Returns the search for the objects of the previous page in the image, None if there are none."""
 
     # State
@@ -138,18 +138,18 @@ class ObjectSelection(QObject):
     @property
     def ready(self) -> bool:
         """Whether objects can be selected at once."""
-        return self.partitions.partition is not None
+        return self.partition_updater.partition is not None
 
     @property
     def idle(self) -> bool:
         """Whether the proposals are up to date."""
-        return self._latest.idle and self._finding.over and not self.partitions.preparing
+        return self._latest.idle and self._finding.is_over and not self.partition_updater.preparing
 
     @property
     def advice(self) -> str:
         """Hint on what can be done with the proposals; empty if there are none, or if Enter accepts none of them."""
         offered = self.proposals
-        keys = {row.key for row in self._list.meant} if offered else set()
+        keys = {row.key for row in self._list.rows_to_accept} if offered else set()
         accepted = [each for each in offered if ("proposal", each.key) in keys]
         if self.selecting:
             hint = tr(
@@ -157,7 +157,7 @@ class ObjectSelection(QObject):
             )
         elif 1 < len(accepted) < len(offered):
             hint = tr("{chosen} of {count} objects are selected. Enter: accept them · {key:reject}: reject them")
-            if not self._list.selected:
+            if not self._list.selected_keys:
                 hint = tr("{chosen} of {count} objects are likely. Enter: accept them · {key:reject}: reject all")
         elif len(accepted) > 1 and self._in_use:
             hint = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
@@ -169,86 +169,86 @@ class ObjectSelection(QObject):
             hint = tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · {key:reject}: reject")
         else:
             return ""
-        likely = percent(accepted[0].selection) if accepted else ""
+        likely = format_confidence(accepted[0].selection) if accepted else ""
         return insert_keys(hint, count=len(offered), chosen=len(accepted), likely=likely and f", {likely}")
 
-    def under(self, at: Place) -> int:
+    def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
         place = np.array([at], float)
         around = [each for each in self.proposals if each.key and each.selection.contains(place)[0]]
-        return min(around, key=lambda each: extent(each.selection)).key if around else self._list.under(at)
+        return min(around, key=lambda each: measure_extent(each.selection)).key if around else self._list.object_number_at(at)
 
     def set_in_use(self, in_use: bool) -> None:
         """Set whether the tool is in use, so that the partition is kept up to date."""
         self._in_use = in_use
-        self.partitions.look(again=in_use)
-        self._follow()
+        self.partition_updater.update_partition(again=in_use)
+        self._request_answer()
 
-    def search(self) -> None:
+    def search_again(self) -> None:
         """Search again for objects to offer."""
         self._searched = None
-        self.partitions.look()
-        self._follow()
+        self.partition_updater.update_partition()
+        self._request_answer()
 
     # Clicks
 
-    def point(self, at: Place | None, inside: bool = True) -> None:
+    def preview_click(self, at: Place | None, inside: bool = True) -> None:
         """Preview the effect of a click at a place; None for no place."""
         self._pointed = Click((at,), inside) if at is not None else None
         if at is None:
-            self._show(preview=None)
-        self._follow()
+            self._update_shown_objects(preview=None)
+        self._request_answer()
 
-    def click(self, places: tuple[Place, ...], inside: bool = True) -> None:
+    def add_click(self, places: tuple[Place, ...], inside: bool = True) -> None:
         """Add a click: positive points of the object, or negative ones."""
         click = Click(places, inside)
-        clicks, number = self._before(self._corrected(click))
-        self._select(tr("select") if inside else tr("remove from selection"), (*clicks, click), number)
+        clicks, number = self._clicks_before(self._find_corrected(click))
+        self._set_clicks(tr("select") if inside else tr("remove from selection"), (*clicks, click), number)
 
-    def correct(self, number: int) -> None:
+    def correct_object(self, number: int) -> None:
         """Continue to select an object, given by its number, or a proposal, given by its key."""
-        self._select(tr("correct object"), *self._before(number))
-        self._list.choose((number,) if number > 0 else ())
+        self._set_clicks(tr("correct object"), *self._clicks_before(number))
+        self._list.select_objects((number,) if number > 0 else ())
 
-    def step(self, by: int) -> None:
+    def step_candidate(self, by: int) -> None:
         """Step to a larger candidate for the object of the clicks or the selected one, a smaller one if `by` < 0."""
         self._steps += by
-        self._follow()
+        self._request_answer()
 
-    def when_answered(self, do: Callback) -> None:
+    def call_when_answered(self, callback: Callback) -> None:
         """Call a function as soon as the object of the clicks is known."""
         if self.selecting and not any(each.clicks == self._session.document.objects.clicks for each in self.proposals):
-            self._next = do
+            self._on_answered = callback
         else:
-            do()
+            callback()
 
-    def take_back(self) -> None:
+    def undo_click(self) -> None:
         """Undo the last click."""
         if self.selecting:
             known = self._session.document.objects
-            self._select(tr("undo a click"), known.clicks[:-1], known.edited)
+            self._set_clicks(tr("undo a click"), known.clicks[:-1], known.edited)
 
-    def drop(self) -> None:
+    def discard_clicks(self) -> None:
         """Discard the object being selected."""
         if self.selecting:
-            self._select(tr("discard the selection"), ())
+            self._set_clicks(tr("discard the selection"), ())
 
     # Objects of the document
 
-    def fit(self, numbers: frozenset[int]) -> None:
+    def refit_objects(self, numbers: frozenset[int]) -> None:
         """Select the objects of these numbers again by their own clicks; frozen ones stay as they are."""
-        partition, items = self.partitions.partition, self._session.document.objects.items
+        partition, items = self.partition_updater.partition, self._session.document.objects.items
         fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
         if partition is None or not fitted:
-            self._session.say(tr("There is nothing to fit: choose objects that are not frozen."))
+            self._session.show_message(tr("There is nothing to fit: choose objects that are not frozen."))
             return
 
-        def select_again(task: Task) -> list[tuple[AnySelection, Clicks, int]]:
+        def select_again(task: BackgroundTask) -> list[tuple[AnySelection, Clicks, int]]:
             found = []
             selector = Selector(partition, items, 0, Offer())
             for done, item in enumerate(fitted):
                 task.advance(done / len(fitted))
-                selection = selector.selection(item.clicks)
+                selection = selector.selection_for(item.clicks)
                 if selection is not None:
                     found.append((selection, item.clicks, item.number))
             return found
@@ -257,20 +257,20 @@ class ObjectSelection(QObject):
             if partition.image is self._session.image:
                 self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, found))
 
-        self._session.tasks.start(
-            tr("Fitting objects to the contours…"), select_again, tr("fitting objects"), then=replace_boundaries
+        self._session.tasks.start_task(
+            tr("Fitting objects to the contours…"), select_again, tr("fitting objects"), on_result=replace_boundaries
         )
 
-    def find_like(self, number: int) -> None:
+    def find_similar(self, number: int) -> None:
         """Add all objects that are similar to one and not among the objects yet."""
-        partition, known = self.partitions.partition, self._session.document.objects
+        partition, known = self.partition_updater.partition, self._session.document.objects
         if not isinstance(partition, Partition):  # not available in a volume
-            self.partitions.look(again=True)
-            self._session.say(tr("The image is still being prepared: try again in a moment."))
+            self.partition_updater.update_partition(again=True)
+            self._session.show_message(tr("The image is still being prepared: try again in a moment."))
             return
         example = known[number]
 
-        def find_new(task: Task) -> list[Selection]:
+        def find_new(task: BackgroundTask) -> list[Selection]:
             alike = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
             taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
             return [each for each in alike if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
@@ -279,30 +279,30 @@ class ObjectSelection(QObject):
             if partition.image is not self._session.image:
                 return
             if not found:
-                self._session.say(tr("No other object like this one was found."))
+                self._session.show_message(tr("No other object like this one was found."))
                 return
             self._session.edit(tr("all like this"), lambda document: objects.add_selections(document, found, example.category))
-            self._session.say(tr("{count} objects like this one were found.").format(count=len(found)))
+            self._session.show_message(tr("{count} objects like this one were found.").format(count=len(found)))
 
-        self._session.tasks.start(tr("Finding objects like this one…"), find_new, tr("finding objects"), then=add_found)
+        self._session.tasks.start_task(tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found)
 
     def close(self) -> None:
         """End the threads."""
-        self.partitions.close()
+        self.partition_updater.close()
         self._latest.close()
 
     # Internal
 
-    def _select(self, words: str, clicks: Clicks, number: int = 0) -> None:
-        followed = [each.item for each in self.proposals if each.number == number and each.followed is not None]
+    def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:
+        followed = [each.proposed_object for each in self.proposals if each.number == number and each.followed_object is not None]
 
         def accept_and_select(document: Document) -> Document:
             """Accept an object of the previous page as it is, so that it can be changed like any other."""
             return objects.set_selection_clicks(objects.accept_objects(document, followed), clicks, number)
 
-        self._session.edit(words, accept_and_select)
+        self._session.edit(undo_text, accept_and_select)
 
-    def _corrected(self, said: Click) -> int:
+    def _find_corrected(self, click: Click) -> int:
         """Return the number or key of the object or proposal that a click corrects; 0 if it begins a new object.
 
         A negative click corrects the object under it, a positive one the only proposal. While an object is being
@@ -310,12 +310,12 @@ class ObjectSelection(QObject):
         """
         if self.selecting:
             return 0
-        if not said.inside:
-            return self.under(said.places[0])
-        alone = len(self.proposals) == 1 and self.proposals[0].followed is None
+        if not click.inside:
+            return self.object_number_at(click.places[0])
+        alone = len(self.proposals) == 1 and self.proposals[0].followed_object is None
         return self.proposals[0].key if alone else 0
 
-    def _before(self, number: int) -> tuple[Clicks, int]:
+    def _clicks_before(self, number: int) -> tuple[Clicks, int]:
         """Return the clicks being made, or else those of an object or proposal, and the number of the object."""
         document = self._session.document
         if self.selecting or not number:
@@ -325,7 +325,7 @@ class ObjectSelection(QObject):
         return next(((each.clicks, each.number) for each in self.proposals if each.key == number), ((), 0))
 
     @property
-    def _offering(self) -> tuple[Start, ...]:
+    def _offered_starts(self) -> tuple[Start, ...]:
         """The starts whose objects are offered, because the run from them has ended with a result.
 
         On a large image, or if `offers_for` is False for the document, there are none unless the tool for objects is in
@@ -334,45 +334,45 @@ class ObjectSelection(QObject):
         document, result = self._session.document, self._session.scene.contours.result
         if result is None or not result.stop_reason or document.mode == "skeleton":
             return ()
-        if not self._in_use and (math.prod(result.shape) > MOST_OFFERED or not self.offers_for(document)):
+        if not self._in_use and (math.prod(result.shape) > MAX_OFFERED_PIXELS or not self.should_offer(document)):
             return ()
         return document.starts
 
-    def _follow_run(self) -> None:
+    def _on_scene_changed(self) -> None:
         """Offer the objects of a run once it has ended, but none of one that has been reset or continues."""
         result = self._session.scene.contours.result
         over = result is not None and bool(result.stop_reason)
-        if over != self._over:
-            self._over = over
-            self._follow()
+        if over != self._run_ended:
+            self._run_ended = over
+            self._request_answer()
 
-    def _offer_of(self, partition: AnyPartition) -> Offer:
+    def _make_offer(self, partition: AnyPartition) -> Offer:
         """Return the objects of the previous page, or the offer of the run: everything if it has started everywhere."""
-        starts, source, rejected = self._offering, self.partitions.source, self._session.document.objects.rejected
-        search = self.followed()
+        starts, source, rejected = self._offered_starts, self.partition_updater.source, self._session.document.objects.rejected
+        search = self.followed_search()
         if not (isinstance(partition, Partition) and (search or any(isinstance(each, Everywhere) for each in starts))):
-            return Offer(tuple(start for start in starts if isinstance(start, Drawn)), (), rejected)
+            return Offer(tuple(start for start in starts if isinstance(start, SeededStart)), (), rejected)
         if self._searched is not partition and (search or (isinstance(source, Result) and source.stop_reason)):
             self._searched, self._found = partition, ()
             self._finding.cancel()
-            self._finding = self._session.tasks.start(
+            self._finding = self._session.tasks.start_task(
                 tr("Following objects…") if search else tr("Finding objects between the contours…"),
-                partial(search or all_objects, partition),
+                partial(search or find_all_objects, partition),
                 tr("finding objects"),
-                then=partial(self._use_found, partition),
+                on_result=partial(self._on_objects_found, partition),
             )
         return Offer((), self._found if self._searched is partition else (), rejected)
 
-    def _use_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
+    def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
             self._found = found
-            self._follow()
+            self._request_answer()
             if not found:
-                self._session.say(tr("No object was found: click one, or start the run there."))
+                self._session.show_message(tr("No object was found: click one, or start the run there."))
 
-    def _selector(self, partition: AnyPartition, number: int) -> Selector:
+    def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
-        items, offer = self._session.document.objects.items, self._offer_of(partition)
+        items, offer = self._session.document.objects.items, self._make_offer(partition)
         if any(
             (each.partition, each.items, each.offer) != (partition, items, offer) for each in self._selectors.values()
         ):
@@ -381,94 +381,94 @@ class ObjectSelection(QObject):
             self._selectors[number] = Selector(partition, items, number, offer)
         return self._selectors[number]
 
-    def _follow(self) -> None:
+    def _request_answer(self) -> None:
         """Request an answer if anything that it depends on has changed."""
-        partition, known = self.partitions.partition, self._session.document.objects
+        partition, known = self.partition_updater.partition, self._session.document.objects
         if partition is None:
-            self._offer(())
+            self._set_proposals(())
             return
-        changed = self._asked is not None and known.items is not self._asked.selector.items
+        changed = self._request is not None and known.items is not self._request.selector.items
         gone = {item.clicks for item in known.items} if changed else set()  # accepted meanwhile
-        self._offer(tuple(each for each in self.proposals if each.clicks not in gone and (each.key or known.clicks)))
+        self._set_proposals(tuple(each for each in self.proposals if each.clicks not in gone and (each.key or known.clicks)))
         pointed, stepped = None, None
         if self._pointed is not None:
-            clicks, number = self._before(self._corrected(self._pointed))
-            pointed = self._selector(partition, number), clicks, self._pointed
+            clicks, number = self._clicks_before(self._find_corrected(self._pointed))
+            pointed = self._get_selector(partition, number), clicks, self._pointed
         if self._steps:
-            clicks, number = self._stepping
-            stepped = self._selector(partition, number), clicks, self._steps
-        question = Question(self._selector(partition, known.edited), known.clicks, pointed, stepped)
-        if question != self._asked:
-            self._asked = question
-            self._latest.ask(question.answer, partial(self._use, question), self._forget_steps)
+            clicks, number = self._stepped_clicks
+            stepped = self._get_selector(partition, number), clicks, self._steps
+        question = SelectionRequest(self._get_selector(partition, known.edited), known.clicks, pointed, stepped)
+        if question != self._request:
+            self._request = question
+            self._latest.submit(question.compute_answer, partial(self._on_answer, question), self._clear_steps)
 
     @property
-    def _stepping(self) -> tuple[Clicks, int]:
+    def _stepped_clicks(self) -> tuple[Clicks, int]:
         """The clicks of the object being selected, or of the only selected one, and the number of the object."""
         selected = self._session.scene.objects.selected or {each.key for each in self.proposals}
-        return self._before(next(iter(selected)) if len(selected) == 1 else 0)
+        return self._clicks_before(next(iter(selected)) if len(selected) == 1 else 0)
 
-    def _use(self, question: Question, answer: Answer) -> None:
+    def _on_answer(self, request: SelectionRequest, answer: SelectionAnswer) -> None:
         proposals, preview, candidate = answer
-        clicks, asked = self._session.document.objects.clicks, self._asked
-        if asked is None or question.selector is not asked.selector or question.clicks != clicks:
+        clicks, asked = self._session.document.objects.clicks, self._request
+        if asked is None or request.selector is not asked.selector or request.clicks != clicks:
             return  # the next answer is on its way
-        self._show(preview=preview if self._pointed is not None else None)
+        self._update_shown_objects(preview=preview if self._pointed is not None else None)
         before = self.proposals
-        self._offer(proposals)
+        self._set_proposals(proposals)
         remark = proposals[0].selection.remark if clicks and proposals else ""
-        remark = remark or without_effect(before, proposals)
+        remark = remark or describe_no_effect(before, proposals)
         if remark and remark != self._remark:  # once
-            self._session.say(remark)
+            self._session.show_message(remark)
         self._remark = remark
-        if candidate is not None and question.stepped is not None:
-            self._use_step(question.stepped, *candidate)
-        do, self._next = self._next, None
+        if candidate is not None and request.candidate_step is not None:
+            self._on_candidate(request.candidate_step, *candidate)
+        do, self._on_answered = self._on_answered, None
         if do is not None and clicks:
             do()
 
-    def _use_step(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
+    def _on_candidate(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
         """Select a candidate, and show its number."""
-        (_, asked, by), (before, edited) = step, self._stepping
-        self._forget_steps()
+        (_, asked, by), (before, edited) = step, self._stepped_clicks
+        self._clear_steps()
         if asked != before:
             return
         if not clicks:
-            self._session.say(tr("Click an object, or select one, to make it smaller or larger."))
+            self._session.show_message(tr("Click an object, or select one, to make it smaller or larger."))
         elif clicks == before:
             none = tr("There is no larger candidate.") if by > 0 else tr("There is no smaller candidate.")
-            self._session.say(none)
+            self._session.show_message(none)
         else:
-            self._select(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
-            self._session.say(tr("Candidate {number} of {count}.").format(number=number, count=count))
+            self._set_clicks(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
+            self._session.show_message(tr("Candidate {number} of {count}.").format(number=number, count=count))
 
-    def _forget_steps(self) -> None:
+    def _clear_steps(self) -> None:
         self._steps = 0
 
-    def _offer(self, proposals: tuple[Proposal, ...]) -> None:
+    def _set_proposals(self, proposals: tuple[Proposal, ...]) -> None:
         """Replace the proposals; there are none while there is no partition."""
         before, ready = self.proposals, self.ready
         same = [(each.key, each.selection) for each in before] == [(each.key, each.selection) for each in proposals]
         if same and ready == self._was_ready:
             return
         self._was_ready = ready
-        self._show(proposals=proposals)
+        self._update_shown_objects(proposals=proposals)
         self.changed.emit()
 
-    def _show(self, **parts: Any) -> None:
+    def _update_shown_objects(self, **parts: Any) -> None:
         scene = self._session.scene
         if any(getattr(scene.objects, name) != part for name, part in parts.items()):
-            self._session.show(replace(scene, objects=replace(scene.objects, **parts)))
+            self._session.set_scene(replace(scene, objects=replace(scene.objects, **parts)))
 
-    def _forget(self) -> None:
-        self._latest.forget()
+    def _on_image_changed(self) -> None:
+        self._latest.drop_waiting()
         self._finding.cancel()
         self._selectors, self._found = {}, ()
-        self._asked = self._pointed = self._searched = None
-        self._steps, self._over = 0, False
+        self._request = self._pointed = self._searched = None
+        self._steps, self._run_ended = 0, False
 
 
-def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:
+def describe_no_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:
     """Return a message if the newest click has not changed the object; else ""."""
     if not before or not after or after[0].key or len(after[0].clicks) != len(before[0].clicks) + 1:
         return ""

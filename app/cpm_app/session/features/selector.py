@@ -19,7 +19,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.scene import Proposal
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.tasks import OVER, Task
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import (
     PRESETS,
     Image,
@@ -43,12 +43,12 @@ from cpm_core.objects.segmented import Click, SegmentedObject, collect_points, s
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
 
-_QUIET = 250
+_PARTITION_DELAY = 250
 """Time without a change of parameters or limits after which a run from everywhere is repeated [ms]."""
 
 
 @frozen
-class Everywhere:
+class EverywhereRun:
     """Inputs of a run from everywhere."""
 
     image: Image
@@ -59,14 +59,14 @@ class Everywhere:
 AnyPartition = Partition | VolumePartition
 """Partition of an image or a volume, from which objects are selected."""
 
-Source = Result | Everywhere
+PartitionSource = Result | EverywhereRun
 """Input that a partition is made from."""
 
-Prepared = tuple[Source, AnyPartition]
+PreparedPartition = tuple[PartitionSource, AnyPartition]
 """Source of a partition, and the partition, ready to select from."""
 
 
-class Partitions(QObject):
+class PartitionUpdater(QObject):
     """Makes partitions on other threads: from the contours of the run, or without one, from a run from everywhere.
 
     Until the latter ends, a partition without contours is used. `wanted` returns whether a partition is needed now;
@@ -80,104 +80,104 @@ class Partitions(QObject):
         super().__init__(session)
         self.partition: AnyPartition | None = None
         self._session = session
-        self._wanted = wanted
-        self.source: Source | None = None
+        self._is_needed = wanted
+        self.source: PartitionSource | None = None
         """Source of `partition`."""
-        self._asked_for: Source | None = None
-        self._everywhere: Prepared | None = None
-        self._task = OVER
+        self._asked_for: PartitionSource | None = None
+        self._everywhere: PreparedPartition | None = None
+        self._task = ENDED_TASK
         self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
-        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
-        self._quiet.timeout.connect(self.look)
-        session.image_changed.connect(self._forget)
-        session.scene_changed.connect(self.look)
-        session.document_changed.connect(self._use_document)
+        self._quiet = QTimer(self, singleShot=True, interval=_PARTITION_DELAY)
+        self._quiet.timeout.connect(self.update_partition)
+        session.image_changed.connect(self._on_image_changed)
+        session.scene_changed.connect(self.update_partition)
+        session.document_changed.connect(self._on_document_changed)
 
     @property
     def preparing(self) -> bool:
         """Whether a run from everywhere is going on."""
-        return not self._task.over
+        return not self._task.is_over
 
-    def look(self, again: bool = False) -> None:
+    def update_partition(self, again: bool = False) -> None:
         """Start to make the partition that is needed now if its source is new; `again` even if it has failed before."""
         if again and self._latest.idle and not self.preparing:
             self._asked_for = self.source
-        source, known = self._source(), self._everywhere
-        if source is None or self._quiet.isActive() or not self._wanted():
+        source, known = self._current_source(), self._everywhere
+        if source is None or self._quiet.isActive() or not self._is_needed():
             return
         if known is not None and source == known[0]:
             self._asked_for = source
             if source != self.source:
-                self._use(known)
+                self._set_partition(known)
         elif source != self._asked_for:
             self._asked_for = source
             self._task.cancel()
-            if isinstance(source, Everywhere):
-                alone = source.image.ndim == 3 or math.prod(source.image.shape) > MOST_OFFERED
+            if isinstance(source, EverywhereRun):
+                alone = source.image.ndim == 3 or math.prod(source.image.shape) > MAX_OFFERED_PIXELS
                 if self.partition is None or alone:  # usable at once; contours follow
-                    self._use((source, _without_run(source)))
+                    self._set_partition((source, _partition_without_run(source)))
                 if not alone:
-                    self._run(source)
+                    self._start_run_everywhere(source)
             else:
-                self._latest.ask(lambda: (source, _ready(partition(source))), self._take)
+                self._latest.submit(lambda: (source, _precompute_selection(partition(source))), self._on_partition_made)
 
     def close(self) -> None:
         """End the thread."""
         self._latest.close()
 
-    def _source(self) -> Source | None:
+    def _current_source(self) -> PartitionSource | None:
         scene = self._session.scene
         if scene.image is None:
             return None
         found = scene.reconstruction.result if scene.reconstruction is not None else None
         if isinstance(found, Result) and found.image is not None and (found.contours or found.surface is not None):
             return found
-        return Everywhere(scene.image, parameters_everywhere(scene.document), scene.document.regions)
+        return EverywhereRun(scene.image, parameters_everywhere(scene.document), scene.document.regions)
 
-    def _run(self, source: Everywhere) -> None:
-        def run_everywhere(task: Task) -> Prepared:
-            return source, _ready(from_everywhere(source, task))
+    def _start_run_everywhere(self, source: EverywhereRun) -> None:
+        def run_everywhere(task: BackgroundTask) -> PreparedPartition:
+            return source, _precompute_selection(partition_from_everywhere(source, task))
 
         name = tr("Finding contours everywhere, to outline objects exactly…")
         activity = tr("preparing the selection of objects")
-        self._task = self._session.tasks.start(name, run_everywhere, activity, then=self._take)
+        self._task = self._session.tasks.start_task(name, run_everywhere, activity, on_result=self._on_partition_made)
         self.changed.emit()
 
-    def _take(self, prepared: Prepared) -> None:
+    def _on_partition_made(self, prepared: PreparedPartition) -> None:
         source, made = prepared
         if made.image is not self._session.image:
             return
-        if isinstance(source, Everywhere):
+        if isinstance(source, EverywhereRun):
             self._everywhere = prepared
             if source != self._asked_for:
                 return
-        elif not isinstance(self._source(), Result):
+        elif not isinstance(self._current_source(), Result):
             return  # the run has been reset
-        self._use(prepared)
+        self._set_partition(prepared)
 
-    def _use(self, prepared: Prepared) -> None:
+    def _set_partition(self, prepared: PreparedPartition) -> None:
         self.source, self.partition = prepared
         self.changed.emit()
-        self.look()
+        self.update_partition()
 
-    def _use_document(self, document: Document) -> None:
+    def _on_document_changed(self, document: Document) -> None:
         """Wait until parameters and limits stop changing before another run from everywhere."""
-        source, before = self._source(), self._asked_for
-        if isinstance(source, Everywhere) and isinstance(before, Everywhere) and source != before:
+        source, before = self._current_source(), self._asked_for
+        if isinstance(source, EverywhereRun) and isinstance(before, EverywhereRun) and source != before:
             self._quiet.start()
 
-    def _forget(self) -> None:
+    def _on_image_changed(self) -> None:
         self._task.cancel()
-        self._latest.forget()
+        self._latest.drop_waiting()
         self._quiet.stop()
         self.partition = self.source = self._asked_for = self._everywhere = None
         self.changed.emit()
 
 
-def from_everywhere(source: Everywhere, task: Task) -> Partition:
+def partition_from_everywhere(source: EverywhereRun, task: BackgroundTask) -> Partition:
     """Make a partition with the contours of a run from everywhere; without contours if that would take too long."""
     image, regions = source.image, source.regions
-    if math.prod(image.shape) > MOST_OFFERED:
+    if math.prod(image.shape) > MAX_OFFERED_PIXELS:
         return Partition(image, (), plane_regions(regions), source.parameters.channel)
     grid = uniform_grid(image.shape)
     found = segment(image, grid, source.parameters, regions=regions, progress=lambda _: task.check_cancelled())
@@ -195,14 +195,14 @@ def parameters_everywhere(document: Document) -> Parameters:
     return replace(EVERYWHERE_PARAMETERS, **changed)
 
 
-def _without_run(source: Everywhere) -> AnyPartition:
+def _partition_without_run(source: EverywhereRun) -> AnyPartition:
     """Make a partition without contours or a surface, which selects less exactly."""
     if source.image.ndim == 3:
         return VolumePartition(source.image, regions=source.regions)
     return Partition(source.image, (), plane_regions(source.regions), source.parameters.channel)
 
 
-def _ready(made: AnyPartition) -> AnyPartition:
+def _precompute_selection(made: AnyPartition) -> AnyPartition:
     """Have a partition compute and cache everything that a selection needs, so that the first one is fast."""
     middle = np.array([[0.5 * (side - 1) for side in made.shape]])
     if isinstance(made, VolumePartition):
@@ -212,7 +212,7 @@ def _ready(made: AnyPartition) -> AnyPartition:
     return made
 
 
-MOST_OFFERED = 1 << 23
+MAX_OFFERED_PIXELS = 1 << 23
 """Number of pixels up to which a run from everywhere is started and objects are offered without a request."""
 
 _MAX_START_POINTS = 20
@@ -233,7 +233,7 @@ _SAMPLED_PIXELS = 100
 _MAX_KEPT_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
 
-Drawn = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | BoxGrid
+SeededStart = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | BoxGrid
 """Starts whose seeds are known without the image."""
 
 
@@ -241,7 +241,7 @@ Drawn = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | Box
 class Offer:
     """Offer of a run: the objects of its starts, or all found objects, and the rejected ones to leave out."""
 
-    starts: tuple[Drawn, ...] = ()
+    starts: tuple[SeededStart, ...] = ()
     found: tuple[Proposal, ...] = ()
     rejected: tuple[SegmentedObject, ...] = ()
 
@@ -273,15 +273,15 @@ class Selector:
         within = (item.inside[item.encloses(item.inside)] for item in frozen)
         self._elsewhere = np.concatenate([np.empty((0, 2)), *within])
 
-    def selection(self, clicks: Clicks) -> AnySelection | None:
+    def selection_for(self, clicks: Clicks) -> AnySelection | None:
         """Return the object that clicks select; None if none of them is positive."""
-        selection = self._known.pop(clicks) if clicks in self._known else self._select(clicks)
+        selection = self._known.pop(clicks) if clicks in self._known else self._compute_selection(clicks)
         if len(self._known) == _MAX_KEPT_SELECTIONS:
             del self._known[next(iter(self._known))]  # the least recently used one
         self._known[clicks] = selection
         return selection
 
-    def _select(self, clicks: Clicks) -> AnySelection | None:
+    def _compute_selection(self, clicks: Clicks) -> AnySelection | None:
         inside = collect_points(clicks, inside=True)
         if not len(inside):
             return None
@@ -292,10 +292,10 @@ class Selector:
             else:
                 made = selection_from_object(item, self.partition.shape)
         elif made is None and clicks[-1].step:
-            found, first = self._candidates(clicks)
+            found, first = self._find_candidates(clicks)
             made = found[min(max(first + clicks[-1].step, 0), len(found) - 1)]
         elif made is None:
-            made = self.partition.select(inside, **self._rest(clicks))
+            made = self.partition.select(inside, **self._other_arguments(clicks))
         if isinstance(made, VolumeSelection):
             known = (one for one in self._known.values() if isinstance(one, VolumeSelection) and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
@@ -303,17 +303,17 @@ class Selector:
                 _ = made.packed_body, made.contains(inside)  # cached on this thread, not on the window's
         return made
 
-    def quick(self, clicks: Clicks) -> bool:
+    def is_quick(self, clicks: Clicks) -> bool:
         """Return whether the selection takes so little time that it can be shown while the pointer moves."""
         if not isinstance(self.partition, VolumePartition) or clicks in self._known:
             return True
         places = np.concatenate([np.array(each.places) for each in clicks])
         return bool(self.partition.find_body_numbers(places).all())
 
-    def _rest(self, clicks: Clicks) -> JsonDict:
+    def _other_arguments(self, clicks: Clicks) -> JsonDict:
         """Return the arguments of a selection other than the positive points."""
         inside, outside = collect_points(clicks, inside=True), collect_points(clicks, inside=False)
-        previous = self.selection(clicks[:-1])
+        previous = self.selection_for(clicks[:-1])
         if isinstance(self.partition, VolumePartition):
             return {"outside": outside, "previous": previous}
         areas = [item.area for item in self.items if item.number != self.edited]
@@ -321,20 +321,20 @@ class Selector:
             previous = self.partition.select(inside, outside, areas=areas)
         return {"outside": np.concatenate([outside, self._elsewhere]), "previous": previous, "areas": areas}
 
-    def _candidates(self, clicks: Clicks) -> tuple[Sequence[AnySelection], int]:
+    def _find_candidates(self, clicks: Clicks) -> tuple[Sequence[AnySelection], int]:
         """Find the candidates for clicks, from small to large, and the index of the one selected without a step."""
         clicks = (*clicks[:-1], replace(clicks[-1], step=0))
         if self._stepped is None or self._stepped[0] != clicks:
-            found = self.partition.find_candidates(collect_points(clicks, inside=True), **self._rest(clicks))
-            alike = [_likeness(each, cast("AnySelection", self.selection(clicks))) for each in found]
+            found = self.partition.find_candidates(collect_points(clicks, inside=True), **self._other_arguments(clicks))
+            alike = [_measure_similarity(each, cast("AnySelection", self.selection_for(clicks))) for each in found]
             self._stepped = clicks, (found, int(np.argmax(alike)))
         return self._stepped[1]
 
-    def stepped(self, clicks: Clicks, by: int) -> tuple[Clicks, int, int]:
+    def step_clicks(self, clicks: Clicks, by: int) -> tuple[Clicks, int, int]:
         """Return the clicks of a candidate some steps larger, or smaller below 0, its number from 1, and the count."""
-        if self.selection(clicks) is None:
+        if self.selection_for(clicks) is None:
             return clicks, 1, 1
-        found, first = self._candidates(clicks)
+        found, first = self._find_candidates(clicks)
         last = len(found) - 1
         place = min(max(min(max(first + clicks[-1].step, 0), last) + by, 0), last)
         return (*clicks[:-1], replace(clicks[-1], step=place - first)), place + 1, len(found)
@@ -347,22 +347,22 @@ class Selector:
         """
         partition, offer = self.partition, self.offer
         if isinstance(partition, VolumePartition):
-            return tuple(self._bodies(partition, offer.starts))
-        found = _uncovered(self._of_starts(partition, offer.starts), offer.rejected)
-        return (*found, *_uncovered(offer.found, (*self.items, *offer.rejected)))
+            return tuple(self._propose_bodies(partition, offer.starts))
+        found = _remove_covered(self._propose_from_starts(partition, offer.starts), offer.rejected)
+        return (*found, *_remove_covered(offer.found, (*self.items, *offer.rejected)))
 
-    def _of_starts(self, partition: Partition, starts: Sequence[Drawn]) -> list[Proposal]:
+    def _propose_from_starts(self, partition: Partition, starts: Sequence[SeededStart]) -> list[Proposal]:
         """Propose the objects in which runs were started."""
         found: list[Proposal] = []
         for key, start in enumerate(starts, start=1):
             clicks = (Click(as_line(start.seeds())),)
-            selection = self.selection(clicks)
+            selection = self.selection_for(clicks)
             if not isinstance(selection, Selection) or not selection.contours or selection.has_only_points:
                 continue  # nothing was found, as from a start across an edge
             if any(compute_iou(selection.mask, other.selection.mask) > _SAME_OBJECT_OVERLAP for other in found):
                 continue
             places = selection.inside[selection.contains(selection.inside)]  # none if a line was drawn around it
-            places = places if len(places) else _places_in(selection)
+            places = places if len(places) else _sample_pixels(selection)
             known = next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
             if known is None:
                 found.append(Proposal(selection, clicks, key=-key))
@@ -370,7 +370,7 @@ class Selector:
                 found.append(Proposal(selection, clicks, known.number, -key))
         return found
 
-    def _bodies(self, partition: VolumePartition, starts: Sequence[Drawn]) -> list[Proposal]:
+    def _propose_bodies(self, partition: VolumePartition, starts: Sequence[SeededStart]) -> list[Proposal]:
         """Propose, for each start, the body that contains most of its seeds."""
         found: list[Proposal] = []
         clicked = (initial_clicks(item, partition.shape) for item in (*self.items, *self.offer.rejected))
@@ -383,50 +383,50 @@ class Selector:
             if body not in taken:
                 taken.add(body)
                 clicks = (Click(as_line(seeds[bodies == body][:_MAX_START_POINTS])),)
-                selection = self.selection(clicks)
+                selection = self.selection_for(clicks)
                 if selection is not None and selection.has_boundary:
                     found.append(Proposal(selection, clicks, key=-key))
         return found
 
 
-def all_objects(partition: Partition, task: Task) -> tuple[Proposal, ...]:
+def find_all_objects(partition: Partition, task: BackgroundTask) -> tuple[Proposal, ...]:
     """Find all objects of an image, each as the selection of a click where it is widest."""
     found = enumerate(find_objects_everywhere(partition, task.check_cancelled))
     return tuple(Proposal(one, (Click(as_line(one.inside)),), key=~index) for index, one in found)
 
 
-def _uncovered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
+def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
     """Return the proposals at least half of which is not covered by objects, not counting much larger ones."""
     left = []
     for each in found:
-        places, most = _places_in(cast("Selection", each.selection)), _MUCH_LARGER * extent(each.selection)
+        places, most = _sample_pixels(cast("Selection", each.selection)), _MUCH_LARGER * measure_extent(each.selection)
         within = [item.encloses(places) for item in items if item.area < most]
         if not within or np.any(within, axis=0).mean() < 0.5:
             left.append(each)
     return left
 
 
-def _box_of(selection: Selection) -> tuple[slice, ...]:
+def _bounding_slices(selection: Selection) -> tuple[slice, ...]:
     """Return the slices of rows and columns that contain an object."""
     low, high = (np.array([contour.box[end] for contour in selection.contours]) for end in (0, 1))
     first = np.maximum(np.floor(low.min(axis=0)), 0).astype(int).tolist()
     return tuple(map(slice, first, np.ceil(high.max(axis=0) + 1).astype(int).tolist()))
 
 
-def _places_in(selection: Selection) -> Array:
+def _sample_pixels(selection: Selection) -> Array:
     """Sample pixels of an object, spread over all of it, shape (N, 2) [px]."""
-    box = _box_of(selection)
+    box = _bounding_slices(selection)
     pixels = np.argwhere(selection.mask[box]) + [part.start for part in box]
     return np.asarray(pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)], float)
 
 
-def extent(selection: AnySelection) -> float:
+def measure_extent(selection: AnySelection) -> float:
     """Measure the volume of a selection; in an image its area [px²]."""
     return selection.volume if isinstance(selection, VolumeSelection) else float(np.count_nonzero(selection.mask))
 
 
-def _likeness(one: AnySelection, other: AnySelection) -> float:
+def _measure_similarity(one: AnySelection, other: AnySelection) -> float:
     """Measure the similarity of two selections: their overlap, or in a volume the negative difference of volumes."""
     if isinstance(one, Selection) and isinstance(other, Selection):
         return compute_iou(one.mask, other.mask)
-    return -abs(extent(one) - extent(other))
+    return -abs(measure_extent(one) - measure_extent(other))

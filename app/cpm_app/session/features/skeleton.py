@@ -9,7 +9,7 @@ from cpm_app.session.session import Session
 from cpm_core import Parameters
 
 
-class Skeletons(QObject):
+class SkeletonUpdater(QObject):
     """Recomputes the skeleton, in three steps at most, when a parameter or its subject changes."""
 
     def __init__(self, session: Session) -> None:
@@ -17,23 +17,23 @@ class Skeletons(QObject):
         self._session = session
         self._parameters: Parameters | None = None
         self._changed = False
-        self._of: tuple[object, ...] = ()
-        session.document_changed.connect(self._use_document)
-        session.status_changed.connect(self._follow)
+        self._subject: tuple[object, ...] = ()
+        session.document_changed.connect(self._on_document_changed)
+        session.status_changed.connect(self._on_status_changed)
 
-    def _use_document(self, document: Document) -> None:
+    def _on_document_changed(self, document: Document) -> None:
         if document.parameters is not self._parameters:
             self._changed = document.mode == "skeleton"
             self._parameters = document.parameters
         regions = document.regions
         subject = (document.outlines, document.outlined_surfaces, regions.interest if regions is not None else ())
-        before, self._of = self._of, subject
+        before, self._subject = self._subject, subject
         status = self._session.status
         if before != subject and document.mode == "skeleton" and status.method == "skeleton" and status.started:
             self._session.reset()
             self._session.run()
 
-    def _follow(self) -> None:
+    def _on_status_changed(self) -> None:
         if not self._changed:
             return
         status = self._session.status

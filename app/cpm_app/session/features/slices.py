@@ -19,9 +19,9 @@ from cpm_app.model.volume.surface_section import cut_objects, cut_selection, cut
 from cpm_app.model.volume.surface_section import cut_surface as lines_of
 from cpm_app.session.exchange.messages import Reconstruction, Snapshot
 from cpm_app.session.features.background import AsyncCache, IdentityCache
-from cpm_app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
+from cpm_app.session.scene import NO_CONTOURS, ContourItem, NearParticles, ReviewedContours, Scene, ShownObjects
 from cpm_app.session.session import Session
-from cpm_app.session.worker.requests import Probed
+from cpm_app.session.worker.requests import ForcesProbed
 from cpm_core import Image, Skeleton
 from cpm_core.contours import ReviewedContour
 from cpm_core.numerics import Array, Index, Place
@@ -29,16 +29,16 @@ from cpm_core.numerics.types import JsonObject
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import ImageSeeds, ImageStart, Shape, relative_sides
 
-AT_ONCE = 1 << 21
+MAX_SYNC_PIXELS = 1 << 21
 """Largest number of pixels of a slice that is made at once: three of these take a third of a frame of 50 ms."""
 
-MANY = 20_000
+MAX_SYNC_FACES = 20_000
 """Largest number of faces of a surface that is cut at once: 200,000 take 25 ms in each of three views."""
 
-Lines = tuple[Reconstruction | None, ReviewedContours]
+SliceLines = tuple[Reconstruction | None, ReviewedContours]
 """Result in a slice: center lines, or the contours in which it cuts the surface."""
 
-Overlay = DisplayImage | Array
+SliceOverlay = DisplayImage | Array
 """Overlay of a slice: an image, or arrows of a field."""
 
 
@@ -57,99 +57,99 @@ class Sections:
         self.axis = axis
         self.later = later
         self._parts = IdentityCache()
-        self._shown: tuple[Slice, Lines] | None = None
+        self._shown: tuple[Slice, SliceLines] | None = None
 
-    def of(self, scene: Scene) -> Scene:
+    def from_scene(self, scene: Scene) -> Scene:
         """Make the scene of a slice from the scene of a volume; any other scene is returned as it is."""
         volume, slices = scene.image, scene.slices
         if volume is None or slices is None or scene.volume is not None:
             return scene
         slices = slices if self.axis is None else slices.with_axis(self.axis)
         here, part, reach = slices.current, self._parts.get, scene.document.parameters.d_min
-        image = part(_image, volume, here)
+        image = part(_slice_image, volume, here)
         cut = part(cut_objects, scene.document.objects, here)
-        document, places = part(_document, scene.document, here, volume, cut)
-        near = part(_near, scene.snapshot, here, volume, reach)
-        reconstruction, contours = self._lines(scene.reconstruction, here)
+        document, places = part(_slice_document, scene.document, here, volume, cut)
+        near = part(_find_near_particles, scene.snapshot, here, volume, reach)
+        reconstruction, contours = self._slice_lines(scene.reconstruction, here)
         seeds = scene.image_seeds
         return Scene(
             image,
-            self._display(image, IntensityWindow(*volume.gray_range)),
+            self._display_slice(image, IntensityWindow(*volume.gray_range)),
             scene.shaded,
             document,
-            places.get(scene.selected),
-            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), seeds, here, reach),
-            snapshot=part(_snapshot, scene.snapshot, near, here),
+            places.get(scene.selected_shape),
+            self._parts.get_named("seeds", lambda: _slice_seeds(seeds, here, volume, reach), seeds, here, reach),
+            snapshot=part(_slice_snapshot, scene.snapshot, near, here),
             reconstruction=reconstruction,
             contours=contours,
-            overlays=self._overlays(scene, here, image),
-            probed=part(_probed, scene.probed, here, volume, reach),
+            overlays=self._slice_overlays(scene, here, image),
+            probed=part(_slice_forces, scene.probed, here, volume, reach),
             truth=part(cut_truth, scene.truth, here),
             differences=part(cut_differences, scene.surface_differences, here),
-            objects=part(_shown, scene.objects, here),
+            objects=part(_slice_objects, scene.objects, here),
             slices=slices,
             volume=volume,
-            near=near,
+            near_particles=near,
         )
 
-    def _lines(self, found: Reconstruction | None, here: Slice) -> Lines:
+    def _slice_lines(self, found: Reconstruction | None, here: Slice) -> SliceLines:
         """Cut a result by a slice; a large surface is cut later, and its last cut is shown meanwhile."""
         before, faces = self._shown, len(getattr(getattr(found.result, "surface", None), "faces", ())) if found else 0
-        if self.later is None or faces <= MANY or before is None or before[0] != here:
-            lines = self._parts.get(_result, found, here)
+        if self.later is None or faces <= MAX_SYNC_FACES or before is None or before[0] != here:
+            lines = self._parts.get(_slice_result, found, here)
         else:
-            lines = self.later.named("lines", partial(_result, found, here), lambda: before[1], found, here)
+            lines = self.later.get_named("lines", partial(_slice_result, found, here), lambda: before[1], found, here)
         self._shown = here, lines
         return lines
 
-    def _display(self, image: Image, window: IntensityWindow) -> DisplayImage:
+    def _display_slice(self, image: Image, window: IntensityWindow) -> DisplayImage:
         """Display a slice in the intensity window of the volume, so that brightness is the same in all slices."""
 
         def make_display() -> DisplayImage:
             return DisplayImage.from_shades(apply_window(image.values, window))
 
-        if image.values.size > AT_ONCE and self.later is not None:
-            return self.later.named("display", make_display, lambda: DisplayImage.from_subsample(image.values, window), image)
-        return self._parts.named("display", make_display, image)
+        if image.values.size > MAX_SYNC_PIXELS and self.later is not None:
+            return self.later.get_named("display", make_display, lambda: DisplayImage.from_subsample(image.values, window), image)
+        return self._parts.get_named("display", make_display, image)
 
-    def _overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, Overlay]:
+    def _slice_overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, SliceOverlay]:
         """Cut the overlays by a slice."""
-        found: dict[str, Overlay] = {}
+        found: dict[str, SliceOverlay] = {}
         for name, drawn in scene.overlays.items():
             if isinstance(drawn, DisplayVolume):
-                found[name] = self._parts.named(name, partial(DisplayImage.from_shades, here.slice_array(drawn.shades)), drawn, here)
+                found[name] = self._parts.get_named(name, partial(DisplayImage.from_shades, here.slice_array(drawn.shades)), drawn, here)
             elif isinstance(drawn, SampledForce):
-                found[name] = self._parts.named(name, partial(drawn.interpolate_slice, here, image.shape), drawn, here)
-        return self._parts.named("overlays", lambda: found, *found, *found.values())
+                found[name] = self._parts.get_named(name, partial(drawn.interpolate_slice, here, image.shape), drawn, here)
+        return self._parts.get_named("overlays", lambda: found, *found, *found.values())
 
 
-def _image(volume: Image, here: Slice) -> Image:
+def _slice_image(volume: Image, here: Slice) -> Image:
     return volume.slice_across(here.axis, here.index)
 
 
-def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:
+def _slice_seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:
     """Return the seeds near the slice of the starts all over the volume."""
     sides = relative_sides(volume.spacing)
     return {
-        cut: here.project_points(at[_index(at, here, volume, reach)[0]])
+        cut: here.project_points(at[_select_near_slice(at, here, volume, reach)[0]])
         for start, at in seeds.items()
         for cut in cut_shape(start, here, sides)
         if isinstance(cut, ImageStart)
     }
 
 
-def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> Probed | None:
+def _slice_forces(probed: ForcesProbed | None, here: Slice, volume: Image, reach: float) -> ForcesProbed | None:
     """Return the components along the slice of the forces on a particle, if the particle is near it."""
     if probed is None or len(probed.position) != len(volume.shape):
         return probed
-    if not len(_index(np.array([probed.position]), here, volume, reach)[0]):
+    if not len(_select_near_slice(np.array([probed.position]), here, volume, reach)[0]):
         return replace(probed, identity=-1)
     sides = np.array(here.drop_axis(relative_sides(volume.spacing)))
     along = {name: here.project_points(force[None])[0] / sides for name, force in probed.forces.items()}
     return replace(probed, position=here.drop_axis(probed.position), forces=along)
 
 
-def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Section]]:
+def iterate_sections(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Section]]:
     """Iterate over the sections of shapes by a slice, each with the index of its shape."""
     sides = relative_sides(volume.spacing)
     for index, shape in enumerate(shapes):
@@ -157,20 +157,20 @@ def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator
             yield index, cut
 
 
-def _document(
+def _slice_document(
     document: Document, here: Slice, volume: Image, objects: SegmentedObjects
 ) -> tuple[Document, dict[int | None, int]]:
     """Return the document with sections of its shapes, and the index of the first section of each shape."""
     places: dict[int | None, int] = {}
     shapes: list[Section] = []
-    for index, cut in sections_of(document.shapes, here, volume):
+    for index, cut in iterate_sections(document.shapes, here, volume):
         places.setdefault(index, len(shapes))
         shapes.append(cut)
     # layers draw sections as they draw the shapes of an image
     return replace(document, shapes=cast("tuple[Shape, ...]", tuple(shapes)), objects=objects), places
 
 
-def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
+def _slice_objects(shown: ShownObjects, here: Slice) -> ShownObjects:
     """Cut the proposals and the preview by a slice."""
     offered = tuple(replace(each, selection=cut_selection(each.selection, here)) for each in shown.proposals)
     preview = shown.preview
@@ -180,14 +180,14 @@ def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
     return replace(shown, proposals=offered, preview=preview)
 
 
-def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:
+def _find_near_particles(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:
     """Find the particles within `reach` of the slice, in sides of the smallest voxel."""
     if snapshot is None:
         return None
-    return NearParticles(*_index(snapshot.position, here, volume, reach))
+    return NearParticles(*_select_near_slice(snapshot.position, here, volume, reach))
 
 
-def _index(position: Array, here: Slice, volume: Image, reach: float) -> tuple[Index, Array]:
+def _select_near_slice(position: Array, here: Slice, volume: Image, reach: float) -> tuple[Index, Array]:
     """Find positions, shape (N, 3), near a slice: their indices, shape (M,), and distances in units of `reach`."""
     side = relative_sides(volume.spacing)[here.axis]
     away = np.abs(position[:, here.axis] - here.index) * (side / reach)
@@ -195,14 +195,14 @@ def _index(position: Array, here: Slice, volume: Image, reach: float) -> tuple[I
     return index, away[index]
 
 
-def _snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice) -> Snapshot | None:
+def _slice_snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice) -> Snapshot | None:
     if snapshot is None or near is None:
         return None
     position = here.project_points(snapshot.position[near.index])
     return replace(snapshot, position=position, resting=snapshot.resting[near.index])
 
 
-def _result(reconstruction: Reconstruction | None, here: Slice) -> Lines:
+def _slice_result(reconstruction: Reconstruction | None, here: Slice) -> SliceLines:
     """Return the center lines in the slice, or else the lines in which it cuts the surface."""
     if reconstruction is None:
         return None, NO_CONTOURS
@@ -211,22 +211,22 @@ def _result(reconstruction: Reconstruction | None, here: Slice) -> Lines:
     surface = reconstruction.result.surface
     lines = () if surface is None else tuple(lines_of(surface, here))
     items = (
-        Item(number, ReviewedContour(contour, None, number), build_unmeasured_row(contour, number + 1))
+        ContourItem(number, ReviewedContour(contour, None, number), build_unmeasured_row(contour, number + 1))
         for number, contour in enumerate(lines)
     )
     return None, ReviewedContours(tuple(items)) if lines else NO_CONTOURS
 
 
-def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> ShapeHit | None:
+def hit_shape(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> ShapeHit | None:
     """Find the shape of a scene under a place; in a volume only sections in a slice can be hit.
 
     The slice is by default the one in use.
     """
-    shapes, selected = scene.document.shapes, scene.selected
-    if scene.slices is None or scene.whole is None:
+    shapes, selected = scene.document.shapes, scene.selected_shape
+    if scene.slices is None or scene.full_image is None:
         return find_shape_at(shapes, place, tolerance, selected)
     here = scene.slices.current if here is None else here
-    seen = list(sections_of(shapes, here, scene.whole))
+    seen = list(iterate_sections(shapes, here, scene.full_image))
     candidates: list[int | None] = [number for number, (index, _) in enumerate(seen) if index == selected]
     cuts = cast("tuple[Shape, ...]", tuple(section for _, section in seen))
     found = None
@@ -244,54 +244,54 @@ _MAX_FILE_INDEX = 10**6
 """Largest index that is accepted from a file [voxels]."""
 
 
-class ShownSlices:
+class SliceNavigation:
     """Navigates the slices of the open volume; without a volume there are none, and nothing happens."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
 
     @property
-    def now(self) -> Slices | None:
+    def current(self) -> Slices | None:
         """The shown slices; None while no volume is open."""
         return self._session.scene.slices
 
-    def go(self, by: int) -> None:
+    def go_by(self, by: int) -> None:
         """Show the slice `by` slices further along its axis."""
-        self._use(lambda now: now.with_index(now.current.index + by))
+        self._change_slices(lambda now: now.with_index(now.current.index + by))
 
-    def at(self, index: int) -> None:
+    def go_to(self, index: int) -> None:
         """Show the slice at an index along its axis."""
-        self._use(lambda now: now.with_index(index))
+        self._change_slices(lambda now: now.with_index(index))
 
-    def pass_on(self, axis: int, by: int) -> None:
+    def step_along(self, axis: int, by: int) -> None:
         """Show the slice `by` slices further along an axis, even if another one is in use."""
-        self._use(lambda now: now.with_axis(axis).with_index(now.voxel[axis] + by).with_axis(now.axis))
+        self._change_slices(lambda now: now.with_axis(axis).with_index(now.voxel[axis] + by).with_axis(now.axis))
 
-    def turn(self, axis: int) -> None:
+    def set_axis(self, axis: int) -> None:
         """Use the slice across another axis."""
-        self._use(lambda now: now.with_axis(axis))
+        self._change_slices(lambda now: now.with_axis(axis))
 
-    def through(self, place: Place) -> None:
+    def go_through(self, place: Place) -> None:
         """Show the slices through a place of the volume."""
-        self._use(lambda now: now.with_voxel(place))
+        self._change_slices(lambda now: now.with_voxel(place))
 
     def view_state(self) -> dict[str, object]:
         """Return the positions of the slices as plain JSON for a session file; empty for an image."""
-        now = self.now
+        now = self.current
         return {} if now is None else {"slices": {"voxel": list(now.voxel), "axis": now.axis}}
 
     def use_view_state(self, state: JsonObject) -> None:
         """Restore the slices from a session file; missing or invalid entries change nothing."""
         kept = state.get("slices")
-        if self.now is None or not isinstance(kept, Mapping):
+        if self.current is None or not isinstance(kept, Mapping):
             return
         axis, voxel = kept.get("axis"), kept.get("voxel")
         if axis in (0, 1, 2) and not isinstance(axis, bool):
-            self.turn(int(axis))
-        known = voxel if isinstance(voxel, list) and len(voxel) == len(self.now.voxel) else []
+            self.set_axis(int(axis))
+        known = voxel if isinstance(voxel, list) and len(voxel) == len(self.current.voxel) else []
         if known and all(isinstance(at, int) and abs(at) <= _MAX_FILE_INDEX for at in known):
-            self.through(tuple(known))
+            self.go_through(tuple(known))
 
-    def _use(self, change: Callable[[Slices], Slices]) -> None:
-        if self.now is not None and (slices := change(self.now)) != self.now:
-            self._session.show(replace(self._session.scene, slices=slices))
+    def _change_slices(self, change: Callable[[Slices], Slices]) -> None:
+        if self.current is not None and (slices := change(self.current)) != self.current:
+            self._session.set_scene(replace(self._session.scene, slices=slices))

@@ -14,32 +14,32 @@ from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import Exported, Opened, Report, Saved
+from cpm_app.session.exchange.messages import FilesExported, ImageOpened, Report, SavedSession
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.features.kept_pages import (
-    NOTHING,
+    EMPTY_TABLE,
     KeptPage,
-    Linked,
-    Listed,
-    Measured,
+    LinkedPages,
+    ListedKind,
+    MeasuredObjects,
     PageDone,
-    PlainPages,
+    LazyJsonPages,
     StackSource,
     StoredPages,
-    Table,
-    bare,
-    linked,
-    numbered,
-    pages_to_plain,
+    StackTable,
+    without_results,
+    link_pages,
+    with_taken_numbers,
+    pages_to_json,
     run_pages,
-    started_by,
+    with_starts,
 )
 from cpm_app.session.session import Session
-from cpm_app.session.signals import EXPORTING, OPENING, RUNNING
-from cpm_app.session.storage.session_file import DocumentFile, Written
-from cpm_app.session.tasks.opening import Wanted
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.signals import EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY
+from cpm_app.session.storage.session_file import DocumentFile, SessionWritten
+from cpm_app.session.tasks.opening import OpenRequest
+from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.contours import apply_marks, compute_centroid
@@ -48,10 +48,10 @@ from cpm_core.numerics.types import JsonObject
 from cpm_core.pages import StackResult
 from cpm_core.shapes import Start, starts_from_contours
 
-_QUIET = 200
+_LINK_DELAY = 200
 """Time from a change until the pages are linked again [ms]."""
 
-_WHILE_RUNNING = 1500
+_LINK_DELAY_WHILE_RUNNING = 1500
 """Time from a change until the pages are linked again while pages are run in the background [ms]."""
 
 _SAME_CENTER_DISTANCE = 1.0
@@ -66,7 +66,7 @@ class StackPages(QObject):
 
     changed = Signal()
     """Another page is open, or runs of pages have begun or ended."""
-    found = Signal()
+    results_changed = Signal()
     """The results of all pages have changed: `result`."""
 
     def __init__(self, session: Session, review: ContourReview) -> None:
@@ -78,47 +78,47 @@ class StackPages(QObject):
         self.source = StackSource()
         self.number = 1
         """Number of the open page, from 1."""
-        self.ahead = 0
+        self.wanted_page = 0
         """Number of the requested page, which is open or being opened."""
         self._turning = False
         self._kept: dict[int, KeptPage] = {}
-        self._found: dict[int, Page] = {}
-        self._given: tuple[Start, ...] = ()
-        self.listed: Listed = "objects"
+        self._found_pages: dict[int, Page] = {}
+        self._given_starts: tuple[Start, ...] = ()
+        self.listed: ListedKind = "objects"
         """Kind of results that is shown and exported, if there are both."""
-        self.tables: Mapping[Listed, Table] = {}
+        self.tables: Mapping[ListedKind, StackTable] = {}
         """The results of all finished pages, with tracks, and their rows; nothing is filtered."""
-        self._measured: Measured = {}
-        self.task: Task | None = None
-        self._seen: Result | None = None
+        self._measured: MeasuredObjects = {}
+        self.task: BackgroundTask | None = None
+        self._last_result: Result | None = None
         self._drawn: tuple[JsonObject, ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(
-            lambda: self._linking.ask(
-                partial(linked, self.source, dict(self._found), self._drawn, self.documents, self._measured),
-                self._take_linked,
+            lambda: self._linking.submit(
+                partial(link_pages, self.source, dict(self._found_pages), self._drawn, self.documents, self._measured),
+                self._on_pages_linked,
             )
         )
-        self._wanted: PageRow | None = None
+        self._wanted_row: PageRow | None = None
         self._review = review
         review.changed.connect(self._select_wanted)
         self.changed.connect(self._select_wanted)
-        session.listen(Opened, self._take_opened)
+        session.add_listener(ImageOpened, self._on_image_opened)
 
-        def on_session_written(written: Written) -> None:
+        def on_session_written(written: SessionWritten) -> None:
             if self._file.is_current(written):
                 for number, page in self._kept.items():
-                    self._kept[number] = replace(page, known=page.document, runs_unsaved=False)
+                    self._kept[number] = replace(page, saved_document=page.document, runs_unsaved=False)
 
-        session.listen(Written, on_session_written)
-        session.scene_changed.connect(self._look)
-        session.tasks.changed.connect(self._look_at_task)
+        session.add_listener(SessionWritten, on_session_written)
+        session.scene_changed.connect(self._on_scene_changed)
+        session.tasks.changed.connect(self._on_tasks_changed)
 
     def set_session_file(self, document_file: DocumentFile) -> None:
         """Save the pages with this session file."""
         self._file = document_file
-        document_file.pages = self._plain
+        document_file.pages = self._to_json
         document_file.pages_unsaved = lambda: any(
             page.unsaved for number, page in self._kept.items() if number != self.number
         )
@@ -133,14 +133,14 @@ class StackPages(QObject):
         return self.task is not None
 
     @property
-    def table(self) -> Table:
+    def table(self) -> StackTable:
         """The shown results of all pages: the objects, or the contours with their tracks; None while there are none."""
-        return self.tables.get(self.listed) or next(iter(self.tables.values()), NOTHING)
+        return self.tables.get(self.listed) or next(iter(self.tables.values()), EMPTY_TABLE)
 
-    def show_kind(self, listed: Listed) -> None:
+    def show_kind(self, listed: ListedKind) -> None:
         """Show the objects of all pages, or the contours."""
         self.listed = listed
-        self.found.emit()
+        self.results_changed.emit()
 
     @property
     def result(self) -> StackResult | None:
@@ -156,18 +156,18 @@ class StackPages(QObject):
         return {**kept, self.number: self._session.document} if self.count else {}
 
     @property
-    def taken(self) -> int:
+    def largest_number(self) -> int:
         """Largest number of an object on any page."""
         return max((document.objects.next_number - 1 for document in self.documents.values()), default=0)
 
-    def change(self, number: int, words: str, edit: Callable[[Document], Document]) -> None:
+    def edit_page(self, number: int, undo_text: str, edit: Callable[[Document], Document]) -> None:
         """Edit the document of a page, with undo on that page."""
         if number == self.number:
-            self._session.edit(words, edit)
+            self._session.edit(undo_text, edit)
             return
-        page = self._kept.get(number) or self._fresh(number, self._here())
+        page = self._kept.get(number) or self._make_fresh_page(number, self._describe_open_page())
         document = edit(page.document)
-        page.history.push(Change(words, page.document, document))
+        page.history.push(Change(undo_text, page.document, document))
         self._kept[number] = replace(page, document=document)
         self._link_soon()
 
@@ -180,38 +180,38 @@ class StackPages(QObject):
 
     def is_drawn(self, document: Document) -> bool:
         """Return whether the starts of the open page are drawn by the user, not from the previous page."""
-        return not self._given or document.starts != self._given
+        return not self._given_starts or document.starts != self._given_starts
 
-    def go(self, by: int) -> None:
+    def go_by(self, by: int) -> None:
         """Go some pages forward or backward, also past a page that could not be opened."""
-        self.open(min(max(self.ahead + by, 1), self.count))
+        self.open_page(min(max(self.wanted_page + by, 1), self.count))
 
-    def open(self, number: int) -> None:
+    def open_page(self, number: int) -> None:
         """Go to a page, once the runs of the open page have been collected."""
-        if not 1 <= number <= self.count or number == self.ahead:
+        if not 1 <= number <= self.count or number == self.wanted_page:
             return
-        self.ahead = number
+        self.wanted_page = number
         if not self._turning:
             self._turning = True
             self._session.pause()
-            self._file.runs.collect(self._turn)
+            self._file.runs.collect_runs(self._open_wanted_page)
 
-    def show(self, row: PageRow) -> None:
+    def show_row(self, row: PageRow) -> None:
         """Go to the page of a row and, if the row has an object or contour, select it as soon as it is there."""
-        self._wanted = row if row.measures is not None else None
-        self.open(row.page)
+        self._wanted_row = row if row.measures is not None else None
+        self.open_page(row.page)
         self._select_wanted()
 
     def _select_wanted(self) -> None:
         """Select the wanted row; drop it if another page has been requested meanwhile."""
-        row = self._wanted
+        row = self._wanted_row
         if row is None or row.measures is None:
             return
-        if self.ahead != row.page:
-            self._wanted = None
+        if self.wanted_page != row.page:
+            self._wanted_row = None
         elif self.number == row.page and row.is_object:
-            self._wanted = None
-            self._review.choose(objects=(row.track,))
+            self._wanted_row = None
+            self._review.select(objects=(row.track,))
         elif self.number == row.page:
             length, place = row.measures.length, (row.row, row.col)
             away = {item: math.dist(compute_centroid(item.contour), place) for item in self._review.items}
@@ -221,110 +221,110 @@ class StackPages(QObject):
                 and away[near] <= _SAME_CENTER_DISTANCE
                 and abs(near.measures.length - length) <= _SAME_LENGTH_TOLERANCE * length
             ):
-                self._wanted = None
-                self._review.choose((near.key,))
+                self._wanted_row = None
+                self._review.select((near.key,))
 
-    def _turn(self) -> None:
+    def _open_wanted_page(self) -> None:
         """Keep the state of the open page, and open the requested one."""
         self._turning = False
-        if not self.count or self.ahead == self.number:
+        if not self.count or self.wanted_page == self.number:
             return
-        here = self._kept[self.number] = self._here()
-        self._begin(self.ahead, self._kept.get(self.ahead) or self._fresh(self.ahead, here))
+        here = self._kept[self.number] = self._describe_open_page()
+        self._begin_page(self.wanted_page, self._kept.get(self.wanted_page) or self._make_fresh_page(self.wanted_page, here))
 
-    def _begin(self, number: int, page: KeptPage) -> None:
+    def _begin_page(self, number: int, page: KeptPage) -> None:
         """Open a page with its kept state; the image stays where it is on the canvas."""
         image = self._session.document.image
         if image is None:
             return
-        known = page.known and numbered(page.known, self.taken)
-        page = replace(page, document=numbered(page.document, self.taken), known=known)
-        place = ImageFile(image.path, "", image.shape, reading=self.source.reading_of(number))
-        now = self._file.file  # its view keeps the image in place
+        known = page.saved_document and with_taken_numbers(page.saved_document, self.largest_number)
+        page = replace(page, document=with_taken_numbers(page.document, self.largest_number), saved_document=known)
+        place = ImageFile(image.path, "", image.shape, reading=self.source.reading_for(number))
+        now = self._file.content  # its view keeps the image in place
         content = replace(
             to_session_file(page.document, dict(now.view), now), image=place, runs=page.runs, truth=None, pages={}
         )
         self._kept[number] = page
-        saved = Saved(self._file.path, content, turned=True, known=page.known)
-        self._session.begin(Wanted(Path(image.path), page.document.parameters, saved=saved))
+        saved = SavedSession(self._file.path, content, is_other_page=True, saved_document=page.saved_document)
+        self._session.begin_opening(OpenRequest(Path(image.path), page.document.parameters, saved=saved))
 
-    def _here(self) -> KeptPage:
+    def _describe_open_page(self) -> KeptPage:
         """Return the state of the open page."""
         session, runs = self._session, self._file.runs
-        return KeptPage(session.document, runs.plain, session.history, self._file.known, self._given, runs.unsaved)
+        return KeptPage(session.document, runs.runs_json, session.history, self._file.saved_document, self._given_starts, runs.unsaved)
 
-    def _fresh(self, number: int, here: KeptPage) -> KeptPage:
+    def _make_fresh_page(self, number: int, here: KeptPage) -> KeptPage:
         """Make the state of an untouched page: with the shapes of the open page, or starts from the previous page."""
-        document, given = bare(here.document), here.given or here.document.starts
-        before = self._found.get(number - 1)
+        document, given = without_results(here.document), here.given_starts or here.document.starts
+        before = self._found_pages.get(number - 1)
         if self.following and before is not None and before.contours:
             given = starts_from_contours(before.contours)
-            document = started_by(document, given)
-        return KeptPage(document, known=document, given=given)
+            document = with_starts(document, given)
+        return KeptPage(document, saved_document=document, given_starts=given)
 
-    def _take_opened(self, opened: Opened) -> None:
+    def _on_image_opened(self, opened: ImageOpened) -> None:
         """Take over an opened page of the stack, or another file."""
-        if opened.saved is not None and opened.saved.turned:
+        if opened.saved is not None and opened.saved.is_other_page:
             # another page may be requested by now: the state of this one is kept until `_turn` leaves it
-            self.number = self.source.number_of(opened.reading)
+            self.number = self.source.page_number(opened.reading)
             page = self._kept.get(self.number)
             if page is not None:
-                self._given = page.given
-                self._session.history = page.history.on(self._session.document.image)
-                self._session.show_status()
+                self._given_starts = page.given_starts
+                self._session.history = page.history.move_to_image(self._session.document.image)
+                self._session.announce_status()
         else:
             self._begin_stack(opened)
         self.changed.emit()
 
     # Running all
 
-    def run(self, first: int = 1) -> None:
+    def run_all(self, first: int = 1) -> None:
         """Run all pages from one on, in the background."""
         document = self._session.document
-        self._session.attempt(RUNNING)
+        self._session.clear_messages(RUNNING_CATEGORY)
         if not self.count or self.running:
             return
         if not document.starts:
-            self._session.say(document.nothing_to_start_from, True, RUNNING)
+            self._session.show_message(document.nothing_to_start_from, True, RUNNING_CATEGORY)
             return
-        kept, following = {**self._kept, self.number: self._here()}, self.following
+        kept, following = {**self._kept, self.number: self._describe_open_page()}, self.following
         self._drawn = describe_shapes(document.shapes)
-        followed, _ = self.tables.get("contours", NOTHING)
+        followed, _ = self.tables.get("contours", EMPTY_TABLE)
         before = () if followed is None else tuple(page for page in followed.pages if page.number < first)
         source, numbers = self.source, range(first, self.count + 1)
 
         def document_of(number: int, starts: tuple[Start, ...]) -> tuple[Document, tuple[Start, ...]]:
             """Return a page's own document if the user has drawn its start, else that of the open page."""
             page = kept.get(number)
-            own = bare(document) if page is None else replace(page.document, parameters=document.parameters)
-            if page is not None and page.own_start:
+            own = without_results(document) if page is None else replace(page.document, parameters=document.parameters)
+            if page is not None and page.has_own_start:
                 return own, ()
             given = (starts if following else ()) or document.starts
-            return started_by(own, given), given
+            return with_starts(own, given), given
 
-        def run_and_report(task: Task) -> None:
+        def run_and_report(task: BackgroundTask) -> None:
             for done in run_pages(source, numbers, document_of, before, task):
-                self._session.tasks.call(partial(self._take_page, source.path, kept.get(done.page.number), done))
+                self._session.tasks.call_in_window(partial(self._on_page_done, source.path, kept.get(done.page.number), done))
 
         title = tr("Running {count} pages…", count=len(numbers))
-        self.task = self._session.tasks.start(title, run_and_report, tr("running the pages"))
+        self.task = self._session.tasks.start_task(title, run_and_report, tr("running the pages"))
         self.changed.emit()
 
     def cancel(self) -> None:
         """Stop running pages; finished ones stay."""
         if self.task is not None:
             self.task.cancel()
-            self._look_at_task()
+            self._on_tasks_changed()
 
-    def _take_page(self, path: str, known: KeptPage | None, done: PageDone) -> None:
+    def _on_page_done(self, path: str, known: KeptPage | None, done: PageDone) -> None:
         """Keep a page that has been run, unless the user has changed it since; the open one is opened again."""
         number, here = done.page.number, done.page.number == self.number
         if path != self.source.path:
             return
-        before = self._here() if here else self._kept.get(number)
-        if before is not None and (known is None or before.document != known.document) and before.own_start:
+        before = self._describe_open_page() if here else self._kept.get(number)
+        if before is not None and (known is None or before.document != known.document) and before.has_own_start:
             return
-        self._found[number] = done.page
+        self._found_pages[number] = done.page
         self._link_soon()
         if not done.runs:
             return
@@ -332,19 +332,19 @@ class StackPages(QObject):
         if before.document != document:  # so that undo restores the previous document
             before.history.push(Change(tr("run all pages"), before.document, document))
         self._kept[number] = page = replace(
-            before, document=document, runs=done.runs, given=done.given, runs_unsaved=True
+            before, document=document, runs=done.runs, given_starts=done.given_starts, runs_unsaved=True
         )
         if here and not self._turning and self._session.status.phase != "running":
-            self._begin(number, page)
+            self._begin_page(number, page)
 
-    def _look_at_task(self) -> None:
-        if self.task is not None and self.task.over:
+    def _on_tasks_changed(self) -> None:
+        if self.task is not None and self.task.is_over:
             self.task = None
             self.changed.emit()
 
     # Results
 
-    def _look(self) -> None:
+    def _on_scene_changed(self) -> None:
         """Keep the contours of the open page, once its run is at rest."""
         scene = self._session.scene
         tracked, shown = scene.contours.tracked, scene.contours.result
@@ -352,63 +352,63 @@ class StackPages(QObject):
             self._link_soon()
         if not self.count or tracked is None or shown is None or self._session.status.phase == "running":
             return
-        if shown is not self._seen:
-            self._seen = shown
-            self._found[self.number] = Page(self.number, apply_marks(shown, scene.document.marks))
+        if shown is not self._last_result:
+            self._last_result = shown
+            self._found_pages[self.number] = Page(self.number, apply_marks(shown, scene.document.marks))
             self._link_soon()
 
     def _link_soon(self) -> None:
         if not self._later.isActive():
-            self._later.start(_WHILE_RUNNING if self.running else _QUIET)
+            self._later.start(_LINK_DELAY_WHILE_RUNNING if self.running else _LINK_DELAY)
 
-    def _take_linked(self, made: Linked) -> None:
+    def _on_pages_linked(self, made: LinkedPages) -> None:
         if made.source.path != self.source.path or not self.count:
             return
         self._measured, self.tables = made.measured, made.tables
-        followed, _ = made.tables.get("contours", NOTHING)
+        followed, _ = made.tables.get("contours", EMPTY_TABLE)
         if followed is not None:
-            self._found |= {page.number: page for page in followed.pages if page.number != self.number}
-        self.found.emit()
+            self._found_pages |= {page.number: page for page in followed.pages if page.number != self.number}
+        self.results_changed.emit()
 
     # Files
 
-    def export(self, *paths: Path) -> None:
+    def export_pages(self, *paths: Path) -> None:
         """Write the results of all pages."""
         result, path = self.result, paths[0]
         if result is None:
             return
-        self._session.attempt(EXPORTING)
+        self._session.clear_messages(EXPORTING_CATEGORY)
 
-        def write_stack(_: Task) -> Report:
+        def write_stack(_: BackgroundTask) -> Report:
             export_stack(result, *paths)
-            return Exported(path, tr("{count} files", count=len(paths)) if len(paths) > 1 else "")
+            return FilesExported(path, tr("{count} files", count=len(paths)) if len(paths) > 1 else "")
 
-        self._session.tasks.start(
+        self._session.tasks.start_task(
             tr("Writing {name}…", name=path.name), write_stack, tr("writing {name}", name=path.name)
         )
 
-    def _plain(self) -> JsonObject:
+    def _to_json(self) -> JsonObject:
         """Return the other pages as stored in a session."""
         if not self.count:
             return {}
         others = {number: page for number, page in self._kept.items() if number != self.number}
         given = not self.is_drawn(self._session.document)
-        followed, _ = self.tables.get("contours", NOTHING)
-        return PlainPages(partial(pages_to_plain, others, self.following, self._drawn, given, followed))
+        followed, _ = self.tables.get("contours", EMPTY_TABLE)
+        return LazyJsonPages(partial(pages_to_json, others, self.following, self._drawn, given, followed))
 
-    def _begin_stack(self, opened: Opened) -> None:
+    def _begin_stack(self, opened: ImageOpened) -> None:
         """Begin the pages of another file, perhaps from a session that contains them."""
         self.cancel()
         parts = opened.parts if opened.image.ndim == 2 else None
-        source = self.source = StackSource.of(str(opened.path), parts, opened.reading)
-        self.number = self.ahead = source.number_of(opened.reading)
-        self._kept, self._found, self._given = {}, {}, ()
-        self.tables, self._measured, self._seen, self._drawn = {}, {}, None, ()
+        source = self.source = StackSource.from_file(str(opened.path), parts, opened.reading)
+        self.number = self.wanted_page = source.page_number(opened.reading)
+        self._kept, self._found_pages, self._given_starts = {}, {}, ()
+        self.tables, self._measured, self._last_result, self._drawn = {}, {}, None, ()
         if opened.saved is not None and opened.saved.file.pages and self.count:
-            stored = StoredPages.of(opened.saved.file.pages, self._session.document, source)
+            stored = StoredPages.from_json(opened.saved.file.pages, self._session.document, source)
             self._kept, self.following, self._drawn = stored.kept, stored.following, stored.drawn
-            self._found, self._given = stored.found, stored.given
+            self._found_pages, self._given_starts = stored.found, stored.given_starts
             if stored.error:
-                self._session.say(stored.error, True, OPENING)
+                self._session.show_message(stored.error, True, OPENING_CATEGORY)
             self._link_soon()
-        self.found.emit()
+        self.results_changed.emit()

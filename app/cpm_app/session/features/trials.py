@@ -13,26 +13,26 @@ from cpm_app.model.document.contours import run_document
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import TrackedContours
-from cpm_app.session.exchange.messages import Reconstruction, sentence
+from cpm_app.session.exchange.messages import Reconstruction, explain_failure
 from cpm_app.session.scene import ReviewedContours, Scene
-from cpm_app.session.tasks.tasks import Cancelled, Task
+from cpm_app.session.tasks.tasks import Cancelled, BackgroundTask
 from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, report_run, measure, iterate_method
 from cpm_core.numerics import count_cores
 from cpm_core.objects.methods import build_method_result
 from cpm_core.shapes import SeedCache, drawn_outlines
 
 
-def start_of(document: Document) -> Start:
+def start_for_methods(document: Document) -> Start:
     """Return the start for all methods; raise ValueError if no outline is drawn."""
     return Start(drawn_outlines(document.shapes), document.comparison.around)
 
 
-def scene_of(found: Result) -> Scene:
+def scene_from_result(found: Result) -> Scene:
     """Make the scene of a result that is not of the session's run."""
     if found.surface is not None:
         return Scene(reconstruction=Reconstruction(0, found, None))
     measures = measure(found.contours, found.spacing, contrast=False)
-    return Scene(contours=ReviewedContours.of(TrackedContours(found, tuple(range(len(measures))), measures), ()))
+    return Scene(contours=ReviewedContours.from_tracked(TrackedContours(found, tuple(range(len(measures))), measures), ()))
 
 
 def run_trials(
@@ -40,7 +40,7 @@ def run_trials(
     document: Document,
     trials: Mapping[int, Trial],
     report: Callable[[int, dict[str, object]], object],
-    task: Task,
+    task: BackgroundTask,
 ) -> None:
     """Run trials, one on each core but the one that the window needs.
 
@@ -66,7 +66,7 @@ def run_trials(
         return run_document(engines[scales], own, seeds, lambda _: task.check_cancelled())
 
     def run_other_method(trial: Trial) -> Result:
-        method, start, channel = CONTOUR_METHODS[trial.method], start_of(document), document.parameters.channel
+        method, start, channel = CONTOUR_METHODS[trial.method], start_for_methods(document), document.parameters.channel
         plain = method.of_particles or image.colors is None or channel == "luminance"
         taken = image if plain else Image(image.gray_levels(channel), source=image.source)
         for moment in iterate_method(method, taken, start, trial.settings):
@@ -82,11 +82,11 @@ def run_trials(
             at = time.perf_counter()
             found = (run_other_method if trial.method else run_parameters)(trial)
             seconds = time.perf_counter() - at
-            report(key, {"found": found, "scene": scene_of(found), "seconds": seconds, "state": ""})
+            report(key, {"found": found, "scene": scene_from_result(found), "seconds": seconds, "state": ""})
         except Cancelled:
             return
         except Exception as error:  # shown in its row, and the others continue
-            report(key, {"state": sentence(error, tr("running {name}", name=trial.title))})
+            report(key, {"state": explain_failure(error, tr("running {name}", name=trial.title))})
 
     with ThreadPoolExecutor(max(1, count_cores() - 1), thread_name_prefix="cpm-compare") as pool:
         for done, _ in enumerate(pool.map(run_trial, trials), start=1):

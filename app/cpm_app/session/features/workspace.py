@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from cpm_app.session.exchange.messages import Core
+from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.comparison import ComparedResults
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.hand_editing import HandEditing
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_selection import ObjectSelection
-from cpm_app.session.features.skeleton import Skeletons
-from cpm_app.session.features.slices import ShownSlices
+from cpm_app.session.features.skeleton import SkeletonUpdater
+from cpm_app.session.features.slices import SliceNavigation
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.features.timeline import TimelineNavigation
 from cpm_app.session.session import Session
@@ -19,18 +19,18 @@ from cpm_app.session.session import Session
 class Workspace:
     """A session with its features; the session knows none of them."""
 
-    def __init__(self, core: Core | None = None) -> None:
+    def __init__(self, core: CoreFunctions | None = None) -> None:
         self.session = Session(core)
         self.review = ContourReview(self.session)
         self.hand_editing = HandEditing(self.session, self.review)
         self.object_list = ObjectList(self.session, self.review)
         self.object_selection = ObjectSelection(self.session, self.object_list)
-        self.skeletons = Skeletons(self.session)
+        self.skeleton_updater = SkeletonUpdater(self.session)
         self.navigation = TimelineNavigation(self.session)
-        self.slices = ShownSlices(self.session)
+        self.slices = SliceNavigation(self.session)
         self.comparison = ComparedResults(self.session, self.navigation)
         self.pages = StackPages(self.session, self.review)
-        self.object_selection.offers_for = self.pages.is_drawn
+        self.object_selection.should_offer = self.pages.is_drawn
         self.followed_objects = FollowedObjects(self.session, self.pages, self.object_selection)
 
     def close(self) -> None:

@@ -21,14 +21,14 @@ _READING_PURPOSES = frozenset({"open", "truth"})
 """Purposes for which a folder need not be writable."""
 
 
-def first_folder(preferences: Preferences, document: Document, purpose: Purpose) -> Path:
+def initial_folder(preferences: Preferences, document: Document, purpose: Purpose) -> Path:
     """Return the folder in which a dialog opens."""
-    chosen = preferences.get(f"folders/{purpose}", "")
+    chosen = preferences.read_key(f"folders/{purpose}", "")
     last = Path(chosen) if chosen and Path(chosen).is_dir() else Path.home()
     if document.image is None:
         return last
     image = Path(document.image.path)
-    if chosen and preferences.get(f"folders/{purpose}_of", "") == str(image):
+    if chosen and preferences.read_key(f"folders/{purpose}_of", "") == str(image):
         return last
     own = image.absolute().parent
     used = find_sample_at(image) is None and os.access(own, os.R_OK if purpose in _READING_PURPOSES else os.W_OK)
@@ -37,5 +37,5 @@ def first_folder(preferences: Preferences, document: Document, purpose: Purpose)
 
 def remember_folder(preferences: Preferences, document: Document, purpose: Purpose, path: Path) -> None:
     """Remember the folder of a file that has been selected for this document."""
-    preferences.put(f"folders/{purpose}", str(path.absolute().parent))
-    preferences.put(f"folders/{purpose}_of", document.image.path if document.image else "")
+    preferences.store_key(f"folders/{purpose}", str(path.absolute().parent))
+    preferences.store_key(f"folders/{purpose}_of", document.image.path if document.image else "")

@@ -14,7 +14,7 @@ Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 PreferenceValue = TypeVar("PreferenceValue")
 
 
-def settings() -> QSettings:
+def open_settings() -> QSettings:
     """Open the file of the preferences; other files of the user are in its folder."""
     return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
 
@@ -27,29 +27,29 @@ class Preferences(QObject):
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._settings = settings()
+        self._settings = open_settings()
 
-    def value(self, preference: Preference[PreferenceValue]) -> PreferenceValue:
+    def read_preference(self, preference: Preference[PreferenceValue]) -> PreferenceValue:
         """Return the value of a preference; its default if none is stored or the stored one is invalid."""
         stored = self._settings.value(preference.name)
         taken = None if stored is None else preference.parse_stored(stored)
         return preference.default if taken is None else taken
 
-    def choose(self, preference: Preference[PreferenceValue], value: PreferenceValue) -> None:
+    def store_preference(self, preference: Preference[PreferenceValue], value: PreferenceValue) -> None:
         """Store a value; the default is not stored."""
-        if value != self.value(preference):
+        if value != self.read_preference(preference):
             if value == preference.default:
                 self._settings.remove(preference.name)
             else:
                 self._settings.setValue(preference.name, value)
             self.changed.emit(preference.name)
 
-    def follow(self, preference: Preference[PreferenceValue], do: Callback) -> None:
+    def call_on_change(self, preference: Preference[PreferenceValue], callback: Callback) -> None:
         """Call a function now and whenever the value changes, as long as these preferences exist."""
-        self.changed.connect(lambda key: do() if key == preference.name else None)
-        do()
+        self.changed.connect(lambda key: callback() if key == preference.name else None)
+        callback()
 
-    def get(self, key: str, default: Value) -> Value:
+    def read_key(self, key: str, default: Value) -> Value:
         """Return the value of a key, of the default's type; the default if there is none or it is invalid."""
         value = self._settings.value(key)
         if value is None:
@@ -63,16 +63,16 @@ class Preferences(QObject):
         except (TypeError, ValueError):
             return default
 
-    def put(self, key: str, value: Value) -> None:
+    def store_key(self, key: str, value: Value) -> None:
         """Store a value if it has changed."""
         if self._settings.value(key) != value:
             self._settings.setValue(key, value)
             self.changed.emit(key)
 
-    def mapping(self, key: str) -> dict[str, Any]:
+    def read_json(self, key: str) -> dict[str, Any]:
         """Return the JSON object stored by a key; empty if it cannot be read."""
         try:
-            return dict(json.loads(self.get(key, "{}")))
+            return dict(json.loads(self.read_key(key, "{}")))
         except (TypeError, ValueError, RecursionError):
             return {}
 

@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.parameters.presets import PRESET_SUFFIX, Preset, built_in_presets, check_preset_name, decode_preset, encode_preset
 from cpm_app.model.text.language import tr
-from cpm_app.session.storage.preferences import settings
+from cpm_app.session.storage.preferences import open_settings
 from cpm_core.formats import write_together
 
 _log = logging.getLogger(__name__)
@@ -26,7 +26,7 @@ class PresetStore(QObject):
 
     def __init__(self, folder: Path | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self.folder = folder or Path(settings().fileName()).parent / "presets"
+        self.folder = folder or Path(open_settings().fileName()).parent / "presets"
         self._files: dict[str, Path] = {}
         self._own: tuple[Preset, ...] = ()
         self._read_folder()

@@ -6,17 +6,17 @@ from concurrent.futures import Future
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from cpm_app.session.exchange.messages import Opened, RunsKept
+from cpm_app.session.exchange.messages import ImageOpened, RunsKept
 from cpm_app.session.session import Session
-from cpm_app.session.timeline.timeline import Outline
+from cpm_app.session.timeline.timeline import TimelineState
 from cpm_app.session.worker.commands import RunsCollected, RunsRestored, collect_runs
 from cpm_core.numerics.types import Callback, JsonObject
 
-_QUIET = 500
+_COLLECT_DELAY = 500
 """Time from a change of the runs until they are collected, together with all changes in between [ms]."""
 
 
-class RunKeeping(QObject):
+class RunCollector(QObject):
     """Keeps the runs of a session as plain JSON, up to date with the worker."""
 
     changed = Signal()
@@ -24,24 +24,24 @@ class RunKeeping(QObject):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self.plain: JsonObject = {}
+        self.runs_json: JsonObject = {}
         self._session = session
-        self._outline: Outline | None = None
+        self._timeline_state: TimelineState | None = None
         self._collected = self._saved = -1
         self._recovered = False
         self._then: list[Callback] = []
-        self._timer = QTimer(self, singleShot=True, interval=_QUIET)
-        self._timer.timeout.connect(self.collect)
-        session.scene_changed.connect(self._follow)
-        session.listen(Opened, self._forget)
-        session.listen(RunsKept, lambda kept: self._look(kept.timeline))
-        session.listen(RunsCollected, self._take)
-        session.listen(RunsRestored, self._take)
+        self._timer = QTimer(self, singleShot=True, interval=_COLLECT_DELAY)
+        self._timer.timeout.connect(self.collect_runs)
+        session.scene_changed.connect(self._on_scene_changed)
+        session.add_listener(ImageOpened, self._on_image_opened)
+        session.add_listener(RunsKept, lambda kept: self._on_timeline_changed(kept.timeline))
+        session.add_listener(RunsCollected, self._on_runs_report)
+        session.add_listener(RunsRestored, self._on_runs_report)
 
     @property
     def unsaved(self) -> bool:
         """Whether there are runs that are in no file and could not be reproduced by running again."""
-        outline = self._outline
+        outline = self._timeline_state
         if outline is None or not outline.branches or outline.edition == self._saved:
             return False
         status, taken = self._session.status, outline.parameters
@@ -49,55 +49,55 @@ class RunKeeping(QObject):
         other = taken is not None and taken.steering != parameters.steering
         return outline.steered or status.stale or (status.started and other)
 
-    def collect(self, then: Callback | None = None) -> Future[RunsCollected]:
+    def collect_runs(self, on_collected: Callback | None = None) -> Future[RunsCollected]:
         """Collect the runs, and call `then` afterwards; other threads can wait for the result."""
-        if then is not None:
-            self._then.append(then)
+        if on_collected is not None:
+            self._then.append(on_collected)
         self._timer.stop()
         session, found = self._session, Future[RunsCollected]()
-        session.post(collect_runs(session.image_generation, dict(session.live.executed), found))
+        session.post_command(collect_runs(session.image_generation, dict(session.run_updater.sources_by_run), found))
         return found
 
-    def saved(self, edition: int) -> None:
+    def mark_saved(self, edition: int) -> None:
         """Record that the runs of this edition have been written to a file."""
         self._saved = edition
         self.changed.emit()
 
-    def forget(self) -> None:
+    def treat_as_saved(self) -> None:
         """Treat the runs as saved."""
-        self._saved = self._outline.edition if self._outline is not None else -1
+        self._saved = self._timeline_state.edition if self._timeline_state is not None else -1
 
-    def _follow(self) -> None:
+    def _on_scene_changed(self) -> None:
         snapshot = self._session.scene.snapshot
         if snapshot is not None:
-            self._look(snapshot.timeline)
+            self._on_timeline_changed(snapshot.timeline)
 
-    def _look(self, outline: Outline) -> None:
+    def _on_timeline_changed(self, outline: TimelineState) -> None:
         """Collect changes of the runs soon, once they are at rest."""
-        if outline is self._outline:
+        if outline is self._timeline_state:
             return
-        elsewhere = self._outline is None or outline.branch != self._outline.branch
-        self._outline = outline
+        elsewhere = self._timeline_state is None or outline.branch != self._timeline_state.branch
+        self._timeline_state = outline
         running = self._session.status.phase == "running"
         if (elsewhere or outline.edition != self._collected) and not running and not self._timer.isActive():
             self._timer.start()
 
-    def _take(self, collected: RunsCollected | RunsRestored) -> None:
+    def _on_runs_report(self, collected: RunsCollected | RunsRestored) -> None:
         here = collected.generation == self._session.image_generation
         if isinstance(collected, RunsRestored):
             self._saved = collected.edition if here and not self._recovered else self._saved
             return
         if here:
-            self.plain, self._collected = collected.plain, collected.edition
-        if collected.fault:
-            self._session.say(collected.fault, True)
+            self.runs_json, self._collected = collected.plain, collected.edition
+        if collected.error:
+            self._session.show_message(collected.error, True)
         waiting, self._then = self._then, []
         for then in waiting:
             then()
         self.changed.emit()
 
-    def _forget(self, opened: Opened) -> None:
+    def _on_image_opened(self, opened: ImageOpened) -> None:
         self._timer.stop()
         self._recovered = opened.saved is not None and opened.saved.recovered
-        self.plain, self._outline = ({} if opened.saved is None else opened.saved.file.runs), None
+        self.runs_json, self._timeline_state = ({} if opened.saved is None else opened.saved.file.runs), None
         self._collected = self._saved = -1

@@ -13,11 +13,11 @@ from PySide6.QtCore import QObject, Signal
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.saving import View, describe_changes, to_session_file
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import CommandFailed, Opened, Report
+from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, Report
 from cpm_app.session.session import Session
-from cpm_app.session.signals import SAVING
-from cpm_app.session.storage.run_keeping import RunKeeping
-from cpm_app.session.tasks.tasks import OVER, Task
+from cpm_app.session.signals import SAVING_CATEGORY
+from cpm_app.session.storage.run_keeping import RunCollector
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core.formats import SESSION_SUFFIX, SessionFile, TruthFile, save_session
 from cpm_core.numerics.types import JsonObject, Texts, record
 
@@ -26,7 +26,7 @@ _MAX_RUNS_WAIT = 10.0
 
 
 @record
-class Written(Report):
+class SessionWritten(Report):
     """A session file has been written: its content, the number of the opened image, and the edition of its runs."""
 
     path: Path
@@ -51,39 +51,39 @@ class DocumentFile(QObject):
         self._session = session
         self._view = view
         self._file: SessionFile | None = None
-        self.known: Document | None = session.document
+        self.saved_document: Document | None = session.document
         """The document if the file contains it; None if the file has a different one."""
-        self.runs = RunKeeping(session)
+        self.runs = RunCollector(session)
         self.truth: Callable[[], TruthFile | None] = lambda: None
         """Returns the ground truth to be saved; set by the window."""
         self.pages: Callable[[], JsonObject] = dict
         """Returns the other pages of a stack, as plain JSON; set by `StackPages`."""
         self.pages_unsaved: Callable[[], bool] = lambda: False
         """Returns whether closing would lose changes on other pages; set by `StackPages`."""
-        self._saving = OVER
+        self._saving = ENDED_TASK
         self._opening = 0
-        self._written: dict[Task, Written] = {}
+        self._written: dict[BackgroundTask, SessionWritten] = {}
         """Files that have been written but not announced yet."""
         self._announced: tuple[Path | None, bool] = (None, False)
         self.path: Path | None = None
-        session.document_changed.connect(lambda _: self._announce())
-        self.runs.changed.connect(self._announce)
-        session.listen(Opened, self._use_opened)
-        session.listen(Written, self._use_written)
+        session.document_changed.connect(lambda _: self._announce_state())
+        self.runs.changed.connect(self._announce_state)
+        session.add_listener(ImageOpened, self._on_image_opened)
+        session.add_listener(SessionWritten, self._on_session_written)
 
     @property
     def unsaved(self) -> bool:
         """Whether closing would lose changes."""
-        return bool(self.lost)
+        return bool(self.unsaved_parts)
 
     @property
-    def lost(self) -> Texts:
+    def unsaved_parts(self) -> Texts:
         """Names of everything that closing would lose."""
         document = self._session.document
         if document.image is None:
             return ()
         others = ((self.runs.unsaved, tr("the runs")), (self.pages_unsaved(), tr("the other pages")))
-        return (*describe_changes(document, self.known), *(words for lost, words in others if lost))
+        return (*describe_changes(document, self.saved_document), *(words for lost, words in others if lost))
 
     @property
     def name(self) -> str:
@@ -92,84 +92,84 @@ class DocumentFile(QObject):
         return self.path.name if self.path else f"{Path(image.name).stem}{SESSION_SUFFIX}" if image else ""
 
     @property
-    def file(self) -> SessionFile:
+    def content(self) -> SessionFile:
         """The content to be saved."""
         written = to_session_file(self._session.document, self._view(), self._file)
-        return replace(written, runs=self.runs.plain, truth=self.truth(), pages=self.pages())
+        return replace(written, runs=self.runs.runs_json, truth=self.truth(), pages=self.pages())
 
-    def save(self, path: Path) -> Task:
+    def save(self, path: Path) -> BackgroundTask:
         """Write the session file on a separate thread, and use this path from now on."""
-        file, document, opening = self.file, self._session.document, self._opening
-        runs, before = self.runs.collect(), self._saving
-        self._session.attempt(SAVING)
+        file, document, opening = self.content, self._session.document, self._opening
+        runs, before = self.runs.collect_runs(), self._saving
+        self._session.clear_messages(SAVING_CATEGORY)
 
-        def write_file(task: Task) -> Task:
+        def write_file(task: BackgroundTask) -> BackgroundTask:
             before.wait()  # one file is written at a time
             whole, edition = file, -1
             with suppress(TimeoutError):
                 found = runs.result(_MAX_RUNS_WAIT)
                 whole, edition = replace(file, runs=found.plain), found.edition
             save_session(whole, path)
-            self._written[task] = Written(path, whole, document, opening, edition)
+            self._written[task] = SessionWritten(path, whole, document, opening, edition)
             return task
 
-        self._saving = self._session.tasks.start(
+        self._saving = self._session.tasks.start_task(
             tr("Saving {name}…", name=path.name),
             write_file,
             tr("saving {name}", name=path.name),
-            partial(CommandFailed, topic=SAVING),
+            partial(CommandFailed, topic=SAVING_CATEGORY),
             cancellable=False,
-            then=self._announce_written,
+            on_result=self._announce_written,
         )
         return self._saving
 
-    def finish(self) -> None:
+    def finish_saving(self) -> None:
         """Wait for all files being saved, which closing must not overtake."""
         self._saving.wait()
         for task in tuple(self._written):
             self._announce_written(task)
 
-    def save_at_once(self, path: Path) -> bool:
+    def save_and_wait(self, path: Path) -> bool:
         """Write the session file and wait for it; return False, with an error message shown, if that fails."""
         task = self.save(path)
         task.wait()
         done = task in self._written
-        self.finish()
+        self.finish_saving()
         return done
 
-    def _announce_written(self, task: Task) -> None:
+    def _announce_written(self, task: BackgroundTask) -> None:
         if task in self._written:
-            self._session.pass_on(self._written.pop(task))
+            self._session.dispatch_report(self._written.pop(task))
 
-    def forget(self) -> None:
+    def treat_as_saved(self) -> None:
         """Treat the document as saved."""
-        self.known = self._session.document
-        self.runs.forget()
-        self._announce()
+        self.saved_document = self._session.document
+        self.runs.treat_as_saved()
+        self._announce_state()
 
-    def _use_opened(self, opened: Opened) -> None:
+    def _on_image_opened(self, opened: ImageOpened) -> None:
         self._opening += 1
         saved = opened.saved
         self.path, self._file = (saved.path, saved.file) if saved else (None, None)
-        self.known = self._session.document
-        if saved is not None and (saved.recovered or saved.turned):
-            self.known = saved.known and replace(saved.known, image=self._session.document.image)
+        self.saved_document = self._session.document
+        if saved is not None and (saved.recovered or saved.is_other_page):
+            self.saved_document = saved.saved_document and replace(saved.saved_document, image=self._session.document.image)
         if saved is not None:
             self.restored.emit(saved.file.view)
-        self._announce()
+        self._announce_state()
 
-    def is_current(self, written: Written) -> bool:
+    def is_current(self, written: SessionWritten) -> bool:
         """Return whether a written file belongs to the open image."""
         return written.opening == self._opening
 
-    def _use_written(self, written: Written) -> None:
+    def _on_session_written(self, written: SessionWritten) -> None:
         if self.is_current(written):
-            self.path, self._file, self.known = written.path, written.file, written.document
-            self.runs.saved(written.edition)
-        self._session.say(tr("Saved: {path}", path=written.path), topic=SAVING)
-        self._announce()
+            self.path, self._file, self.saved_document = written.path, written.file, written.document
+            self.runs.mark_saved(written.edition)
+        self._session.show_message(tr("Saved: {path}", path=written.path), topic=SAVING_CATEGORY)
+        self._announce_state()
 
-    def _announce(self) -> None:
+    def _announce_state(self) -> None:
         self.edited.emit()
         now = (self.path, self.unsaved)
         if now != self._announced:

@@ -11,8 +11,8 @@ from cpm_app.model.display.display_image import build_display_image
 from cpm_app.model.export import EXPORT_TITLES
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.model.volume.parts import FileParts
-from cpm_app.session.exchange.messages import Core, ImageReady, NotOpened, Opened, Report, Saved
-from cpm_app.session.tasks.tasks import OVER, Task, Tasks
+from cpm_app.session.exchange.messages import CoreFunctions, ImageReady, OpeningFailed, ImageOpened, Report, SavedSession
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask, TaskManager
 from cpm_core import PRESETS, Image, Parameters
 from cpm_core.formats import (
     IMAGES_READABLE,
@@ -37,12 +37,12 @@ _EXPORTED_NAME = re.compile(rf"(.+)_(?:{'|'.join(EXPORT_TITLES)})\.")
 """Names of files exported for an image, whose stem is the first group."""
 
 
-def images_beside(image: Path) -> tuple[Path, ...]:
+def sibling_images(image: Path) -> tuple[Path, ...]:
     """List the images in the folder of an image, including itself, in natural order: 2 comes before 10."""
-    return tuple(sorted({*images_in(image.parent), image}, key=lambda path: natural_sort_key(path.name)))
+    return tuple(sorted({*list_images(image.parent), image}, key=lambda path: natural_sort_key(path.name)))
 
 
-def images_in(folder: Path) -> tuple[Path, ...]:
+def list_images(folder: Path) -> tuple[Path, ...]:
     """List the images in a folder without the files exported for them; none if it cannot be read."""
     try:
         with os.scandir(folder) as entries:
@@ -54,7 +54,7 @@ def images_in(folder: Path) -> tuple[Path, ...]:
     return tuple(folder / name for name in sorted({*names} - exported, key=natural_sort_key))
 
 
-def session_beside(image: Path) -> Path | None:
+def find_adjacent_session(image: Path) -> Path | None:
     """Find the session file next to an image, of the same name; None if there is none that can be used."""
     path = image.with_suffix(SESSION_SUFFIX)
     if path == image or not path.is_file():
@@ -72,16 +72,16 @@ def _is_image(entry: os.DirEntry[str]) -> bool:
     return known and (entry.is_file() or is_zarr(Path(entry)))
 
 
-PAGED = frozenset({".tif", ".tiff", *raster.FILE_KINDS})
+PAGED_SUFFIXES = frozenset({".tif", ".tiff", *raster.FILE_KINDS})
 """Suffixes of files whose pages are usually separate images."""
 
 
-def parts_of(path: Path, reading: Reading) -> tuple[FileParts | None, Reading]:
+def inspect_file(path: Path, reading: Reading) -> tuple[FileParts | None, Reading]:
     """Return the contents of a file, None if it cannot be read, and how it is read: the first of several images.
 
     Errors of a file are reported later, when it is read.
     """
-    paged = path.suffix.lower() in PAGED
+    paged = path.suffix.lower() in PAGED_SUFFIXES
     try:
         try:
             stack = open_stack(path, reading.series)
@@ -98,7 +98,7 @@ def parts_of(path: Path, reading: Reading) -> tuple[FileParts | None, Reading]:
 
 
 @frozen
-class Wanted:
+class OpenRequest:
     """A request to open an image or a session file at `path`.
 
     A session has its own parameters. If `saved` has its content, `path` is only its location. The `notes` are shown
@@ -109,39 +109,39 @@ class Wanted:
 
     path: Path
     parameters: Parameters
-    saved: Saved | None = None
+    saved: SavedSession | None = None
     notes: Texts = ()
     resumes: bool = False
     as_volume: bool | None = None
     reading: Reading = DEFAULT_READING
 
 
-def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
+def prepare_image(core: CoreFunctions, request: OpenRequest, check_cancelled: Callback) -> ImageOpened:
     """Read an image and prepare the charged particles for it, with as many scales as it has room for.
 
     `check_cancelled` is called between the steps, and raises if the task has been cancelled. Raises ValueError if the
     image or the session cannot be used.
     """
-    path, parameters, saved, notes, named = wanted.path, wanted.parameters, wanted.saved, wanted.notes, None
-    beside = session_beside(path) if saved is None else None
-    if beside is not None and wanted.resumes:
+    path, parameters, saved, notes, named = request.path, request.parameters, request.saved, request.notes, None
+    beside = find_adjacent_session(path) if saved is None else None
+    if beside is not None and request.resumes:
         path, beside = beside, None
     if saved is None and path.suffix.lower() == SESSION_SUFFIX:
-        saved = Saved(path, load_session(path))
+        saved = SavedSession(path, load_session(path))
     if saved is not None:
         parameters, named = saved.file.parameters, saved.file.image
         if named is None:
             raise ValueError(tr("{name} does not name an image.", name=path.name))
         path, warnings = find_session_image(named, path.absolute().parent, check_cancelled)
         notes = (*notes, *saved.file.notes, *warnings)
-    parts, reading = parts_of(path, wanted.reading if named is None else named.reading)
+    parts, reading = inspect_file(path, request.reading if named is None else named.reading)
     check_cancelled()
-    asked = wanted.as_volume if named is None or not named.shape else len(named.shape) == 3
-    image, refused = _read(core, path, reading, asked, parts, check_cancelled)
+    asked = request.as_volume if named is None or not named.shape else len(named.shape) == 3
+    image, refused = _read_image(core, path, reading, asked, parts, check_cancelled)
     notes = (*refused, *notes)
     check_cancelled()
     if saved is not None:
-        _check(saved, image)
+        _check_session_axes(saved, image)
     elif image.ndim == 3:
         parameters = PRESETS["volume"]
     scales, parameters = parameters.scales, limit_scales(parameters, image.shape)
@@ -150,13 +150,13 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
     method = core.methods["cpm"](image, parameters, None)
     check_cancelled()
     display = build_display_image(image) if image.ndim == 2 else None
-    return Opened(
+    return ImageOpened(
         image, method, display, path, parameters, (*image.notes, *notes), image.file_sha256, saved, scales,
-        images_beside(path), beside, parts, reading,
+        sibling_images(path), beside, parts, reading,
     )  # fmt: skip
 
 
-def _check(saved: Saved, image: Image) -> None:
+def _check_session_axes(saved: SavedSession, image: Image) -> None:
     """Raise ValueError if the content of a session is for a volume and its file is an image, or vice versa."""
     check_axes(saved.file.shapes, image.shape, image.source)
     if any(bool(item.surface) is not (image.ndim == 3) for item in saved.file.objects.items):
@@ -167,11 +167,11 @@ def _check(saved: Saved, image: Image) -> None:
         raise ValueError(text.format(name=name, image=image.source))
 
 
-def _read(
-    core: Core,
+def _read_image(
+    core: CoreFunctions,
     path: Path,
     reading: Reading,
-    asked: bool | None,
+    as_volume: bool | None,
     parts: FileParts | None,
     check_cancelled: Callback,
 ) -> tuple[Image, Texts]:
@@ -181,12 +181,12 @@ def _read(
     says why.
     """
     chosen, refused, image = reading.arguments, tuple[str, ...](), None
-    if asked or (asked is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.is_volume):
+    if as_volume or (as_volume is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.is_volume):
         in_volume = {name: given for name, given in chosen.items() if name != "page"}
         try:
             image = core.load_volume(path, check_cancelled, **in_volume)
         except ValueError as error:
-            if asked:
+            if as_volume:
                 raise
             refused = (explain_error(error),)
     if image is None:
@@ -198,41 +198,41 @@ def _read(
 class Opener:
     """Opens one image at a time; a later request replaces an earlier one that is not ready yet."""
 
-    def __init__(self, core: Core, tasks: Tasks) -> None:
+    def __init__(self, core: CoreFunctions, tasks: TaskManager) -> None:
         self._core = core
         self._tasks = tasks
-        self._task = OVER
+        self._task = ENDED_TASK
         self._afterwards: list[Callback] = []
-        tasks.changed.connect(self._go_on)
+        tasks.changed.connect(self._on_tasks_changed)
 
     @property
-    def opening(self) -> str:
+    def opening_name(self) -> str:
         """Name of the task as it is shown; empty when nothing is being opened."""
-        return "" if self._task.over else self._task.name
+        return "" if self._task.is_over else self._task.name
 
-    def open(self, wanted: Wanted) -> Task:
+    def start_opening(self, request: OpenRequest) -> BackgroundTask:
         """Start to open an image or a session."""
         self._task.cancel()
-        name = wanted.path.name
+        name = request.path.name
 
-        def read_and_prepare(task: Task) -> Report:
-            return ImageReady(prepare(self._core, wanted, task.check_cancelled))
+        def read_and_prepare(task: BackgroundTask) -> Report:
+            return ImageReady(prepare_image(self._core, request, task.check_cancelled))
 
-        self._task = self._tasks.start(
+        self._task = self._tasks.start_task(
             tr("Opening {name}…", name=name),
             read_and_prepare,
             tr("opening {name}", name=name),
-            NotOpened,
+            OpeningFailed,
         )
         return self._task
 
-    def afterwards(self, do: Callback) -> None:
+    def call_when_opened(self, callback: Callback) -> None:
         """Call `do` as soon as no image is being opened."""
-        self._afterwards.append(do)
-        self._go_on()
+        self._afterwards.append(callback)
+        self._on_tasks_changed()
 
-    def _go_on(self) -> None:
-        if not self.opening:
+    def _on_tasks_changed(self) -> None:
+        if not self.opening_name:
             waiting, self._afterwards = self._afterwards, []
             for do in waiting:
                 do()

@@ -15,7 +15,7 @@ from typing import TypeVar
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.state.situation import estimate_seconds_left
-from cpm_app.session.exchange.messages import CommandFailed, Finished, Report, sentence
+from cpm_app.session.exchange.messages import CommandFailed, WorkFinished, Report, explain_failure
 from cpm_core.numerics.types import Callback
 
 Outcome = TypeVar("Outcome")
@@ -28,7 +28,7 @@ class Cancelled(Exception):  # noqa: N818  # not an error: the user asked for it
     """The task has been cancelled."""
 
 
-class Task:
+class BackgroundTask:
     """A long task, such as "Opening a.png…"; all of its methods may be called from any thread."""
 
     def __init__(self, name: str, cancellable: bool = True) -> None:
@@ -50,12 +50,12 @@ class Task:
         return estimate_seconds_left(self.seconds, self.fraction)
 
     @property
-    def cancelled(self) -> bool:
+    def is_cancelled(self) -> bool:
         """Whether the task has been cancelled: the work stops, and its result is not used."""
         return self._cancelled.is_set()
 
     @property
-    def over(self) -> bool:
+    def is_over(self) -> bool:
         """Whether the task has ended or has been cancelled."""
         return self._ended.is_set() or self._cancelled.is_set()
 
@@ -66,7 +66,7 @@ class Task:
 
     def check_cancelled(self) -> None:
         """Raise `Cancelled` if the task has been cancelled."""
-        if self.cancelled:
+        if self.is_cancelled:
             raise Cancelled(self.name)
 
     def cancel(self) -> None:
@@ -83,12 +83,12 @@ class Task:
         self._ended.set()
 
 
-OVER = Task("")
+ENDED_TASK = BackgroundTask("")
 """A task that is over, for use before there has been any."""
-OVER.end()
+ENDED_TASK.end()
 
 
-class Tasks(QObject):
+class TaskManager(QObject):
     """The long tasks of a session.
 
     `report` sends a report to the window, from any thread; `wake` has `look` called in each display frame while there
@@ -104,59 +104,59 @@ class Tasks(QObject):
         super().__init__(parent)
         self._report = report
         self._wake = wake
-        self._tasks: tuple[Task, ...] = ()
+        self._tasks: tuple[BackgroundTask, ...] = ()
         self._threads: list[threading.Thread] = []
-        self._announced: tuple[Task, ...] = ()
+        self._announced: tuple[BackgroundTask, ...] = ()
         self._shown_at = 0.0
 
     @property
-    def current(self) -> tuple[Task, ...]:
+    def current(self) -> tuple[BackgroundTask, ...]:
         """The tasks that are going on, the oldest first."""
-        return tuple(task for task in self._tasks if not task.over)
+        return tuple(task for task in self._tasks if not task.is_over)
 
     @property
     def idle(self) -> bool:
         """Whether there is no task, not even a cancelled one that has not stopped yet."""
         return not self._tasks and not self._threads
 
-    def begin(self, name: str, cancellable: bool = True) -> Task:
+    def begin_task(self, name: str, cancellable: bool = True) -> BackgroundTask:
         """Announce a task whose work is done elsewhere, which has to call `Task.end`.
 
         The work of a cancellable task has to check `Task.cancelled`, or call `Task.advance`.
         """
-        task = Task(name, cancellable)
+        task = BackgroundTask(name, cancellable)
         self._tasks = (*self._tasks, task)
         self._announced = self._tasks
         self._wake()
         self.changed.emit()
         return task
 
-    def start(
+    def start_task(
         self,
         name: str,
-        work: Callable[[Task], Outcome],
+        compute: Callable[[BackgroundTask], Outcome],
         activity: str,
         failure_report: Callable[[str], Report] = CommandFailed,
         cancellable: bool = True,
-        then: Callable[[Outcome], object] | None = None,
-    ) -> Task:
+        on_result: Callable[[Outcome], object] | None = None,
+    ) -> BackgroundTask:
         """Do a long task on a separate thread.
 
         The result of `work` is passed to `then` on the window's thread, or without `then` is reported, unless the task
         has been cancelled. An error is reported by `failure_report`; `activity` follows "while" in its message.
         """
-        task = self.begin(name, cancellable)
+        task = self.begin_task(name, cancellable)
 
         def compute_and_report() -> None:
             report: object = None
             try:
-                result = work(task)
-                report = result if then is None else Finished(partial(then, result))
+                result = compute(task)
+                report = result if on_result is None else WorkFinished(partial(on_result, result))
             except Cancelled:
                 pass
             except Exception as error:  # any error is reported
-                report = failure_report(sentence(error, activity))
-            if isinstance(report, Report) and not task.cancelled:
+                report = failure_report(explain_failure(error, activity))
+            if isinstance(report, Report) and not task.is_cancelled:
                 self._report(report)
             task.end()
 
@@ -165,11 +165,11 @@ class Tasks(QObject):
         thread.start()
         return task
 
-    def call(self, then: Callback) -> None:
+    def call_in_window(self, callback: Callback) -> None:
         """Call a function on the window's thread, from any thread."""
-        self._report(Finished(then))
+        self._report(WorkFinished(callback))
 
-    def look(self) -> None:
+    def announce_changes(self) -> None:
         """Announce tasks that have ended and progress since the last call."""
         for thread in [thread for thread in self._threads if not thread.is_alive()]:
             thread.join()

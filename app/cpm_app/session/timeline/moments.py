@@ -22,7 +22,7 @@ from cpm_core.segmentation import MethodState
 BranchStep = tuple[int, int]
 """Branch and step."""
 
-FIGURES = tuple(field.name for field in fields(RunMetrics))
+FIGURE_NAMES = tuple(field.name for field in fields(RunMetrics))
 """Names of the figures recorded for each step."""
 
 _RECENT_SHARE = 3
@@ -30,7 +30,7 @@ _RECENT_SHARE = 3
 
 
 @dataclass(eq=False)
-class Moment:
+class TimelineNode:
     """A state of a run: its step, the node before it and the action that led from there; the first one has neither.
 
     An action that changes a state without a step leads to another node of the same step.
@@ -38,22 +38,22 @@ class Moment:
 
     run: int
     step: int
-    previous: Moment | None = None
+    previous: TimelineNode | None = None
     action: RunAction | None = None
 
     @property
-    def of_step(self) -> tuple[Moment, ...]:
+    def nodes_of_step(self) -> tuple[TimelineNode, ...]:
         """The nodes of its step up to itself: the one that the step led to, then one for each change of it."""
         before = self.previous
-        return (*(() if before is None or before.step != self.step else before.of_step), self)
+        return (*(() if before is None or before.step != self.step else before.nodes_of_step), self)
 
     @property
     def actions(self) -> tuple[RunAction, ...]:
         """The action that took the step, and those that changed its state afterwards."""
-        return tuple(moment.action for moment in self.of_step if moment.action is not None)
+        return tuple(moment.action for moment in self.nodes_of_step if moment.action is not None)
 
 
-class KeptStates:
+class StateCache:
     """States of at most `budget` bytes; the first of each run and the one at `here` are kept in any case.
 
     States whose step is a multiple of the stride are kept, so that every other state is a few steps from one of them.
@@ -64,29 +64,29 @@ class KeptStates:
 
     def __init__(self, budget: int) -> None:
         self.budget = budget
-        self.here: Moment | None = None
+        self.current: TimelineNode | None = None
         self.clear()
 
     def __len__(self) -> int:
         return len(self._states)
 
-    def get(self, moment: Moment) -> MethodState | None:
+    def get(self, moment: TimelineNode) -> MethodState | None:
         """Return the state of a node and mark it as recently used; None if it is not kept."""
         state = self._states.pop(moment, None)
         if state is not None:
             self._states[moment] = state
         return state
 
-    def put(self, moment: Moment, state: MethodState) -> None:
+    def put(self, moment: TimelineNode, state: MethodState) -> None:
         """Keep the state of a node in place of the previous one."""
         self.drop(moment)
         self._states[moment] = state
         for values in state.list_arrays():
             self.used += 0 if self._owners[id(values)] else values.nbytes
             self._owners[id(values)] += 1
-        self.make_room()
+        self.evict_states()
 
-    def drop(self, *moments: Moment) -> None:
+    def drop(self, *moments: TimelineNode) -> None:
         """Remove states."""
         for moment in moments:
             state = self._states.pop(moment, None)
@@ -96,20 +96,20 @@ class KeptStates:
                     del self._owners[id(values)]
                     self.used -= values.nbytes
 
-    def keep_only(self, run: int, moments: set[Moment]) -> None:
+    def keep_only(self, run: int, moments: set[TimelineNode]) -> None:
         """Remove the states of a run except for these nodes and the first one; without any nodes, remove all."""
         self.drop(*(at for at in self._states if at.run == run and at not in moments and (at.previous or not moments)))
 
     def clear(self) -> None:
         """Remove all states and restore the finest stride."""
         self.used, self.stride = 0, 1
-        self._states: dict[Moment, MethodState] = {}
+        self._states: dict[TimelineNode, MethodState] = {}
         self._owners: Counter[int] = Counter()
 
-    def make_room(self) -> None:
+    def evict_states(self) -> None:
         """Remove states until the others fit into the budget, the least recently used first."""
         while self.used > self.budget:
-            free = [moment for moment in self._states if moment.previous is not None and moment is not self.here]
+            free = [moment for moment in self._states if moment.previous is not None and moment is not self.current]
             if not free:
                 return
             recent = [moment for moment in free if moment.step % self.stride]
@@ -121,7 +121,7 @@ class KeptStates:
                 self.stride *= 2
 
 
-class RunRecord:
+class BranchFigures:
     """Figures of a branch for plots, step by step, each in the order of `FIGURES`."""
 
     def __init__(self, rows: Array | None = None) -> None:
@@ -130,68 +130,68 @@ class RunRecord:
     @property
     def rows(self) -> Array:
         """The figures of N steps, shape (K, N), one row for each name of `FIGURES`."""
-        return np.array(self._values).reshape(-1, len(FIGURES)).T
+        return np.array(self._values).reshape(-1, len(FIGURE_NAMES)).T
 
-    def record(self, step: int, measures: Mapping[str, float]) -> None:
+    def add_step(self, step: int, measures: Mapping[str, float]) -> None:
         """Add one step unless it has been recorded already."""
-        if not self._values or step > self._values[-len(FIGURES)]:
+        if not self._values or step > self._values[-len(FIGURE_NAMES)]:
             row = {"step": step, **measures}
-            self._values.extend(row.get(name, math.nan) for name in FIGURES)
+            self._values.extend(row.get(name, math.nan) for name in FIGURE_NAMES)
 
-    def until(self, step: int) -> RunRecord:
+    def copy_until(self, step: int) -> BranchFigures:
         """Return a copy up to a step."""
         rows = self.rows
-        return RunRecord(rows[:, rows[0] <= step])
+        return BranchFigures(rows[:, rows[0] <= step])
 
-    def metrics(self, step: float = math.inf) -> RunMetrics:
+    def metrics_until(self, step: float = math.inf) -> RunMetrics:
         """Return the metrics up to a step."""
         rows = self.rows
         return RunMetrics(*rows[:, : np.searchsorted(rows[0], step, side="right")])
 
 
 @frozen
-class Stepped:
+class StepAction:
     """One step with these parameters, placed charges and regions; it continues a run that had ended."""
 
     parameters: Parameters
     charges: tuple[PlacedCharge, ...] = ()
     regions: AnyRegions | None = None
 
-    def apply(self, method: Method[Any], state: Any) -> Any:
+    def apply_to(self, method: Method[Any], state: Any) -> Any:
         """Return the state after the step."""
         state = state.resume() if state.stop_reason else state
         return method.step(state, self.parameters, self.charges)
 
 
 @frozen
-class Joined:
+class JoinAction:
     """Particles added at seeds."""
 
     seeds: tuple[tuple[float, ...], ...]
     regions: AnyRegions | None = None
 
-    def apply(self, method: Any, state: Any) -> Any:
+    def apply_to(self, method: Any, state: Any) -> Any:
         """Return the state with the particles."""
         return method.add_particles(state, np.array(self.seeds))
 
 
 @frozen
-class Erased:
+class EraseAction:
     """Removal of the particles within a radius of a path, in sides of the smallest pixel or voxel."""
 
     path: tuple[Place, ...]
     radius: float
     regions: AnyRegions | None = None
 
-    def apply(self, method: Any, state: Any) -> Any:
+    def apply_to(self, method: Any, state: Any) -> Any:
         """Return the state without the particles."""
-        return method.erase_particles(state, lambda at: self.reaches(at, method.image.spacing))
+        return method.erase_particles(state, lambda at: self.is_near_path(at, method.image.spacing))
 
-    def reaches(self, places: Array, spacing: Sides) -> ArrayLike:
+    def is_near_path(self, places: Array, spacing: Sides) -> ArrayLike:
         """Return whether each place, shape (N, D) [px], is within the radius of the path, shape (N,) bool."""
         sides = np.array(spacing) / min(spacing) if len(self.path[0]) == 3 else 1.0
         return polyline.distances_to_path(np.array(self.path) * sides, places * sides) <= self.radius
 
 
-RunAction = Stepped | Joined | Erased
+RunAction = StepAction | JoinAction | EraseAction
 """An action on a state of a method with these regions; equal actions lead from a state to equal next ones."""

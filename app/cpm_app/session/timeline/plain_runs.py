@@ -15,9 +15,9 @@ import numpy as np
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import explain_error, tr
-from cpm_app.session.timeline.moments import FIGURES, BranchStep, Erased, Joined, RunAction, Stepped
-from cpm_app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns, starts_of
-from cpm_app.session.timeline.timeline import MOST_RUNS
+from cpm_app.session.timeline.moments import FIGURE_NAMES, BranchStep, EraseAction, JoinAction, RunAction, StepAction
+from cpm_app.session.timeline.stored_runs import TimelineBranch, StoredBranch, StoredRun, StoredRuns, starts_from_sources
+from cpm_app.session.timeline.timeline import MAX_TIMELINE_RUNS
 from cpm_core import Parameters, PlacedCharge, State
 from cpm_core.field import sort_charges
 from cpm_core.formats import (
@@ -46,59 +46,59 @@ from cpm_core.numerics.types import JsonDict, JsonObject, frozen
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import quote_value
 
-MOST = 24 * 2**20
+MAX_STORED_CHARACTERS = 24 * 2**20
 """Largest size of states and figures in a session file [characters]; actions always fit, as all can be repeated."""
 
-MOST_STEPS = 200_000
+MAX_BRANCH_STEPS = 200_000
 """Largest number of steps of a branch that are read."""
 
 Entry = TypeVar("Entry")
 
 
 @frozen
-class _Numbered:
+class _NumberedContour:
     """Number of a contour, with a place on it."""
 
     number: int
     place: Position
 
 
-def runs_to_plain(stored: StoredRuns) -> JsonObject:
+def runs_to_json(stored: StoredRuns) -> JsonObject:
     """Encode all runs; states, the shown one and then the newest, and figures as far as `MOST` characters allow."""
     if not stored.runs:
         return {}
-    left, states = MOST, []
-    for place in sorted(stored.states, key=lambda place: (place != stored.here, -place[0], -place[1])):
+    left, states = MAX_STORED_CHARACTERS, []
+    for place in sorted(stored.states, key=lambda place: (place != stored.shown_step, -place[0], -place[1])):
         state = stored.states[place]
-        plain, size = _packed(state) if isinstance(state, State) else ({}, MOST + 1)
+        plain, size = _encode_state(state) if isinstance(state, State) else ({}, MAX_STORED_CHARACTERS + 1)
         if size <= left:
             left -= size
             states.append({"branch": place[0], "step": place[1], "state": plain})
-    runs = [_run_to_plain(run) for run in stored.runs]
+    runs = [_run_to_json(run) for run in stored.runs]
     for branch in (branch for run in reversed(runs) for branch in run["branches"]):
         size = len(branch["figures"]["data"]) if "figures" in branch else 0
         if size > left:
             del branch["figures"]
         else:
             left -= size
-    here = None if stored.here is None else list(stored.here)
-    numbers = [to_json(_Numbered(number, place)) for number, place in stored.numbers.items()]
+    here = None if stored.shown_step is None else list(stored.shown_step)
+    numbers = [to_json(_NumberedContour(number, place)) for number, place in stored.numbers.items()]
     return {"here": here, "runs": runs, "states": states, "numbers": numbers}
 
 
-@lru_cache(2 * MOST_RUNS)
-def _packed(state: State) -> tuple[JsonDict, int]:
+@lru_cache(2 * MAX_TIMELINE_RUNS)
+def _encode_state(state: State) -> tuple[JsonDict, int]:
     """Return a state as plain JSON and its size [characters]; cached, as most states are collected repeatedly."""
     plain = state_to_json(state)
     return plain, len(json.dumps(plain))
 
 
-def runs_from_plain(plain: JsonObject, image: ImageReference) -> tuple[StoredRuns, str]:
+def runs_from_json(plain: JsonObject, image: ImageReference) -> tuple[StoredRuns, str]:
     """Read the runs of a session file on its image; return them and a message on what was left out, or ""."""
     faults: list[Exception] = []
     runs: list[StoredRun] = []
     branches: dict[int, tuple[StoredRun, StoredBranch]] = {}
-    for run in sound(plain, "runs", lambda entry: _run(entry, image), faults)[-MOST_RUNS:]:
+    for run in read_valid_entries(plain, "runs", lambda entry: _read_run(entry, image), faults)[-MAX_TIMELINE_RUNS:]:
         found = {stored.branch.identity: (run, stored) for stored in run.branches}
         if branches.keys() & found:
             faults.append(ValueError("two branches have the same number."))
@@ -107,14 +107,14 @@ def runs_from_plain(plain: JsonObject, image: ImageReference) -> tuple[StoredRun
             runs.append(run)
 
     def read_state(entry: JsonObject) -> tuple[BranchStep, State] | None:
-        return _state(entry, branches, image) if entry.get("branch") in branches else None  # the oldest may be left out
+        return _read_state(entry, branches, image) if entry.get("branch") in branches else None  # the oldest may be left out
 
     def read_number(entry: JsonObject) -> tuple[int, Position]:
-        contour = from_json(_Numbered, entry, "number of a contour")
+        contour = from_json(_NumberedContour, entry, "number of a contour")
         return contour.number, contour.place
 
-    states = dict(filter(None, sound(plain, "states", read_state, faults)))
-    numbers = dict(sound(plain, "numbers", read_number, faults))
+    states = dict(filter(None, read_valid_entries(plain, "states", read_state, faults)))
+    numbers = dict(read_valid_entries(plain, "numbers", read_number, faults))
     here = None
     try:
         branch, step = (int(expect_number(one, "here")) for one in plain.get("here") or (0, 0))
@@ -126,18 +126,18 @@ def runs_from_plain(plain: JsonObject, image: ImageReference) -> tuple[StoredRun
     return StoredRuns(tuple(runs), here, states, numbers), fault
 
 
-def sound(plain: JsonObject, name: str, read: Callable[[JsonObject], Entry], faults: list[Exception]) -> list[Entry]:
+def read_valid_entries(plain: JsonObject, name: str, read: Callable[[JsonObject], Entry], errors: list[Exception]) -> list[Entry]:
     """Read the valid entries of a list; the errors of the others are added to `faults`."""
     found, entries = [], plain.get(name, [])
     for entry in entries if isinstance(entries, list) else [entries]:
         try:
             found.append(read(expect_mapping(entry, name)))
         except (ValueError, TypeError, KeyError, OverflowError, IndexError, AttributeError) as error:
-            faults.append(error)
+            errors.append(error)
     return found
 
 
-def _run_to_plain(run: StoredRun) -> JsonDict:
+def _run_to_json(run: StoredRun) -> JsonDict:
     numbers: dict[RunAction, int] = {}
     branches = []
     for stored in run.branches:
@@ -154,27 +154,27 @@ def _run_to_plain(run: StoredRun) -> JsonDict:
     return {
         "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
         "document": json.loads(encode_session(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),
-        "drawn": [shape_to_json(start) for start in starts_of(run.drawn)],
-        "actions": [_action_to_plain(action, document.parameters) for action in numbers],
+        "drawn": [shape_to_json(start) for start in starts_from_sources(run.sources)],
+        "actions": [_action_to_json(action, document.parameters) for action in numbers],
         "branches": branches,
     }
 
 
-def _action_to_plain(action: RunAction, usual: Parameters) -> JsonDict:
+def _action_to_json(action: RunAction, usual: Parameters) -> JsonDict:
     """Encode an action; of its parameters only those that differ from the usual ones."""
     plain: JsonDict = {}
-    if isinstance(action, Stepped):
+    if isinstance(action, StepAction):
         known, taken = to_json(usual), to_json(action.parameters)
         plain["step"] = {name: value for name, value in taken.items() if value != known[name]}
         plain["charges"] = [to_json(charge) for charge in action.charges]
-    elif isinstance(action, Joined):
+    elif isinstance(action, JoinAction):
         plain["join"] = array_to_json(np.array(action.seeds))
-    elif isinstance(action, Erased):
+    elif isinstance(action, EraseAction):
         plain |= {"erase": to_json(action.path), "radius": action.radius}
     return plain | regions_to_json(action.regions)
 
 
-def _run(plain: JsonObject, image: ImageReference) -> StoredRun:
+def _read_run(plain: JsonObject, image: ImageReference) -> StoredRun:
     if plain.get("size") is not None:  # the pixel size may have been changed since
         size = from_json(Reading, plain["size"], "size")
         if size.spacing is None or len(size.spacing) != len(image.shape):
@@ -186,10 +186,10 @@ def _run(plain: JsonObject, image: ImageReference) -> StoredRun:
     document = from_session_file(file, image, file.parameters)
     drawn = tuple(shape_from_json(one, "a start of a run") for one in expect_list(plain.get("drawn", [])))
     listed = expect_list(plain.get("actions"), "actions")
-    actions = [_action(expect_mapping(one, "action"), document.parameters) for one in listed]
+    actions = [_read_action(expect_mapping(one, "action"), document.parameters) for one in listed]
     branches: dict[int, StoredBranch] = {}
     for entry in expect_list(plain.get("branches")):
-        stored = _branch(expect_mapping(entry, "branch"), actions)
+        stored = _read_branch(expect_mapping(entry, "branch"), actions)
         branch, left = stored.branch, branches.get(stored.branch.parent or 0)
         begins = not (branches or branch.parent or branch.first) and branch.scales and branch.scales[0][0] == 0
         if not (begins if left is None else branch.first <= left.branch.last):
@@ -200,22 +200,22 @@ def _run(plain: JsonObject, image: ImageReference) -> StoredRun:
     return StoredRun(document, Document(shapes=drawn).start_counts, tuple(branches.values()))
 
 
-def _branch(plain: JsonObject, actions: Sequence[RunAction]) -> StoredBranch:
+def _read_branch(plain: JsonObject, actions: Sequence[RunAction]) -> StoredBranch:
     given = {name: value for name, value in plain.items() if name not in ("steps", "figures")}
-    branch = from_json(Branch, given, "branch")
+    branch = from_json(TimelineBranch, given, "branch")
     figures = None
     if "figures" in plain:
-        figures = array_from_json(plain["figures"], float, (len(FIGURES), None), "figures of a branch")
+        figures = array_from_json(plain["figures"], float, (len(FIGURE_NAMES), None), "figures of a branch")
     steps: list[tuple[RunAction, ...]] = []
     for entry in expect_list(plain.get("steps"), "steps"):
         numbers, count = expect_list(entry, "steps")
-        if type(count) is not int or not 0 < count <= MOST_STEPS - len(steps):
-            raise ValueError(f"steps repeat {quote_value(count)} times but must be {MOST_STEPS} at most.")
+        if type(count) is not int or not 0 < count <= MAX_BRANCH_STEPS - len(steps):
+            raise ValueError(f"steps repeat {quote_value(count)} times but must be {MAX_BRANCH_STEPS} at most.")
         if any(type(one) is not int or not 0 <= one < len(actions) for one in expect_list(numbers, "steps")):
             raise ValueError(f"steps name the action {quote_value(numbers)}, which does not exist.")
         steps += [tuple(actions[one] for one in numbers)] * count
     # every entry but the first is a step, followed by the changes of its state
-    stepped = [[index for index, action in enumerate(step) if isinstance(action, Stepped)] for step in steps]
+    stepped = [[index for index, action in enumerate(step) if isinstance(action, StepAction)] for step in steps]
     whole = stepped[:1] == [[]] and all(places == [0] for places in stepped[1:])
     if not whole or branch.identity < 1 or branch.first < 0 or any(min(mark) < 0 for mark in branch.scales):
         raise ValueError(f"branch {branch.identity} is not one that a run can have.")
@@ -223,23 +223,23 @@ def _branch(plain: JsonObject, actions: Sequence[RunAction]) -> StoredBranch:
     return StoredBranch(replace(branch, name=branch.name[:40], last=last), tuple(steps), figures)
 
 
-def _action(plain: JsonObject, usual: Parameters) -> RunAction:
+def _read_action(plain: JsonObject, usual: Parameters) -> RunAction:
     regions = regions_from_json(plain, "regions of a run")
     if "step" in plain:
         parameters, _ = parameters_from_json({**to_json(usual), **expect_mapping(plain["step"], "step")})
         charges = tuple(from_json(PlacedCharge, one, "charge") for one in expect_list(plain.get("charges", []), "charges"))
-        return Stepped(parameters, charges, regions)
+        return StepAction(parameters, charges, regions)
     if "join" in plain:
         axes = 3 if expect_mapping(plain["join"], "join").get("shape", [])[-1:] == [3] else 2
         seeds = array_from_json(plain["join"], float, (None, axes), "particles that were added")
         if not np.isfinite(seeds).all():
             raise ValueError("particles that were added hold a value that is not a number.")
-        return Joined(as_line(seeds), regions)
-    erased = from_json(Erased, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
+        return JoinAction(as_line(seeds), regions)
+    erased = from_json(EraseAction, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
     return replace(erased, regions=regions)
 
 
-def _state(
+def _read_state(
     plain: JsonObject, branches: Mapping[int, tuple[StoredRun, StoredBranch]], image: ImageReference
 ) -> tuple[BranchStep, State]:
     """Read a state and its place; steering, regions and charges are those of the action of its step."""
@@ -249,7 +249,7 @@ def _state(
         raise ValueError(f"there is no step {step} of branch {number_of}.")
     state = state_from_json(plain.get("state"), image.shape, run.document.parameters.scales)
     taken = stored.steps[step - stored.branch.first][0]
-    if state.step != step or not isinstance(taken, Stepped):
+    if state.step != step or not isinstance(taken, StepAction):
         raise ValueError(f"the state of step {step} is that of step {state.step}.")
     steering, regions, charges = taken.parameters.steering, taken.regions, sort_charges(taken.charges)
     return (number_of, step), replace(state, steering=steering, regions=regions, charges=charges)

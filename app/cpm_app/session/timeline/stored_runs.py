@@ -15,7 +15,7 @@ from cpm_core.shapes import Points, Start
 
 
 @frozen
-class Branch:
+class TimelineBranch:
     """A run, or a branch of one.
 
     Attributes
@@ -53,7 +53,7 @@ class StoredBranch:
     `figures`, shape (K, N), are the recorded figures for plots, None where they are left out.
     """
 
-    branch: Branch
+    branch: TimelineBranch
     steps: tuple[tuple[RunAction, ...], ...]
     figures: Array | None = None
 
@@ -63,7 +63,7 @@ class StoredRun:
     """A run: its first document, the present sources of its particles, and its branches, parents first."""
 
     document: Document
-    drawn: Counter[Hashable]
+    sources: Counter[Hashable]
     branches: tuple[StoredBranch, ...]
 
 
@@ -75,12 +75,12 @@ class StoredRuns:
     """
 
     runs: tuple[StoredRun, ...] = ()
-    here: BranchStep | None = None
+    shown_step: BranchStep | None = None
     states: Mapping[BranchStep, MethodState] = field(default_factory=dict)
     numbers: Mapping[int, Position] = field(default_factory=dict)
 
 
-def starts_of(sources: Counter[Hashable]) -> tuple[Start, ...]:
+def starts_from_sources(sources: Counter[Hashable]) -> tuple[Start, ...]:
     """Return the starts that sources of particles belong to, all points as one; see `Document.sources`."""
     points = tuple(source for source in sources.elements() if isinstance(source, tuple))
     starts = tuple(source for source in sources.elements() if isinstance(source, Start))

@@ -19,21 +19,21 @@ from cpm_app.model.display.plots import RunMetrics
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import explain_error, tr
-from cpm_app.session.timeline.moments import BranchStep, KeptStates, Moment, RunAction, RunRecord, Stepped
-from cpm_app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
+from cpm_app.session.timeline.moments import BranchStep, StateCache, TimelineNode, RunAction, BranchFigures, StepAction
+from cpm_app.session.timeline.stored_runs import TimelineBranch, StoredBranch, StoredRun, StoredRuns
 from cpm_core import Method, Parameters
 from cpm_core.image import AnyRegions
 from cpm_core.numerics.types import Texts, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Shape
 
-MOST_RUNS = 12
+MAX_TIMELINE_RUNS = 12
 """Largest number of runs that are kept."""
 
-MEGABYTE = 2**20
+BYTES_PER_MEGABYTE = 2**20
 """Bytes of a megabyte."""
 
-_DEFAULT_STATE_BUDGET = 256 * MEGABYTE
+_DEFAULT_STATE_BUDGET = 256 * BYTES_PER_MEGABYTE
 """Largest size of the kept states by default [bytes]."""
 
 _MAX_CACHED_METHODS = 3
@@ -41,7 +41,7 @@ _MAX_CACHED_METHODS = 3
 
 
 @record
-class Outline:
+class TimelineState:
     """State of the timeline, as the window shows it.
 
     Attributes
@@ -62,17 +62,17 @@ class Outline:
         Generation of the current run, 0 before there is one.
     """
 
-    branches: tuple[Branch, ...] = ()
+    branches: tuple[TimelineBranch, ...] = ()
     branch: int = 0
     parameters: Parameters | None = None
-    fallen: Texts = ()
+    dropped_runs: Texts = ()
     edition: int = 0
     steered: bool = False
-    began: int = 0
+    run_generation: int = 0
 
 
 @dataclass(eq=False)
-class _Line:
+class _Branch:
     """A branch with the last node of each step, from the first step of its run; branches share their common beginning.
 
     `scales` are first steps and numbers of its scales, `record` has its figures for plots; `steered` is whether its
@@ -82,30 +82,30 @@ class _Line:
     identity: int
     name: str
     run: int
-    path: list[Moment]
+    nodes: list[TimelineNode]
     scales: list[tuple[int, int]]
     steered: bool = False
     renamed: bool = False
-    record: RunRecord = field(default_factory=RunRecord)
+    figures: BranchFigures = field(default_factory=BranchFigures)
 
     @property
     def last(self) -> int:
-        return len(self.path) - 1
+        return len(self.nodes) - 1
 
-    def at(self, step: int) -> Moment:
+    def node_at(self, step: int) -> TimelineNode:
         """Return the node of a step, or of the nearest one."""
-        return self.path[min(max(step, 0), self.last)]
+        return self.nodes[min(max(step, 0), self.last)]
 
-    def common(self, other: _Line) -> int:
+    def count_common_nodes(self, other: _Branch) -> int:
         """Count the nodes that it has in common with another branch."""
-        most = range(min(len(self.path), len(other.path)))
-        return bisect_left(most, True, key=lambda at: self.path[at] is not other.path[at])
+        most = range(min(len(self.nodes), len(other.nodes)))
+        return bisect_left(most, True, key=lambda at: self.nodes[at] is not other.nodes[at])
 
     def scales_until(self, step: int) -> list[tuple[int, int]]:
         return [mark for mark in self.scales if mark[0] <= step]
 
 
-_NO_BRANCH = _Line(0, "", 0, [], [])
+_NO_BRANCH = _Branch(0, "", 0, [], [])
 """The branch that a run is on before it has begun."""
 
 
@@ -118,13 +118,13 @@ class Timeline:
     def __init__(self, make: Callable[[Document], Method[Any]], budget: int = _DEFAULT_STATE_BUDGET) -> None:
         self.edition = 0
         """Changes whenever something is recorded, renamed or removed."""
-        self._kept = KeptStates(budget)
-        self._lines: dict[int, _Line] = {}
-        self._line = _NO_BRANCH
+        self._states = StateCache(budget)
+        self._branches_by_number: dict[int, _Branch] = {}
+        self._current_branch = _NO_BRANCH
         self._step = 0
         self._numbered, self._named = 0, [0, 0]
-        self._branches: tuple[Branch, ...] | None = None
-        self._fallen: Texts = ()
+        self._shown_branches: tuple[TimelineBranch, ...] | None = None
+        self._dropped_runs: Texts = ()
         self._begun: dict[int, tuple[Document, int]] = {}
 
         @lru_cache(_MAX_CACHED_METHODS)
@@ -132,225 +132,225 @@ class Timeline:
             made = make(self._begun[run][0])
             return made if made.regions == regions else made.with_regions(regions)
 
-        self.method = method_of_run
+        self.method_of_run = method_of_run
         """Returns the method of a run, by the number of the run, in some regions."""
 
     # State
 
-    def limit(self, budget: int) -> None:
+    def set_budget(self, budget: int) -> None:
         """Set the largest size of the kept states [bytes]."""
-        self._kept.budget = budget
-        self._make_room()
+        self._states.budget = budget
+        self._evict_runs()
 
     @property
-    def outline(self) -> Outline:
+    def timeline_state(self) -> TimelineState:
         """State of the timeline, as the window shows it; the current branch may have become longer meanwhile."""
-        if self._branches is None:
-            self._branches = tuple(map(self._branch, self._lines.values()))
-        actions = () if self._kept.here is None else self._kept.here.actions
-        return Outline(
-            self._branches,
-            self._line.identity,
-            next((action.parameters for action in actions if isinstance(action, Stepped)), None),
-            self._fallen,
+        if self._shown_branches is None:
+            self._shown_branches = tuple(map(self._describe_branch, self._branches_by_number.values()))
+        actions = () if self._states.current is None else self._states.current.actions
+        return TimelineState(
+            self._shown_branches,
+            self._current_branch.identity,
+            next((action.parameters for action in actions if isinstance(action, StepAction)), None),
+            self._dropped_runs,
             self.edition,
-            len(self._lines) > 1 or any(line.steered for line in self._lines.values()),
-            self._begun[self.run][1] if self.run else 0,
+            len(self._branches_by_number) > 1 or any(line.steered for line in self._branches_by_number.values()),
+            self._begun[self.current_run][1] if self.current_run else 0,
         )
 
     @property
-    def here(self) -> BranchStep | None:
+    def current_step(self) -> BranchStep | None:
         """Current branch and step; None before a run has begun."""
-        return (self._line.identity, self._step) if self.run else None
+        return (self._current_branch.identity, self._step) if self.current_run else None
 
     @property
-    def run(self) -> int:
+    def current_run(self) -> int:
         """Number of the current run, 0 before there is one."""
-        return self._line.run
+        return self._current_branch.run
 
     @property
     def steered(self) -> bool:
         """Whether the current run was changed between its steps, or left another run."""
-        return self._line.steered
+        return self._current_branch.steered
 
     @property
-    def drawn(self) -> tuple[Shape, ...]:
+    def starting_shapes(self) -> tuple[Shape, ...]:
         """The shapes when the current run began."""
-        return self._begun[self.run][0].shapes if self.run else ()
+        return self._begun[self.current_run][0].shapes if self.current_run else ()
 
     def run_of(self, branch: int) -> int:
         """Return the number of the run that a branch belongs to."""
-        return self._known(branch).run
+        return self._get_branch(branch).run
 
-    def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
+    def compute_state(self, branch: int, step: int, is_wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """Return the state of a step, as `go` does, without going there."""
-        moment, missing = self._known(branch).at(step), []
-        while (state := self._kept.get(moment)) is None:
+        moment, missing = self._get_branch(branch).node_at(step), []
+        while (state := self._states.get(moment)) is None:
             missing.append(moment)
             assert moment.previous is not None
             moment = moment.previous
         for moment in reversed(missing):
-            if not wanted():
+            if not is_wanted():
                 return None
             assert moment.action is not None
-            state = moment.action.apply(self.method(moment.run, moment.action.regions), state)
-            self._kept.put(moment, state)
+            state = moment.action.apply_to(self.method_of_run(moment.run, moment.action.regions), state)
+            self._states.put(moment, state)
         return state
 
-    def metrics(self, branch: int, step: int) -> RunMetrics:
+    def metrics_until(self, branch: int, step: int) -> RunMetrics:
         """Return the figures of a branch up to a step."""
-        return self._known(branch).record.metrics(step)
+        return self._get_branch(branch).figures.metrics_until(step)
 
     # Recording
 
-    def begin(self, state: MethodState, document: Document, generation: int = 0) -> None:
+    def begin_run(self, state: MethodState, document: Document, generation: int = 0) -> None:
         """Begin a run with its first state, or go back to the beginning of one that began in the same way.
 
         The window knows it by its `generation`. Runs without a step are removed.
         """
-        beginning = _beginning(document)
-        run = next((run for run, (begun, _) in self._begun.items() if _beginning(begun) == beginning), 0)
+        beginning = _beginning_key(document)
+        run = next((run for run, (begun, _) in self._begun.items() if _beginning_key(begun) == beginning), 0)
         if run:
             self._begun[run] = document, generation
-            self.go(self._root(run).identity, 0)
+            self.go_to(self._first_branch(run).identity, 0)
         else:
             for known in tuple(self._begun):
-                lines = [line for line in self._lines.values() if line.run == known]
-                if len(lines) == 1 and not lines[0].renamed and [at.previous for at in lines[0].path] == [None]:
+                lines = [line for line in self._branches_by_number.values() if line.run == known]
+                if len(lines) == 1 and not lines[0].renamed and [at.previous for at in lines[0].nodes] == [None]:
                     self._remove_run(known)
             run = self._numbered + 1
             self._begun[run] = document, generation
             self.edition += 1
-            self._arrive(self._open([Moment(run, 0)], [(0, state.scale)], run, tr("Run {number}")), state)
+            self._set_current(self._add_branch([TimelineNode(run, 0)], [(0, state.scale)], run, tr("Run {number}")), state)
 
-    def record(self, action: RunAction, state: MethodState, measures: Mapping[str, float]) -> None:
+    def record_step(self, action: RunAction, state: MethodState, measures: Mapping[str, float]) -> None:
         """Add the step after the current one, with its figures.
 
         A new branch begins where the action differs from the recorded one; otherwise the run follows the branch.
         """
-        line, moment, at = self._line, self._kept.here, state.step
+        line, moment, at = self._current_branch, self._states.current, state.step
         assert moment is not None
-        following = (other for other in (line, *self._lines.values()) if len(other.path) > at)
-        same = (one for one in following if one.path[at].previous is moment and one.path[at].action == action)
+        following = (other for other in (line, *self._branches_by_number.values()) if len(other.nodes) > at)
+        same = (one for one in following if one.nodes[at].previous is moment and one.nodes[at].action == action)
         known = next(same, None)
         if known is None:
             if self._step < line.last:
-                line = self._fork(line)
-                line.path.append(moment)
-            line.path.append(Moment(line.run, at, moment, action))
-            line.steered = line.steered or action != line.path[1].action
+                line = self._fork_branch(line)
+                line.nodes.append(moment)
+            line.nodes.append(TimelineNode(line.run, at, moment, action))
+            line.steered = line.steered or action != line.nodes[1].action
             if state.scale != line.scales[-1][1]:
                 line.scales.append((at, state.scale))
-                self._branches = None
+                self._shown_branches = None
             self.edition += 1
-        (known or line).record.record(at, measures)
-        self._arrive(known or line, state)
+        (known or line).figures.add_step(at, measures)
+        self._set_current(known or line, state)
 
-    def amend(self, action: RunAction, state: MethodState, apart: bool = False) -> None:
+    def amend_state(self, action: RunAction, state: MethodState, on_own_branch: bool = False) -> None:
         """Change the current state without a step.
 
         If other steps have followed from it, the change begins a new branch. It also does so if `apart`, so that the
         state before it can be visited again.
         """
-        line, moment = self._line, self._kept.here
+        line, moment = self._current_branch, self._states.current
         assert moment is not None
-        others = (other.at(self._step) for other in self._lines.values() if other is not line)
-        if apart or self._step < line.last or moment in others:
-            line = self._fork(line)
+        others = (other.node_at(self._step) for other in self._branches_by_number.values() if other is not line)
+        if on_own_branch or self._step < line.last or moment in others:
+            line = self._fork_branch(line)
         else:
-            line.path.pop()
+            line.nodes.pop()
             line.steered = True
             if moment.previous is not None:
-                self._kept.drop(moment)
-        line.path.append(Moment(line.run, self._step, moment, action))
+                self._states.drop(moment)
+        line.nodes.append(TimelineNode(line.run, self._step, moment, action))
         self.edition += 1
-        self._arrive(line, state)
+        self._set_current(line, state)
 
     # Going
 
-    def go(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
+    def go_to(self, branch: int, step: int, is_wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """Go to a step, or to the nearest one of its branch, and return its state, exactly as it was.
 
         `wanted` is called between steps that have to be repeated; if it returns False, nothing changes and the
         result is None. Raises ValueError if there is no such branch.
         """
-        state = self.state(branch, step, wanted)
+        state = self.compute_state(branch, step, is_wanted)
         if state is not None:
-            self._branches = None
-            self._arrive(self._lines[branch], state)
+            self._shown_branches = None
+            self._set_current(self._branches_by_number[branch], state)
         return state
 
-    def leave(self) -> None:
+    def leave_run(self) -> None:
         """Leave the current run, which is kept, so that another one can begin."""
-        self._line, self._step, self._kept.here, self._branches = _NO_BRANCH, 0, None, None
+        self._current_branch, self._step, self._states.current, self._shown_branches = _NO_BRANCH, 0, None, None
 
     # Branches
 
-    def rename(self, branch: int, name: str) -> None:
+    def rename_branch(self, branch: int, name: str) -> None:
         """Rename a branch; an empty name changes nothing."""
-        line = self._known(branch)
+        line = self._get_branch(branch)
         if name.strip():
             line.name, line.renamed = name.strip(), True
-            self._change()
+            self._mark_changed()
 
-    def drop(self, branch: int) -> MethodState | None:
+    def remove_branch(self, branch: int) -> MethodState | None:
         """Remove a branch, but not the steps that it shares with others; return the current state after that.
 
         If the run is on a removed step, it goes back to where that branch began, or to the end of the previous run.
         Raises ValueError if there is no such branch, or no other one.
         """
-        line = self._known(branch)
-        if len(self._lines) == 1:
+        line = self._get_branch(branch)
+        if len(self._branches_by_number) == 1:
             raise ValueError(tr("The only run cannot be deleted."))
-        rest = [other for other in self._lines.values() if other.run == line.run and other is not line]
-        if any(not other.common(rest[0]) and rest[0].path[0] not in other.path[0].of_step for other in rest):
+        rest = [other for other in self._branches_by_number.values() if other.run == line.run and other is not line]
+        if any(not other.count_common_nodes(rest[0]) and rest[0].nodes[0] not in other.nodes[0].nodes_of_step for other in rest):
             raise ValueError(
                 tr("{name} cannot be deleted: several branches begin with its step {step}.", name=line.name, step=0)
             )
-        del self._lines[branch]
-        if self._line is line and rest:
-            other = max(rest, key=line.common)
-            self.go(other.identity, min(self._step, max(line.common(other) - 1, 0)))
-        elif self._line is line:
+        del self._branches_by_number[branch]
+        if self._current_branch is line and rest:
+            other = max(rest, key=line.count_common_nodes)
+            self.go_to(other.identity, min(self._step, max(line.count_common_nodes(other) - 1, 0)))
+        elif self._current_branch is line:
             runs = tuple(self._begun)
-            before = self._root(runs[runs.index(line.run) - 1])
-            self.go(before.identity, before.last)
-        self._kept.keep_only(line.run, {moment for other in rest for moment in other.path})
+            before = self._first_branch(runs[runs.index(line.run) - 1])
+            self.go_to(before.identity, before.last)
+        self._states.keep_only(line.run, {moment for other in rest for moment in other.nodes})
         if not rest:
             del self._begun[line.run]
-        self._change()
-        return None if self.here is None else self.state(*self.here)
+        self._mark_changed()
+        return None if self.current_step is None else self.compute_state(*self.current_step)
 
     def clear(self) -> None:
         """Remove everything."""
-        self.leave()
-        self._numbered, self._named, self._fallen = 0, [0, 0], ()
-        self._lines, self._begun = {}, {}
-        self.method.cache_clear()
-        self._kept.clear()
+        self.leave_run()
+        self._numbered, self._named, self._dropped_runs = 0, [0, 0], ()
+        self._branches_by_number, self._begun = {}, {}
+        self.method_of_run.cache_clear()
+        self._states.clear()
         self.edition += 1
 
     # Stored runs
 
-    def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
+    def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
         """Return all runs for a session; `drawn` are the sources of the particles of each, by its generation."""
         runs = []
         for run, (document, generation) in self._begun.items():
-            branches = tuple(self._stored(line) for line in self._lines.values() if line.run == run)
-            runs.append(StoredRun(document, drawn.get(generation, document.start_counts), branches))
-        places = {(line.identity, line.last) for line in self._lines.values()} | ({self.here} if self.here else set())
-        kept = ((place, self._kept.get(self._lines[place[0]].at(place[1]))) for place in places)
-        return StoredRuns(tuple(runs), self.here, {place: state for place, state in kept if state is not None})
+            branches = tuple(self._to_stored_branch(line) for line in self._branches_by_number.values() if line.run == run)
+            runs.append(StoredRun(document, sources.get(generation, document.start_counts), branches))
+        places = {(line.identity, line.last) for line in self._branches_by_number.values()} | ({self.current_step} if self.current_step else set())
+        kept = ((place, self._states.get(self._branches_by_number[place[0]].node_at(place[1]))) for place in places)
+        return StoredRuns(tuple(runs), self.current_step, {place: state for place, state in kept if state is not None})
 
-    def _stored(self, line: _Line) -> StoredBranch:
+    def _to_stored_branch(self, line: _Branch) -> StoredBranch:
         """Return a branch with its own actions, from the step at which it leaves its parent."""
-        branch = self._branch(line)
-        steps = [moment.actions for moment in line.path[branch.first :]]
+        branch = self._describe_branch(line)
+        steps = [moment.actions for moment in line.nodes[branch.first :]]
         if branch.parent is not None:
-            steps[0] = steps[0][len(self._lines[branch.parent].at(branch.first).actions) :]
-        return StoredBranch(branch, tuple(steps), line.record.rows)
+            steps[0] = steps[0][len(self._branches_by_number[branch.parent].node_at(branch.first).actions) :]
+        return StoredBranch(branch, tuple(steps), line.figures.rows)
 
-    def restore(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> str:
+    def restore_runs(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> str:
         """Take over the runs of a session; return the first error, or "".
 
         `first` returns the first state of a run. The number of a run is the number of its first branch; generations
@@ -359,121 +359,121 @@ class Timeline:
         self.clear()
         fault = ""
         for generation, run in enumerate(stored.runs, 1):
-            root = Moment(run.branches[0].branch.identity, 0)
+            root = TimelineNode(run.branches[0].branch.identity, 0)
             self._begun[root.run] = run.document, -generation
             try:
-                self._kept.put(root, first(self.method(root.run, run.document.regions), run.document))
+                self._states.put(root, first(self.method_of_run(root.run, run.document.regions), run.document))
             except ValueError as error:
                 fault = fault or explain_error(error)
                 del self._begun[root.run]
-                self.method.cache_clear()  # another run may get its number
+                self.method_of_run.cache_clear()  # another run may get its number
                 continue
             for branch in run.branches:
-                self._adopt(branch, root)
+                self._add_stored_branch(branch, root)
         for (number, step), state in stored.states.items():
-            if number in self._lines:
-                self._kept.put(self._lines[number].at(step), state)
-        self._make_room()
+            if number in self._branches_by_number:
+                self._states.put(self._branches_by_number[number].node_at(step), state)
+        self._evict_runs()
         return fault
 
-    def _adopt(self, stored: StoredBranch, root: Moment) -> None:
+    def _add_stored_branch(self, stored: StoredBranch, root: TimelineNode) -> None:
         """Add a branch of a session."""
         branch, path, scales = stored.branch, [root], list(stored.branch.scales)
         if branch.parent is not None:
-            parent = self._known(branch.parent)
-            path, scales = parent.path[: branch.first + 1], parent.scales_until(branch.first) + scales
+            parent = self._get_branch(branch.parent)
+            path, scales = parent.nodes[: branch.first + 1], parent.scales_until(branch.first) + scales
         for step, actions in enumerate(stored.steps, branch.first):
             moment = path[-1] if step > branch.first else path.pop()
             for action in actions:
-                moment = Moment(root.run, step, moment, action)
+                moment = TimelineNode(root.run, step, moment, action)
             path.append(moment)
         kind, number = branch.parent is not None, branch.name.rpartition(" ")[2]
         steered = kind or bool(path[0].actions) or any(at.actions != path[1].actions for at in path[1:])
-        self._lines[branch.identity] = _Line(
-            branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, RunRecord(stored.figures)
+        self._branches_by_number[branch.identity] = _Branch(
+            branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, BranchFigures(stored.figures)
         )
         self._numbered = max(self._numbered, branch.identity)
         self._named[kind] = max(self._named[kind] + 1, int(number) if number.isdecimal() else 0)
 
     # Internal
 
-    def _known(self, branch: int) -> _Line:
-        if branch not in self._lines:
+    def _get_branch(self, branch: int) -> _Branch:
+        if branch not in self._branches_by_number:
             raise ValueError(tr("Branch {number} no longer exists.", number=branch))
-        return self._lines[branch]
+        return self._branches_by_number[branch]
 
-    def _root(self, run: int) -> _Line:
+    def _first_branch(self, run: int) -> _Branch:
         """Return the oldest branch of a run."""
-        return next(line for line in self._lines.values() if line.run == run)
+        return next(line for line in self._branches_by_number.values() if line.run == run)
 
-    def _branch(self, line: _Line) -> Branch:
+    def _describe_branch(self, line: _Branch) -> TimelineBranch:
         """Describe a branch for the window.
 
         Its parent is the older branch of its run that it shares the most nodes with.
         """
-        older = takewhile(lambda other: other is not line, self._lines.values())
-        parent = max((other for other in older if other.run == line.run), key=line.common, default=None)
+        older = takewhile(lambda other: other is not line, self._branches_by_number.values())
+        parent = max((other for other in older if other.run == line.run), key=line.count_common_nodes, default=None)
         scales, first = line.scales, 0
         if parent is not None:
-            at = line.common(parent)
-            both = at < min(len(line.path), len(parent.path))
-            first = at if both and parent.path[at] in line.path[at].of_step else at - 1
+            at = line.count_common_nodes(parent)
+            both = at < min(len(line.nodes), len(parent.nodes))
+            first = at if both and parent.nodes[at] in line.nodes[at].nodes_of_step else at - 1
             scales = [mark for mark in scales if mark[0] > first]
         leaves = None if parent is None else parent.identity
-        return Branch(line.identity, line.name, leaves, first, line.last, tuple(scales), line.run, line.renamed)
+        return TimelineBranch(line.identity, line.name, leaves, first, line.last, tuple(scales), line.run, line.renamed)
 
-    def _open(self, path: list[Moment], scales: list[tuple[int, int]], run: int, name: str) -> _Line:
+    def _add_branch(self, path: list[TimelineNode], scales: list[tuple[int, int]], run: int, name: str) -> _Branch:
         """Add a branch; a run is numbered like its first branch."""
         self._numbered += 1
         branches = run != self._numbered
         self._named[branches] += 1
         name = name.format(number=self._named[branches])
-        line = self._lines[self._numbered] = _Line(self._numbered, name, run, path, scales, steered=branches)
-        self._branches = None
+        line = self._branches_by_number[self._numbered] = _Branch(self._numbered, name, run, path, scales, steered=branches)
+        self._shown_branches = None
         return line
 
-    def _fork(self, line: _Line) -> _Line:
+    def _fork_branch(self, line: _Branch) -> _Branch:
         """Begin a branch that shares the steps before the current one with another branch."""
         scales = line.scales_until(self._step)
-        fork = self._open(line.path[: self._step], scales, line.run, tr("Branch {number}"))
-        fork.record = line.record.until(self._step)
+        fork = self._add_branch(line.nodes[: self._step], scales, line.run, tr("Branch {number}"))
+        fork.figures = line.figures.copy_until(self._step)
         return fork
 
-    def _arrive(self, line: _Line, state: MethodState) -> None:
+    def _set_current(self, line: _Branch, state: MethodState) -> None:
         """Make the step of a branch with this state the current one."""
-        if line is not self._line:
-            self._branches = None
-        moment = line.at(state.step)
-        self._line, self._step, self._kept.here = line, state.step, moment
-        self._kept.put(moment, state)
-        self._make_room()
+        if line is not self._current_branch:
+            self._shown_branches = None
+        moment = line.node_at(state.step)
+        self._current_branch, self._step, self._states.current = line, state.step, moment
+        self._states.put(moment, state)
+        self._evict_runs()
 
-    def _change(self) -> None:
+    def _mark_changed(self) -> None:
         """Note that the branches have changed."""
         self.edition += 1
-        self._branches = None
+        self._shown_branches = None
 
     def _remove_run(self, run: int) -> None:
-        if self.run == run:
-            self.leave()
+        if self.current_run == run:
+            self.leave_run()
         del self._begun[run]
-        self._lines = {branch: line for branch, line in self._lines.items() if line.run != run}
-        self._kept.keep_only(run, set())
-        self._change()
+        self._branches_by_number = {branch: line for branch, line in self._branches_by_number.items() if line.run != run}
+        self._states.keep_only(run, set())
+        self._mark_changed()
 
-    def _make_room(self) -> None:
+    def _evict_runs(self) -> None:
         """Remove the oldest runs until the others fit, those named by the user last; never the newest one."""
-        self._kept.make_room()
-        while self._kept.used > self._kept.budget or len(self._begun) > MOST_RUNS:
-            roots = [self._root(run) for run in tuple(self._begun)[:-1]]
-            oldest = min((one for one in roots if one.run != self.run), key=lambda one: one.renamed, default=None)
+        self._states.evict_states()
+        while self._states.used > self._states.budget or len(self._begun) > MAX_TIMELINE_RUNS:
+            roots = [self._first_branch(run) for run in tuple(self._begun)[:-1]]
+            oldest = min((one for one in roots if one.run != self.current_run), key=lambda one: one.renamed, default=None)
             if oldest is None:
                 return
-            self._fallen = (*self._fallen, oldest.name)
+            self._dropped_runs = (*self._dropped_runs, oldest.name)
             self._remove_run(oldest.run)
 
 
-def _beginning(document: Document) -> tuple[object, ...]:
+def _beginning_key(document: Document) -> tuple[object, ...]:
     """Return everything that decides how a run begins and takes its first step."""
     image = document.image
     return (

@@ -21,20 +21,20 @@ from cpm_app.model.export import ExportOrder, ExportKind, prepare_export, descri
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
-    Compiling,
-    Core,
-    Exported,
-    Finished,
+    CompilationProgress,
+    CoreFunctions,
+    FilesExported,
+    WorkFinished,
     Reconstruction,
     Report,
     RunFailed,
     RunsKept,
     SeedsFound,
     WarmedUp,
-    WentOn,
+    RunContinued,
 )
-from cpm_app.session.tasks.tasks import Task
-from cpm_app.session.timeline.plain_runs import runs_from_plain, runs_to_plain
+from cpm_app.session.tasks.tasks import BackgroundTask
+from cpm_app.session.timeline.plain_runs import runs_from_json, runs_to_json
 from cpm_app.session.worker.run import Run
 from cpm_core import Result, Skeleton
 from cpm_core.formats import FIGURE_SUFFIXES, encode_descriptions, set_relative_source, write_together
@@ -43,7 +43,7 @@ from cpm_core.shapes import NO_SEEDS
 
 RunArguments = ParamSpec("RunArguments")
 
-_TIMELINE_CHANGING_METHODS = (Run.discard, Run.rename_branch, Run.drop_branch, Run.set_timeline_budget)
+_TIMELINE_CHANGING_METHODS = (Run.discard_state, Run.rename_branch, Run.remove_branch, Run.set_timeline_budget)
 """Methods that change the timeline even while no run is shown."""
 
 
@@ -63,14 +63,14 @@ class CommandContext:
         Returns whether the program is about to end, so that long work is no longer useful.
     """
 
-    core: Core
+    core: CoreFunctions
     run: Run
     report: Callable[[Report], None]
     closing: Callable[[], bool]
 
 
 @record
-class Command:
+class WorkerCommand:
     """Work for the worker thread between two steps.
 
     Attributes
@@ -85,22 +85,22 @@ class Command:
         Makes the report for a failure from an error message.
     """
 
-    work: Callable[[CommandContext], object]
+    execute: Callable[[CommandContext], object]
     activity: str = tr("working")
     kind: object = None
-    failed: Callable[[str], Report] = CommandFailed
+    failure_report: Callable[[str], Report] = CommandFailed
 
 
-QUIT = Command(lambda context: None)
+QUIT_COMMAND = WorkerCommand(lambda context: None)
 """Ends the thread."""
 
 
-def run_call(
+def call_run(
     generation: int | None,
     method: Callable[Concatenate[Run, RunArguments], bool | None],
     *arguments: RunArguments.args,
     **named: RunArguments.kwargs,
-) -> Command:
+) -> WorkerCommand:
     """Call a method of the run, unless the run of this `generation` has been replaced by then; None is any run.
 
     A method that returns True has continued a run that had ended, which is reported. Of successive placed charges,
@@ -112,42 +112,42 @@ def run_call(
         if generation not in (None, run.generation):
             return
         if method(run, *arguments, **named):
-            context.report(WentOn(run.generation))
+            context.report(RunContinued(run.generation))
         if run.state is None and method in _TIMELINE_CHANGING_METHODS:
-            context.report(RunsKept(run.generation, run.timeline.outline))
+            context.report(RunsKept(run.generation, run.timeline.timeline_state))
 
-    kind = method if method in (Run.place, Run.limit, Run.edit_by_hand) else None
-    return Command(call_method, tr("changing the run"), kind)
+    kind = method if method in (Run.set_charges, Run.set_regions, Run.set_hand_edits) else None
+    return WorkerCommand(call_method, tr("changing the run"), kind)
 
 
-def start(generation: int, image_generation: int, document: Document) -> Command:
+def start_run(generation: int, image_generation: int, document: Document) -> WorkerCommand:
     """Start a run from a document, without a step, if its image is still the current one."""
 
     def start_if_current(context: CommandContext) -> None:
         if image_generation == context.run.image_generation:
             context.run.start(generation, document)
 
-    return Command(start_if_current, tr("starting"), failed=partial(RunFailed, generation))
+    return WorkerCommand(start_if_current, tr("starting"), failure_report=partial(RunFailed, generation))
 
 
-def find_seeds(image_generation: int, document: Document) -> Command:
+def find_seeds(image_generation: int, document: Document) -> WorkerCommand:
     """Find and report the seeds of a document that depend on the image, so that they can be shown."""
 
     def report_seeds(context: CommandContext) -> None:
         if image_generation == context.run.image_generation:
-            context.report(SeedsFound(image_generation, context.run.seeds_for(document)))
+            context.report(SeedsFound(image_generation, context.run.compute_image_seeds(document)))
 
     failed = partial(SeedsFound, image_generation, NO_SEEDS)
-    return Command(report_seeds, tr("looking for starting positions"), "seeds", failed)
+    return WorkerCommand(report_seeds, tr("looking for starting positions"), "seeds", failed)
 
 
 def write_files(
-    task: Task,
+    task: BackgroundTask,
     shown: Reconstruction | None,
     document: Document,
     order: ExportOrder,
-    then: Callable[[tuple[bytes, ...]], object] | None = None,
-) -> Command:
+    on_encoded: Callable[[tuple[bytes, ...]], object] | None = None,
+) -> WorkerCommand:
     """Encode all files of an order and write them, or pass their contents to `then`.
 
     During a run these are the contours `shown` in the window. Of a paused run they are the contours of its last state,
@@ -158,7 +158,7 @@ def write_files(
         """Write the files, unless the task has been cancelled, and report their contents."""
 
         def is_wanted() -> bool:
-            return not (task.over or context.closing())
+            return not (task.is_over or context.closing())
 
         run, needs_run = context.run, any(file.kind != "objects" for file in order.files)
         image = None if run.method is None else run.method.image
@@ -166,7 +166,7 @@ def write_files(
         made: dict[tuple[ExportKind, bool], Result | Skeleton] = {}
         contents, counts = [], dict[ExportKind, str]()
         try:
-            found = run.reconstruction(shown, is_wanted) if is_wanted() and needs_run else None
+            found = run.wait_for_reconstruction(shown, is_wanted) if is_wanted() and needs_run else None
             if not is_wanted() or (needs_run and found is None):
                 return
             whole = None if found is None else run.with_provenance(found.result)
@@ -181,23 +181,23 @@ def write_files(
                 elif file.suffix == ".labelme.json" and source is not None:
                     shaped = set_relative_source(shaped, file.path, Path(source))
                 contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space, image=source)))
-                contents += [] if then else encode_descriptions(made[key], file.path)
+                contents += [] if on_encoded else encode_descriptions(made[key], file.path)
                 counts.setdefault(file.kind, describe_export(made[key], file.kind, file.suffix))
-            if then is not None:
-                context.report(Finished(partial(then, tuple(content for _, content in contents))))
+            if on_encoded is not None:
+                context.report(WorkFinished(partial(on_encoded, tuple(content for _, content in contents))))
                 return
             write_together(contents)
             several = tr("{count} files", count=len(contents))
             text = ", ".join([several] * (len(contents) > 1) + [*counts.values()])
-            context.report(Exported(order.files[0].path, text))
+            context.report(FilesExported(order.files[0].path, text))
         finally:
             task.end()
 
     activity = tr("writing {name}", name=order.files[0].path.name)
-    return Command(encode_and_write, activity, failed=partial(CommandFailed, topic="exporting"))
+    return WorkerCommand(encode_and_write, activity, failure_report=partial(CommandFailed, topic="exporting"))
 
 
-def warm_up(volumes: bool = False) -> Command:
+def compile_kernels(volumes: bool = False) -> WorkerCommand:
     """Compile or load the kernels, of images or of volumes, so that the first step does not wait for them."""
 
     def compile_and_report(context: CommandContext) -> None:
@@ -207,14 +207,14 @@ def warm_up(volumes: bool = False) -> Command:
             nonlocal reported
             if (percent := int(100.0 * done)) > reported:
                 reported = percent
-                context.report(Compiling(percent))
+                context.report(CompilationProgress(percent))
 
         (context.core.warm_up_volumes if volumes else context.core.warm_up)(context.closing, report_progress)
         stamps.compile_stamping()
         _freeze_loaded_objects(volumes)
         context.report(WarmedUp())
 
-    return Command(compile_and_report, tr("preparing"))
+    return WorkerCommand(compile_and_report, tr("preparing"))
 
 
 _freeze_loaded_objects = cache(lambda volumes: gc.freeze())
@@ -234,10 +234,10 @@ class RunsCollected(Report):
     generation: int
     edition: int
     plain: JsonObject
-    fault: str = ""
+    error: str = ""
 
 
-def collect_runs(generation: int, drawn: Mapping[int, Counter[Hashable]], found: Future[RunsCollected]) -> Command:
+def collect_runs(generation: int, sources: Mapping[int, Counter[Hashable]], found: Future[RunsCollected]) -> WorkerCommand:
     """Encode the runs on the image opened as `generation` as plain JSON; `found` has the report for other threads.
 
     `drawn` are the sources of their particles, by generation. A failure is reported too, so that the file can still be
@@ -249,13 +249,13 @@ def collect_runs(generation: int, drawn: Mapping[int, Counter[Hashable]], found:
         return collected
 
     def encode_runs(context: CommandContext) -> None:
-        plain = runs_to_plain(context.run.stored(drawn))
+        plain = runs_to_json(context.run.to_stored_runs(sources))
         context.report(hand_over(RunsCollected(generation, context.run.timeline.edition, plain)))
 
-    return Command(
+    return WorkerCommand(
         encode_runs,
         tr("collecting the runs"),
-        failed=lambda sentence: hand_over(RunsCollected(generation, -1, {}, sentence)),
+        failure_report=lambda sentence: hand_over(RunsCollected(generation, -1, {}, sentence)),
     )
 
 
@@ -273,7 +273,7 @@ class RunsRestored(Report):
     edition: int
 
 
-def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> Command:
+def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> WorkerCommand:
     """Put the runs of a session file on the timeline, and go to the step that was shown.
 
     Damaged parts are left out and reported.
@@ -283,14 +283,14 @@ def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> C
         run = context.run
         if run.image_generation != generation:
             return
-        stored, fault = runs_from_plain(plain, image)
-        failed = run.restore(stored)
+        stored, fault = runs_from_json(plain, image)
+        failed = run.restore_runs(stored)
         if fault or failed:
             context.report(CommandFailed(fault or failed))
-        outline, here = run.timeline.outline, stored.here
+        outline, here = run.timeline.timeline_state, stored.shown_step
         if here is not None and all(branch.identity != here[0] for branch in outline.branches):
             here = None
-        begun = {-number: (kept.document, kept.drawn) for number, kept in enumerate(stored.runs, 1)}
+        begun = {-number: (kept.document, kept.sources) for number, kept in enumerate(stored.runs, 1)}
         context.report(RunsRestored(generation, begun, here is not None, outline.edition))
         if here is None:
             context.report(RunsKept(run.generation, outline))
@@ -298,4 +298,4 @@ def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> C
             run.go_to(*here, lambda: not context.closing())
             run.halt()
 
-    return Command(restore_and_show, tr("restoring the runs"), failed=partial(RunFailed, generation))
+    return WorkerCommand(restore_and_show, tr("restoring the runs"), failure_report=partial(RunFailed, generation))

@@ -18,7 +18,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import SampledForce
-from cpm_app.session.exchange.messages import Drawn
+from cpm_app.session.exchange.messages import OverlayData
 from cpm_core import METHODS, Contour, Image, Method, Parameters, PlacedCharge
 from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import SkeletonMethod
@@ -35,54 +35,54 @@ class PreparedMethods:
         self._image: Image | None = None
         self._seed_cache: SeedCache | None = None
 
-    def use(self, method: Method[Any]) -> None:
+    def use_image(self, method: Method[Any]) -> None:
         """Change to another image and the method that has been prepared for it."""
-        self.rescale(method.image)
-        self.keep(method)
+        self.change_pixel_size(method.image)
+        self.keep_method(method)
 
-    def rescale(self, image: Image) -> None:
+    def change_pixel_size(self, image: Image) -> None:
         """Make methods for the same image with another pixel size from now on."""
         self._ready.clear()
         self._image = image
         self._seed_cache = SeedCache(image)
 
-    def keep(self, method: Method[Any]) -> None:
+    def keep_method(self, method: Method[Any]) -> None:
         """Keep a method in place of the same one with other regions."""
         self._ready[method.name] = method
 
-    def method(self, document: Document) -> Method[Any]:
+    def method_for(self, document: Document) -> Method[Any]:
         """Return the method of a document's mode, in its regions, and for a skeleton of the outlines it is made of."""
         name = MODES[document.mode].method
-        image, method = self._sized(document), self._ready.get(name)
+        image, method = self._image_with_size(document), self._ready.get(name)
         other = method is None or (method.image.spacing, method.image.unit) != (image.spacing, image.unit)
         if method is None or other or not method.can_start(document.parameters):
             method = self._makers[name](image, document.parameters, document.regions)
         elif method.regions != document.regions:
             method = method.with_regions(document.regions)
         if image is self._image:
-            self.keep(method)
+            self.keep_method(method)
         if isinstance(method, SkeletonMethod) and image.ndim == 3:
             return method.for_objects(document.outlined_surfaces)
         if isinstance(method, SkeletonMethod) and document.outlines:
             return method.for_objects([Contour(np.array(line), closed=True) for line in document.outlines])
         return method
 
-    def _sized(self, document: Document) -> Image:
+    def _image_with_size(self, document: Document) -> Image:
         """Return the image with the pixel size of a document, whose run may have begun before that was changed."""
         assert self._image is not None
         return self._image if document.image is None else document.image.with_known_pixel_size(self._image)
 
-    def seeds(self, document: Document) -> Array:
+    def compute_seeds(self, document: Document) -> Array:
         """Return the seeds of a run of a document, shape (N, D) [px]; none if its method needs none."""
         if not METHODS[MODES[document.mode].method].seeded:
             return np.zeros((0, 2))
-        return document.collect_seeds(self.image_seeds(document))
+        return document.collect_seeds(self.compute_image_seeds(document))
 
-    def image_seeds(self, document: Document) -> ImageSeeds:
+    def compute_image_seeds(self, document: Document) -> ImageSeeds:
         """Return the seeds of the starts of a document that depend on the image."""
         if self._seed_cache is None or self._image is None:
             return NO_SEEDS
-        image = self._sized(document)
+        image = self._image_with_size(document)
         return document.find_image_seeds(self._seed_cache if image is self._image else SeedCache(image))
 
 
@@ -90,7 +90,7 @@ _MAX_FIELD_VOXELS = 1 << 26
 """Largest volume whose field is computed, which takes 800 MB for this one [voxels]."""
 
 
-def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
+def compute_overlay(name: str, method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> OverlayData:
     """Compute an overlay of the image.
 
     These are display images of the edge map and of the potential, shape (H, W), or (P, R, C) for a volume; and the

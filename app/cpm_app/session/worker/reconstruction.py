@@ -15,7 +15,7 @@ import numpy as np
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import ContourTracker
 from cpm_app.session.exchange.mailbox import Mailbox
-from cpm_app.session.exchange.messages import Reconstruction, ReconstructionFailed, sentence
+from cpm_app.session.exchange.messages import Reconstruction, ReconstructionFailed, explain_failure
 from cpm_core import Method, Parameters, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.model import ImageFields
@@ -37,7 +37,7 @@ _CHECK_INTERVAL = 0.05
 
 
 @record
-class Request:
+class ReconstructionRequest:
     """A state to reconstruct contours from; if `last`, none follows soon and there is no pause before it.
 
     Without a state there are only the contours drawn by hand. `hand_edits` are the manual edits of contours, `tracker`
@@ -52,7 +52,7 @@ class Request:
     hand_edits: tuple[HandEdit, ...]
     tracker: ContourTracker
 
-    def found(self) -> Result | Skeleton:
+    def reconstruct(self) -> Result | Skeleton:
         """Reconstruct the contours of the state, without manual edits; the first state has none."""
         if self.state is None:
             image, nowhere = self.method.image, np.empty((0, 2))
@@ -63,7 +63,7 @@ class Request:
         return result
 
 
-def edited(
+def apply_hand_edits(
     method: Method[Any], found: Result | Skeleton, parameters: Parameters, edits: tuple[HandEdit, ...]
 ) -> tuple[Result | Skeleton, Integers]:
     """Apply manual edits to contours; return also the edits without a matching contour. A skeleton stays as it is."""
@@ -78,12 +78,12 @@ class Reconstructor:
     def __init__(self) -> None:
         self.results: Mailbox[Reconstruction | ReconstructionFailed] = Mailbox()
         self._changed = threading.Condition()
-        self._requests: Mailbox[Request] = Mailbox()
+        self._requests: Mailbox[ReconstructionRequest] = Mailbox()
         self._latest: Reconstruction | ReconstructionFailed | None = None
         self._unedited: tuple[tuple[object, ...], Result | Skeleton] | None = None
         self._working = False
         self._quit = False
-        self._thread = threading.Thread(target=self._work, name="cpm-reconstruction", daemon=True)
+        self._thread = threading.Thread(target=self._run_loop, name="cpm-reconstruction", daemon=True)
         self._thread.start()
 
     @property
@@ -91,18 +91,18 @@ class Reconstructor:
         """Whether there is no work; read in every display frame, and therefore without the lock."""
         return not self._requests and not self._working
 
-    def ask(self, request: Request) -> None:
+    def submit(self, request: ReconstructionRequest) -> None:
         """Submit a request in place of one that is still waiting."""
         with self._changed:
             self._requests.put(request)
             self._changed.notify_all()
 
-    def forget(self) -> None:
+    def drop_waiting(self) -> None:
         """Drop the waiting request."""
         with self._changed:
             self._requests.take()
 
-    def latest(self, generation: int, wanted: Callable[[], bool]) -> Reconstruction | None:
+    def wait_for_latest(self, generation: int, is_wanted: Callable[[], bool]) -> Reconstruction | None:
         """Wait for the contours of the newest request of a run and return them.
 
         None if there are none, or if `wanted`, which is called while they are being made, returns False. Raises
@@ -114,7 +114,7 @@ class Reconstructor:
                 self._requests.put(replace(waiting, last=True))
                 self._changed.notify_all()
             while not (self.idle or self._quit):
-                if not wanted():
+                if not is_wanted():
                     return None
                 self._changed.wait(_CHECK_INTERVAL)
             found = self._latest
@@ -131,20 +131,20 @@ class Reconstructor:
             self._changed.notify_all()
         self._thread.join()
 
-    def _work(self) -> None:
+    def _run_loop(self) -> None:
         if sys.platform == "linux":  # 25,000 particles take seconds: stepping and drawing go first on few cores
             thread = threading.get_native_id()
             os.setpriority(os.PRIO_PROCESS, thread, min(os.getpriority(os.PRIO_PROCESS, thread) + _NICE_INCREMENT, 19))
         rest = 0.0
-        while (request := self._next(rest)) is not None:
+        while (request := self._wait_for_request(rest)) is not None:
             began = time.perf_counter()
-            self._reconstruct(request)
+            self._handle_request(request)
             rest = max(_SHORTEST_PAUSE, _REST_PER_WORK * (time.perf_counter() - began))
             with self._changed:
                 self._working = False
                 self._changed.notify_all()
 
-    def _next(self, rest: float) -> Request | None:
+    def _wait_for_request(self, rest: float) -> ReconstructionRequest | None:
         with self._changed:
             self._changed.wait_for(lambda: self._quit or getattr(self._requests.newest, "last", False), timeout=rest)
             self._changed.wait_for(lambda: self._quit or bool(self._requests))
@@ -153,19 +153,19 @@ class Reconstructor:
             self._working = True  # set before the request is taken, so that `idle` is never true in between
             return self._requests.take()
 
-    def _reconstruct(self, request: Request) -> None:
+    def _handle_request(self, request: ReconstructionRequest) -> None:
         found: Reconstruction | ReconstructionFailed
         try:
             made_of = (request.method, request.state, request.parameters)
             if self._unedited is None or self._unedited[0] != made_of:
-                self._unedited = made_of, request.found()
-            result, missed = edited(request.method, self._unedited[1], request.parameters, request.hand_edits)
-            found = Reconstruction.of(request.generation, result, request.tracker, thorough=request.last)
-            found = replace(found, missed=missed if request.last else ())
+                self._unedited = made_of, request.reconstruct()
+            result, missed = apply_hand_edits(request.method, self._unedited[1], request.parameters, request.hand_edits)
+            found = Reconstruction.from_result(request.generation, result, request.tracker, thorough=request.last)
+            found = replace(found, unmatched_edits=missed if request.last else ())
             if request.last and found.tracked is not None and found.tracked.keys:
                 self.results.put(found)  # shown before their contrast is measured
-                found = replace(found, tracked=found.tracked.contrasted())
+                found = replace(found, tracked=found.tracked.with_contrast())
         except Exception as error:  # no error may end the thread
-            found = ReconstructionFailed(request.generation, sentence(error, tr("reconstructing contours")))
+            found = ReconstructionFailed(request.generation, explain_failure(error, tr("reconstructing contours")))
         self._latest = found
         self.results.put(found)

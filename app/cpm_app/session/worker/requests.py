@@ -11,9 +11,9 @@ import numpy as np
 from cpm_app.model.display.display_image import DisplayImage, IntensityWindow
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import ContourTracker
-from cpm_app.session.exchange.messages import CommandFailed, Finished, Reconstruction, Report, Snapshot
-from cpm_app.session.tasks.tasks import Task
-from cpm_app.session.worker.commands import Command, CommandContext
+from cpm_app.session.exchange.messages import CommandFailed, WorkFinished, Reconstruction, Report, Snapshot
+from cpm_app.session.tasks.tasks import BackgroundTask
+from cpm_app.session.worker.commands import WorkerCommand, CommandContext
 from cpm_core import Image, Parameters
 from cpm_core.field import ScaleField
 from cpm_core.model import ImageFields
@@ -22,22 +22,22 @@ from cpm_core.numerics.types import record
 from cpm_core.segmentation import Steerable
 
 
-def seek(generation: int, branch: int, step: int, wanted: Callable[[], bool]) -> Command:
+def go_to_step(generation: int, branch: int, step: int, is_wanted: Callable[[], bool]) -> WorkerCommand:
     """Pause the run and go to a step of a branch, unless by then another step is wanted."""
 
     def go_if_current(context: CommandContext) -> None:
         if generation == context.run.generation:
-            context.run.go_to(branch, step, lambda: wanted() and not context.closing())
+            context.run.go_to(branch, step, lambda: is_wanted() and not context.closing())
 
-    return Command(go_if_current, tr("going to another step"), "seek")
+    return WorkerCommand(go_if_current, tr("going to another step"), "seek")
 
 
-NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
+FORCE_NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
 """Names of the reported forces: attributes of the core's `Forces`."""
 
 
 @record
-class Probed(Report):
+class ForcesProbed(Report):
     """The forces on a particle.
 
     Attributes
@@ -66,74 +66,74 @@ class Probed(Report):
     sizes: Mapping[str, float] = field(default_factory=dict)
 
 
-def probe(generation: int, place: Place, max_distance: float) -> Command:
+def probe_forces(generation: int, place: Place, max_distance: float) -> WorkerCommand:
     """Report the forces on the particle nearest to a place (row, col), within `reach` [px of the image]."""
 
     def report_forces(context: CommandContext) -> None:
         method, state = context.run.method, context.run.state
         if not isinstance(method, Steerable) or state is None or generation != context.run.generation:
-            context.report(Probed(generation, -1))
+            context.report(ForcesProbed(generation, -1))
             return
         position = state.position
         distance = np.linalg.norm(position - place, axis=1)
         nearest = int(distance.argmin()) if len(distance) else -1
         if nearest < 0 or distance[nearest] > max_distance:
-            context.report(Probed(generation, state.step))
+            context.report(ForcesProbed(generation, state.step))
             return
         found = method.forces(state, context.run.parameters, context.run.charges, [nearest])
         if np.isnan(found.total).any():  # new regions delete it at the next step
-            context.report(Probed(generation, state.step))
+            context.report(ForcesProbed(generation, state.step))
             return
         size = 2.0**state.scale
         at = tuple(position[nearest].tolist())
-        forces = {name: size * getattr(found, name)[0] for name in NAMES}
+        forces = {name: size * getattr(found, name)[0] for name in FORCE_NAMES}
         sizes = {name: float(np.linalg.norm(force)) for name, force in forces.items()}
         identity = int(state.particles.identity[nearest])
-        context.report(Probed(generation, state.step, identity, at, forces, sizes=sizes))
+        context.report(ForcesProbed(generation, state.step, identity, at, forces, sizes=sizes))
 
     activity = tr("computing the forces on a particle")
-    return Command(report_forces, activity, "probe", lambda trouble: Probed(generation, -1, error=trouble))
+    return WorkerCommand(report_forces, activity, "probe", lambda trouble: ForcesProbed(generation, -1, error=trouble))
 
 
 @record
 class FrameTaken:
     """Everything shown in one frame, or an error message; `moment` is None if the run has been replaced."""
 
-    moment: Snapshot | None = None
+    snapshot: Snapshot | None = None
     contours: Reconstruction | None = None
     message: str = ""
 
 
 def take_frame(
-    task: Task, generation: int, branch: int, step: int, contours: bool, then: Callable[[FrameTaken], object]
-) -> Command:
+    task: BackgroundTask, generation: int, branch: int, step: int, contours: bool, on_taken: Callable[[FrameTaken], object]
+) -> WorkerCommand:
     """Pass everything shown of one step of a branch to `then`; the run itself continues.
 
     Nothing is done once the task is over.
     """
 
     def make_report(moment: Snapshot | None = None, found: Reconstruction | None = None, sentence: str = "") -> Report:
-        return Finished(partial(then, FrameTaken(moment, found, sentence)))
+        return WorkFinished(partial(on_taken, FrameTaken(moment, found, sentence)))
 
     def report_frame(context: CommandContext) -> None:
         run = context.run
         if generation != run.generation:
             context.report(make_report())
             return
-        moment = run.moment(branch, step, lambda: not (task.over or context.closing()))
-        if moment is None or task.over:
+        moment = run.take_snapshot(branch, step, lambda: not (task.is_over or context.closing()))
+        if moment is None or task.is_over:
             return
         found = None
         if contours and moment.state.step > 0:
-            result = run.result_of(branch, moment.state)
-            found = Reconstruction.of(generation, result, ContourTracker(), thorough=False)
+            result = run.reconstruct_state(branch, moment.state)
+            found = Reconstruction.from_result(generation, result, ContourTracker(), thorough=False)
         context.report(make_report(moment, found))
 
-    return Command(report_frame, tr("drawing a step"), failed=lambda sentence: make_report(sentence=sentence))
+    return WorkerCommand(report_frame, tr("drawing a step"), failure_report=lambda sentence: make_report(sentence=sentence))
 
 
 @record
-class Shaded(Report):
+class ImageShaded(Report):
     """An image in an intensity window."""
 
     image: Image
@@ -142,25 +142,25 @@ class Shaded(Report):
     channel: str = "luminance"
 
 
-def shade(image: Image, window: IntensityWindow, channel: str = "luminance") -> Command:
+def shade_image(image: Image, window: IntensityWindow, channel: str = "luminance") -> WorkerCommand:
     """Make the display image of a channel for an intensity window."""
 
     def report_shaded(context: CommandContext) -> None:
-        context.report(Shaded(image, window, DisplayImage.from_image(image, window, channel), channel))
+        context.report(ImageShaded(image, window, DisplayImage.from_image(image, window, channel), channel))
 
-    return Command(report_shaded, tr("changing the levels"), "shade")
+    return WorkerCommand(report_shaded, tr("changing the levels"), "shade")
 
 
-EDGES = "edges"
+EDGES_CATEGORY = "edges"
 """Category of messages about the edges."""
 
 
-def find_edges(image_generation: int, parameters: Parameters, then: Callable[[ScaleField], object]) -> Command:
+def find_edges(image_generation: int, parameters: Parameters, on_found: Callable[[ScaleField], object]) -> WorkerCommand:
     """Pass the fields of the image at its full size to `then`, if it is still current and its method has any."""
 
     def report_fields(context: CommandContext) -> None:
         fields: object = context.run.method
         if image_generation == context.run.image_generation and isinstance(fields, ImageFields):
-            context.report(Finished(partial(then, fields.scale_field(parameters))))
+            context.report(WorkFinished(partial(on_found, fields.scale_field(parameters))))
 
-    return Command(report_fields, tr("looking for edges"), "edges", partial(CommandFailed, topic=EDGES))
+    return WorkerCommand(report_fields, tr("looking for edges"), "edges", partial(CommandFailed, topic=EDGES_CATEGORY))

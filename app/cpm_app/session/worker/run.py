@@ -13,12 +13,12 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import ContourTracker
 from cpm_app.session.exchange.mailbox import Mailbox, Pacer
-from cpm_app.session.exchange.messages import Overlays, Reconstruction, Snapshot, sentence
-from cpm_app.session.timeline.moments import Erased, Joined, RunAction, Stepped
+from cpm_app.session.exchange.messages import Overlays, Reconstruction, Snapshot, explain_failure
+from cpm_app.session.timeline.moments import EraseAction, JoinAction, RunAction, StepAction
 from cpm_app.session.timeline.stored_runs import StoredRuns
 from cpm_app.session.timeline.timeline import Timeline
-from cpm_app.session.worker.prepared_methods import PreparedMethods, overlay
-from cpm_app.session.worker.reconstruction import Reconstructor, Request, edited
+from cpm_app.session.worker.prepared_methods import PreparedMethods, compute_overlay
+from cpm_app.session.worker.reconstruction import Reconstructor, ReconstructionRequest, apply_hand_edits
 from cpm_core import Image, Method, Parameters, PlacedCharge, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.formats import describe_shapes
@@ -41,7 +41,7 @@ class Run:
         self.overlays: Mailbox[Overlays] = Mailbox()
         self.reconstructor = Reconstructor()
         self.pacer = Pacer()
-        self.timeline = Timeline(prepared.method)
+        self.timeline = Timeline(prepared.method_for)
         self.generation = 0
         self.image_generation = 0
         self.method: Method[Any] | None = None
@@ -58,124 +58,124 @@ class Run:
 
     # The image and the document
 
-    def use(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
+    def use_image(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
         """Change to another image, with the method that has been prepared for it."""
         self.hand_edits, self._tracker = (), ContourTracker()
-        self.discard(generation)
+        self.discard_state(generation)
         self.timeline.clear()
         self._erasures.clear()
         self.image_generation = generation
-        self._prepared.use(method)
+        self._prepared.use_image(method)
         self.method, self.charges, self.parameters = method, (), parameters
         self._refresh_overlays()
 
-    def rescale(self, image: Image, document: Document) -> None:
+    def change_pixel_size(self, image: Image, document: Document) -> None:
         """Use another pixel size from the next start on; an existing run keeps its own."""
-        self._prepared.rescale(image)
+        self._prepared.change_pixel_size(image)
         if self.state is None:
-            self.method = self._prepared.method(document)
+            self.method = self._prepared.method_for(document)
             self._refresh_overlays()
 
     def start(self, generation: int, document: Document) -> None:
         """Start a run from the initialization and the mode of a document, without a step."""
-        self.discard(generation)
+        self.discard_state(generation)
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
-        seeds = self._prepared.seeds(document)
+        seeds = self._prepared.compute_seeds(document)
         self.parameters, self.charges = document.parameters, document.charges
-        self.method = self._prepared.method(document)
+        self.method = self._prepared.method_for(document)
         self._refresh_overlays()
         self.state = self.method.start(seeds)
-        self.timeline.begin(self.state, document, generation)
-        self._send()
+        self.timeline.begin_run(self.state, document, generation)
+        self._send_snapshot()
 
-    def restore(self, stored: StoredRuns) -> str:
+    def restore_runs(self, stored: StoredRuns) -> str:
         """Take over the runs of a session, none of which is shown yet; return the first error, or ""."""
         self._tracker = ContourTracker(stored.numbers)
-        return self.timeline.restore(stored, lambda method, document: method.start(self._prepared.seeds(document)))
+        return self.timeline.restore_runs(stored, lambda method, document: method.start(self._prepared.compute_seeds(document)))
 
-    def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
+    def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
         """Return all runs for a session, with the numbers of their contours; `drawn` as for `Timeline.stored`."""
-        return replace(self.timeline.stored(drawn), numbers=self._tracker.places)
+        return replace(self.timeline.to_stored_runs(sources), numbers=self._tracker.places)
 
-    def seeds_for(self, document: Document) -> ImageSeeds:
+    def compute_image_seeds(self, document: Document) -> ImageSeeds:
         """Return the seeds of the starts of a document that depend on the image."""
-        return self._prepared.image_seeds(document)
+        return self._prepared.compute_image_seeds(document)
 
     def set_parameters(self, parameters: Parameters) -> None:
         """Use these parameters from the next step on."""
         self.parameters = parameters
         self._refresh_overlays()
-        self.stay()
+        self.reconstruct_if_halted()
 
-    def place(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
+    def set_charges(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
         """Use these placed charges from the next step on this image; return whether a run that had ended continues."""
         if image_generation != self.image_generation:
             return False
         self.charges = charges
         self._refresh_overlays()
-        return self._go_on()
+        return self._resume_ended()
 
-    def limit(self, regions: AnyRegions | None) -> bool:
+    def set_regions(self, regions: AnyRegions | None) -> bool:
         """Use these regions and barriers from the next step on; return whether a run that had ended continues."""
         if self.method is None or regions == self.method.regions:
             return False
         self.method = self.method.with_regions(regions)
-        self._prepared.keep(self.method)
+        self._prepared.keep_method(self.method)
         self._refresh_overlays()
-        return self._go_on()
+        return self._resume_ended()
 
-    def join(self, document: Document) -> bool:
+    def add_particles(self, document: Document) -> bool:
         """Add the particles of a document's starts; return whether a run that had ended continues."""
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
-        self._do(Joined(as_line(self._prepared.seeds(document)), self.method.regions))
-        return ended and self._keep_going()
+        self._apply_action(JoinAction(as_line(self._prepared.compute_seeds(document)), self.method.regions))
+        return ended and self._step_without_limit()
 
-    def erase(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
+    def erase_particles(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
         """Remove the particles near a path; particles of one `erasure`, given by its number, are brought back together.
 
         The first removal begins a branch, so that the state before it stays on the timeline.
         """
-        here = self.timeline.here
+        here = self.timeline.current_step
         if not isinstance(self.method, Steerable) or self.state is None or here is None:
             return
         count, known = self.state.count, erasure in self._erasures
-        action = Erased(path, radius, self.method.regions)
-        removes = not known and action.apply(self.method, self.state).count < count
-        self._do(action, apart=removes)
-        after = self.timeline.here
+        action = EraseAction(path, radius, self.method.regions)
+        removes = not known and action.apply_to(self.method, self.state).count < count
+        self._apply_action(action, on_own_branch=removes)
+        after = self.timeline.current_step
         if (removes or known) and after is not None:
             self._erasures[erasure] = (self._erasures[erasure][0] if known else here, after)
         if self.state.stop_reason:
             self._remaining = 0.0
 
-    def turn_erasure(self, erasure: int, back: bool) -> None:
+    def undo_or_redo_erasure(self, erasure: int, back: bool) -> None:
         """Go to the state before an erasure, or to the one after it; do nothing if it removed nothing."""
         if erasure in self._erasures:
             before, after = self._erasures[erasure]
             self.go_to(*(before if back else after), lambda: True)
 
-    def _do(self, action: RunAction, apart: bool = False) -> None:
+    def _apply_action(self, action: RunAction, on_own_branch: bool = False) -> None:
         """Apply an action to the current state; if `apart`, on a branch of its own."""
         assert self.method is not None
-        self.state = action.apply(self.method, self.state)
-        self.timeline.amend(action, self.state, apart)
-        self._send()
+        self.state = action.apply_to(self.method, self.state)
+        self.timeline.amend_state(action, self.state, on_own_branch)
+        self._send_snapshot()
 
     def set_overlays(self, names: frozenset[str]) -> None:
         """Keep only these overlays up to date."""
         self._overlaid, self._overlays_of = names, ()
         self._refresh_overlays()
 
-    def _go_on(self) -> bool:
+    def _resume_ended(self) -> bool:
         """Continue a run that has ended."""
         if not isinstance(self.method, Steerable) or self.state is None or not self.state.stop_reason:
             return False
         self.state = self.state.resume()
-        self._send()
-        return self._keep_going()
+        self._send_snapshot()
+        return self._step_without_limit()
 
     def _refresh_overlays(self) -> None:
         """Compute the requested overlays if they would differ from the last ones; without a method there are none."""
@@ -186,20 +186,20 @@ class Run:
         arrays, trouble = {}, ""
         for name in self._overlaid:
             try:
-                arrays[name] = overlay(name, self.method, self.parameters, self.charges)
+                arrays[name] = compute_overlay(name, self.method, self.parameters, self.charges)
             except Exception as error:  # the run does not depend on overlays
-                trouble = sentence(error, tr("preparing the overlays"))
+                trouble = explain_failure(error, tr("preparing the overlays"))
         self.overlays.put(Overlays(self.image_generation, arrays, trouble))
         self._overlays_of = key
 
     # Steps
 
     @property
-    def stepping(self) -> bool:
+    def is_stepping(self) -> bool:
         """Whether steps remain to be taken."""
         return self._remaining > 0
 
-    def go(self, steps: int | None = None) -> None:
+    def take_steps(self, steps: int | None = None) -> None:
         """Take a number of steps, or all until `halt`; a run that has ended continues only with other parameters."""
         if self.method is None or self.state is None:
             return
@@ -207,37 +207,37 @@ class Run:
             self.state = self.state.resume()
         if not self.state.stop_reason:
             self._remaining = float("inf") if steps is None else self._remaining + steps
-            self.pacer.begin()
+            self.pacer.start_measuring()
 
     def halt(self) -> None:
         """Stop and keep the particles."""
         self._remaining = 0.0
-        self._reconstruct()
+        self._request_contours()
 
-    def stay(self) -> None:
+    def reconstruct_if_halted(self) -> None:
         """Reconstruct the contours of the present state at once, unless steps remain to be taken."""
-        if not self.stepping:
-            self._reconstruct()
+        if not self.is_stepping:
+            self._request_contours()
 
-    def discard(self, generation: int) -> None:
+    def discard_state(self, generation: int) -> None:
         """Stop and remove the particles; the run stays on the timeline, the next one has this generation."""
         self.generation = generation
         self._remaining = 0.0
         self.state = None
-        self.timeline.leave()
-        self.reconstructor.forget()
+        self.timeline.leave_run()
+        self.reconstructor.drop_waiting()
         if self.hand_edits:
-            self._reconstruct(by_hand=True)
+            self._request_contours(by_hand=True)
 
-    def edit_by_hand(self, edits: tuple[HandEdit, ...]) -> None:
+    def set_hand_edits(self, edits: tuple[HandEdit, ...]) -> None:
         """Use these manual edits of contours, also in the runs that follow."""
         if edits == self.hand_edits:
             return
         self.hand_edits = edits
-        if not self.stepping:
-            self._reconstruct(by_hand=True)
+        if not self.is_stepping:
+            self._request_contours(by_hand=True)
 
-    def step(self) -> None:
+    def take_step(self) -> None:
         """Take one step and send a snapshot."""
         if self.method is None or self.state is None:
             self._remaining = 0.0
@@ -245,58 +245,58 @@ class Run:
         method, parameters = self.method, self.parameters
         state = self.state = method.step(self.state, parameters, self.charges)
         self._remaining = 0.0 if state.stop_reason else self._remaining - 1
-        self.pacer.stepped()
+        self.pacer.count_step()
         measures = method.measure_state(state, parameters)
-        self.timeline.record(Stepped(parameters, self.charges, method.regions), state, measures)
-        self._send()
+        self.timeline.record_step(StepAction(parameters, self.charges, method.regions), state, measures)
+        self._send_snapshot()
 
-    def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
+    def go_to(self, branch: int, step: int, is_wanted: Callable[[], bool]) -> None:
         """Pause and go to another step of the timeline; if that is no longer wanted, only pause."""
         self._remaining = 0.0
-        before = self.timeline.run
-        state = self.timeline.go(branch, step, wanted)
+        before = self.timeline.current_run
+        state = self.timeline.go_to(branch, step, is_wanted)
         if state is not None:
-            self._show(state, before)
+            self._show_state(state, before)
 
-    def drop_branch(self, branch: int) -> None:
+    def remove_branch(self, branch: int) -> None:
         """Remove a branch of the timeline; if the run is on it, go back to where it began."""
-        before = self.timeline.run
-        state = self.timeline.drop(branch)
+        before = self.timeline.current_run
+        state = self.timeline.remove_branch(branch)
         if state is not None:
             if state is not self.state:
                 self._remaining = 0.0
-            self._show(state, before)
+            self._show_state(state, before)
 
-    def _show(self, state: MethodState, before: int) -> None:
+    def _show_state(self, state: MethodState, before: int) -> None:
         """Use and show a state of the timeline; `before` is the number of the previous run."""
         self.state = state
-        if self.timeline.run != before:
-            self.method = self.timeline.method(self.timeline.run, None if self.method is None else self.method.regions)
-        self._send(looking_back=True)
+        if self.timeline.current_run != before:
+            self.method = self.timeline.method_of_run(self.timeline.current_run, None if self.method is None else self.method.regions)
+        self._send_snapshot(looking_back=True)
 
     def rename_branch(self, branch: int, name: str) -> None:
         """Rename a branch of the timeline."""
-        self.timeline.rename(branch, name)
-        self._send()
+        self.timeline.rename_branch(branch, name)
+        self._send_snapshot()
 
     def set_timeline_budget(self, budget: int) -> None:
         """Set the largest size of the states that the timeline keeps [bytes]."""
-        self.timeline.limit(budget)
-        self._send()
+        self.timeline.set_budget(budget)
+        self._send_snapshot()
 
     def set_pace(self, steps_per_second: float | None) -> None:
         """Set the largest number of steps per second; None for no limit."""
-        self.pacer.limit(steps_per_second)
+        self.pacer.set_limit(steps_per_second)
 
-    def reconstruction(self, shown: Reconstruction | None, wanted: Callable[[], bool]) -> Reconstruction | None:
+    def wait_for_reconstruction(self, shown: Reconstruction | None, is_wanted: Callable[[], bool]) -> Reconstruction | None:
         """Return the contours that the user sees: `shown` during a run, else the contours of its last state.
 
         Waits for contours that are still being made; None if they are no longer wanted.
         """
-        if self.stepping and shown is not None and shown.generation == self.generation:
+        if self.is_stepping and shown is not None and shown.generation == self.generation:
             return shown
-        found = self.reconstructor.latest(self.generation, wanted)
-        if found is None and wanted():
+        found = self.reconstructor.wait_for_latest(self.generation, is_wanted)
+        if found is None and is_wanted():
             raise ValueError("There is nothing to export yet: start a run first.")
         return found
 
@@ -306,32 +306,32 @@ class Run:
         if image is not None and not made.sha256:  # contours drawn by hand
             made = replace(made, sha256=image.sha256, of_file=bool(image.file_sha256))
         if self.state is not None:
-            made = replace(made, shapes=describe_shapes(self.timeline.drawn), steered=self.timeline.steered)
+            made = replace(made, shapes=describe_shapes(self.timeline.starting_shapes), steered=self.timeline.steered)
         return replace(result, provenance=made)
 
-    def result_of(self, branch: int, state: MethodState) -> Result | Skeleton:
+    def reconstruct_state(self, branch: int, state: MethodState) -> Result | Skeleton:
         """Reconstruct the contours of a state of another branch."""
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
-        method = self.timeline.method(self.timeline.run_of(branch), self.method.regions)
-        return edited(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
+        method = self.timeline.method_of_run(self.timeline.run_of(branch), self.method.regions)
+        return apply_hand_edits(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
 
-    def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
+    def take_snapshot(self, branch: int, step: int, is_wanted: Callable[[], bool]) -> Snapshot | None:
         """Return a snapshot of another step, without going there; None if it is no longer wanted."""
-        state = self.timeline.state(branch, step, wanted)
-        return None if state is None else self._snapshot(state, branch)
+        state = self.timeline.compute_state(branch, step, is_wanted)
+        return None if state is None else self._make_snapshot(state, branch)
 
-    def _keep_going(self) -> bool:
+    def _step_without_limit(self) -> bool:
         self._remaining = float("inf")
-        self.pacer.begin()
+        self.pacer.start_measuring()
         return True
 
-    def _send(self, looking_back: bool = False) -> None:
-        if self.state is not None and self.timeline.here is not None:
-            self.snapshots.put(self._snapshot(self.state, self.timeline.here[0]))
-            self._reconstruct(looking_back)
+    def _send_snapshot(self, looking_back: bool = False) -> None:
+        if self.state is not None and self.timeline.current_step is not None:
+            self.snapshots.put(self._make_snapshot(self.state, self.timeline.current_step[0]))
+            self._request_contours(looking_back)
 
-    def _snapshot(self, state: MethodState, branch: int) -> Snapshot:
+    def _make_snapshot(self, state: MethodState, branch: int) -> Snapshot:
         assert self.method is not None
         speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
         return Snapshot(
@@ -341,11 +341,11 @@ class Run:
             position=self.method.display_positions(state),
             resting=speed < RESTING_SPEED,
             steps_per_second=self.pacer.per_second,
-            metrics=self.timeline.metrics(branch, state.step),
-            timeline=self.timeline.outline,
+            metrics=self.timeline.metrics_until(branch, state.step),
+            timeline=self.timeline.timeline_state,
         )
 
-    def _reconstruct(self, looking_back: bool = False, by_hand: bool = False) -> None:
+    def _request_contours(self, looking_back: bool = False, by_hand: bool = False) -> None:
         """Request contours; of the first state only if the run goes back to it, to show that there are none.
 
         Without a state, only the contours drawn `by_hand` are requested.
@@ -354,7 +354,7 @@ class Run:
         if self.method is None or not (begun or looking_back or by_hand):
             return
         # While the user scrubs, only the step at which this ends needs its contours at once.
-        last = not self.stepping and not looking_back
-        self.reconstructor.ask(
-            Request(self.generation, self.method, self.state, self.parameters, last, self.hand_edits, self._tracker)
+        last = not self.is_stepping and not looking_back
+        self.reconstructor.submit(
+            ReconstructionRequest(self.generation, self.method, self.state, self.parameters, last, self.hand_edits, self._tracker)
         )

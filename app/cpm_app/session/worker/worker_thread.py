@@ -10,12 +10,12 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import Core, Report, RunFailed, sentence
-from cpm_app.session.worker.commands import QUIT, Command, CommandContext
+from cpm_app.session.exchange.messages import CoreFunctions, Report, RunFailed, explain_failure
+from cpm_app.session.worker.commands import QUIT_COMMAND, WorkerCommand, CommandContext
 from cpm_app.session.worker.prepared_methods import PreparedMethods
 from cpm_app.session.worker.run import Run
 
-QUIET = 1.0
+IDLE_BEFORE_RELEASE = 1.0
 """Time without a command after which free memory is returned to the system [s]."""
 
 
@@ -27,32 +27,32 @@ class WorkerThread:
     which takes these messages itself.
     """
 
-    def __init__(self, core: Core | None = None) -> None:
+    def __init__(self, core: CoreFunctions | None = None) -> None:
         self._reports: deque[Report] = deque()
-        self._commands: queue.SimpleQueue[Command] = queue.SimpleQueue()
+        self._commands: queue.SimpleQueue[WorkerCommand] = queue.SimpleQueue()
         self._posted = 0
         self._executed = 0
         self._waiting = False
         self._closing = False
-        self._newest: dict[object, Command] = {}
-        core = core or Core()
+        self._newest: dict[object, WorkerCommand] = {}
+        core = core or CoreFunctions()
         self.run = Run(PreparedMethods(core.methods))
-        self._context = CommandContext(core, self.run, self.report, lambda: self._closing)
-        self._thread = threading.Thread(target=self._work, name="cpm-engine", daemon=True)
+        self._context = CommandContext(core, self.run, self.send_report, lambda: self._closing)
+        self._thread = threading.Thread(target=self._run_loop, name="cpm-engine", daemon=True)
         self._thread.start()
 
-    def post(self, command: Command) -> None:
+    def post_command(self, command: WorkerCommand) -> None:
         """Send a command; only from the window's thread."""
         self._posted += 1
         if command.kind is not None:
             self._newest[command.kind] = command
         self._commands.put(command)
 
-    def report(self, report: Report) -> None:
+    def send_report(self, report: Report) -> None:
         """Send a report to the window, from any thread."""
         self._reports.append(report)
 
-    def reports(self) -> Iterator[Report]:
+    def take_reports(self) -> Iterator[Report]:
         """Take the reports since the last call, oldest first; if the loop over them fails, the rest stay."""
         while self._reports:
             yield self._reports.popleft()
@@ -71,44 +71,44 @@ class WorkerThread:
         """Stop between two steps, end both threads and wait for them."""
         if self._thread.is_alive():
             self._closing = True
-            self.post(QUIT)
+            self.post_command(QUIT_COMMAND)
             self._thread.join()
             self.run.reconstructor.close()
 
-    def _work(self) -> None:
-        while (command := self._next()) is not QUIT:
+    def _run_loop(self) -> None:
+        while (command := self._next_command()) is not QUIT_COMMAND:
             try:
                 if command is None:
-                    self.run.step()
+                    self.run.take_step()
                 elif command.kind is None or command is self._newest[command.kind]:
-                    command.work(self._context)
+                    command.execute(self._context)
             except Exception as error:  # no error may end the thread
                 if command is None:
                     self.run.halt()
-                    self._reports.append(RunFailed(self.run.generation, sentence(error, tr("computing a step"))))
+                    self._reports.append(RunFailed(self.run.generation, explain_failure(error, tr("computing a step"))))
                 else:
-                    self._reports.append(command.failed(sentence(error, command.activity)))
+                    self._reports.append(command.failure_report(explain_failure(error, command.activity)))
             self._executed += command is not None
 
-    def _next(self) -> Command | None:
+    def _next_command(self) -> WorkerCommand | None:
         """Wait for the next command; None if a step is due before one arrives."""
-        if self.run.stepping:
+        if self.run.is_stepping:
             try:
-                wait = self.run.pacer.wait()
+                wait = self.run.pacer.seconds_until_due()
                 return self._commands.get(timeout=wait) if wait > 0 else self._commands.get_nowait()
             except queue.Empty:
                 return None
         self._waiting = True
         try:
-            command = self._commands.get(timeout=QUIET)
+            command = self._commands.get(timeout=IDLE_BEFORE_RELEASE)
         except queue.Empty:
-            give_back()
+            release_free_memory()
             command = self._commands.get()
         self._waiting = False
         return command
 
 
-def give_back() -> None:
+def release_free_memory() -> None:
     """Return free memory to the system if the C library is glibc, which keeps the gaps between arrays."""
     with suppress(OSError, TypeError, AttributeError):
         ctypes.CDLL(None).malloc_trim(0)

@@ -9,9 +9,9 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from cpm_app.model.document import edits
 from cpm_app.model.text.language import translate_core_text, tr
-from cpm_app.session.features.comparison import NOW
+from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.session.signals import OF_THE_PROGRAM, OPENING
+from cpm_app.session.signals import PROGRAM_CATEGORIES, OPENING_CATEGORY
 from cpm_app.views.canvas.canvas import Canvas, ToolInUse
 from cpm_app.views.canvas.crosshair import Crosshair
 from cpm_app.views.canvas.flow import Flow
@@ -79,13 +79,13 @@ class CanvasArea(QWidget):
         self.canvas.pointed.connect(self._point)
         self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
         self.use_tool(FIRST_TOOL)
-        session.said.connect(self.messages.say)
-        session.attempted.connect(self.messages.attempt)
-        session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
+        session.message_shown.connect(self.messages.show_message)
+        session.messages_cleared.connect(self.messages.attempt)
+        session.image_changed.connect(lambda: self.messages.keep_only(OPENING_CATEGORY, *PROGRAM_CATEGORIES))
 
         def on_layer_changed() -> None:
             """Keep contours that are not visible from being selected."""
-            workspace.review.rejected_seen = bool(self.canvas.layers.contours.chosen["rejected"])
+            workspace.review.shows_rejected = bool(self.canvas.layers.contours.chosen["rejected"])
             self.strip.legend.refresh()
 
         for layer in self.canvas.layers:
@@ -104,7 +104,7 @@ class CanvasArea(QWidget):
         changed = self.canvas.hold.tool.name != name
         self.canvas.use(self._tools[name])
         if name != "select":
-            self._session.select(None)
+            self._session.select_shape(None)
         self.crosshair.move(0.0, 0.0)
         self.canvas.setFocus()
         self.refresh()
@@ -134,11 +134,11 @@ class CanvasArea(QWidget):
         elif self.crosshair.position is not None:
             self.crosshair.hide()
         elif self._workspace.comparison.selected:
-            self._workspace.comparison.choose(NOW)
+            self._workspace.comparison.select_row(CURRENT_KEY)
         else:
             self.messages.dismiss()
-            self._session.select(None)
-            self._workspace.review.choose()
+            self._session.select_shape(None)
+            self._workspace.review.select()
 
     def refresh(self) -> None:
         """Show the next step below the canvas; advice of the tool has priority."""
@@ -167,7 +167,7 @@ class CanvasArea(QWidget):
         round_one = Circle(center, radius) if volume is None else Sphere.from_voxel_size(center, radius, volume.spacing)
         name = tr("add circle") if volume is None else tr("add sphere")
         self._session.edit(name, lambda document: edits.add_shape(document, round_one))
-        self._session.select(len(self._session.document.shapes) - 1)
+        self._session.select_shape(len(self._session.document.shapes) - 1)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Handle the keys of the draft and of the selection, including some that are shortcuts of the window.
@@ -178,7 +178,7 @@ class CanvasArea(QWidget):
             self._given = event.reason() == Qt.FocusReason.ShortcutFocusReason
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
             key, tool = event.key(), self.canvas.hold.tool
-            sized = tool.sized or self._session.selected is not None
+            sized = tool.sized or self._session.selected_shape is not None
             if (key in _RESIZE_KEYS and sized) or (key == Qt.Key.Key_Backspace and tool.drafting):
                 event.accept()
                 return True
@@ -195,19 +195,19 @@ class CanvasArea(QWidget):
         self.strip.legend.refresh()
 
     def _take_key(self, event: QKeyEvent) -> bool:
-        key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected
+        key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected_shape
         tool, keyed, objects = self.canvas.hold.tool, self.crosshair.position is not None, self._workspace.object_list
         given, self._given = self._given, False
-        accepts = key in ENTER and not keyed and (objects.open_rows or objects.selected)
+        accepts = key in ENTER and not keyed and (objects.pending_rows or objects.selected_keys)
         if given and accepts:
-            self._session.say(tr("The value is set. Enter accepts the proposal."))
+            self._session.show_message(tr("The value is set. Enter accepts the proposal."))
             return True
         ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
         if tool.drafting and key in _DRAFT_KEYS and ends:
             (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
         elif accepts:
-            if objects.open_rows:  # objects are accepted already
-                objects.accept()
+            if objects.pending_rows:  # objects are accepted already
+                objects.accept_pending()
         elif key in ENTER:
             self.canvas.hold.set_modifiers(held)
             (self.crosshair.enter if keyed else self.crosshair.show)()
@@ -232,7 +232,7 @@ class CanvasArea(QWidget):
 
     def enlarge(self, by: float) -> None:
         """Enlarge the selected shape, or the size of the tool; negative values of `by` make it smaller."""
-        index = self._session.selected
+        index = self._session.selected_shape
         if index is None:
             self.canvas.hold.tool.resize(by)
             return

@@ -42,10 +42,10 @@ class Flow(QObject):
         self._start: Array | None = None
         self._arrived, self._pause = 0.0, inf
         self._timer = QTimer(self, interval=_FLOW_INTERVAL)
-        self._timer.timeout.connect(self._show)
-        session.scene_changed.connect(self._follow)
+        self._timer.timeout.connect(self._update_scene)
+        session.scene_changed.connect(self._on_scene_changed)
 
-    def _follow(self) -> None:
+    def _on_scene_changed(self) -> None:
         before, self._newest = self._newest, self._session.scene.snapshot
         if self._newest is not before:
             self._pause, self._arrived = time.perf_counter() - self._arrived, time.perf_counter()
@@ -53,9 +53,9 @@ class Flow(QObject):
             self._start = start(before, self._newest) if shown else None
             if self._start is not None:
                 self._timer.start()
-        self._show()
+        self._update_scene()
 
-    def _show(self) -> None:
+    def _update_scene(self) -> None:
         scene, way = self._session.scene, (time.perf_counter() - self._arrived) / (_STEP_TIME_SLACK * self._pause)
         if self._start is None or self._newest is None or way >= 1.0:
             self._start = None

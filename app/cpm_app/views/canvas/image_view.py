@@ -73,8 +73,8 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     def draw(self, scene: Scene) -> None:
         """Draw a scene; fit the view when the image or the axis of the slices has changed."""
         self._given = scene
-        before, self.drawn = self.drawn, self.sections.of(scene)
-        if self.drawn.ground != before.ground:
+        before, self.drawn = self.drawn, self.sections.from_scene(scene)
+        if self.drawn.view_source != before.view_source:
             upside_down, leftward = self._flips
             self.view.invertY(not upside_down)
             self.view.invertX(leftward)
@@ -82,7 +82,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
                 self.view.setAspectLocked(True, _aspect(self.drawn))
             self.use_image()
         self.layers.draw(self.drawn)
-        if scene.whole is not before.whole:
+        if scene.full_image is not before.full_image:
             self._copy_settings()  # a new image resets the options of its layer
 
     def _copy_settings(self) -> None:
@@ -214,7 +214,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     @property
     def _flips(self) -> tuple[bool, bool]:
         """Whether the view is upside down, and whether it is mirrored, by the radiological convention."""
-        return find_slice_flips(self.drawn.whole, None if self.here is None else self.here.axis)
+        return find_slice_flips(self.drawn.full_image, None if self.here is None else self.here.axis)
 
 
 def _aspect(scene: Scene) -> float:

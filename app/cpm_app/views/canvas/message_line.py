@@ -51,7 +51,7 @@ class MessageLine(QFrame):
         shown = self._messages.shown
         return shown is not None and shown.error
 
-    def say(self, message: str, error: bool, category: str = "") -> None:
+    def show_message(self, message: str, error: bool, category: str = "") -> None:
         """Show a message."""
         self._use(self._messages.with_message(Message(message, error, category)))
 

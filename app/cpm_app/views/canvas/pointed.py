@@ -7,7 +7,7 @@ from PySide6.QtCore import QRectF
 
 from cpm_app.model.volume.shape_sections import build_shape_wires
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.features.slices import ShownSlices, hit_in
+from cpm_app.session.features.slices import SliceNavigation, hit_shape
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_core.numerics import Array, Place
@@ -25,10 +25,10 @@ class Pointed:
     @property
     def chosen(self) -> str:
         """Kind of the selection: "charge", "shape", "object" or "image"."""
-        shapes, selected = self._session.document.shapes, self._session.selected
+        shapes, selected = self._session.document.shapes, self._session.selected_shape
         if selected is not None and selected < len(shapes):
             return "charge" if isinstance(shapes[selected], Charge) else "shape"
-        return "object" if self._list.selected or self._selection.selecting else "image"
+        return "object" if self._list.selected_keys or self._selection.selecting else "image"
 
     def choose(self, at: Place, reach: float, here: Slice | None = None) -> str:
         """Select the item at a place unless it already is, and return its kind; `reach` is in px of the image.
@@ -38,15 +38,15 @@ class Pointed:
         if self._selection.selecting:
             return "object"
         shapes = self._session.document.shapes
-        found = hit_in(self._session.scene, at, reach, here)
+        found = hit_shape(self._session.scene, at, reach, here)
         near = found is not None and (found.part == "handle" or shapes[found.index].distance_to(at) <= reach)
-        key = None if near else self._list.at(at, reach, areas=False)
+        key = None if near else self._list.row_at(at, reach, inside_counts=False)
         if key is None:
-            self._session.select(None if found is None else found.index)
+            self._session.select_shape(None if found is None else found.index)
             return "image" if found is None else self.chosen
-        self._session.select(None)
-        if key not in self._list.selected:
-            self._list.select((key,))
+        self._session.select_shape(None)
+        if key not in self._list.selected_keys:
+            self._list.select_rows((key,))
         return "object"
 
 
@@ -64,8 +64,8 @@ def selected_places(workspace: Workspace) -> list[Array]:
     found = [row.contour.contour.points for row in rows if row.contour is not None]
     found += [np.array(curve) for item in items for curve in item.boundary]
     found += [packed.box for item in items for packed in item.surface]
-    if not found and session.selected is not None:
-        shape = session.document.shapes[session.selected]
+    if not found and session.selected_shape is not None:
+        shape = session.document.shapes[session.selected_shape]
         volume = session.image if session.scene.slices is not None else None
         if volume is not None:
             sides = relative_sides(volume.spacing)
@@ -74,7 +74,7 @@ def selected_places(workspace: Workspace) -> list[Array]:
     return [places for places in found if len(places)]
 
 
-def part_around(places: Array, canvas: ImageView, slices: ShownSlices) -> QRectF:
+def part_around(places: Array, canvas: ImageView, slices: SliceNavigation) -> QRectF:
     """Return the rectangle around places; in a volume, first show the slices through their middle.
 
     Parameters
@@ -87,7 +87,7 @@ def part_around(places: Array, canvas: ImageView, slices: ShownSlices) -> QRectF
         Slices of the volume, moved to the middle of the places.
     """
     if places.shape[1] == 3:
-        slices.through(tuple((0.5 * (places.min(axis=0) + places.max(axis=0))).tolist()))
+        slices.go_through(tuple((0.5 * (places.min(axis=0) + places.max(axis=0))).tolist()))
         places = places if canvas.here is None else canvas.here.project_points(places)
     (top, left), (bottom, right) = places.min(axis=0), places.max(axis=0)
     return QRectF(left, top, right - left, bottom - top)

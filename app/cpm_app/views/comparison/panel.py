@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 from cpm_app.model.display.differences import Difference
 from cpm_app.model.display.lengths import PixelSize, preferred_pixel_size
 from cpm_app.model.text.language import explain_error, tr, localize_number
-from cpm_app.session.features.comparison import NOW, ComparedResults, Row
+from cpm_app.session.features.comparison import CURRENT_KEY, ComparedResults, ComparisonRow
 from cpm_app.session.features.timeline import TimelineNavigation
 from cpm_app.session.session import Session
 from cpm_app.views.comparison.choices import MethodChoice, ParameterChoice
@@ -39,13 +39,13 @@ _MIN_CHOICE_HEIGHT = 120
 """Smallest height of the choice of methods and of parameters [px]."""
 
 
-def _columns(compared: ComparedResults) -> tuple[Column[Row], ...]:
+def _columns(compared: ComparedResults) -> tuple[Column[ComparisonRow], ...]:
     """Build the columns in the order shown."""
 
-    def agreement_of(name: str) -> Callable[[Row], float | None]:
+    def agreement_of(name: str) -> Callable[[ComparisonRow], float | None]:
         """Return a function from a row to a measure of agreement, or None while it is unknown."""
         get = attrgetter(name)
-        return lambda row: get(compared.agreed[row.key]) if row.key in compared.agreed else None
+        return lambda row: get(compared.agreements[row.key]) if row.key in compared.agreements else None
 
     return (
         Column("name", tr("Result"), tr("The results; the reference, with which the others are compared, is bold."),
@@ -92,7 +92,7 @@ class ResultTable(ItemTable):
         self._session, self._compared = session, compared
         bold = QFont()
         bold.setBold(True)
-        rows = TableModel[Row](
+        rows = TableModel[ComparisonRow](
             _columns(compared),
             lambda row: row.key,
             lambda row, role, _: bold if role == Role.FontRole and row.key == compared.reference else None,
@@ -101,13 +101,13 @@ class ResultTable(ItemTable):
         self.setSelectionMode(self.SelectionMode.SingleSelection)
         self.sortByColumn(-1, Qt.SortOrder.AscendingOrder)
         compared.changed.connect(self.show_items)
-        compared.chosen_changed.connect(self.show_selection)
+        compared.selection_changed.connect(self.show_selection)
         self.show_items()
 
     def edit_name(self, row: int) -> None:
         """Use the selected result, on Enter or a double click."""
-        if self._compared.rows[self._compared.selected].usable:
-            self._compared.use(self._compared.selected)
+        if self._compared.rows[self._compared.selected].is_usable:
+            self._compared.use_row(self._compared.selected)
 
     @property
     def chosen(self) -> set[int]:
@@ -116,11 +116,11 @@ class ResultTable(ItemTable):
 
     def choose(self, keys: Sequence[int]) -> None:
         """Select a result, or what is shown now."""
-        self._compared.choose(next(iter(keys), NOW))
+        self._compared.select_row(next(iter(keys), CURRENT_KEY))
 
     def remove(self) -> None:
         """Remove the selected result."""
-        self._compared.remove(self._compared.selected)
+        self._compared.remove_row(self._compared.selected)
 
     def refresh(self) -> None:
         """Show the results with lengths in the unit of the image, or in px or voxels."""
@@ -152,16 +152,16 @@ class ComparePanel(QWidget):
         self.methods, self.values = MethodChoice(session), ParameterChoice(session)
         self.setFocusProxy(self.table)
         self.acts = {
-            "use": self._act(tr("Use this"), lambda: compared.use(compared.selected),
+            "use": self._act(tr("Use this"), lambda: compared.use_row(compared.selected),
                              tr("Use these parameters, this run, or these contours as objects.")),
-            "refer": self._act(tr("Set as reference"), lambda: compared.refer_to(compared.selected),
+            "refer": self._act(tr("Set as reference"), lambda: compared.set_reference(compared.selected),
                                tr("Compare all others with this result.")),
             "next": self._act(tr("Next difference"), self.jump_to_next,
                               tr("Show the differences one after the other, the largest first.")),
-            "remove": self._act(tr("Remove"), lambda: compared.remove(compared.selected), tr("Remove this result.")),
+            "remove": self._act(tr("Remove"), lambda: compared.remove_row(compared.selected), tr("Remove this result.")),
         }  # fmt: skip
         self.add = menu_button(tr("Add…"), self._fill)
-        self.keep = wide_button(tr("Keep this result"), compared.keep)
+        self.keep = wide_button(tr("Keep this result"), compared.keep_current)
         self.keep.setToolTip(tr("Keep what is found now, to compare later results with it."))
         self.export = wide_button(tr("Export table…"), export)
         self.holes = QCheckBox(tr("Inner contours are holes"))
@@ -178,7 +178,7 @@ class ComparePanel(QWidget):
             self.pages.addWidget(page)
         arrange(QVBoxLayout(self), self.pages)
         compared.changed.connect(self._show)
-        compared.chosen_changed.connect(self._show)
+        compared.selection_changed.connect(self._show)
         session.image_changed.connect(lambda: self.pages.setCurrentIndex(0))
         self._show()
 
@@ -237,7 +237,7 @@ class ComparePanel(QWidget):
         def start_runs() -> None:
             error_label.clear()
             try:
-                self._compared.run(choice.trials())
+                self._compared.start_trials(choice.trials())
             except ValueError as error:
                 error_label.setText(explain_error(error))
             else:
@@ -251,8 +251,8 @@ class ComparePanel(QWidget):
 
     def _fill(self, menu: QMenu) -> None:
         """Fill the menu with what can be added."""
-        add_choice(menu, tr("&Keep this result"), self._compared.keep)
-        here = self._navigation.place[0]
+        add_choice(menu, tr("&Keep this result"), self._compared.keep_current)
+        here = self._navigation.current_step[0]
         branches = [branch for branch in self._navigation.branches if branch.identity != here]
         if branches:
             inner = menu.addMenu(tr("&Run or branch"))
@@ -271,9 +271,9 @@ class ComparePanel(QWidget):
         row, different = compared.rows[compared.selected], self._session.scene.differences
         for widget in (self.add, self.keep):
             widget.setEnabled(has_image)
-        self.acts["use"].setEnabled(row.usable)
+        self.acts["use"].setEnabled(row.is_usable)
         self.acts["refer"].setEnabled(row.key != compared.reference)
-        self.acts["remove"].setEnabled(row.key != NOW)
+        self.acts["remove"].setEnabled(row.key != CURRENT_KEY)
         self.acts["next"].setEnabled(bool(different))
         self.export.setEnabled(len(compared.rows) > 1)
         tolerance = tr("Tolerance: {tolerance:g} voxels") if compared.in_volume else tr("Tolerance: {tolerance:g} px")
@@ -292,7 +292,7 @@ class ComparePanel(QWidget):
             return tr("Add a result to compare it with what is shown now.")
         if subject.key == compared.reference:
             return tr("Select a result to see it on the image.")
-        agreed = compared.agreed.get(subject.key)
+        agreed = compared.agreements.get(subject.key)
         if agreed is None:
             return tr("Nothing found yet.") if subject.found is None else tr("Comparing…")
         if not different:

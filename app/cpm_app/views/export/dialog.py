@@ -78,7 +78,7 @@ class Exportable:
     objects: frozenset[int]
     contours: frozenset[int]
     pages: int
-    last: int
+    last_step: int
     in_space: bool
     part: Callable[[], QRectF]
     written: Container[Path]
@@ -113,9 +113,9 @@ class ExportDialog(QDialog):
         self.tolerance, self._vertices, self._size = DecimalField(0.0, 10.0, 0.1, 1, " px"), QLabel(), QLabel()
         self.tolerance.setValue(0.5)
         self.tolerance.setAccessibleName(tr("Simplify"))
-        self.first = _number(tr("First step"), 0, exportable.last, 0)
-        self.last = _number(tr("Last step"), 0, exportable.last, exportable.last)
-        self.stride = _number(tr("Steps per frame"), 1, max(exportable.last, 1), 1)
+        self.first = _number(tr("First step"), 0, exportable.last_step, 0)
+        self.last = _number(tr("Last step"), 0, exportable.last_step, exportable.last_step)
+        self.stride = _number(tr("Steps per frame"), 1, max(exportable.last_step, 1), 1)
         self.width_field = _number(tr("Width"), NARROWEST, WIDEST, 640, " px")
         self.speed = _number(tr("Speed"), 1, 50, 15, tr(" per second"))
         self._boxes = {"everywhere": self.everywhere, "units": self.units}
@@ -175,9 +175,9 @@ class ExportDialog(QDialog):
             return
         named = {number: field.text() for number, field in self.classes.items() if field.text()}
         self._session.edit(tr("name classes"), partial(_named, names=named))
-        put = self._preferences.put
+        put = self._preferences.store_key
         shown = set(map(":".join, self.rows))
-        before = self._preferences.get(FORMATS, _DEFAULT_FORMATS)
+        before = self._preferences.read_key(FORMATS, _DEFAULT_FORMATS)
         checked = [f"{file.kind}:{file.suffix}" for file in order.files]
         put(FORMATS, [*(key for key in before if key not in shown), *checked])
         for name, box in self._boxes.items():
@@ -241,7 +241,7 @@ class ExportDialog(QDialog):
 
     def _restore(self) -> None:
         """Restore the settings of the last export."""
-        get = self._preferences.get
+        get = self._preferences.read_key
         for name, number in self._numbers.items():
             number.setValue(get(_EXPORT_KEY_PREFIX + name, number.value()))
         for name, box in self._boxes.items():
@@ -252,7 +252,7 @@ class ExportDialog(QDialog):
     def _fill(self) -> None:
         """List what can be exported, with the formats of the last export checked."""
         moving = ("run:", "turntable:")  # these take long and are never written unasked
-        checked = [key for key in self._preferences.get(FORMATS, _DEFAULT_FORMATS) if not key.startswith(moving)]
+        checked = [key for key in self._preferences.read_key(FORMATS, _DEFAULT_FORMATS) if not key.startswith(moving)]
         self.list.blockSignals(True)  # the summary is updated once, after the last row
         for what, count in self._counts().items():
             group = QTreeWidgetItem([f"{EXPORT_TITLES[what][0]} ({count})" if count > 1 else EXPORT_TITLES[what][0]])
@@ -281,7 +281,7 @@ class ExportDialog(QDialog):
             "pages": exportable.pages,
             "space": exportable.in_space,
             "turntable": exportable.in_space,
-            "run": exportable.last > 0,
+            "run": exportable.last_step > 0,
         }
         return {what: count for what, count in counts.items() if count}
 

@@ -13,7 +13,7 @@ from PySide6.QtGui import QImage, QPainter
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene import ReviewedContours, Scene
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.worker.requests import FrameTaken, take_frame
 from cpm_app.views.canvas.canvas import Canvas
 from cpm_app.views.canvas.image_view import ImageView
@@ -77,7 +77,7 @@ class FrameRenderer:
         self._view.resize(*size)
         self._view.show()
         # a new image resets the options of its layer, so it is drawn before these are set
-        first = Scene(scene.image, scene.display, document=scene.document, selected=scene.selected)
+        first = Scene(scene.image, scene.display, document=scene.document, selected_shape=scene.selected_shape)
         self._view.draw(replace(first, slices=scene.slices))
         for layer in canvas.layers:
             self._view.layers[layer.name].use_view_state(layer.view_state())
@@ -87,8 +87,8 @@ class FrameRenderer:
     def draw(self, taken: FrameTaken) -> Pixels:
         """Draw a step of the run; return RGB values of shape (H, W, 3) and dtype uint8."""
         tracked = taken.contours.tracked if taken.contours is not None else None
-        contours = ReviewedContours.of(tracked, self._scene.document.marks)
-        self._view.draw(replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours))
+        contours = ReviewedContours.from_tracked(tracked, self._scene.document.marks)
+        self._view.draw(replace(self._scene, snapshot=taken.snapshot, reconstruction=taken.contours, contours=contours))
         picture = QImage(*self._size, QImage.Format.Format_RGB32)
         painter = QPainter(picture)
         self._view.finish()
@@ -111,7 +111,7 @@ def to_array(picture: QImage) -> Pixels:
 
 def recorded(
     session: Session, renderer: FrameRenderer, places: Sequence[tuple[int, int]]
-) -> Callable[[Task], Iterator[Pixels]]:
+) -> Callable[[BackgroundTask], Iterator[Pixels]]:
     """Create the function from which the thread that writes an animation gets its frames.
 
     Each frame is drawn in a separate turn of the event loop while the previous one is written, so that the window stays
@@ -133,24 +133,24 @@ def recorded(
     """
     generation, shown = session.generation, renderer.shows_contours
 
-    def request_frame(task: Task, place: tuple[int, int]) -> Future[Pixels]:
+    def request_frame(task: BackgroundTask, place: tuple[int, int]) -> Future[Pixels]:
         found = Future[Pixels]()
 
         def draw_taken(taken: FrameTaken) -> None:
-            if task.over:
+            if task.is_over:
                 return
             try:
-                if taken.moment is None:
+                if taken.snapshot is None:
                     gone = tr("The run of the animation no longer exists, so nothing was written.")
                     raise ValueError(taken.message or gone)
                 found.set_result(renderer.draw(taken))
             except Exception as error:  # reported by the thread that waits for the frame
                 found.set_exception(error)
 
-        session.tasks.call(lambda: session.post(take_frame(task, generation, *place, shown, draw_taken)))
+        session.tasks.call_in_window(lambda: session.post_command(take_frame(task, generation, *place, shown, draw_taken)))
         return found
 
-    def produce_frames(task: Task) -> Iterator[Pixels]:
+    def produce_frames(task: BackgroundTask) -> Iterator[Pixels]:
         due = request_frame(task, places[0])
         for place in (*places[1:], None):
             while not due.done():

@@ -10,10 +10,10 @@ from PySide6.QtCore import QRectF
 
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import explain_error, tr
-from cpm_app.session.exchange.messages import CommandFailed, Exported, Report
+from cpm_app.session.exchange.messages import CommandFailed, FilesExported, Report
 from cpm_app.session.session import Session
-from cpm_app.session.signals import FILMING
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.signals import FILMING_CATEGORY
+from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.export.frames import AnimationPlan, FrameRenderer, recorded
 from cpm_app.views.items.item import image_rectangle
 from cpm_app.views.window.window import Feature
@@ -35,22 +35,22 @@ def comment_on(session: Session) -> str:
     return dump_provenance(describe_image_provenance(image.name, made))
 
 
-def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) -> Task:
+def begin_writing(session: Session, path: Path, work: Callable[[BackgroundTask], Report]) -> BackgroundTask:
     """Start the task that writes a file on another thread."""
     doing, done = tr("Writing {name}…", name=path.name), tr("writing {name}", name=path.name)
-    return session.tasks.start(doing, work, done, partial(CommandFailed, topic=FILMING))
+    return session.tasks.start_task(doing, work, done, partial(CommandFailed, topic=FILMING_CATEGORY))
 
 
 def begin_animation(
-    session: Session, path: Path, frames: Callable[[Task], Iterator[Pixels]], count: int, frames_per_second: float
-) -> Task:
+    session: Session, path: Path, frames: Callable[[BackgroundTask], Iterator[Pixels]], count: int, frames_per_second: float
+) -> BackgroundTask:
     """Start the task that writes an animation of `count` frames, which `frames` yields, on another thread."""
     comment = comment_on(session)
 
-    def write_frames(task: Task) -> Report:
+    def write_frames(task: BackgroundTask) -> Report:
         advance: Callable[[int], None] = lambda written: task.advance(written / count)  # noqa: E731
         write_animation(frames(task), path, frames_per_second, advance, comment=comment)
-        return Exported(path)
+        return FilesExported(path)
 
     return begin_writing(session, path, write_frames)
 
@@ -60,7 +60,7 @@ class AnimationFeature(Feature):
 
     def set_up(self) -> None:
         """Listen for the end of tasks."""
-        self._filming: dict[Task, FrameRenderer] = {}
+        self._filming: dict[BackgroundTask, FrameRenderer] = {}
         self.session.tasks.changed.connect(self._look)
 
     def close(self) -> bool:
@@ -70,14 +70,14 @@ class AnimationFeature(Feature):
         self._look()
         return True
 
-    def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
+    def write(self, branch: int, plan: AnimationPlan, path: Path) -> BackgroundTask | None:
         """Write an animation; None if it cannot be written, which is reported."""
         session, canvas = self.session, self.canvas
-        session.attempt(FILMING)
+        session.clear_messages(FILMING_CATEGORY)
         try:
             check_animation(path)
         except ValueError as error:
-            session.say(explain_error(error), True, FILMING)
+            session.show_message(explain_error(error), True, FILMING_CATEGORY)
             return None
         renderer = FrameRenderer(session.scene, canvas, self.part(), plan.size)
         frames = recorded(session, renderer, [(branch, step) for step in plan.steps])
@@ -94,5 +94,5 @@ class AnimationFeature(Feature):
 
     def _look(self) -> None:
         """Delete the renderers of finished tasks."""
-        for task in [task for task in self._filming if task.over]:
+        for task in [task for task in self._filming if task.is_over]:
             self._filming.pop(task).close()

@@ -5,9 +5,9 @@ from __future__ import annotations
 from cpm_app.model.display.differences import Difference
 from cpm_app.model.state.situation import has_image
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import Exported, Report
-from cpm_app.session.features.comparison import NOW
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.exchange.messages import FilesExported, Report
+from cpm_app.session.features.comparison import CURRENT_KEY
+from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.comparison.divider import Wipe
 from cpm_app.views.comparison.panel import ComparePanel
 from cpm_app.views.features.animation import begin_writing
@@ -37,9 +37,9 @@ class CompareFeature(Feature):
             if path is not None:
                 rows: list[dict[str, object]] = [{**row, "name": escape_cell(str(row["name"]))} for row in self.panel.figures]
 
-                def write_table(_: Task) -> Report:
+                def write_table(_: BackgroundTask) -> Report:
                     write_together([(path, encode_csv_rows(rows))])
-                    return Exported(path)
+                    return FilesExported(path)
 
                 begin_writing(self.session, path, write_table)
 
@@ -49,8 +49,8 @@ class CompareFeature(Feature):
         self.panels = (Panel("compare", "Compare", self.panel, "F12", shown=False),)
         self.panel.table.zoom_wanted.connect(self.panel.jump_to_next)
         self.wipe = Wipe(self.canvas)
-        self.wipe.ended.connect(lambda: compared.choose(NOW))
-        compared.chosen_changed.connect(self._show_divider)
+        self.wipe.ended.connect(lambda: compared.select_row(CURRENT_KEY))
+        compared.selection_changed.connect(self._show_divider)
         compared.changed.connect(window.refresh)
         self.session.scene_changed.connect(self._draw)
         self.actions = (
@@ -63,16 +63,16 @@ class CompareFeature(Feature):
         )  # fmt: skip
 
     def _show_divider(self) -> None:
-        if self._compared.selected == NOW:
+        if self._compared.selected == CURRENT_KEY:
             self.wipe.end()
         else:
             rows = self._compared.rows
-            self.wipe.begin(rows[NOW].title, rows[self._compared.selected].title)
+            self.wipe.begin(rows[CURRENT_KEY].title, rows[self._compared.selected].title)
             self._draw()
 
     def _draw(self) -> None:
-        if self._compared.selected != NOW:
-            self.wipe.draw(self._compared.far())
+        if self._compared.selected != CURRENT_KEY:
+            self.wipe.draw(self._compared.scene_beyond_divider())
 
     def _load(self) -> None:
         kinds = (
@@ -87,15 +87,15 @@ class CompareFeature(Feature):
         )
         chosen = self.window.files.ask_for_file("truth", tr("Compare with ground truth"), kinds)
         if chosen is not None:
-            self._compared.load(str(chosen))
+            self._compared.load_truth_file(str(chosen))
 
     def _jump(self, difference: Difference) -> None:
         slices = self.window.workspace.slices
-        slices.through(difference.place)
-        points = difference.points if slices.now is None else slices.now.current.project_points(difference.points)
+        slices.go_through(difference.place)
+        points = difference.points if slices.current is None else slices.current.current.project_points(difference.points)
         low, high = points.min(axis=0), points.max(axis=0)
         span = max(_MIN_DIFFERENCE_SPAN, 1.4 * float((high - low).max()))
         row, col = (0.5 * (low + high)).tolist()
-        if slices.now is not None:
-            row, col = slices.now.current.drop_axis(difference.place)
+        if slices.current is not None:
+            row, col = slices.current.current.drop_axis(difference.place)
         self.canvas.look_at((row, col), span)

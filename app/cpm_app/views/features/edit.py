@@ -78,7 +78,7 @@ class ModesFeature(Feature):
         info, session = MODES[mode], self.session
 
         def select_mode() -> None:
-            session.use_mode(mode)
+            session.set_mode(mode)
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()
 
@@ -105,12 +105,12 @@ class UndoSelectionFeature(Feature):
             ActionSpec("redo", "Edit", "Redo", "Redo the last undone change.", session.redo, "Ctrl+Shift+Z Ctrl+Y",
                        short=tr("Redo"), icon="redo", when=lambda now: bool(now.redo_name),
                        worded=lambda situation: resolve_texts(situation).redo_text),
-            ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next, "N",
+            ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next_shape, "N",
                        gap=True, when=has_shapes),
             ActionSpec("escape", ">" + tr("Edit"), "Cance&l",
                        "Cancel the current drawing, or clear the selection and hide messages.",
                        window.canvas_area.escape, "Escape"),
-            ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected,
+            ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected_shape,
                        "Delete Backspace", gap=True, when=lambda now: now.selected is not None),
             ActionSpec("enlarge", ">" + tr("Edit"), "Larger",
                        "Make the selected shape, the brush or the candidate larger; the key ] does the same.",

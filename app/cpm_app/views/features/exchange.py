@@ -16,16 +16,16 @@ from cpm_app.model.document.imported import ImportedContent
 from cpm_app.model.export import ExportFile, ExportOrder, ExportKind, has_objects_to_export
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_particles, has_volume
 from cpm_app.model.text.language import translate_core_text, tr
-from cpm_app.session.exchange.messages import Opened
-from cpm_app.session.features.image_batch import TOPIC, BatchDone, apply_to_folder
+from cpm_app.session.exchange.messages import ImageOpened
+from cpm_app.session.features.image_batch import BATCH_CATEGORY, BatchDone, apply_to_folder
 from cpm_app.session.features.import_contours import (
-    Found,
-    keep_picture,
-    read_file,
+    ImportedDrawing,
+    save_pasted_picture,
+    read_contour_file,
     read_pasted,
 )
-from cpm_app.session.signals import EXPORTING, OPENING
-from cpm_app.session.tasks.tasks import OVER
+from cpm_app.session.signals import EXPORTING_CATEGORY, OPENING_CATEGORY
+from cpm_app.session.tasks.tasks import ENDED_TASK
 from cpm_app.views.export.dialog import FORMATS, Exportable, ExportDialog
 from cpm_app.views.export.frames import AnimationPlan
 from cpm_app.views.features.animation import AnimationFeature
@@ -45,7 +45,7 @@ class ExportFeature(Feature):
         self.dialog: ExportDialog | None = None
         self._last: tuple[ExportOrder, AnimationPlan] | None = None
         self._written: set[Path] = set()
-        self.session.listen(Opened, self._forget)
+        self.session.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("export", "File", "&Export…", "Export objects, contours, surfaces, pictures and animations.",
                        self.export, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export", gap=True,
@@ -65,7 +65,7 @@ class ExportFeature(Feature):
         """Write the last files again; for another image, files in the same formats."""
         if self._last is not None:
             self._write(*self._last)
-        elif self.window.preferences.get(FORMATS, [""]) != [""]:
+        elif self.window.preferences.read_key(FORMATS, [""]) != [""]:
             self._made().accept()
         else:
             self.export()
@@ -75,9 +75,9 @@ class ExportFeature(Feature):
         navigation, space, pages = workspace.navigation, window.feature(SpaceFeature), workspace.pages.result
         exportable = Exportable(
             self.session.scene.objects.selected,
-            frozenset(item.measures.number for item in workspace.review.chosen),
+            frozenset(item.measures.number for item in workspace.review.selected_items),
             0 if pages is None else len(pages.results),
-            navigation.last(navigation.place[0]) if has_particles(self.session.situation) else 0,
+            navigation.last_step(navigation.current_step[0]) if has_particles(self.session.situation) else 0,
             space.panel.contents is not None,
             window.feature(AnimationFeature).part,
             self._written,
@@ -94,7 +94,7 @@ class ExportFeature(Feature):
         for file in order.files:
             self._written.add(file.path)
             if file.kind == "run":
-                self.window.feature(AnimationFeature).write(workspace.navigation.place[0], animation, file.path)
+                self.window.feature(AnimationFeature).write(workspace.navigation.current_step[0], animation, file.path)
             elif file.kind in ("space", "turntable"):
                 space.write(file.path, file.kind == "turntable")
             elif file.kind == "pages":
@@ -102,14 +102,14 @@ class ExportFeature(Feature):
             else:
                 found.append(file)
         if paths:
-            workspace.pages.export(*paths)
+            workspace.pages.export_pages(*paths)
         if found:
-            self.session.export(replace(order, files=tuple(found)))
+            self.session.export_files(replace(order, files=tuple(found)))
 
     def _end(self) -> None:
         self.dialog = None
 
-    def _forget(self, _: Opened) -> None:
+    def _on_image_opened(self, _: ImageOpened) -> None:
         self._last = None
         if self.dialog is not None:
             self.dialog.reject()
@@ -147,16 +147,16 @@ class ClipboardFeature(Feature):
         """Copy the selection, else all objects, else all contours; other programs take the format that suits them."""
         session = self.session
         chosen = session.scene.objects.selected
-        contours = frozenset(item.measures.number for item in self.window.workspace.review.chosen)
+        contours = frozenset(item.measures.number for item in self.window.workspace.review.selected_items)
         what: ExportKind = "objects" if chosen or (has_objects_to_export(session.document) and not contours) else "contours"
         suffixes = (".svg", ".geojson", ".table.csv" if what == "objects" else ".measures.csv")
         files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in suffixes)
-        session.export(ExportOrder(files, chosen or None, contours or None), self._put)
+        session.export_files(ExportOrder(files, chosen or None, contours or None), self._put)
 
     def copy_view(self) -> None:
         """Copy the view of the canvas as a picture."""
         QApplication.clipboard().setImage(self.canvas.grab().toImage())
-        self.session.say(tr("The view was copied."), topic=EXPORTING)
+        self.session.show_message(tr("The view was copied."), topic=EXPORTING_CATEGORY)
 
     def _put(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
@@ -164,7 +164,7 @@ class ClipboardFeature(Feature):
             data.setData(kind, content)
         data.setText(contents[-1].decode())  # most programs read only text: the table
         QApplication.clipboard().setMimeData(data)
-        self.session.say(tr("Copied as a drawing and a table."), topic=EXPORTING)
+        self.session.show_message(tr("Copied as a drawing and a table."), topic=EXPORTING_CATEGORY)
 
 
 IN_VOLUMES = frozenset((*SURFACES_READABLE, *CENTERLINES_WRITABLE))
@@ -204,15 +204,15 @@ class ImportFeature(Feature):
         elif session.scene.slices is None and path.suffix.lower() in IN_VOLUMES:
             message = tr("{name} belongs to a volume, but an image is open.")
         else:
-            session.attempt(OPENING)
-            read_file(session, path, partial(self._use, path))
+            session.clear_messages(OPENING_CATEGORY)
+            read_contour_file(session, path, partial(self._use, path))
             return
-        session.say(message.format(name=path.name), True, OPENING)
+        session.show_message(message.format(name=path.name), True, OPENING_CATEGORY)
 
     def paste(self) -> None:
         """Open the picture or the files on the clipboard, or read the contours on it."""
         data, session = QApplication.clipboard().mimeData(), self.session
-        session.attempt(OPENING)
+        session.clear_messages(OPENING_CATEGORY)
         kind = next(filter(data.hasFormat, _CLIPBOARD_MIME_TYPES), "")
         text = data.text() if data.hasText() and not data.hasImage() else ""
         content = bytes(data.data(kind).data()) if kind else text.encode()
@@ -222,7 +222,7 @@ class ImportFeature(Feature):
         elif content and session.document.image is not None and session.scene.slices is None:
             read_pasted(session, content, partial(self._use, None))
         elif isinstance(picture, QImage) and not picture.isNull():
-            keep_picture(session, picture, self.window.open_image)
+            save_pasted_picture(session, picture, self.window.open_image)
         else:
             message = tr("The clipboard contains neither a picture nor contours.")
             if content and session.scene.slices is not None:
@@ -230,7 +230,7 @@ class ImportFeature(Feature):
                 message = message.format(name=tr("the clipboard"))
             elif content:
                 message = tr("Open an image first; then the contours on the clipboard can be used.")
-            session.say(message, True, OPENING)
+            session.show_message(message, True, OPENING_CATEGORY)
 
     def _choose(self) -> None:
         in_volume = self.session.scene.slices is not None
@@ -240,7 +240,7 @@ class ImportFeature(Feature):
         if chosen is not None:
             self.take(chosen)
 
-    def _use(self, path: Path | None, found: Found) -> None:
+    def _use(self, path: Path | None, found: ImportedDrawing) -> None:
         """Draw points, or ask how to use contours; `path` is None if they come from the clipboard."""
         session = self.session
         if isinstance(found, Points):
@@ -260,7 +260,7 @@ class ImportFeature(Feature):
             session.edit(name, lambda document: imported.add_objects(document, found.objects, found.classes))
         elif answer == "truth" and path is not None:
             self.window.docks.reveal("compare")
-            self.window.workspace.comparison.load(path)
+            self.window.workspace.comparison.load_truth_file(path)
 
 
 def _explained(found: ImportedContent) -> str:
@@ -287,13 +287,13 @@ class BatchFeature(Feature):
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
-        self._task = OVER
+        self._task = ENDED_TASK
         self.actions = (
             ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",
                        "Run every image in a folder with the current starts and settings, and export the "
                        "contours.",
                        self._apply, "Ctrl+Alt+E",
-                       when=lambda situation: has_image(situation) and self._task.over),
+                       when=lambda situation: has_image(situation) and self._task.is_over),
         )  # fmt: skip
 
     def _apply(self) -> None:
@@ -307,5 +307,5 @@ class BatchFeature(Feature):
         more = tr("{failed} could not be used.", failed=done.failed)
         table = tr("The table is in {path}.", path=done.table)
         words = " ".join((text, more, table) if done.failed else (text, table))
-        self.session.say(words, done.failed > 0, TOPIC)
+        self.session.show_message(words, done.failed > 0, BATCH_CATEGORY)
         self.window.refresh()

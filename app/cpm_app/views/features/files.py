@@ -15,11 +15,11 @@ from cpm_app.model.document.samples import find_sample_at, load_samples
 from cpm_app.model.preferences.table import SAVE_IN_FOLDER
 from cpm_app.model.state.situation import has_image
 from cpm_app.model.text.language import elide_middle, tr
-from cpm_app.session.exchange.messages import ImageReady, NotOpened, Opened
-from cpm_app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
-from cpm_app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, middle
-from cpm_app.session.storage.recovery import Journal, Leftover, folder_of_journals, left_behind
-from cpm_app.session.storage.session_file import Written
+from cpm_app.session.exchange.messages import ImageReady, OpeningFailed, ImageOpened
+from cpm_app.session.signals import JOURNAL_CATEGORY, PROGRAM_CATEGORIES, OPENING_CATEGORY, RECOVERY_CATEGORY
+from cpm_app.session.storage.pictures import THUMBNAIL_SIZE, ThumbnailStore, thumbnails_folder, crop_middle
+from cpm_app.session.storage.recovery import Journal, Leftover, journals_folder, find_leftovers
+from cpm_app.session.storage.session_file import SessionWritten
 from cpm_app.views.features.exchange import ImportFeature
 from cpm_app.views.files.recent_files import RecentFiles
 from cpm_app.views.files.start_screen import Entry, StartScreen
@@ -48,15 +48,15 @@ class OpenSaveFeature(Feature):
         self._left: tuple[Document, int] | None = None
         """Document and generation that the user has agreed to close."""
         session = self.session
-        session.may_replace = self._may_replace
+        session.can_replace_image = self._may_replace
         window.files_wanted.connect(self.take)
         window.dropped.connect(self.take_dropped)
         self.document_file.changed.connect(self._name_window)
         self.document_file.restored.connect(window.workspace.slices.use_view_state)
         self.document_file.restored.connect(self.canvas.use_view_state)  # in the slice that has just been restored
         session.document_changed.connect(lambda _: self._name_window())
-        session.listen(Opened, self._take_opened)
-        session.listen(Written, lambda written: self._remember(written.path))
+        session.add_listener(ImageOpened, self._on_image_opened)
+        session.add_listener(SessionWritten, lambda written: self._remember(written.path))
         self._name_window()
         self.actions = (
             ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_file, "Ctrl+O",
@@ -78,7 +78,7 @@ class OpenSaveFeature(Feature):
         With `resumes` an image is opened with the session next to it. The part of a recent file that was selected last
         is opened again.
         """
-        self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
+        self.window.canvas_area.messages.keep_only(*PROGRAM_CATEGORIES)
         documents = []
         for path in paths:
             segments = path.name.lower().endswith(_SEGMENTATION_ENDINGS) and self.session.scene.slices is not None
@@ -88,16 +88,16 @@ class OpenSaveFeature(Feature):
                 documents.append(path)
         if documents and self._may_open():
             as_volume, reading = self.recent.part_of(documents[0])
-            self.session.open(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
+            self.session.open_file(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
-                self.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
+                self.session.show_message(message.format(count=len(documents), name=documents[0].name), topic=OPENING_CATEGORY)
 
     def take_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
         """Open a part of a file as a volume or as an image."""
-        self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
+        self.window.canvas_area.messages.keep_only(*PROGRAM_CATEGORIES)
         if self._may_open():
-            self.session.open(path, as_volume=as_volume, reading=reading)
+            self.session.open_file(path, as_volume=as_volume, reading=reading)
 
     def take_dropped(self, urls: Sequence[QUrl]) -> None:
         """Open files that were dropped on the window."""
@@ -106,7 +106,7 @@ class OpenSaveFeature(Feature):
         if elsewhere:
             place = elsewhere[0].toDisplayString()
             message = tr("{place} is not a file on this computer. Save it first, then open it.", place=place)
-            self.session.say(message, True, OPENING)
+            self.session.show_message(message, True, OPENING_CATEGORY)
 
     def ask_for_file(self) -> None:
         """Ask for an image or a session and open it."""
@@ -130,14 +130,14 @@ class OpenSaveFeature(Feature):
 
     def close(self) -> bool:
         """Return whether the document may be closed; ask about unsaved work, and save it if the user agrees."""
-        self.document_file.finish()
+        self.document_file.finish_saving()
         if not self.document_file.unsaved:
             return True
-        answer = dialogs.ask_about_unsaved(self.window, self.document_file.name, self.document_file.lost)
+        answer = dialogs.ask_about_unsaved(self.window, self.document_file.name, self.document_file.unsaved_parts)
         if answer != "save":
             return answer == "discard"
         path = self.document_file.path or self._ask_where()
-        return path is not None and self.document_file.save_at_once(path)
+        return path is not None and self.document_file.save_and_wait(path)
 
     # Internal
 
@@ -151,26 +151,26 @@ class OpenSaveFeature(Feature):
 
         The user is not asked again while one is being opened and nothing has changed.
         """
-        if not (self.session.opening and self._left == self._work):
+        if not (self.session.opening_name and self._left == self._work):
             if not self.close():
                 return False
             self._left = self._work
         return True
 
-    def _may_replace(self, opened: Opened) -> bool:
+    def _may_replace(self, opened: ImageOpened) -> bool:
         """Return whether a loaded image may replace this one; ask about work done in the meantime.
 
         Turning a page loses nothing and needs no question.
         """
-        turned = opened.saved is not None and opened.saved.turned
+        turned = opened.saved is not None and opened.saved.is_other_page
         if turned or not self.document_file.unsaved or self._left == self._work:
             return True
 
         def confirm_again() -> None:
             if self.close():
-                self.session.use(opened)
+                self.session.replace_image(opened)
             else:
-                self.session.say(tr("{name} was not opened, and your work stays open.", name=opened.path.name))
+                self.session.show_message(tr("{name} was not opened, and your work stays open.", name=opened.path.name))
 
         QTimer.singleShot(0, self.window, confirm_again)
         return False
@@ -180,11 +180,11 @@ class OpenSaveFeature(Feature):
         folder = path.parent if path is not None else None
         return self.window.files.ask_where_to_save("session", tr("Save session"), name, [SESSIONS], folder)
 
-    def _take_opened(self, opened: Opened) -> None:
+    def _on_image_opened(self, opened: ImageOpened) -> None:
         self._left = None
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
         if opened.saved is not None and opened.saved.file.truth is not None:
-            self.window.workspace.comparison.restore(opened.saved.file.truth, path.absolute().parent)
+            self.window.workspace.comparison.restore_truth(opened.saved.file.truth, path.absolute().parent)
         if find_sample_at(opened.path) is None or opened.saved:
             self._remember(path)
             self.recent.keep_part(opened)
@@ -208,7 +208,7 @@ class StartFeature(Feature):
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
         window = self.window
-        self.pictures = Pictures(folder_of_pictures())
+        self.pictures = ThumbnailStore(thumbnails_folder())
         self.screen = StartScreen(window.canvas_area)
         self._recent = window.feature(OpenSaveFeature).recent
         self._recent.cleared.append(self.pictures.clear)
@@ -217,9 +217,9 @@ class StartFeature(Feature):
         self.screen.left.connect(self.leave)
         session = self.session
         session.image_changed.connect(self.leave)
-        session.listen(ImageReady, lambda _: self._keep_picture())
-        session.listen(Written, lambda _: self._keep_picture())
-        session.listen(NotOpened, self._stay)
+        session.add_listener(ImageReady, lambda _: self._keep_picture())
+        session.add_listener(SessionWritten, lambda _: self._keep_picture())
+        session.add_listener(OpeningFailed, self._stay)
         self.actions = (
             ActionSpec("start", "File", "Sa&mples and recent files", "Show samples and recent files as pictures.",
                        self.toggle, "Alt+Home", short=tr("Start"), icon="home"),
@@ -233,14 +233,14 @@ class StartFeature(Feature):
     def show(self, error: str = "") -> None:
         """Show the start screen in place of the image, with the `error` of a file that could not be opened."""
         shown = [
-            Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
+            Entry(sample.path, crop_middle(QImage(str(sample.picture)), THUMBNAIL_SIZE), sample.title, "", sample.about)
             for sample in load_samples()
         ]
         recent = []
         for path in self._paths:
             changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
             below = f"{path.parent.name} · {QLocale().toString(changed, QLocale.FormatType.ShortFormat)}"
-            recent.append(Entry(path, self.pictures.get(path), path.name, below, str(path)))
+            recent.append(Entry(path, self.pictures.load_thumbnail(path), path.name, below, str(path)))
         self.screen.show_entries(recent, shown, self.session.document.image is not None, error)
 
     def leave(self) -> None:
@@ -260,8 +260,8 @@ class StartFeature(Feature):
         """Offer the newest work when the program starts with a sample."""
         session = self.session
 
-        def on_opened(opened: Opened) -> None:
-            session.stop_listening(Opened, on_opened)
+        def on_opened(opened: ImageOpened) -> None:
+            session.remove_listener(ImageOpened, on_opened)
             newest = next(iter(self._paths), None)
             if newest is not None and opened.saved is None:
                 self.window.offers.offer(
@@ -270,14 +270,14 @@ class StartFeature(Feature):
                     (tr("Recent work"), self.show),
                 )
 
-        session.listen(Opened, on_opened)
+        session.add_listener(ImageOpened, on_opened)
 
     @property
     def _paths(self) -> list[Path]:
         """Recent files that still exist."""
         return [path for path in self._recent.paths if path.is_file()]
 
-    def _stay(self, refused: NotOpened) -> None:
+    def _stay(self, refused: OpeningFailed) -> None:
         """Show the start screen unless there is work: an untouched sample would be mistaken for the file."""
         image = self.session.document.image
         if image is None or (find_sample_at(Path(image.path)) and not self.window.document_file.unsaved):
@@ -291,7 +291,7 @@ class StartFeature(Feature):
         picture = self.canvas.grab().toImage()
         for path in (Path(image.path), self.window.document_file.path):
             if path is not None and find_sample_at(path) is None:
-                self.pictures.put(path, picture)
+                self.pictures.save_thumbnail(path, picture)
 
 
 class FolderBar(QWidget):
@@ -330,8 +330,8 @@ class FolderFeature(Feature):
         window.statusBar().addPermanentWidget(self.bar)
         self._images: tuple[Path, ...] = ()
         self._here = self._ahead = 0
-        self.session.listen(Opened, self._take)
-        self.session.listen(NotOpened, self._stay)
+        self.session.add_listener(ImageOpened, self._take)
+        self.session.add_listener(OpeningFailed, self._stay)
         self.actions = (
             ActionSpec("previous_image", "File", "Pre&vious image in the folder",
                        "Open the previous image in the folder, with its session.", partial(self.go, -1),
@@ -343,7 +343,7 @@ class FolderFeature(Feature):
 
     def go(self, by: int) -> None:
         """Open the next image (1) or the previous one (-1) that still exists."""
-        begin = self._ahead if self.session.opening else self._here
+        begin = self._ahead if self.session.opening_name else self._here
         ahead = range(begin + by, len(self._images) if by > 0 else -1, by)
         place = next((place for place in ahead if self._images[place].is_file()), None)
         if place is not None and self._saved():
@@ -353,21 +353,21 @@ class FolderFeature(Feature):
     def _saved(self) -> bool:
         """Save without a question if the user prefers that and no file is overwritten; return False on failure."""
         file, image = self.window.document_file, self.session.document.image
-        if image is None or not file.unsaved or not self.window.preferences.value(SAVE_IN_FOLDER):
+        if image is None or not file.unsaved or not self.window.preferences.read_preference(SAVE_IN_FOLDER):
             return True
         default_path = Path(image.path).with_suffix(SESSION_SUFFIX)
         if file.path is None and default_path.exists():
             return True  # the usual question follows
-        return file.save_at_once(file.path or default_path)
+        return file.save_and_wait(file.path or default_path)
 
-    def _take(self, opened: Opened) -> None:
-        known = opened.path in opened.folder and find_sample_at(opened.path) is None
-        self._images = opened.folder if known else ()
-        self._here = self._ahead = opened.folder.index(opened.path) if known else 0
+    def _take(self, opened: ImageOpened) -> None:
+        known = opened.path in opened.folder_images and find_sample_at(opened.path) is None
+        self._images = opened.folder_images if known else ()
+        self._here = self._ahead = opened.folder_images.index(opened.path) if known else 0
         self.bar.show_place(self._here, len(self._images), opened.path.parent.name)
         self.window.refresh()
 
-    def _stay(self, _: NotOpened) -> None:
+    def _stay(self, _: OpeningFailed) -> None:
         self._ahead = self._here
 
 
@@ -380,27 +380,27 @@ class RecoveryFeature(Feature):
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
-        self._folder = folder_of_journals()
+        self._folder = journals_folder()
         self.journal = Journal(self.window.document_file, self._folder, self.window.preferences)
-        self.journal.put.connect(lambda error: self.session.trouble(error, JOURNAL))
+        self.journal.write_ended.connect(lambda error: self.session.set_error(error, JOURNAL_CATEGORY))
         self.box: Question | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
-        self.session.listen(Opened, self._use_opened)
+        self.session.add_listener(ImageOpened, self._on_image_opened)
 
     def offer(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and report what cannot be read."""
-        self._waiting, troubles = left_behind(self._folder)
+        self._waiting, troubles = find_leftovers(self._folder)
         if troubles:
-            self.session.say(" ".join(troubles), True, RECOVERY)
+            self.session.show_message(" ".join(troubles), True, RECOVERY_CATEGORY)
         self._ask()
 
     def close(self) -> bool:
         """Remove the journal of this window; keep work that the user has not decided on."""
         for leftover in self._waiting:
-            leftover.keep()
+            leftover.keep_for_later()
         if self._restoring is not None:
-            self._restoring.keep()
+            self._restoring.keep_for_later()
         self._waiting, self._restoring = [], None
         if self.box is not None:
             self.box.close()
@@ -425,14 +425,14 @@ class RecoveryFeature(Feature):
     def _act_on(self, answer: str) -> None:
         if answer == "restore":
             if self._restoring is not None:  # its image was not found: keep it for another time
-                self._restoring.keep()
+                self._restoring.keep_for_later()
             self._restoring = self._waiting.pop(0)
-            self.session.begin(self._restoring.wanted)
+            self.session.begin_opening(self._restoring.open_request)
         elif answer == "discard":
             self._waiting.pop(0).discard()
             self._ask()
 
-    def _use_opened(self, opened: Opened) -> None:
+    def _on_image_opened(self, opened: ImageOpened) -> None:
         """Write a restored document to the new journal, and delete the old one only once that is on the disk."""
         saved, restoring = opened.saved, self._restoring
         if saved is not None and restoring is not None and saved.file is restoring.file:

@@ -11,7 +11,7 @@ from cpm_app.model.document.samples import find_sample_named
 from cpm_app.model.text.about import LICENSE_SENTENCE, PAPER_CITATION, PROGRAM_PURPOSE, list_versions
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import Opened
+from cpm_app.session.exchange.messages import ImageOpened
 from cpm_app.views.theme.icons import program_icon
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.guide import KEYS, Guide
@@ -41,17 +41,17 @@ class HelpFeature(Feature):
 
     def welcome(self) -> None:
         """Offer the guide with the first image, when the program is started for the first time."""
-        if self.window.preferences.get(SEEN, False):
+        if self.window.preferences.read_key(SEEN, False):
             return
-        self.window.preferences.put(SEEN, True)
+        self.window.preferences.store_key(SEEN, True)
         session = self.session
 
-        def on_opened(_: Opened) -> None:
-            session.stop_listening(Opened, on_opened)
+        def on_opened(_: ImageOpened) -> None:
+            session.remove_listener(ImageOpened, on_opened)
             question = tr("New here? The guide ({key:guide}) has four examples, step by step.")
             self.window.offers.offer(insert_keys(question), (tr("&Guide"), self.show_guide))
 
-        session.listen(Opened, on_opened)
+        session.add_listener(ImageOpened, on_opened)
 
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""

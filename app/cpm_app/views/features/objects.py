@@ -13,7 +13,7 @@ from cpm_app.model.document.objects import add_objects_as_barriers, add_objects_
 from cpm_app.model.preferences.table import UNIT_PREFERENCE
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_volume
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import Key, Kind
+from cpm_app.session.features.object_list import RowKey, RowKind
 from cpm_app.views.panels.objects import ObjectPanel
 from cpm_app.views.theme.icons import fill_colors, swatch
 from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_choice
@@ -40,37 +40,37 @@ class ObjectsFeature(Feature):
         layer = area.canvas.layers.contours
         self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
-        window.preferences.follow(UNIT_PREFERENCE, self.panel.table.show_items)
+        window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.table.show_items)
         Keys(area.canvas, self.take_key)
         area.canvas.pointer.doubled.connect(self._open)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.hold.tool.name == "mend"))
-        area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
+        area.canvas.pointed.connect(lambda at: objects.set_hovered_row(None) if at is None else None)
         for changed in (objects.selection_changed, objects.brush_changed):
             changed.connect(lambda *_: window.refresh())
         selection.changed.connect(window.refresh)
 
-        def has_selected(*kinds: Kind, least: int = 1) -> bool:
+        def has_selected(*kinds: RowKind, least: int = 1) -> bool:
             return sum(row.kind in kinds for row in objects.selected_rows) >= least
 
         def has_selection(_: Situation) -> bool:
-            return bool(objects.selected)
+            return bool(objects.selected_keys)
 
         def has_objects(_: Situation) -> bool:
-            return bool(objects.chosen)
+            return bool(objects.selected_numbers)
 
         def all_are(state: str) -> bool:
-            return bool(objects.items) and all(getattr(item, state) for item in objects.items)
+            return bool(objects.selected_objects) and all(getattr(item, state) for item in objects.selected_objects)
 
         def ask_color() -> None:
             menu = QMenu(window)
-            fill_colors(menu, window, objects.paint, True)
+            fill_colors(menu, window, objects.color_selected, True)
             menu.aboutToHide.connect(menu.deleteLater)
             menu.popup(QCursor.pos())
 
         def merge_selection() -> None:
             if has_selected("object", "proposal", "closed", least=2):
-                objects.merge()
+                objects.merge_selected()
             else:
                 editing.join_selected(closing=False)
 
@@ -79,13 +79,13 @@ class ObjectsFeature(Feature):
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals and closed contours as objects, and keep open contours; Enter "
                        "does the same.",
-                       objects.accept,
+                       objects.accept_pending,
                        when=lambda _: bool(selection.proposals)
                        or has_selected("proposal", "closed", "open", "rejected")),
             ActionSpec("reject", "Objects", "&Reject",
                        "Dismiss proposals, remove objects, and exclude contours from exports; none is "
                        "proposed again.",
-                       objects.reject, "X", when=lambda _: bool(objects.selected or selection.proposals)),
+                       objects.reject_selected, "X", when=lambda _: bool(objects.selected_keys or selection.proposals)),
             ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
                        self.ask_name, "F2", gap=True, when=has_selection),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
@@ -93,53 +93,53 @@ class ObjectsFeature(Feature):
                        ask_color, when=lambda _: has_selected("object", "closed", "open")),
             ActionSpec("merge_objects", "Objects", "&Merge",
                        "Merge the selected objects into one; open contours are joined along the edges.",
-                       merge_selection, "M", gap=True, when=lambda _: len(objects.selected) > 1),
+                       merge_selection, "M", gap=True, when=lambda _: len(objects.selected_keys) > 1),
             ActionSpec("close_contours", "Objects", "Clos&e",
                        "Close the selected open contour along the edge between its ends; several are joined first.",
                        partial(editing.join_selected, closing=True), "Shift+C",
-                       when=lambda _: any(not item.contour.closed for item in window.workspace.review.chosen)),
+                       when=lambda _: any(not item.contour.closed for item in window.workspace.review.selected_items)),
             ActionSpec("fill_between", "Objects", "Fill &between slices",
                        "Fill the slices between those in which the selected object has been painted.",
-                       objects.fill_between, "Shift+I", short=tr("Fill gaps"), there=has_volume,
-                       when=lambda _: len(objects.items) == 1 and not objects.items[0].frozen),
+                       objects.fill_between_slices, "Shift+I", short=tr("Fill gaps"), there=has_volume,
+                       when=lambda _: len(objects.selected_objects) == 1 and not objects.selected_objects[0].frozen),
             ActionSpec("paint_in_space", "Objects", "&Paint in space",
                        "Paint balls through all slices with the brush, or disks in one slice.",
-                       partial(objects.turn_brush, "ball"), "Shift+J", short=tr("In space"), there=has_volume,
+                       partial(objects.toggle_brush_option, "ball"), "Shift+J", short=tr("In space"), there=has_volume,
                        holds=lambda _: objects.ball),
             ActionSpec("paint_over", "Objects", "Paint &over others",
                        "Take what the brush goes over from other objects that are not frozen, or leave it to them.",
-                       partial(objects.turn_brush, "over_others"), short=tr("Over others"), there=has_volume,
+                       partial(objects.toggle_brush_option, "over_others"), short=tr("Over others"), there=has_volume,
                        holds=lambda _: objects.over_others),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
-                       lambda: selection.find_like(objects.items[0].number), "Ctrl+L",
-                       when=lambda _: len(objects.items) == 1),
+                       lambda: selection.find_similar(objects.selected_objects[0].number), "Ctrl+L",
+                       when=lambda _: len(objects.selected_objects) == 1),
             ActionSpec("change_object", "Objects", "Change by &clicks",
                        "Select the object again, beginning with what it is.", self._change,
-                       when=lambda _: len(objects.items) == 1),
+                       when=lambda _: len(objects.selected_objects) == 1),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the objects again by their own clicks, on the contours of the last run.",
-                       lambda: selection.fit(objects.chosen),
-                       when=lambda _: any(item.clicks for item in objects.items)),
+                       lambda: selection.refit_objects(objects.selected_numbers),
+                       when=lambda _: any(item.clicks for item in objects.selected_objects)),
             ActionSpec("freeze_object", "Objects", "&Freeze",
                        "Keep the objects as they are, and keep particles from crossing their boundaries.",
-                       partial(objects.toggle, "frozen"), gap=True, when=has_objects,
+                       partial(objects.toggle_state, "frozen"), gap=True, when=has_objects,
                        worded=lambda _: tr("Unfreeze") if all_are("frozen") else tr("&Freeze")),
             ActionSpec("hide_object", "Objects", "&Hide", "Hide the objects, or show them again.",
-                       partial(objects.toggle, "hidden"), when=has_objects,
+                       partial(objects.toggle_state, "hidden"), when=has_objects,
                        worded=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
             Submenu("use_as", "Objects", "&Use as", self._fill_uses),
             ActionSpec("skeleton", "Objects", "Ske&leton",
                        "Find the center lines of the selected objects or closed contours, or of all closed "
                        "contours.",
                        self._find_skeleton, icon="mode_skeleton",
-                       when=lambda now: bool(objects.chosen) or has_contours(now)),
+                       when=lambda now: bool(objects.selected_numbers) or has_contours(now)),
             ActionSpec("delete_object", "Objects", "&Delete", "Remove the selection; the key Delete does the same.",
-                       objects.delete, gap=True, when=has_selection),
+                       objects.delete_selected, gap=True, when=has_selection),
             ActionSpec("all_objects", "Objects", "Select &all", "Select all rows of the table that are not rejected.",
-                       lambda: objects.select(self._shown()), "Ctrl+A", gap=True, when=has_image),
+                       lambda: objects.select_rows(self._shown()), "Ctrl+A", gap=True, when=has_image),
             ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection",
                        "Select everything that is not selected.",
-                       lambda: objects.select(self._shown() - objects.selected), "Ctrl+I",
+                       lambda: objects.select_rows(self._shown() - objects.selected_keys), "Ctrl+I",
                        when=has_image),
             ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
                        "Select one row of the table after the other.",
@@ -150,7 +150,7 @@ class ObjectsFeature(Feature):
                        holds=lambda _: bool(layer.chosen["rejected"])),
             ActionSpec("drop_missed_edits", "Objects", "Remove outdated edits",
                        "Remove manual edits that no longer match a contour, with their lines.",
-                       lambda: editing.drop(editing.missed), when=lambda _: bool(editing.missed)),
+                       lambda: editing.remove_edits(editing.unmatched_edits), when=lambda _: bool(editing.unmatched_edits)),
             ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
                        "Find center lines in the image again, not only in objects or closed contours.",
                        lambda: self._skeletonize(tr("skeleton of the image"), SkeletonTarget()),
@@ -160,9 +160,9 @@ class ObjectsFeature(Feature):
     def select_next(self) -> None:
         """Select the row after the selected ones."""
         keys = [row.key for row in self.panel.table.listed]
-        at = max((keys.index(key) for key in self._list.selected if key in keys), default=-1)
+        at = max((keys.index(key) for key in self._list.selected_keys if key in keys), default=-1)
         if keys:
-            self._list.select((keys[(at + 1) % len(keys)],))
+            self._list.select_rows((keys[(at + 1) % len(keys)],))
 
     def ask_name(self, category: int = 0) -> None:
         """Ask for the name of the selected row, or of a class."""
@@ -176,35 +176,35 @@ class ObjectsFeature(Feature):
             return False
         key, selecting = event.key(), tool.name in _SELECTION_TOOLS
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
-            self._list.classify(key - Qt.Key.Key_0)
-        elif key in DELETE_KEYS and len(self._editing.marked) == 2:
+            self._list.classify_selected(key - Qt.Key.Key_0)
+        elif key in DELETE_KEYS and len(self._editing.marked_places) == 2:
             self._editing.delete_stretch()
-        elif selecting and key in DELETE_KEYS and self._list.selected and not tool.drafting:
-            self._list.delete()
+        elif selecting and key in DELETE_KEYS and self._list.selected_keys and not tool.drafting:
+            self._list.delete_selected()
         else:
             return False
         return True
 
-    def _shown(self) -> frozenset[Key]:
+    def _shown(self) -> frozenset[RowKey]:
         """Return the keys of the rows in the table, without rejected rows unless there are no others."""
         listed = self.panel.table.listed
         return frozenset(row.key for row in [row for row in listed if row.kind != "rejected"] or listed)
 
     def _open(self) -> None:
         """Rename the item that was double-clicked with the selection tool."""
-        if self.window.canvas_area.canvas.hold.tool.name == "select" and len(self._list.selected) == 1:
+        if self.window.canvas_area.canvas.hold.tool.name == "select" and len(self._list.selected_keys) == 1:
             self.ask_name()
 
     def _change(self) -> None:
         self.window.canvas_area.use_tool("objects")
-        self._selection.correct(self._list.items[0].number)
+        self._selection.correct_object(self._list.selected_objects[0].number)
 
     def _fill_classes(self, menu: QMenu) -> None:
         objects = self._list.objects
         for category in list_classes(objects):
             text = f"{class_title(objects, category)}\t{category}"
             action = add_choice(
-                menu, text, partial(self._list.classify, category), checked=category == objects.category
+                menu, text, partial(self._list.classify_selected, category), checked=category == objects.category
             )
             action.setIcon(swatch(objects.classes[category - 1].color))
 
@@ -214,20 +214,20 @@ class ObjectsFeature(Feature):
             (tr("Region of &interest"), tr("region of interest of {what}"), add_objects_as_regions),
             (tr("&Barrier"), tr("barrier around {what}"), add_objects_as_barriers),
         ):
-            add_choice(menu, text, partial(self._list.do, words, edit)).setEnabled(bool(self._list.chosen))
+            add_choice(menu, text, partial(self._list.edit_selected, words, edit)).setEnabled(bool(self._list.selected_numbers))
 
     def _find_skeleton(self) -> None:
         """Find the skeleton of the selected objects, else of the selected closed contours, else of all not rejected."""
-        chosen, review = self._list.chosen, self.window.workspace.review
+        chosen, review = self._list.selected_numbers, self.window.workspace.review
         if chosen:
             self._skeletonize(tr("skeleton of objects"), SkeletonTarget(objects=tuple(sorted(chosen))))
             return
-        items = review.chosen or [item for item in review.items if not item.reviewed.rejected]
+        items = review.selected_items or [item for item in review.items if not item.reviewed.rejected]
         lines = tuple(as_line(item.contour.points) for item in items if item.contour.closed)
         if lines:
             self._skeletonize(tr("skeleton of contours"), SkeletonTarget(contours=lines))
         else:
-            self.window.session.say(tr("There is no closed contour to find a skeleton in."))
+            self.window.session.show_message(tr("There is no closed contour to find a skeleton in."))
 
     def _skeletonize(self, name: str, outlined: SkeletonTarget) -> None:
         """Find center lines in outlined regions, or in the whole image."""

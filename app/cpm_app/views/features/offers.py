@@ -14,10 +14,10 @@ from cpm_app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from cpm_app.model.state.situation import has_image, has_volume
 from cpm_app.model.text.language import translate_core_text, tr, localize_number
 from cpm_app.model.volume.parts import FileParts
-from cpm_app.session.exchange.messages import Finished, Opened
+from cpm_app.session.exchange.messages import WorkFinished, ImageOpened
 from cpm_app.session.features.background import LatestOnlyWorker
-from cpm_app.session.tasks.opening import parts_of
-from cpm_app.session.worker.commands import Command, CommandContext
+from cpm_app.session.tasks.opening import inspect_file
+from cpm_app.session.worker.commands import WorkerCommand, CommandContext
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.files.part_dialog import PartDialog
 from cpm_app.views.files.pixel_size_dialog import PixelSizeDialog
@@ -35,23 +35,23 @@ class BeginningFeature(Feature):
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
-        self.session.listen(Opened, self._look)
-        self.window.preferences.follow(KEEP_PARAMETERS, self._use)
+        self.session.add_listener(ImageOpened, self._look)
+        self.window.preferences.call_on_change(KEEP_PARAMETERS, self._use)
 
-    def _look(self, opened: Opened) -> None:
+    def _look(self, opened: ImageOpened) -> None:
         """Find out which settings suit the image, which is shown in the meantime."""
 
         def inspect_image(context: CommandContext) -> None:
             kind, settings, image = None, None, opened.image
             if image.ndim == 2:
                 kind, settings = guess_kind(image.values), large_image_settings(image.values)
-            context.report(Finished(partial(self._offer, opened, kind, settings)))
+            context.report(WorkFinished(partial(self._offer, opened, kind, settings)))
 
         if opened.saved is None:
-            self.session.post(Command(inspect_image, tr("looking at the image"), "kind"))
+            self.session.post_command(WorkerCommand(inspect_image, tr("looking at the image"), "kind"))
 
-    def _offer(self, opened: Opened, kind: ImageKind | None, settings: LargeImageSettings | None) -> None:
-        session, offers, session_path = self.session, self.window.offers, opened.beside
+    def _offer(self, opened: ImageOpened, kind: ImageKind | None, settings: LargeImageSettings | None) -> None:
+        session, offers, session_path = self.session, self.window.offers, opened.adjacent_session
         if session.image is not opened.image or session.status.started:
             return
         of_sample = find_copied_sample(opened.path) is not None
@@ -63,7 +63,7 @@ class BeginningFeature(Feature):
             and kind in PRESET_OFFERS
             and not of_sample
             and session.document.mode != "skeleton"
-            and self.window.preferences.value(OFFER_SETTINGS)
+            and self.window.preferences.read_preference(OFFER_SETTINGS)
         ):
             preset, words = PRESETS[kind], tr("settings for the kind of image")
             use_settings = partial(
@@ -82,7 +82,7 @@ class BeginningFeature(Feature):
             offers.offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
 
     def _use(self) -> None:
-        self.session.keeps_parameters = self.window.preferences.value(KEEP_PARAMETERS)
+        self.session.keeps_parameters = self.window.preferences.read_preference(KEEP_PARAMETERS)
 
 
 def _with_settings(document: Document, settings: LargeImageSettings) -> Document:
@@ -98,9 +98,9 @@ class StackFeature(Feature):
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
         self.dialog: PartDialog | None = None
-        self._opened: Opened | None = None
+        self._opened: ImageOpened | None = None
         self._looking = LatestOnlyWorker(self.session, "cpm-parts", tr("inspecting the file"))
-        self.session.listen(Opened, self._offer)
+        self.session.add_listener(ImageOpened, self._offer)
         self.actions = (
             ActionSpec("parts", "File", "&Parts of the file…",
                        "Open all pages as a volume or one as an image, another channel, time or series.", self.ask,
@@ -125,7 +125,7 @@ class StackFeature(Feature):
         )
 
         def inspect_series(series: int) -> None:
-            self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0], show_found_parts)
+            self._looking.submit(lambda: inspect_file(opened.path, Reading(series=series))[0], show_found_parts)
 
         def show_found_parts(found: object) -> None:
             if isinstance(found, FileParts):
@@ -133,7 +133,7 @@ class StackFeature(Feature):
 
         dialog.asked.connect(inspect_series)
         dialog.chosen.connect(self._open)
-        dialog.finished.connect(self._looking.forget)
+        dialog.finished.connect(self._looking.drop_waiting)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
 
@@ -143,7 +143,7 @@ class StackFeature(Feature):
     def _parts(self) -> FileParts | None:
         return None if self._opened is None else self._opened.parts
 
-    def _offer(self, opened: Opened) -> None:
+    def _offer(self, opened: ImageOpened) -> None:
         """Describe the contents of the file, and offer other parts of it."""
         self._opened, parts = opened, opened.parts
         if parts is None or opened.saved is not None:
@@ -192,7 +192,7 @@ class PixelSizeFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         self.dialog: PixelSizeDialog | None = None
         self._told: tuple[tuple[float, ...], str | None] | None = None
-        self.session.listen(Opened, self._offer)
+        self.session.add_listener(ImageOpened, self._offer)
         self.actions = (
             ActionSpec("pixel_size", "Edit", "P&ixel size…",
                        "Set the distance between rows, columns and planes, and its unit.", self.ask,
@@ -201,7 +201,7 @@ class PixelSizeFeature(Feature):
                        else tr("P&ixel size…")),
         )  # fmt: skip
 
-    def _offer(self, opened: Opened) -> None:
+    def _offer(self, opened: ImageOpened) -> None:
         """Offer to set the size if a volume has none: its voxels are then assumed to be cubes."""
         parts, ndim = opened.parts, opened.image.ndim
         self._told = None if parts is None else (parts.spacing[-ndim:], parts.unit)

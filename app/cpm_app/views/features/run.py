@@ -13,8 +13,8 @@ from cpm_app.model.state.resolve import resolve_texts
 from cpm_app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
 from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.storage.presets import PresetStore
-from cpm_app.session.timeline.timeline import MEGABYTE
-from cpm_app.session.worker.commands import run_call
+from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
+from cpm_app.session.worker.commands import call_run
 from cpm_app.session.worker.run import Run
 from cpm_app.views.panels.parameters import ParametersPanel
 from cpm_app.views.panels.presets import Presets
@@ -44,15 +44,15 @@ class RunControlFeature(Feature):
         parameters = ParametersPanel(session, self.presets)
         self.panel = RunPanel(parameters)
         self.panels = (Panel("run", "Run", self.panel, "F5"),)
-        self.panel.unfold(window.preferences.get(_UNFOLDED_SECTIONS_KEY, []))
+        self.panel.unfold(window.preferences.read_key(_UNFOLDED_SECTIONS_KEY, []))
         self.panel.folded.connect(self._keep_unfolded)
         self._keep_unfolded()
         self._timer = QTimer(self.panel, interval=_NUMBERS_INTERVAL)
         self._timer.timeout.connect(self._show_values)
         session.status_changed.connect(self._show)
-        window.preferences.follow(UNIT_PREFERENCE, self._show)
+        window.preferences.call_on_change(UNIT_PREFERENCE, self._show)
         self.actions = (
-            ActionSpec("run", "Run", "Run", "Start or pause the run.", session.toggle, "Space", icon="run",
+            ActionSpec("run", "Run", "Run", "Start or pause the run.", session.toggle_run, "Space", icon="run",
                        when=has_image, worded=lambda situation: resolve_texts(situation).run_text,
                        pictured=lambda situation: "pause" if is_running(situation) else "run"),
             ActionSpec("step", "Run", "&Step", "Take a single step.", session.step, ".", short=tr("Step"), icon="step",
@@ -69,7 +69,7 @@ class RunControlFeature(Feature):
         return True
 
     def _keep_unfolded(self) -> None:
-        self.window.preferences.put(_UNFOLDED_SECTIONS_KEY, self.panel.unfolded)
+        self.window.preferences.store_key(_UNFOLDED_SECTIONS_KEY, self.panel.unfolded)
 
     def _show(self) -> None:
         running = is_running(self.session.situation)
@@ -104,7 +104,7 @@ class TimelineFeature(Feature):
 
         def go_to_end(event: QKeyEvent) -> bool:
             """Go to an end of the run by Home or End on the canvas; sliders and fields keep these keys."""
-            ends = {Qt.Key.Key_Home: to.to_first, Qt.Key.Key_End: to.to_last}
+            ends = {Qt.Key.Key_Home: to.go_to_first, Qt.Key.Key_End: to.go_to_last}
             if event.key() in ends:
                 ends[Qt.Key(event.key())]()
             return event.key() in ends
@@ -114,34 +114,34 @@ class TimelineFeature(Feature):
         window.shortcuts.changed.connect(lambda: self.panel.use_actions(window.actions_by_name))
         self._shown = False
         to.changed.connect(self._follow)
-        window.preferences.follow(TIMELINE_MEMORY, self.use_memory)
+        window.preferences.call_on_change(TIMELINE_MEMORY, self.use_memory)
 
         def has_recorded_run(_: Situation) -> bool:
             return bool(to.branches)
 
         self.actions = (
             ActionSpec("timeline_back", _TIMELINE_GROUP, "One step &back",
-                       "Go to the previous step; the steps after it are kept.", partial(to.by, -1), ",", "back",
+                       "Go to the previous step; the steps after it are kept.", partial(to.go_by, -1), ",", "back",
                        when=has_recorded_run),
             ActionSpec("timeline_forward", _TIMELINE_GROUP, "One step &forward", "Go to the next recorded step.",
-                       partial(to.by, 1), icon="forward", when=has_recorded_run),
+                       partial(to.go_by, 1), icon="forward", when=has_recorded_run),
             ActionSpec("timeline_back_ten", _TIMELINE_GROUP, "Ten steps b&ack", "Go ten steps back.",
-                       partial(to.by, -10), "Shift+,", when=has_recorded_run),
+                       partial(to.go_by, -10), "Shift+,", when=has_recorded_run),
             ActionSpec("timeline_forward_ten", _TIMELINE_GROUP, "Ten steps f&orward", "Go ten steps forward.",
-                       partial(to.by, 10), "Shift+.", when=has_recorded_run),
+                       partial(to.go_by, 10), "Shift+.", when=has_recorded_run),
             ActionSpec("timeline_first", _TIMELINE_GROUP, "Fi&rst step",
-                       "Go to the first step of the run; Home on the canvas does the same.", to.to_first, "Ctrl+Home",
+                       "Go to the first step of the run; Home on the canvas does the same.", to.go_to_first, "Ctrl+Home",
                        "first", when=has_recorded_run),
             ActionSpec("timeline_last", _TIMELINE_GROUP, "&Last step",
-                       "Go to the last step of the branch; End on the canvas does the same.", to.to_last, "Ctrl+End",
+                       "Go to the last step of the branch; End on the canvas does the same.", to.go_to_last, "Ctrl+End",
                        "last", when=has_recorded_run),
             ActionSpec("timeline_parameters", _TIMELINE_GROUP, "Use the pa&rameters of this step",
-                       "Use the parameters with which the shown step was computed.", to.use_its_parameters, gap=True,
-                       when=lambda situation: has_particles(situation) and to.other_parameters is not None),
+                       "Use the parameters with which the shown step was computed.", to.use_step_parameters, gap=True,
+                       when=lambda situation: has_particles(situation) and to.differing_parameters is not None),
             ActionSpec("timeline_delete", _TIMELINE_GROUP, "&Delete the branch",
                        "Delete the shown branch; steps shared with other branches are kept.",
-                       lambda: to.drop(to.place[0]), icon="bin",
-                       when=lambda _: bool(to.place[0]) and len(to.outline.branches) > 1),
+                       lambda: to.remove_branch(to.current_step[0]), icon="bin",
+                       when=lambda _: bool(to.current_step[0]) and len(to.timeline_state.branches) > 1),
         )  # fmt: skip
 
     def _follow(self) -> None:
@@ -153,8 +153,8 @@ class TimelineFeature(Feature):
 
     def use_memory(self) -> None:
         """Give the timeline the memory that the preferences allow."""
-        megabytes = int(self.window.preferences.value(TIMELINE_MEMORY))
-        self.session.post(run_call(None, Run.set_timeline_budget, megabytes * MEGABYTE))
+        megabytes = int(self.window.preferences.read_preference(TIMELINE_MEMORY))
+        self.session.post_command(call_run(None, Run.set_timeline_budget, megabytes * BYTES_PER_MEGABYTE))
 
 
 class TasksFeature(Feature):

@@ -42,7 +42,7 @@ class LayersFeature(Feature):
         self.panels = (Panel("layers", "Layers", panel, "F8"),)
         canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
-            layer.use_view_state(window.preferences.mapping(_LAYER_SETTINGS_KEY.format(layer=layer.name)))
+            layer.use_view_state(window.preferences.read_json(_LAYER_SETTINGS_KEY.format(layer=layer.name)))
             layer.changed.connect(window.refresh)
 
         def show_range() -> None:
@@ -52,8 +52,8 @@ class LayersFeature(Feature):
 
         area.level_drag.moved.connect(show_range)
         area.level_drag.ended.connect(window.refresh)
-        legend.fold(bool(window.preferences.get(_LEGEND_FOLDED_KEY, False)))
-        legend.folded_changed.connect(lambda folded: window.preferences.put(_LEGEND_FOLDED_KEY, folded))
+        legend.fold(bool(window.preferences.read_key(_LEGEND_FOLDED_KEY, False)))
+        legend.folded_changed.connect(lambda folded: window.preferences.store_key(_LEGEND_FOLDED_KEY, folded))
         legend.folded_changed.connect(window.refresh)
         window.shortcuts.changed.connect(lambda: panel.use_actions(window.actions_by_name))
         workspace.review.selection_changed.connect(window.refresh)
@@ -73,7 +73,7 @@ class LayersFeature(Feature):
                        "Ctrl+1", when=has_image),
             ActionSpec("zoom_to_selection", "View", "Zoom to the &selection",
                        "Show the selected contours, objects or shape as large as possible.", area.zoom_to_selection,
-                       "Shift+F", when=lambda now: now.selected is not None or bool(workspace.object_list.selected)),
+                       "Shift+F", when=lambda now: now.selected is not None or bool(workspace.object_list.selected_keys)),
             ActionSpec("zoom_in", "View", "Zoom &in", "Zoom in.", partial(canvas.zoom, ZOOM), "+ = Ctrl++"),
             ActionSpec("zoom_out", "View", "Zoom &out", "Zoom out.", partial(canvas.zoom, 1.0 / ZOOM), "- Ctrl+-"),
             ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",
@@ -96,7 +96,7 @@ class LayersFeature(Feature):
         for layer in self.canvas.layers:
             chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
             if layer.options:
-                self.window.preferences.put(_LAYER_SETTINGS_KEY.format(layer=layer.name), json.dumps(chosen))
+                self.window.preferences.store_key(_LAYER_SETTINGS_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
 
     def _choose_range(self, value: str) -> None:

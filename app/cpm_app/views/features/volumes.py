@@ -12,10 +12,10 @@ from cpm_app.model.preferences.table import UNIT_PREFERENCE
 from cpm_app.model.state.situation import Situation, has_volume
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import AXIS_NAMES, Slices
-from cpm_app.session.exchange.messages import Exported, Report
+from cpm_app.session.exchange.messages import FilesExported, Report
 from cpm_app.session.features.background import AsyncCache
 from cpm_app.session.scene import Scene
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.canvas.side_view import Cross, SideView
 from cpm_app.views.canvas.slice_bar import SliceBar
@@ -51,31 +51,31 @@ class SlicesFeature(Feature):
         self._shown: tuple[Slices | None, Image | None] = (None, None)
         self._slices = slices = window.workspace.slices
         pages = window.workspace.pages
-        self.bar.moved.connect(slices.at)
-        self.bar.turned.connect(slices.turn)
+        self.bar.moved.connect(slices.go_to)
+        self.bar.turned.connect(slices.set_axis)
         self.bar.size_wanted.connect(partial(window.do, "pixel_size"))
         area.controls.addWidget(self.bar)
         self.sides: tuple[SideView, ...] = ()
         """Views of the slices across the other axes, created when they are first shown."""
         self.space: QWidget | None = None
         """View in space, which is shown together with them."""
-        self._wanted = bool(window.preferences.get(_SIDES_SHOWN_KEY, True))
+        self._wanted = bool(window.preferences.read_key(_SIDES_SHOWN_KEY, True))
         self._cross = Cross(area.canvas)
         self._later: list[AsyncCache] = []
         self._draw_later(area.canvas)
-        area.canvas.slice_wanted.connect(slices.go)
+        area.canvas.slice_wanted.connect(slices.go_by)
         area.flow.changed.connect(self._show)
-        window.preferences.follow(UNIT_PREFERENCE, self.show_place)
+        window.preferences.call_on_change(UNIT_PREFERENCE, self.show_place)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def has_several_slices(situation: Situation) -> bool:
             return has_volume(situation) or pages.count > 1
 
         def move_by(by: int) -> Callback:
-            return lambda: (pages if pages.count else slices).go(by)
+            return lambda: (pages if pages.count else slices).go_by(by)
 
         def turn_to_axis(axis: int) -> None:
-            slices.turn(axis)
+            slices.set_axis(axis)
             window.refresh()
 
         def create_axis_action(axis: int) -> ActionSpec:
@@ -83,7 +83,7 @@ class SlicesFeature(Feature):
             return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}").format(axis=name),
                               tr("Show slices across this axis: {axis}.").format(axis=name),
                               partial(turn_to_axis, axis), f"Ctrl+Shift+{axis + 1}", there=has_volume,
-                              holds=lambda _: slices.now is not None and slices.now.axis == axis)  # fmt: skip
+                              holds=lambda _: slices.current is not None and slices.current.axis == axis)  # fmt: skip
 
         self.actions = (
             ActionSpec("previous_slice", _SLICES_GROUP, "&Previous slice or page",
@@ -124,15 +124,15 @@ class SlicesFeature(Feature):
     def toggle_sides(self) -> None:
         """Show or hide the slices across the other axes, and the view in space."""
         self._wanted = not self._wanted
-        self.window.preferences.put(_SIDES_SHOWN_KEY, self._wanted)
+        self.window.preferences.store_key(_SIDES_SHOWN_KEY, self._wanted)
         self._show()
         self.window.refresh()
 
     def _show(self) -> None:
         scene = self.window.canvas_area.flow.scene
         self._show_sides(scene)
-        if (scene.slices, scene.whole) != self._shown:
-            self._shown = scene.slices, scene.whole
+        if (scene.slices, scene.full_image) != self._shown:
+            self._shown = scene.slices, scene.full_image
             self.show_place()
             self.window.canvas_area.canvas.point_again()
 
@@ -170,8 +170,8 @@ class SlicesFeature(Feature):
         area.views.addWidget(view, row, 1)
         self._draw_later(view)
         view.pointer.menu_wanted.connect(self._open_menu)
-        view.went.connect(self._slices.through)
-        view.passed.connect(self._slices.pass_on)
+        view.went.connect(self._slices.go_through)
+        view.passed.connect(self._slices.step_along)
         self.sides += (view,)
         self.window.turns.ask(self._show)
 
@@ -184,18 +184,18 @@ class PagesFeature(Feature):
         self._pages = pages = window.workspace.pages
         followed = window.workspace.followed_objects
         self.bar = PageBar()
-        self.panel = PagePanel(pages, pages.show)
+        self.panel = PagePanel(pages, pages.show_row)
         self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown=False),)
-        self.bar.moved.connect(pages.open)
-        self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run())
+        self.bar.moved.connect(pages.open_page)
+        self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run_all())
         self.bar.followed.connect(self._follow)
         self.panel.export.clicked.connect(partial(window.do, "export"))
         window.canvas_area.controls.addWidget(self.bar)
         pages.set_session_file(window.document_file)
         pages.changed.connect(self._show)
-        pages.found.connect(window.refresh)
+        pages.results_changed.connect(window.refresh)
         window.session.document_changed.connect(lambda _: self._show_bar())
-        window.preferences.follow(UNIT_PREFERENCE, self.panel.show_rows)
+        window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def is_stack(_: Situation) -> bool:
@@ -206,18 +206,18 @@ class PagesFeature(Feature):
 
         self.actions = (
             ActionSpec("run_pages", "Run", "Run all &pages",
-                       "Run every page of the stack, one after the other, in the background.", pages.run,
+                       "Run every page of the stack, one after the other, in the background.", pages.run_all,
                        "Ctrl+Shift+Return", gap=True, when=can_run, there=is_stack),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all pages after it, one after the other, in the background.",
-                       lambda: pages.run(pages.number), when=can_run, there=is_stack),
+                       lambda: pages.run_all(pages.number), when=can_run, there=is_stack),
             ActionSpec("follow_pages", "Run", "&Follow from page to page",
                        "Start each page from the contours of the previous one.",
                        lambda: self._follow(not pages.following), there=is_stack,
                        holds=lambda _: pages.following),
             ActionSpec("follow_objects", "Objects", "Follow on all &pages",
                        "Find the accepted objects again on all pages after this one, in the background; pages with "
-                       "objects stay as they are.", followed.run, "Ctrl+Shift+F", gap=True, there=is_stack,
+                       "objects stay as they are.", followed.follow_all_pages, "Ctrl+Shift+F", gap=True, there=is_stack,
                        when=lambda now: not followed.running and bool(now.document.objects.items)),
         )  # fmt: skip
 
@@ -275,9 +275,9 @@ class SpaceFeature(Feature):
         session, size = self.window.session, animation_size(room)
         comment = comment_on(session)
 
-        def write_view_picture(_: Task) -> Report:
+        def write_view_picture(_: BackgroundTask) -> Report:
             write_picture(picture_of(seen, camera, room), path, comment)
-            return Exported(path)
+            return FilesExported(path)
 
         if turning:
             frames = turn(seen, camera.enlarged(size[0] / room[0]), size)
@@ -289,7 +289,7 @@ class SpaceFeature(Feature):
 
     def _pick(self, place: Place) -> None:
         """Move the slices to a place, and apply the tool in use there if it works without a slice."""
-        self.window.workspace.slices.through(place)
+        self.window.workspace.slices.go_through(place)
         tool = self.window.canvas_area.canvas.hold.tool
         camera, image = self.panel.view.camera, self.window.session.image
         if tool is not None and tool.name == "objects" and camera is not None and image is not None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from PySide6.QtWidgets import QMenu
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import Opened
+from cpm_app.session.exchange.messages import ImageOpened
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.widgets.actions import add_choice
 from cpm_core.formats import Reading, from_json
@@ -43,29 +43,29 @@ class RecentFiles:
     def paths(self) -> list[Path]:
         """Recent files, the newest first."""
         return [
-            Path(path) for path in self._preferences.get(_RECENT_FILES_KEY, [""]) if 0 < len(path) <= _MAX_PATH_LENGTH
+            Path(path) for path in self._preferences.read_key(_RECENT_FILES_KEY, [""]) if 0 < len(path) <= _MAX_PATH_LENGTH
         ]
 
     def add(self, path: Path) -> None:
         """Put a file that was opened or saved first."""
         path = path.absolute()
         others = [other for other in self.paths if other != path]
-        self._preferences.put(_RECENT_FILES_KEY, [str(each) for each in (path, *others)][:MOST])
+        self._preferences.store_key(_RECENT_FILES_KEY, [str(each) for each in (path, *others)][:MOST])
 
-    def keep_part(self, opened: Opened) -> None:
+    def keep_part(self, opened: ImageOpened) -> None:
         """Remember which part of a file was opened, if it holds several."""
         if opened.saved is not None or opened.parts is None or not opened.parts.has_choice:
             return
         opened_as = opened.image.ndim == 3, opened.reading.arguments
-        parts = self._preferences.mapping(_FILE_PARTS_KEY) | {str(opened.path.absolute()): opened_as}
-        self._preferences.put(
+        parts = self._preferences.read_json(_FILE_PARTS_KEY) | {str(opened.path.absolute()): opened_as}
+        self._preferences.store_key(
             _FILE_PARTS_KEY, json.dumps({path: parts[path] for path in map(str, self.paths) if path in parts})
         )
 
     def part_of(self, path: Path) -> tuple[bool | None, Reading]:
         """Return whether a file was last opened as a volume, or None if unknown, and its reading."""
         try:
-            as_volume, reading = self._preferences.mapping(_FILE_PARTS_KEY)[str(path.absolute())]
+            as_volume, reading = self._preferences.read_json(_FILE_PARTS_KEY)[str(path.absolute())]
             return bool(as_volume), from_json(Reading, reading, "reading")
         except (KeyError, TypeError, ValueError):
             return None, DEFAULT_READING
@@ -84,7 +84,7 @@ class RecentFiles:
 
     def clear(self) -> None:
         """Forget all files."""
-        self._preferences.put(_RECENT_FILES_KEY, [""])
-        self._preferences.put(_FILE_PARTS_KEY, "{}")
+        self._preferences.store_key(_RECENT_FILES_KEY, [""])
+        self._preferences.store_key(_FILE_PARTS_KEY, "{}")
         for notify in self.cleared:
             notify()

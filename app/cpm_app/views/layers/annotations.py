@@ -97,11 +97,11 @@ class OrientationLayer(Layer):
 
     def follow(self, before: Scene) -> None:
         """Show the orientation of another image or slice."""
-        if self.scene.ground != before.ground:
+        if self.scene.view_source != before.view_source:
             self._draw()
 
     def _draw(self) -> None:
-        whole = self.scene.whole
+        whole = self.scene.full_image
         edges = None if whole is None or not self.shown else find_edge_labels(whole, self.scene.slices)
         self.letters = ("",) * 4 if edges is None else (*edges[0], *edges[1])
         for item, text in zip(self._letters, self.letters, strict=True):

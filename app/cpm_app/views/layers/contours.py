@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pyqtgraph as pg
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.scene import Item, Scene
+from cpm_app.session.scene import ContourItem, Scene
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.item import Markers, Names
 from cpm_app.views.layers.layer import Layer, LegendEntry, Sign, Switch
@@ -115,7 +115,7 @@ class ContourLayer(Layer):
         ends = [item.contour.points[end] for item in items for end in (0, -1) if item.contour.junctions[end]]
         self.junctions.show({(float(row), float(col)) for row, col in ends})
 
-    def _curves_of(self, item: Item) -> Curves:
+    def _curves_of(self, item: ContourItem) -> Curves:
         """Return the item that draws a contour: for colored or hand-edited, short open unnamed, or other contours."""
         contour, image = item.contour, self.scene.image
         if contour.color or contour.by_hand:
@@ -126,12 +126,12 @@ class ContourLayer(Layer):
         return self.short
 
     @property
-    def _counting(self) -> list[Item]:
+    def _counting(self) -> list[ContourItem]:
         """Contours that are not rejected."""
         return [item for item in self.scene.contours.items if not item.reviewed.rejected]
 
 
-def _paths(items: Sequence[Item]) -> list[Array]:
+def _paths(items: Sequence[ContourItem]) -> list[Array]:
     return [item.contour.path for item in items]
 
 

@@ -193,9 +193,9 @@ class DrawingLayer(Layer):
         self._draft = Draft(self.view)
 
     @property
-    def selected(self) -> Section | None:
+    def selected_shape(self) -> Section | None:
         """Selected shape, in a volume its section."""
-        shapes, index = self._shapes, self.scene.selected
+        shapes, index = self._shapes, self.scene.selected_shape
         return shapes[index] if index is not None and index < len(shapes) else None
 
     @property
@@ -213,7 +213,7 @@ class DrawingLayer(Layer):
         """Show other shapes, another selection, or fainter starts behind a run."""
         scene = self.scene
         others = scene.document.shapes is not before.document.shapes
-        if others or (scene.selected, scene.has_particles) != (before.selected, before.has_particles):
+        if others or (scene.selected_shape, scene.has_particles) != (before.selected_shape, before.has_particles):
             self._show_starts()
             self._show_limits_and_charges()
             self.fade()
@@ -278,7 +278,7 @@ class DrawingLayer(Layer):
 
     def _show_starts(self) -> None:
         """Show lines, areas and handles; hide the seeds during a run, because they would cover its particles."""
-        selected, shapes = self.selected, self._shapes
+        selected, shapes = self.selected_shape, self._shapes
         rest = [shape for shape in shapes if shape is not selected]
         self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
         self._areas.show([shape.outline for shape in rest if _is_area(shape)])
@@ -300,7 +300,7 @@ class DrawingLayer(Layer):
 
     def _show_limits_and_charges(self) -> None:
         """Show regions, barriers and placed charges."""
-        selected, shapes = self.selected, self._shapes
+        selected, shapes = self.selected_shape, self._shapes
         regions = [shape for shape in shapes if isinstance(shape, Region)]
         self._dim.show(regions)
         self._regions.show(_outlines(regions))
@@ -325,7 +325,7 @@ class DrawingLayer(Layer):
     def fade(self) -> None:
         """Set the opacity; starts are faint behind a run."""
         super().fade()
-        selected = self.selected
+        selected = self.selected_shape
         if self.scene.has_particles and not isinstance(selected, Start | StartSection):
             for item in self._starts:
                 item.setOpacity(self.opacity * _BEHIND_RUN_OPACITY)

@@ -52,7 +52,7 @@ class ScalarOverlay(Layer):
 
     def show_or_hide(self) -> None:
         """Request the overlay only while it is shown."""
-        self.requests.want_overlay(self.name, self.shown)
+        self.requests.set_overlay_enabled(self.name, self.shown)
         self.follow_choice("map")
         self._show()
 
@@ -151,7 +151,7 @@ class FieldLayer(Layer):
 
     def show_or_hide(self) -> None:
         """Request the field only while it is shown."""
-        self.requests.want_overlay("field", self.shown)
+        self.requests.set_overlay_enabled("field", self.shown)
         self._draw()
 
     def follow(self, before: Scene) -> None:

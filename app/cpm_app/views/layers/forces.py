@@ -9,7 +9,7 @@ import pyqtgraph as pg
 
 from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.scene import Scene
-from cpm_app.session.worker.requests import Probed, probe
+from cpm_app.session.worker.requests import ForcesProbed, probe_forces
 from cpm_app.views.items.item import FAINT, Markers, Pinned, line_pen, to_xy
 from cpm_app.views.layers.fields import arrow_lines
 from cpm_app.views.layers.layer import Amount, Layer
@@ -69,7 +69,7 @@ class ForceLayer(Layer):
         for item in self._arrows.values():
             item.setZValue(_FORCE_Z)
         self.add(self._ring, *self._arrows.values(), self.legend)
-        self.probed: Probed | None = None
+        self.probed: ForcesProbed | None = None
         """Forces that are shown."""
         self.lines: list[tuple[str, str, str]] = []
         """Name, color and magnitude of each force in the legend."""
@@ -111,9 +111,9 @@ class ForceLayer(Layer):
         place = (seen.y(), seen.x()) if self._pointer is None else self._pointer
         reach = math.inf if self._pointer is None else _PROBE_RADIUS * float(self.view.viewPixelSize()[0])
         here = None if self.scene.slices is None else self.scene.slices.current
-        self.requests.post(probe(snapshot.generation, place if here is None else here.lift_position(place), reach))
+        self.requests.post_command(probe_forces(snapshot.generation, place if here is None else here.lift_position(place), reach))
 
-    def _use(self, probed: Probed | None) -> None:
+    def _use(self, probed: ForcesProbed | None) -> None:
         self.probed = probed
         if probed is not None:
             sizes = probed.sizes

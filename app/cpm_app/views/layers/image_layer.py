@@ -18,7 +18,7 @@ from cpm_app.model.display.display_image import (
 )
 from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.scene import Scene
-from cpm_app.session.worker.requests import shade
+from cpm_app.session.worker.requests import shade_image
 from cpm_app.views.items.item import cached
 from cpm_app.views.items.tiled_image import TiledImage
 from cpm_app.views.layers.layer import Amount, Choice, Layer
@@ -159,7 +159,7 @@ class ImageLayer(Layer):
         if image is None or scene.display is None:
             return
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
-        whole, former = scene.whole or image, before.whole
+        whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
             self.ends = self.reach = self.window = whole.gray_range
             if whole.is_ct:
@@ -178,7 +178,7 @@ class ImageLayer(Layer):
 
     def _find_window(self) -> None:
         """Set the window from the selected range."""
-        way, image = self.word("range"), self.scene.whole
+        way, image = self.word("range"), self.scene.full_image
         if image is not None and way != _MANUAL_RANGE:
             self._use_window(*(self.ends if way == WHOLE else percentile_window(image.values, float(way))))
 
@@ -200,7 +200,7 @@ class ImageLayer(Layer):
         elif image.colors is None and image.values.size <= _AT_ONCE:
             self._item.show_image(DisplayImage.from_image(image, window))
         elif channel is not None:
-            self.requests.post(shade(image, window, channel))
+            self.requests.post_command(shade_image(image, window, channel))
 
     @property
     def _channel(self) -> str | None:

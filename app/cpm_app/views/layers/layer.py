@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QGraphicsItem
 
 from cpm_app.session.scene import Scene
-from cpm_app.session.worker.commands import Command
+from cpm_app.session.worker.commands import WorkerCommand
 from cpm_app.views.items.item import OverImage
 from cpm_core.numerics.types import Extent, Texts, frozen
 
@@ -109,20 +109,20 @@ class LegendEntry:
 class Requests(Protocol):
     """Requests from layers to the worker; the answers arrive as parts of a scene."""
 
-    def post(self, command: Command) -> None:
+    def post_command(self, command: WorkerCommand) -> None:
         """Send a command to the worker."""
 
-    def want_overlay(self, name: str, wanted: bool) -> None:
+    def set_overlay_enabled(self, name: str, enabled: bool) -> None:
         """Switch the updates of an overlay on or off; see `cpm_app.session.worker.prepared_methods`."""
 
 
 class NoRequests:
     """Ignores requests, because the layers of another view have already made them."""
 
-    def post(self, command: Command) -> None:
+    def post_command(self, command: WorkerCommand) -> None:
         """Do nothing."""
 
-    def want_overlay(self, name: str, wanted: bool) -> None:
+    def set_overlay_enabled(self, name: str, enabled: bool) -> None:
         """Do nothing."""
 
 

@@ -66,7 +66,7 @@ class LayerForm(QWidget):
             field.setEnabled(self.layer.acts(name))
 
     def _show_levels(self, layer: ImageLayer) -> None:
-        image = layer.scene.whole
+        image = layer.scene.full_image
         if image is not self._image and image is not None:
             self._image = image
             if self.levels is not None:

@@ -9,8 +9,8 @@ import pyqtgraph as pg
 from PySide6.QtCore import Qt
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import DOUBTFUL
-from cpm_app.session.features.object_selection import percent
+from cpm_app.session.features.object_list import MIN_SURE_CONFIDENCE
+from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Area, Curves, Fills
 from cpm_app.views.items.item import Markers, Names
@@ -147,8 +147,8 @@ class ObjectLayer(Layer):
 
     def _show_proposals(self) -> None:
         found = [selection for _, selection in self._proposals]
-        sure = [each for each in found if each.confidence >= DOUBTFUL]
-        doubtful = [each for each in found if each.confidence < DOUBTFUL]
+        sure = [each for each in found if each.confidence >= MIN_SURE_CONFIDENCE]
+        doubtful = [each for each in found if each.confidence < MIN_SURE_CONFIDENCE]
         areas = [(_curves_of(each), theme.PROPOSAL, _PROPOSAL_OPACITY) for each in sure]
         self.offered_fill.show([*areas, *((_curves_of(each), theme.PROPOSAL, _DOUBTFUL_OPACITY) for each in doubtful)])
         self._offered.show(_outlines(sure))
@@ -161,9 +161,9 @@ class ObjectLayer(Layer):
         offered = offered if self.scene.volume is None else []  # bodies have no probability
         marked = [
             found for key, found in offered
-            if key in {*shown.selected, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < DOUBTFUL)
+            if key in {*shown.selected, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < MIN_SURE_CONFIDENCE)
         ]  # fmt: skip
-        texts = (f"{'? ' * (found.confidence < DOUBTFUL)}{percent(found)}" for found in marked)
+        texts = (f"{'? ' * (found.confidence < MIN_SURE_CONFIDENCE)}{format_confidence(found)}" for found in marked)
         highest = (tuple(min(np.concatenate(_curves_of(found)).tolist())) for found in marked)
         self._likely.show([(place, text, "#ffffff") for place, text in zip(highest, texts, strict=True)])
 

@@ -183,8 +183,8 @@ class ParticleLayer(Layer):
             self._show()
 
     def _show(self) -> None:
-        snapshot, near, marks = self.scene.snapshot, self.scene.near, None
-        opacity = None if near is None else 1.0 - _OFF_SLICE_FADING * near.away
+        snapshot, near, marks = self.scene.snapshot, self.scene.near_particles, None
+        opacity = None if near is None else 1.0 - _OFF_SLICE_FADING * near.distance
         if snapshot is not None and self.word("colour") != _BY_STATE:
             quantity = QUANTITIES[self.word("colour")]
             shown = color_particles(quantity, snapshot.state, snapshot.metrics)

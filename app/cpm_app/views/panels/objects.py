@@ -36,7 +36,7 @@ from cpm_app.model.display.lengths import preferred_pixel_size
 from cpm_app.model.document.objects import class_title, list_classes
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import BRUSH, KINDS, Figures, Key, Kind, ObjectList, Row, histogram
+from cpm_app.session.features.object_list import BRUSH_RADIUS_RANGE, ROW_KINDS, ObjectFigures, RowKey, RowKind, ObjectList, ObjectRow, gray_histogram
 from cpm_app.session.session import Session
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
 from cpm_app.views.theme import theme
@@ -54,31 +54,31 @@ REACHED: Mapping[str, str] = {
 }  # fmt: skip
 """Words for how particles reached a contour, the most direct way first."""
 
-_KIND_NAMES: Mapping[Kind, str] = {
+_KIND_NAMES: Mapping[RowKind, str] = {
     "object": tr("object"), "proposal": tr("proposal"), "closed": tr("closed"), "open": tr("open"),
     "rejected": tr("rejected"),
 }  # fmt: skip
 """Names of the kinds of rows."""
 
 
-def _figure(get: Callable[[Figures], float | None]) -> Callable[[Row], float | None]:
+def _figure(get: Callable[[ObjectFigures], float | None]) -> Callable[[ObjectRow], float | None]:
     """Return a function from a row to a figure of its object, or None while it is unknown."""
     return lambda row: None if row.figures is None else get(row.figures)
 
 
-def _measure(get: Callable[[Measures], float | str | None]) -> Callable[[Row], float | str | None]:
+def _measure(get: Callable[[Measures], float | str | None]) -> Callable[[ObjectRow], float | str | None]:
     """Return a function from a row to a measure of its contour, or None for an object."""
     return lambda row: None if row.contour is None else get(row.contour.measures)
 
 
 def _of(
     item: Callable[[SegmentedObject], float | None], measures: Callable[[Measures], float | None]
-) -> Callable[[Row], float | str | None]:
+) -> Callable[[ObjectRow], float | str | None]:
     """Return a function from a row to a value of its object, or else of its contour."""
     return lambda row: item(row.item) if row.item is not None else _measure(measures)(row)
 
 
-def _state(row: Row) -> str | None:
+def _state(row: ObjectRow) -> str | None:
     """Describe whether the item of a row is frozen, hidden or kept."""
     if row.item is None:
         return tr("kept") if row.contour is not None and row.contour.reviewed.verdict == "kept" else None
@@ -90,29 +90,29 @@ CONFIDENCE = tr("Confidence: the estimated probability that the object covers mo
 """Tooltip of the confidence."""
 
 
-def columns_of(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[Column[Row], ...]:
+def columns_of(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[Column[ObjectRow], ...]:
     """Build the columns, the most important first, for the classes of the objects and a pixel size."""
     pixel = float(np.prod(spacing))
     solid = len(spacing) == 3
 
-    def describe_class(row: Row) -> str:
+    def describe_class(row: ObjectRow) -> str:
         if row.kind != "object" or row.item is None:
             return _KIND_NAMES[row.kind]
         named = bool(objects.classes[row.item.category - 1].name)
         return f"{row.item.category} " * named + class_title(objects, row.item.category)
 
-    def row_number(row: Row) -> int | None:
+    def row_number(row: ObjectRow) -> int | None:
         return row.contour.measures.number if row.contour else abs(row.key[1]) or None
 
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
-               row_number, "000", form=".0f", key=lambda row: KINDS.index(row.kind) * 1e7 + (row_number(row) or 0)),
+               row_number, "000", form=".0f", key=lambda row: ROW_KINDS.index(row.kind) * 1e7 + (row_number(row) or 0)),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
                                         "row is."), describe_class,
                "proposal",
-               key=lambda row: 10 * KINDS.index(row.kind) + (row.item.category if row.item else 0)),
+               key=lambda row: 10 * ROW_KINDS.index(row.kind) + (row.item.category if row.item else 0)),
         Column("area", tr("Volume"), tr("Volume without hollows."), _figure(lambda found: found.volume),
                "00,000", 3)
         if solid else
@@ -164,9 +164,9 @@ class ObjectTable(ItemTable):
 
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         self._session, self._list = session, object_list
-        self._kinds: tuple[Kind, ...] = ()
-        rows = TableModel[Row](columns_of(object_list.objects), lambda row: row.key, self._look,
-                               object_list.rename)  # fmt: skip
+        self._kinds: tuple[RowKind, ...] = ()
+        rows = TableModel[ObjectRow](columns_of(object_list.objects), lambda row: row.key, self._look,
+                               object_list.rename_row)  # fmt: skip
         super().__init__(rows, tr("Objects and contours"))
         object_list.changed.connect(self.show_items)
         object_list.selection_changed.connect(self.show_selection)
@@ -174,29 +174,29 @@ class ObjectTable(ItemTable):
         self.show_items()
 
     @property
-    def chosen(self) -> frozenset[Key]:
+    def chosen(self) -> frozenset[RowKey]:
         """Keys of the selected rows."""
-        return self._list.selected
+        return self._list.selected_keys
 
-    def choose(self, keys: Sequence[Key]) -> None:
+    def choose(self, keys: Sequence[RowKey]) -> None:
         """Select rows."""
-        self._list.select(keys)
+        self._list.select_rows(keys)
 
     def remove(self) -> None:
         """Delete the selected rows."""
-        self._list.delete()
+        self._list.delete_selected()
 
-    def hover(self, key: Key | None) -> None:
+    def hover(self, key: RowKey | None) -> None:
         """Highlight a row, or none."""
-        self._list.hover(key)
+        self._list.set_hovered_row(key)
 
-    def show_only(self, kinds: tuple[Kind, ...]) -> None:
+    def show_only(self, kinds: tuple[RowKind, ...]) -> None:
         """Show only rows of these kinds, or all rows if there are none."""
         self._kinds = kinds
         self.show_items()
 
     @property
-    def listed(self) -> list[Row]:
+    def listed(self) -> list[ObjectRow]:
         """Rows that the table shows."""
         return [row for row in self._list.rows if not self._kinds or row.kind in self._kinds]
 
@@ -204,7 +204,7 @@ class ObjectTable(ItemTable):
         """Set the class by a digit."""
         digit = event.key() - Qt.Key.Key_0
         if 1 <= digit <= len(self._list.objects.classes):
-            self._list.classify(digit)
+            self._list.classify_selected(digit)
         else:
             super().keyPressEvent(event)
 
@@ -214,7 +214,7 @@ class ObjectTable(ItemTable):
         spacing, unit = (image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)
         self.rows.update(self.listed, preferred_pixel_size(spacing, unit), columns_of(self._list.objects, spacing))
 
-    def _look(self, row: Row, role: int, of_name: bool) -> Any:
+    def _look(self, row: ObjectRow, role: int, of_name: bool) -> Any:
         """Return the swatch next to a name; hidden and rejected rows are pale, rejected names struck out."""
         match role:
             case Role.DecorationRole if of_name:
@@ -228,7 +228,7 @@ class ObjectTable(ItemTable):
         return None
 
 
-def color_of(object_list: ObjectList, row: Row) -> str:
+def color_of(object_list: ObjectList, row: ObjectRow) -> str:
     """Return the color of a row: its own, or else that of the class of the object."""
     if row.item is not None:
         return theme.PROPOSAL if row.kind == "proposal" else object_list.objects.color_of(row.item)
@@ -253,7 +253,7 @@ class Histogram(QWidget):
     def show_counts(self, image: Image | None, counts: Integers, color: str) -> None:
         """Show the histogram of an object, as numbers of pixels, in front of that of the image."""
         if image is not self._image and image is not None:
-            self._whole = histogram(image.values.ravel()[:: max(1, image.values.size >> 18)], image)
+            self._whole = gray_histogram(image.values.ravel()[:: max(1, image.values.size >> 18)], image)
         self._image, self._counts, self._color = image, counts, color
         self.setVisible(bool(counts))
         self.update()
@@ -294,7 +294,7 @@ class ClassRow(QWidget):
         self.digit.setToolTip(
             tr("Set the class of the selection and of the next objects ({number}).").format(number=number)
         )
-        self.digit.clicked.connect(partial(object_list.classify, number))
+        self.digit.clicked.connect(partial(object_list.classify_selected, number))
         self.name.setAccessibleName(tr("Name of class {number}").format(number=number))
         self.name.editingFinished.connect(self._rename)
         arrange(QHBoxLayout(self), self.color, self.digit, self.name, spacing=4, wide=self.name)
@@ -315,7 +315,7 @@ class ClassRow(QWidget):
             self._list.name_class(self._number, self.name.text())
 
 
-_ROW_FILTERS: tuple[tuple[str, tuple[Kind, ...]], ...] = (
+_ROW_FILTERS: tuple[tuple[str, tuple[RowKind, ...]], ...] = (
     (tr("All"), ()),
     (tr("Objects"), ("object",)),
     (tr("Proposals"), ("proposal",)),
@@ -348,11 +348,11 @@ class ObjectPanel(QWidget):
         self.buttons: dict[str, QToolButton] = {}
         self._grid = QGridLayout()
         self._grid.setSpacing(4)
-        self.brush = DecimalField(*BRUSH, suffix=" px")
+        self.brush = DecimalField(*BRUSH_RADIUS_RANGE, suffix=" px")
         self.brush.setPrefix(tr("Brush") + " ")
         self.brush.setToolTip(tr("Radius of the brush; the keys [ and ] change it."))
         self.brush.setVisible(False)
-        self.brush.valueChanged.connect(object_list.set_brush)
+        self.brush.valueChanged.connect(object_list.set_brush_radius)
         object_list.brush_changed.connect(self.brush.show_value)
         self.shown = QComboBox()
         self.shown.setAccessibleName(tr("Rows in the table"))
@@ -385,10 +385,10 @@ class ObjectPanel(QWidget):
         self.figures.setText(self._said(row) if row else "")
         counts = row.figures.counts if row is not None and row.figures is not None else ()
         self.histogram.show_counts(self._session.image, counts, color_of(self._list, row) if row else "")
-        self.brush.show_value(self._list.brush)
+        self.brush.show_value(self._list.brush_radius)
         self._show_classes()
         found = Counter(each.kind for each in self._list.rows)
-        words: tuple[tuple[Kind, str, str], ...] = (
+        words: tuple[tuple[RowKind, str, str], ...] = (
             ("object", tr("1 object"), tr("{count} objects")), ("proposal", tr("1 proposal"), tr("{count} proposals")),
             ("closed", tr("1 closed contour"), tr("{count} closed contours")),
             ("open", tr("1 open contour"), tr("{count} open contours")),
@@ -452,7 +452,7 @@ class ObjectPanel(QWidget):
                 self._classes.insertWidget(place, self.classes[number])
             self.classes[number].show_class()
 
-    def _said(self, row: Row) -> str:
+    def _said(self, row: ObjectRow) -> str:
         """Describe the class, area, length and confidence of a row."""
         columns = {column.name: column for column in self.table.rows.columns}
         parts = [columns["class"].text(row, 1.0), *(self.table.said(row, columns[name]) for name in ("area", "length"))]
@@ -461,7 +461,7 @@ class ObjectPanel(QWidget):
         return " · ".join(filter(None, parts))
 
     @property
-    def _row(self) -> Row | None:
+    def _row(self) -> ObjectRow | None:
         """Selected row, or else the only proposal; None for several."""
         rows = self._list.selected_rows or [row for row in self._list.rows if row.kind == "proposal"]
         return rows[0] if len(rows) == 1 else None
@@ -470,4 +470,4 @@ class ObjectPanel(QWidget):
         row = self._row
         if self.name.isModified() and row is not None:
             self.name.setModified(False)
-            self._list.rename(row.key, self.name.text())
+            self._list.rename_row(row.key, self.name.text())

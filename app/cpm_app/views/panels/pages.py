@@ -118,9 +118,9 @@ class PagePanel(QWidget):
         arrange(QVBoxLayout(self), *parts, margins=(4, 6, 4, 6), wide=self.table)
         self.table.wanted.connect(show)
         self.table.selected.connect(self.show_plots)
-        self.chart.clicked.connect(lambda place: pages.open(round(place)))
+        self.chart.clicked.connect(lambda place: pages.open_page(round(place)))
         self.kind.activated.connect(lambda _: pages.show_kind(self.kind.currentData()))
-        pages.found.connect(self.show_rows)
+        pages.results_changed.connect(self.show_rows)
         pages.changed.connect(self.show_plots)
         self.show_rows()
 

@@ -232,10 +232,10 @@ class ParametersPanel(QWidget):
         self.more = self._lay_out()
         for name, row in self.rows.items():
             row.changed.connect(self.change)
-            row.released.connect(session.seal)
+            row.released.connect(session.end_gesture)
             row.slider.sliderPressed.connect(partial(self._hold, name, True))
             row.slider.sliderReleased.connect(partial(self._hold, name, False))
-        session.status_changed.connect(self._follow)  # not with each step: new words make Qt lay out all rows
+        session.status_changed.connect(self._on_status_changed)  # not with each step: new words make Qt lay out all rows
         session.document_changed.connect(self.show_document)
         self.show_document(session.document)
 
@@ -288,7 +288,7 @@ class ParametersPanel(QWidget):
             self._shown = ()
             self.show_document(before)
 
-    def _follow(self) -> None:
+    def _on_status_changed(self) -> None:
         """Show the effects of the parameters, and count the contours again if they have changed."""
         scene = self._session.scene
         if scene.contours is not self._contours:

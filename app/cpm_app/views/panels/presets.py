@@ -76,11 +76,11 @@ class Presets(QToolButton):
         action = QAction(text, self, toolTip=tip, statusTip=tip)
 
         def run_action() -> None:
-            self._session.attempt(_PRESET_CATEGORY)
+            self._session.clear_messages(_PRESET_CATEGORY)
             try:
                 do()
             except (ValueError, OSError) as error:
-                self._session.say(explain_error(error), True, _PRESET_CATEGORY)
+                self._session.show_message(explain_error(error), True, _PRESET_CATEGORY)
 
         action.triggered.connect(run_action)
         return action
@@ -108,7 +108,7 @@ class Presets(QToolButton):
         if name:
             about = tr("Created for {image}.", image=session.document.image.name) if session.document.image else ""
             kept = self.store.save(Preset(name, session.document.parameters, about))
-            session.say(tr("The parameters were saved as “{name}”.", name=kept.name))
+            session.show_message(tr("The parameters were saved as “{name}”.", name=kept.name))
 
     def _delete(self) -> None:
         assert self.current is not None

@@ -30,7 +30,7 @@ from cpm_app.model.display.lengths import round_up
 from cpm_app.model.state.situation import RunStatus
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.timeline import TimelineNavigation
-from cpm_app.session.timeline.stored_runs import Branch
+from cpm_app.session.timeline.stored_runs import TimelineBranch
 from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.actions import Actions, add_choice
@@ -109,10 +109,10 @@ class TimelineView(QWidget):
     def refresh(self) -> None:
         """Show the current branches and step."""
         self.setMinimumHeight(self.sizeHint().height())
-        branch, step = self._navigation.place
-        known = self._navigation.branch(branch)
+        branch, step = self._navigation.current_step
+        known = self._navigation.find_branch(branch)
         if known is not None:
-            last = self._navigation.last(branch)
+            last = self._navigation.last_step(branch)
             self.setAccessibleDescription(
                 tr("{branch}, step {step} of {last}", branch=known.name, step=step, last=last)
             )
@@ -130,8 +130,8 @@ class TimelineView(QWidget):
         branch = self._branch_at(point.y()) if point is not None else None
         if point is not None and branch is not None:
             self._request(branch, QPointF(point))
-        shown, step = self._navigation.place
-        if self._navigation.branch(shown) is None:
+        shown, step = self._navigation.current_step
+        if self._navigation.find_branch(shown) is None:
             return "", QPoint()
         return "step", point if point is not None else self.point(shown, step).toPoint()
 
@@ -139,7 +139,7 @@ class TimelineView(QWidget):
 
     def _steps(self) -> int:
         """Return the number of steps on the axis."""
-        lasts = [self._navigation.last(branch.identity) for branch in self._navigation.branches]
+        lasts = [self._navigation.last_step(branch.identity) for branch in self._navigation.branches]
         return max(max(lasts, default=0), _MIN_AXIS_STEPS)
 
     def _axis(self) -> tuple[float, float]:
@@ -161,12 +161,12 @@ class TimelineView(QWidget):
         """Return the branch of a row; on the axis, the shown branch."""
         branches = self._navigation.branches
         if not branches or y > self._base():
-            return self._navigation.place[0] if branches else None
+            return self._navigation.current_step[0] if branches else None
         return branches[min(max(int((y - _TOP_SPACE) / _BRANCH_HEIGHT), 0), len(branches) - 1)].identity
 
     def _request(self, branch: int, point: QPointF) -> None:
         on_name = point.x() < self._axis()[0] - _SIDE_SPACE
-        self._navigation.go(branch, self._navigation.beside(branch) if on_name else self._step_at(point.x()))
+        self._navigation.go_to(branch, self._navigation.matching_step(branch) if on_name else self._step_at(point.x()))
 
     # Qt interface
 
@@ -203,27 +203,27 @@ class TimelineView(QWidget):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Move along a branch or to the next one by arrow keys."""
         navigation = self._navigation
-        branch, _ = navigation.place
+        branch, _ = navigation.current_step
         key, branches = Qt.Key(event.key()), [known.identity for known in navigation.branches]
         if not branches or key not in _TIMELINE_KEYS:
             event.ignore()
         elif branch not in branches:  # no step is shown, as after a reset
-            self._navigation.go(branches[-1], navigation.last(branches[-1]))
+            self._navigation.go_to(branches[-1], navigation.last_step(branches[-1]))
         elif key in _STEP_KEYS:
-            navigation.by(_STEP_KEYS[key] * (10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1))
+            navigation.go_by(_STEP_KEYS[key] * (10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1))
         else:
             row = branches.index(branch) + _BRANCH_KEYS[key]
             other = branches[min(max(row, 0), len(branches) - 1)]
-            navigation.go(other, navigation.beside(other))
+            navigation.go_to(other, navigation.matching_step(other))
 
     def event(self, event: QEvent) -> bool:
         """Show the step under the pointer as a tooltip, and claim the keys of the timeline."""
         if takes_key(event, _TIMELINE_KEYS):
             return True
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
-            branch = self._navigation.branch(self._branch_at(event.pos().y()) or 0)
+            branch = self._navigation.find_branch(self._branch_at(event.pos().y()) or 0)
             if branch is not None and event.pos().x() >= self._axis()[0]:
-                step = min(max(self._step_at(event.pos().x()), 0), self._navigation.last(branch.identity))
+                step = min(max(self._step_at(event.pos().x()), 0), self._navigation.last_step(branch.identity))
                 words = tr("{branch}, step {step}", branch=branch.name, step=step)
                 QToolTip.showText(event.globalPos(), words, self)
             return True
@@ -231,10 +231,10 @@ class TimelineView(QWidget):
 
     # Painting
 
-    def _draw_branch(self, painter: QPainter, branch: Branch) -> None:
+    def _draw_branch(self, painter: QPainter, branch: TimelineBranch) -> None:
         """Draw the name of a branch, its link to the parent, its steps, and the first step of each scale."""
         identity = branch.identity
-        here = identity == self._navigation.place[0]
+        here = identity == self._navigation.current_step[0]
         color = self._color(QPalette.ColorRole.Highlight if here else QPalette.ColorRole.PlaceholderText)
         begin = self.point(identity, branch.first)
         if branch.parent is not None:
@@ -243,7 +243,7 @@ class TimelineView(QWidget):
         pen = QPen(color, 4.0 if here else 3.0)
         pen.setCapStyle(Qt.PenCapStyle.RoundCap)
         painter.setPen(pen)
-        painter.drawLine(begin, self.point(identity, self._navigation.last(identity)))
+        painter.drawLine(begin, self.point(identity, self._navigation.last_step(identity)))
         faint, text = self._color(QPalette.ColorRole.PlaceholderText), self._color(QPalette.ColorRole.WindowText)
         for step, scale in branch.scales:
             if step or scale:
@@ -277,8 +277,8 @@ class TimelineView(QWidget):
 
     def _draw_place(self, painter: QPainter) -> None:
         """Mark the step that is shown."""
-        branch, step = self._navigation.place
-        if self._navigation.branch(branch) is None:
+        branch, step = self._navigation.current_step
+        if self._navigation.find_branch(branch) is None:
             return
         at = self.point(branch, step)
         painter.setPen(QPen(self._color(QPalette.ColorRole.WindowText), 1.4))
@@ -305,11 +305,11 @@ class TimelinePanel(QWidget):
         self.step.setKeyboardTracking(False)
         self.step.setAccessibleName(tr("Step"))
         self.step.setToolTip(tr("Shown step; type a number to go there."))
-        self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
+        self.step.valueChanged.connect(lambda step: navigation.go_to(navigation.current_step[0], step))
         self._of = dim_label()
         self.parameters = _button("parameters")
         self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
-        self.parameters.clicked.connect(navigation.use_its_parameters)
+        self.parameters.clicked.connect(navigation.use_step_parameters)
         self.rename = add_choice(self.view, tr("Re&name the branch…"), self._rename)
         self.branch = _button("branch")
         self.branch.setToolTip(tr("Rename or delete the branch."))
@@ -345,7 +345,7 @@ class TimelinePanel(QWidget):
 
     def show_parameters(self) -> None:
         """Offer the parameters of the step if they differ from the current ones."""
-        self.parameters.setVisible(not self._running and self._navigation.other_parameters is not None)
+        self.parameters.setVisible(not self._running and self._navigation.differing_parameters is not None)
 
     def minimumSizeHint(self) -> QSize:
         """Return room for the buttons and a short track."""
@@ -363,10 +363,10 @@ class TimelinePanel(QWidget):
 
     def _show(self) -> None:
         navigation = self._navigation
-        branch, step = navigation.place
+        branch, step = navigation.current_step
         has_branch, last, count = (
-            navigation.branch(branch) is not None,
-            navigation.last(branch),
+            navigation.find_branch(branch) is not None,
+            navigation.last_step(branch),
             len(navigation.branches),
         )
         with QSignalBlocker(self.step):
@@ -383,12 +383,12 @@ class TimelinePanel(QWidget):
             self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _BRANCH_HEIGHT)
 
     def _rename(self) -> None:
-        known = self._navigation.branch(self._navigation.place[0])
+        known = self._navigation.find_branch(self._navigation.current_step[0])
         if known is not None:
             title, button = tr("Name of the branch"), tr("Use this name")
             name = ask_for_text(self.window(), title, tr("Name:"), button, known.name)
             if name and name.strip() not in ("", known.name):
-                self._navigation.rename(known.identity, name)
+                self._navigation.rename_branch(known.identity, name)
 
 
 def _button(name: str) -> QToolButton:

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import BRUSH, first_radius
+from cpm_app.session.features.object_list import BRUSH_RADIUS_RANGE, default_brush_radius
 from cpm_app.session.undo_history import Erasure
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import SELECT, STROKE, ShapeTool
@@ -45,7 +45,7 @@ class RingTool(ShapeTool):
     @property
     def radius(self) -> float:
         """Radius of the ring [px of the image]."""
-        return self._chosen or first_radius(self._session.document.image)
+        return self._chosen or default_brush_radius(self._session.document.image)
 
     def work(self, path: tuple[Place, ...]) -> None:
         """Apply the tool along a path of the ring; the path is a single place when the gesture begins."""
@@ -55,7 +55,7 @@ class RingTool(ShapeTool):
         """Begin a gesture."""
         self._begin()
         self._last, self.used = at, True
-        self._session.select(None)
+        self._session.select_shape(None)
         self.hover(at)
         self.work((at,))
 
@@ -73,7 +73,7 @@ class RingTool(ShapeTool):
 
     def resize(self, by: float) -> None:
         """Make the ring larger or smaller."""
-        self.set_radius(min(max(self.radius * _RING_GROWTH**by, BRUSH[0]), BRUSH[1]))
+        self.set_radius(min(max(self.radius * _RING_GROWTH**by, BRUSH_RADIUS_RANGE[0]), BRUSH_RADIUS_RANGE[1]))
         if self._at is not None:
             self.hover(self._at)
 
@@ -153,9 +153,9 @@ class EraserTool(RingTool):
     def work(self, path: tuple[Place, ...]) -> None:
         """Erase along the path of the ring."""
         if self._erasure is None:
-            self._erasure, self._erased = self._session.live.begin_erasure(), False
+            self._erasure, self._erased = self._session.run_updater.begin_erasure(), False
         before = self._session.document
-        left, run_changed = self._session.live.erase(path, self.radius, self._erasure)
+        left, run_changed = self._session.run_updater.erase_particles(path, self.radius, self._erasure)
         self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
         self._erased = self._erased or run_changed or self._session.document is not before
 

@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.signals import EDITING
+from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.tools.tool import CHARGE, CIRCLE, STROKE, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
@@ -59,12 +59,12 @@ class DraggedTool(ShapeTool):
         if self._index is not None and (self._drawn or math.dist(self._start, at) >= SMALLEST_RADIUS):
             shape = self.shape(self._start, at)
             self._put(tr("draw {shape}", shape=translate_core_text(shape.title)), shape)
-            self._session.select(self._index)
+            self._session.select_shape(self._index)
 
     def release(self) -> None:
         """Keep the shape."""
         if self._index is not None and self._drawn is None:
-            self._session.say(self.slip if self.volume is None else self.slip_in_volume, topic=EDITING)
+            self._session.show_message(self.slip if self.volume is None else self.slip_in_volume, topic=EDITING_CATEGORY)
         self.used = True
         super().release()
 
@@ -136,7 +136,7 @@ class PointTool(ShapeTool):
         """Place a point."""
         self._begin()
         self.drag(at)
-        self._session.select(None)
+        self._session.select_shape(None)
 
     def drag(self, at: Position) -> None:
         """Move the point to the pointer."""
@@ -156,7 +156,7 @@ class ChargeTool(ShapeTool):
         self._begin(self._found(at, reach))
         if self._before is None:
             self._place(Charge(at, self.strength))
-        self._session.select(self._index)
+        self._session.select_shape(self._index)
 
     def drag(self, at: Place) -> None:
         """Move the charge to the pointer."""

@@ -13,7 +13,7 @@ from PySide6.QtGui import QCursor
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import ObjectBrush
-from cpm_app.session.signals import EDITING
+from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import pointer
 from cpm_app.views.tools.brush_tools import RingTool
@@ -76,7 +76,7 @@ class MendTool(RingTool):
         """The object whose boundary that is, or that the brush would paint; None for a contour or a new object."""
         self._pressed: Position | None = None
         self._dragged = False
-        self._way = self._editing.way_from((0.0, 0.0))
+        self._way = self._editing.path_from((0.0, 0.0))
         self._reach = 1.0
         self._editing.changed.connect(self._show)
         self._list.brush_changed.connect(self._show)
@@ -84,22 +84,22 @@ class MendTool(RingTool):
     @property
     def radius(self) -> float:
         """Radius of the brush [px of the image]."""
-        return self._list.brush
+        return self._list.brush_radius
 
     def set_radius(self, radius: float) -> None:
         """Set the radius of the brush [px of the image]."""
-        self._list.set_brush(radius)
+        self._list.set_brush_radius(radius)
 
     @property
     def drafting(self) -> bool:
         """Whether places are marked."""
-        return bool(self._editing.marked)
+        return bool(self._editing.marked_places)
 
     @property
     def advice(self) -> str:
         """Sentence on what a press or a release does here."""
         held, item, away = self._held, self._item, self._takes_away
-        name = "" if item is None else self._list.title(item)
+        name = "" if item is None else self._list.title_of(item)
         if held is not None and self._dragged:
             return insert_keys(_JOIN_ADVICE if held.at_end else _REDRAW_ADVICE)
         if held is not None and item is not None:
@@ -120,9 +120,9 @@ class MendTool(RingTool):
             return tr("Drag to another end to join them, elsewhere to extend this contour.")
         if self._takes_away:
             return tr("Click to cut the contour here, drag to bend it.")
-        if len(self._editing.marked) == 2:
+        if len(self._editing.marked_places) == 2:
             return tr("Delete removes the segment between the marks; {key:escape} removes the marks.")
-        if self._editing.marked:
+        if self._editing.marked_places:
             return tr("Click a second point to mark a segment.")
         return tr("Drag to pull the contour, click to mark a place, Shift-click to cut.")
 
@@ -131,10 +131,10 @@ class MendTool(RingTool):
         self._find(at, reach)
         self.used, self._pressed, self._dragged = True, at, False
         if self._held is None:
-            self._editing.mark(())
+            self._editing.mark_places(())
             super().press(at, reach)
         elif self._held.at_end:
-            self._way = self._editing.way_from_end(self._held)
+            self._way = self._editing.path_from_end(self._held)
 
     def drag(self, at: Position) -> None:
         """Preview a release here, or continue to paint."""
@@ -151,12 +151,12 @@ class MendTool(RingTool):
         if held is not None and self._dragged:
             edits = self._meant(held)[0]
             if item is None:
-                self._editing.add(edits)
+                self._editing.add_edits(edits)
             elif item.frozen:
-                frozen = tr("{name} is frozen: unfreeze it to change it.").format(name=self._list.title(item))
-                self._session.say(frozen, topic=EDITING)
+                frozen = tr("{name} is frozen: unfreeze it to change it.").format(name=self._list.title_of(item))
+                self._session.show_message(frozen, topic=EDITING_CATEGORY)
             else:
-                self._editing.redraw(item, held, edits[0], not self._takes_away)
+                self._editing.redraw_boundary(item, held, edits[0], not self._takes_away)
         elif held is not None:
             self._click(held, item)
         self._put_down()
@@ -173,19 +173,19 @@ class MendTool(RingTool):
         if len(path) == 1:
             self._objects = self._session.document.objects
             axis = None if self.here is None or self._list.ball else self.here.axis
-            self._brush.begin(path[0], self.radius, not self._takes_away, self._gesture, axis, self._fresh)
+            self._brush.begin_stroke(path[0], self.radius, not self._takes_away, self._gesture, axis, self._fresh)
         else:
-            self._brush.paint(path[-1])
+            self._brush.extend_stroke(path[-1])
 
     def finish(self) -> None:
         """Keep the marks, because keys and menus act on them."""
 
     def take_back(self) -> None:
         """Delete the marked stretch, or remove a single mark."""
-        if len(self._editing.marked) == 2:
+        if len(self._editing.marked_places) == 2:
             self._editing.delete_stretch()
         else:
-            self._editing.mark(())
+            self._editing.mark_places(())
 
     def cancel(self) -> None:
         """Give up the drag, restore the objects from before the stroke, or remove the marks."""
@@ -193,20 +193,20 @@ class MendTool(RingTool):
         if self._brush.painting:
             self._session.edit("", lambda document: replace(document, objects=before), self._gesture)
         if self._pressed is None:
-            self._editing.mark(())
+            self._editing.mark_places(())
         self._put_down()
 
     def put_away(self) -> None:
         """Hide the preview, the marks and the ring."""
         self._at = self._held = None
-        self._review.hover(None)
+        self._review.set_hovered(None)
         self._drawing.show_draft()
         self._drawing.show_ring()
 
     def cursor(self, at: Position, reach: float) -> Cursor | QCursor:
         """Return links over an end, a knife or a hand over a line, a cross elsewhere."""
         if self.volume is None:
-            self._editing.prepare()
+            self._editing.request_edges()
         if self._reach != max(reach, 1.0) and self._at is not None:
             self._find(at, reach)
             self._show()
@@ -230,26 +230,26 @@ class MendTool(RingTool):
         self._reach = max(reach, 1.0)
         self._item = self._held = None
         if self.volume is None:
-            on = self._editing.boundary(at, self._reach)
-            self._item, self._held = on if on is not None else (None, self._editing.contact(at, self._reach))
+            on = self._editing.find_boundary(at, self._reach)
+            self._item, self._held = on if on is not None else (None, self._editing.find_contact(at, self._reach))
         if self._held is None and not self._fresh:
-            self._item = self._brush.target((at,), self.radius)
+            self._item = self._brush.find_target((at,), self.radius)
 
     def _click(self, held: Contact, item: SegmentedObject | None) -> None:
         """Select the clicked object or contour, mark the place on the contour, or cut it there."""
         key = self._editing.key_of(held)
         if item is not None:
-            self._list.choose((item.number,))
+            self._list.select_objects((item.number,))
         elif self._takes_away:
             self._editing.cut_contour(held)
         elif self.modifiers & Qt.KeyboardModifier.ControlModifier:
-            self._review.choose(self._review.selected ^ ({key} if key is not None else set()))
+            self._review.select(self._review.selected_keys ^ ({key} if key is not None else set()))
         else:
             if key is not None:
-                self._review.choose((key,))
-            marked = self._editing.marked
+                self._review.select((key,))
+            marked = self._editing.marked_places
             second = len(marked) == 1 and marked[0].is_on_same_contour(held) and marked[0].along != held.along
-            self._editing.mark((*marked, held) if second else (held,))
+            self._editing.mark_places((*marked, held) if second else (held,))
 
     def _meant(self, held: Contact) -> tuple[Sequence[HandEdit], Array, list[Position]]:
         """Compute the edits of a release now, the line that they add, and the places that are held and met."""
@@ -258,7 +258,7 @@ class MendTool(RingTool):
         if not held.at_end:
             edit = pull_contour(held, at, None if self._takes_away else self._editing.edges)
             return (edit,), np.array(edit.added), [held.place]
-        target = self._editing.contact(at, self._reach)
+        target = self._editing.find_contact(at, self._reach)
         if target is not None and target.is_on_same_contour(held) and abs(target.along - held.along) <= 2.0 * self._reach:
             target = None
         path = self._way(at if target is None else target.place)
@@ -266,16 +266,16 @@ class MendTool(RingTool):
 
     def _show(self) -> None:
         """Draw the preview, or the marks, the place under the pointer and the ring."""
-        corners: list[Position] = [mark.place for mark in self._editing.marked]
+        corners: list[Position] = [mark.place for mark in self._editing.marked_places]
         path: Sequence[Position] | Array = ()
         held, painting = self._held, self._brush.painting
         if self._dragged and held is not None and self._at is not None:
             _, path, corners = self._meant(held)
         elif not painting:
             on_contour = held is not None and self._item is None
-            self._review.hover(self._editing.key_of(held) if held is not None and on_contour else None)
-            marks = [*self._editing.marked, *([held] if held is not None and on_contour else [])][:2]
-            if len(marks) == 2 and self._editing.marked and marks[0].is_on_same_contour(marks[1]):
+            self._review.set_hovered(self._editing.key_of(held) if held is not None and on_contour else None)
+            marks = [*self._editing.marked_places, *([held] if held is not None and on_contour else [])][:2]
+            if len(marks) == 2 and self._editing.marked_places and marks[0].is_on_same_contour(marks[1]):
                 path = delete_stretch(*marks).removed
             corners += [held.place] if held is not None else []
         adds = self._brush.adds if painting else not self._takes_away
@@ -289,7 +289,7 @@ class MendTool(RingTool):
         self._advised()
 
     def _put_down(self) -> None:
-        self._brush.end()
+        self._brush.end_stroke()
         self._held = self._pressed = None
         self._dragged = False
         super().release()

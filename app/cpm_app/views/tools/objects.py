@@ -49,14 +49,14 @@ class ObjectTool(Tool):
     @property
     def sized(self) -> bool:  # type: ignore[override]
         """Whether there is an object to make smaller or larger."""
-        return self.drafting or bool(self._selection.proposals or self._list.chosen)
+        return self.drafting or bool(self._selection.proposals or self._list.selected_numbers)
 
     @property
     def advice(self) -> str:
         """Sentence on what to do next."""
         if not self._selection.ready:
             return ""
-        if self._list.chosen and not self._selection.selecting:
+        if self._list.selected_numbers and not self._selection.selecting:
             return insert_keys(
                 tr(
                     "Click again: correct · Ctrl-click: another object here · {key:name_object}: rename · "
@@ -75,9 +75,9 @@ class ObjectTool(Tool):
         existing = self._existing(at)
         offered = [each.key for each in self._selection.proposals]
         if existing in self._session.scene.objects.selected or (existing and offered == [existing]):
-            self._selection.correct(existing)
+            self._selection.correct_object(existing)
         elif existing:
-            self._list.choose((existing,))
+            self._list.select_objects((existing,))
         else:
             self._path = [at]
 
@@ -95,38 +95,38 @@ class ObjectTool(Tool):
         if not path:
             return
         if not self._selection.selecting:
-            self._list.choose(())
-        self._selection.click(path[:: math.ceil(len(path) / _MAX_STROKE_PLACES)], self._inside)
+            self._list.select_objects(())
+        self._selection.add_click(path[:: math.ceil(len(path) / _MAX_STROKE_PLACES)], self._inside)
 
     def hover(self, at: Place) -> None:
         """Preview what a click would select or change."""
         existing = self._existing(at)
-        self._list.hover(("object" if existing > 0 else "proposal", existing) if existing else None)
-        self._selection.point(None if existing else at, self._inside)
+        self._list.set_hovered_row(("object" if existing > 0 else "proposal", existing) if existing else None)
+        self._selection.preview_click(None if existing else at, self._inside)
 
     def resize(self, by: float) -> None:
         """Propose the next larger candidate, or the next smaller one."""
-        self._selection.step(1 if by > 0 else -1)
+        self._selection.step_candidate(1 if by > 0 else -1)
 
     def finish(self) -> None:
         """Accept the object; an Enter right after the click waits for the answer."""
-        self._selection.when_answered(self._list.accept)
+        self._selection.call_when_answered(self._list.accept_pending)
 
     def take_back(self) -> None:
         """Remove the last click."""
-        self._selection.take_back()
+        self._selection.undo_click()
 
     def cancel(self) -> None:
         """Drop the stroke, or the selection in progress."""
         if self._path:
             self._end_stroke()
         else:
-            self._selection.drop()
+            self._selection.discard_clicks()
 
     def put_away(self) -> None:
         """Hide the preview of a click."""
-        self._list.hover(None)
-        self._selection.point(None)
+        self._list.set_hovered_row(None)
+        self._selection.preview_click(None)
 
     def cursor(self, at: Place, reach: float) -> Cursor:
         """Return a hand over an object that a click would select, a cross elsewhere."""
@@ -140,7 +140,7 @@ class ObjectTool(Tool):
     def _existing(self, at: Place) -> int:
         """Find the number of the object, or key of the proposal, that a click would select; 0 if none."""
         another = self._selection.selecting or self.modifiers & Qt.KeyboardModifier.ControlModifier
-        return 0 if another or not self._inside else self._selection.under(at)
+        return 0 if another or not self._inside else self._selection.object_number_at(at)
 
     def _end_stroke(self) -> None:
         self._path = []

@@ -9,8 +9,8 @@ import numpy as np
 from PySide6.QtCore import Qt
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.hand_editing import Way
-from cpm_app.session.signals import EDITING
+from cpm_app.session.features.hand_editing import PathFinder
+from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MIN_DRAWN_AREA, OBJECT, Cursor, Tool
 from cpm_core.numerics import Array, Position, polyline
@@ -51,7 +51,7 @@ class OutlineTool(Tool):
         self._anchors: list[_Anchor] = []
         self._freehand: list[Position] = []
         self._begin: Contact | None = None
-        self._way: Way | None = None
+        self._way: PathFinder | None = None
         self._pointer: Position | None = None
         self._pressed: Position | None = None
         self._reach = 1.0
@@ -129,11 +129,11 @@ class OutlineTool(Tool):
             return
         path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
         if closed and polyline.enclosed_area(path) < MIN_DRAWN_AREA:
-            self._session.say(tr("That is too small for an outline. {advice}", advice=self.tip), topic=EDITING)
+            self._session.show_message(tr("That is too small for an outline. {advice}", advice=self.tip), topic=EDITING_CATEGORY)
         elif closed:
-            self._workspace.object_list.choose((self._editing.outline(path[:-1]),))
+            self._workspace.object_list.select_objects((self._editing.add_outline(path[:-1]),))
         else:
-            self._editing.add(connect_by_path(path, begin, last))
+            self._editing.add_edits(connect_by_path(path, begin, last))
 
     def take_back(self) -> None:
         """Remove the last anchor."""
@@ -151,7 +151,7 @@ class OutlineTool(Tool):
 
     def cursor(self, at: Position, reach: float) -> Cursor:
         """Return a cross, and prepare the edges."""
-        self._editing.prepare()
+        self._editing.request_edges()
         return Cursor.CrossCursor
 
     @property
@@ -165,21 +165,21 @@ class OutlineTool(Tool):
 
     def _contact(self, at: Position) -> Contact | None:
         """Find the contour that a line touches where it begins or ends."""
-        return None if self._straight else self._editing.contact(at, 0.5 * self._reach)
+        return None if self._straight else self._editing.find_contact(at, 0.5 * self._reach)
 
     def _place(self, at: Position) -> Position:
         """Snap a place to the contour or edge under the pointer; with Shift, keep it."""
         if self._straight:
             return at
         contact = self._contact(at)
-        return contact.place if contact is not None else self._editing.snapped(at)
+        return contact.place if contact is not None else self._editing.snap_to_edge(at)
 
     def _piece(self, place: Position) -> Array:
         """Trace the line from the last anchor to a place, shape (K, 2), clear of the pieces drawn before."""
         begin = self._anchors[-1].place if self._anchors else place
         if self._straight or not self._anchors:
             return np.array([begin, place], dtype=float)
-        self._way = self._way or self._editing.way_from(begin, self._pieces)
+        self._way = self._way or self._editing.path_from(begin, self._pieces)
         return self._way(place)
 
     def _add(self, place: Position, click: Position, piece: Array) -> None:

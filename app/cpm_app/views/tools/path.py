@@ -11,7 +11,7 @@ from cpm_app.model.document.document import ImageReference
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.signals import EDITING
+from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.drawn import box_between
 from cpm_app.views.tools.tool import AREA, CIRCLE, FREEHAND_SPACING, LIMIT, MIN_DRAWN_AREA, STROKE, Tool
@@ -144,12 +144,12 @@ class PathTool(Tool):
         self.cancel()
         if shape is None:
             advice = tr("That is too small for a {shape}. {advice}", shape=translate_core_text(self.made.title), advice=self.tip)
-            self._session.say(advice, topic=EDITING)
+            self._session.show_message(advice, topic=EDITING_CATEGORY)
             return
         self._session.edit(
             tr("draw {shape}", shape=translate_core_text(shape.title)), lambda document: edits.add_shape(document, shape)
         )
-        self._session.select(len(self._session.document.shapes) - 1)
+        self._session.select_shape(len(self._session.document.shapes) - 1)
 
     def take_back(self) -> None:
         """Remove the last corner."""

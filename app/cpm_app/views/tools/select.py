@@ -9,8 +9,8 @@ from PySide6.QtCore import Qt
 from cpm_app.model.document.edits import ShapeHit
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import translate_core_text, tr
-from cpm_app.session.features.object_list import Key
-from cpm_app.session.features.slices import hit_in
+from cpm_app.session.features.object_list import RowKey
+from cpm_app.session.features.slices import hit_shape
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import SELECT, Cursor, ShapeTool
 from cpm_core.numerics import Place, Position
@@ -52,8 +52,8 @@ class SelectTool(ShapeTool):
         self._reach = 0.0
         self._corner: Position | None = None
         """Corner where the frame begins."""
-        self._chosen: frozenset[Key] = frozenset()
-        self._found: frozenset[Key] = frozenset()
+        self._chosen: frozenset[RowKey] = frozenset()
+        self._found: frozenset[RowKey] = frozenset()
         self._removes = False
 
     @property
@@ -70,13 +70,13 @@ class SelectTool(ShapeTool):
 
     def press(self, at: Place, reach: float) -> None:
         """Select the shape, object or contour under the pointer, or begin a frame."""
-        self._reach, self._chosen = reach, self._list.selected
+        self._reach, self._chosen = reach, self._list.selected_keys
         found, key = self._met(at, reach)
-        self._session.select(found.index if found is not None else None)
+        self._session.select_shape(found.index if found is not None else None)
         if found is not None:
             self._begin(found.index)
             self._part, self._anchor = found.part, found.handle or at
-            self._list.select(())
+            self._list.select_rows(())
             return
         self._crossing = key is None and self.here is not None
         self._found = frozenset(() if key is None else (key,))
@@ -92,7 +92,7 @@ class SelectTool(ShapeTool):
         """Move the selected shape, or its handle; or select what lies in the frame."""
         shape = self._before
         if self._crossing:
-            self._workspace.slices.through(at)
+            self._workspace.slices.go_through(at)
         if self._corner is not None:
             self._draw_frame(self._corner, self.flat(at))
         if shape is None or at == self._anchor:
@@ -106,7 +106,7 @@ class SelectTool(ShapeTool):
     def release(self) -> None:
         """Keep the selection; a click beside all items clears it."""
         if self._before is None and not self._found and not self.modifiers & _SELECTION_MODIFIERS:
-            self._list.select(())
+            self._list.select_rows(())
         self._leave()
         super().release()
 
@@ -114,19 +114,19 @@ class SelectTool(ShapeTool):
         """Restore the shape and the selection, and highlight nothing."""
         if self._corner is not None:
             known = {row.key for row in self._list.rows}
-            self._list.select(self._chosen & known)
+            self._list.select_rows(self._chosen & known)
         self._leave()
-        self._list.hover(None)
+        self._list.set_hovered_row(None)
         super().cancel()
 
     def put_away(self) -> None:
         """Highlight nothing."""
-        self._list.hover(None)
+        self._list.set_hovered_row(None)
 
     def cursor(self, at: Place, reach: float) -> Cursor:
         """Highlight the item under the pointer, and return arrows over a shape, a hand over another item."""
         found, key = self._met(at, reach)
-        self._list.hover(key)
+        self._list.set_hovered_row(key)
         if found is None:
             if key is not None:
                 return Cursor.PointingHandCursor
@@ -142,19 +142,19 @@ class SelectTool(ShapeTool):
         found = self._hit(at, reach)
         return found is not None and found.part == "handle"
 
-    def _met(self, at: Place, reach: float) -> tuple[ShapeHit | None, Key | None]:
+    def _met(self, at: Place, reach: float) -> tuple[ShapeHit | None, RowKey | None]:
         """Find the shape at a place, or else the row: lines before areas, the selected shape first."""
         found = self._hit(at, reach)
         if found is not None:
             shape = self._session.document.shapes[found.index]
-            selected = found.index == self._session.selected
+            selected = found.index == self._session.selected_shape
             if found.part == "handle" or selected or shape.distance_to(at) <= reach:
                 return found, None
-        key = self._list.at(at, reach)
+        key = self._list.row_at(at, reach)
         return (None, key) if key is not None else (found, None)
 
     def _hit(self, at: Place, reach: float) -> ShapeHit | None:
-        return hit_in(self._session.scene, at, reach, self.here)
+        return hit_shape(self._session.scene, at, reach, self.here)
 
     def _draw_frame(self, corner: Position, at: Position) -> None:
         """Select the items in the frame, once it is larger than a click."""
@@ -162,16 +162,16 @@ class SelectTool(ShapeTool):
             return
         frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
         self._removes = bool(self.modifiers & _DESELECT_MODIFIER)
-        self._found = self._list.within(frame)
+        self._found = self._list.rows_inside(frame)
         self._drawing.show_draft((), (*frame, corner), theme.CHOSEN)
         self._show()
 
     def _show(self) -> None:
         """Combine the found items with the selection according to the modifier keys."""
         if self._removes:
-            self._list.select(self._chosen - self._found)
+            self._list.select_rows(self._chosen - self._found)
         else:
-            self._list.select(self._found | self._chosen if self.modifiers & _SELECTION_MODIFIERS else self._found)
+            self._list.select_rows(self._found | self._chosen if self.modifiers & _SELECTION_MODIFIERS else self._found)
         self._advised()
 
     def _leave(self) -> None:

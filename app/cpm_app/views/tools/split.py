@@ -14,7 +14,7 @@ from PySide6.QtGui import QCursor
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.model.volume.surface_section import object_contains
-from cpm_app.session.signals import EDITING
+from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import pointer
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MEND, Cursor, Tool
@@ -64,7 +64,7 @@ class SplitTool(Tool):
         if self._dragged:
             return insert_keys(tr("Release to split along the line; {key:escape} cancels."))
         if self._whole is not None:
-            name = self._list.title(self._whole)
+            name = self._list.title_of(self._whole)
             return insert_keys(tr("Click the other half of {name}; {key:escape} cancels."), name=name)
         at = self._at
         if at is not None and self._contact(at) is not None and self._whole_at(at) is None:
@@ -118,12 +118,12 @@ class SplitTool(Tool):
         """Return a knife, and prepare the edges."""
         self._reach = max(reach, 1.0)
         if self.volume is None:
-            self._editing.prepare()
+            self._editing.request_edges()
         return pointer("knife")
 
     def _contact(self, at: Place) -> Contact | None:
         """Find the place of a contour in an image that a click would cut."""
-        return None if self.volume is not None else self._editing.contact(at, self._reach)
+        return None if self.volume is not None else self._editing.find_contact(at, self._reach)
 
     def _click(self, at: Place) -> None:
         first, whole = self._whole, self._whole_at(at)
@@ -134,7 +134,7 @@ class SplitTool(Tool):
         elif first is None and (contact := self._contact(at)) is not None:
             self._editing.cut_contour(contact)
         else:
-            self._session.say(tr("There is no object here. {advice}", advice=self.tip), topic=EDITING)
+            self._session.show_message(tr("There is no object here. {advice}", advice=self.tip), topic=EDITING_CATEGORY)
 
     def _split_along(self, path: list[Place]) -> None:
         places = polyline.path_midpoints(np.array(path), _SAMPLED_PLACES).tolist()
@@ -143,28 +143,28 @@ class SplitTool(Tool):
             most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))
             self._use(most, partial(split_object_along, most, path, self._editing.edges))
         else:
-            self._session.say(tr("The line crosses no object. {advice}", advice=self.tip), topic=EDITING)
+            self._session.show_message(tr("The line crosses no object. {advice}", advice=self.tip), topic=EDITING_CATEGORY)
 
     def _use(self, whole: SegmentedObject, halves: Callable[[], Halves], at: Place = ()) -> None:
         """Replace an object by its halves, or report why that fails; in a volume, split it at a place."""
         self._whole = None
         if whole.frozen:
-            name = self._list.title(whole)
-            self._session.say(tr("{name} is frozen: unfreeze it to split it.", name=name), topic=EDITING)
+            name = self._list.title_of(whole)
+            self._session.show_message(tr("{name} is frozen: unfreeze it to split it.", name=name), topic=EDITING_CATEGORY)
             return
         try:
             if whole.surface:
-                self._list.split_in_volume(whole, self._first, at)
+                self._list.split_object_in_volume(whole, self._first, at)
             else:
                 self._list.split_object(whole, halves())
         except ValueError as error:
-            self._session.say(translate_core_text(str(error)), topic=EDITING)
+            self._session.show_message(translate_core_text(str(error)), topic=EDITING_CATEGORY)
 
     def _whole_at(self, at: Place) -> SegmentedObject | None:
         """Find the object, proposal or closed contour around a place: a selected one first, then the smallest."""
-        rows, under = self._list.selected_rows, ("object", self._list.under(at))
-        key = under if under[1] else self._list.at(at, 0.0)
-        wholes = [self._list.whole(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))]
+        rows, under = self._list.selected_rows, ("object", self._list.object_number_at(at))
+        key = under if under[1] else self._list.row_at(at, 0.0)
+        wholes = [self._list.object_of_row(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))]
         return next((item for item in wholes if item is not None and object_contains(item, at)), None)
 
     def _show(self) -> None:

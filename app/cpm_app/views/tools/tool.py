@@ -215,7 +215,7 @@ class ShapeTool(Tool):
 
     def _end(self) -> None:
         self._index = self._before = None
-        self._session.seal()
+        self._session.end_gesture()
 
     def _put(self, activity: str, shape: Shape) -> None:
         """Add the shape of the gesture to the document, or replace it there."""

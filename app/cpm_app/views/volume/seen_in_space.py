@@ -46,7 +46,7 @@ class SeenInSpace:
         """
         image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
         if image is None or slices is None:
-            self._parts.forget()
+            self._parts.clear()
             return None
         get, layer, spacing = self._parts.get, layers.particles, image.spacing
         size = 1.0 if snapshot is None else layer.size_of(snapshot)
@@ -60,7 +60,7 @@ class SeenInSpace:
             slices,
             get(_particles, snapshot, size, layer.word("colour"), layer.word("map"), inks),
             get(_mesh, found),
-            get(_wires, drawn, scene.selected, image, scene.skeleton if layers["skeleton"].shown else None),
+            get(_wires, drawn, scene.selected_shape, image, scene.skeleton if layers["skeleton"].shown else None),
             color_maps.table(layers.image.word("map")),
             get(_objects, objects, scene.objects.proposals, spacing, bodies),
             get(_truth, scene.truth if layers["truth"].shown else None, spacing),

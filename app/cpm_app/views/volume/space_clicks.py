@@ -40,7 +40,7 @@ def draw_at(session: Session, tool: str, at: Place) -> None:
             tr("draw sphere"),
         )
     session.edit(name, lambda document: edits.add_shape(document, shape))
-    session.select(len(session.document.shapes) - 1)
+    session.select_shape(len(session.document.shapes) - 1)
 
 
 def select_at(selection: ObjectSelection, camera: Camera, spacing: Sides, at: Place) -> None:
@@ -48,10 +48,10 @@ def select_at(selection: ObjectSelection, camera: Camera, spacing: Sides, at: Pl
 
     If no body lies behind it, add the place itself.
     """
-    partition = selection.partitions.partition
+    partition = selection.partition_updater.partition
     way = min(spacing) * camera.axes[2] / np.array(spacing)
     places = np.array(at) + np.outer((0.0, *_INSIDE_DEPTHS), way)
     within = partition.find_body_numbers(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
     place = places[1 + int(np.argmax(within[1:]))] if np.any(within[1:]) else places[0]
     inside = not QGuiApplication.keyboardModifiers() & TAKING_AWAY
-    selection.click((tuple(place.tolist()),), inside)
+    selection.add_click((tuple(place.tolist()),), inside)

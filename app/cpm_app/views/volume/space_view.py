@@ -280,7 +280,7 @@ class SpaceView(QWidget):
         rows, cols = (max(1, side // coarseness) for side in self.room)
         self._asked += 1
         given = self._view, self.camera, (rows, cols), coarseness, self._asked
-        self._painter.ask(partial(_draw, self._parts, *given), self._take)
+        self._painter.submit(partial(_draw, self._parts, *given), self._take)
 
     def _take(self, frame: _Frame) -> None:
         """Show a finished picture."""
@@ -323,6 +323,6 @@ def _draw(
     else:  # everything except the particles is drawn only once
         still = replace(view, particles=None)
         made_of = *(getattr(still, one.name) for one in fields(still)), camera, size
-        picture = parts.named("still", lambda: still.render_picture(seen, size, look), *made_of).copy()
+        picture = parts.get_named("still", lambda: still.render_picture(seen, size, look), *made_of).copy()
         view.draw_particles(picture, particles, seen, look)
     return _Frame(picture, particles, seen, coarseness, number, time.perf_counter() - begin)

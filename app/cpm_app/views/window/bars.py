@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.state.situation import format_remaining_time
 from cpm_app.model.text.language import tr
-from cpm_app.session.tasks.tasks import Task, Tasks
+from cpm_app.session.tasks.tasks import BackgroundTask, TaskManager
 from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.tools import TOOLS
@@ -178,10 +178,10 @@ _PROGRESS_BAR_MAXIMUM = 1000
 class TaskBar(QWidget):
     """Progress of the oldest running task; hidden while none is running."""
 
-    def __init__(self, tasks: Tasks) -> None:
+    def __init__(self, tasks: TaskManager) -> None:
         super().__init__()
         self._tasks = tasks
-        self._task: Task | None = None
+        self._task: BackgroundTask | None = None
         self._name = QLabel()
         self._left = dim_label()
         self._bar = QProgressBar(textVisible=False)
@@ -206,7 +206,7 @@ class TaskBar(QWidget):
         task = self._task or next((task for task in self._tasks.current if task.cancellable), None)
         if task is not None:
             task.cancel()
-            self._tasks.look()
+            self._tasks.announce_changes()
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the button."""

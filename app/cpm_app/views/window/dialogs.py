@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QAbstractButton, QFileDialog, QInputDialog, QMessa
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
-from cpm_app.session.storage.folders import Purpose, first_folder, remember_folder
+from cpm_app.session.storage.folders import Purpose, initial_folder, remember_folder
 from cpm_app.session.storage.preferences import Preferences
 from cpm_core.formats import SESSION_SUFFIX
 from cpm_core.numerics.types import Texts, frozen
@@ -145,7 +145,7 @@ class FileDialogs:
 
     def begin(self, purpose: Purpose) -> Path:
         """Return the folder in which a dialog starts."""
-        return first_folder(self._preferences, self._session.document, purpose)
+        return initial_folder(self._preferences, self._session.document, purpose)
 
     def remember(self, purpose: Purpose, path: Path) -> None:
         """Remember the folder of a selected file."""

@@ -111,7 +111,7 @@ class PreferencesDialog(QDialog):
         """Set everything on the shown page to its default."""
         page = list(PAGE_TITLES)[self.contents.currentRow()]
         for preference in PREFERENCES_BY_PAGE.get(page, ()):
-            self._preferences.choose(preference, preference.default)
+            self._preferences.store_preference(preference, preference.default)
         if page == "shortcuts":
             self._keys.reset()
 
@@ -135,7 +135,7 @@ class PreferencesDialog(QDialog):
     def _add_row(self, rows: QFormLayout, preference: Preference[Any]) -> None:
         """Add the field of a preference, with its note below."""
         widget, show = field_for(preference, self._preferences)
-        self._show[preference.name] = lambda: show(self._preferences.value(preference))
+        self._show[preference.name] = lambda: show(self._preferences.read_preference(preference))
         self.rows[preference.label] = widget
         widget.setAccessibleName(preference.label)
         widget.setAccessibleDescription(preference.note)
@@ -156,7 +156,7 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
 
     Returns the widget and the function that shows a value in it.
     """
-    value, store = preferences.value(preference), partial(preferences.choose, preference)
+    value, store = preferences.read_preference(preference), partial(preferences.store_preference, preference)
     match preference:
         case FlagPreference():
             check = QCheckBox(preference.text)
@@ -184,7 +184,7 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
                 button.setText(color)
 
             def ask_for_color() -> None:
-                selected = QColorDialog.getColor(preferences.value(preference), button, preference.label)
+                selected = QColorDialog.getColor(preferences.read_preference(preference), button, preference.label)
                 if selected.isValid():
                     store(selected.name())
 

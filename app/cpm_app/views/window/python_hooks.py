@@ -11,9 +11,9 @@ from types import TracebackType
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import sentence
+from cpm_app.session.exchange.messages import explain_failure
 from cpm_app.session.session import Session
-from cpm_app.session.signals import UNEXPECTED
+from cpm_app.session.signals import UNEXPECTED_CATEGORY
 
 _COLLECTION_INTERVAL = 1000
 """Time between two checks [ms]."""
@@ -75,7 +75,7 @@ class UnexpectedErrors(QObject):
                 self._before[0](kind, error, trace)
             return
         _log.error("an error that nothing expects", exc_info=(kind, error, trace))
-        self.happened.emit(sentence(error, tr("working")))
+        self.happened.emit(explain_failure(error, tr("working")))
 
     def _say(self, trouble: str) -> None:
-        self._session.trouble(trouble, UNEXPECTED)
+        self._session.set_error(trouble, UNEXPECTED_CATEGORY)

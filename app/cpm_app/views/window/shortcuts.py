@@ -72,10 +72,10 @@ class Shortcuts(QObject):
         self._store({})
 
     def _store(self, chosen: shortcuts.CustomKeys) -> None:
-        self._preferences.put(shortcuts.SHORTCUTS_KEY, shortcuts.encode_shortcuts(chosen))
+        self._preferences.store_key(shortcuts.SHORTCUTS_KEY, shortcuts.encode_shortcuts(chosen))
 
     def _read(self) -> dict[str, Texts]:
-        return shortcuts.parse_shortcuts(self._preferences.get(shortcuts.SHORTCUTS_KEY, "{}"))
+        return shortcuts.parse_shortcuts(self._preferences.read_key(shortcuts.SHORTCUTS_KEY, "{}"))
 
     def _follow(self, key: str) -> None:
         if key == shortcuts.SHORTCUTS_KEY:

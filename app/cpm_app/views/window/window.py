@@ -19,7 +19,7 @@ from cpm_app.model.preferences.table import CONTOUR_WIDTH, INK_PREFERENCES, POIN
 from cpm_app.model.state.situation import HIDDEN_IN_VOLUMES
 from cpm_app.model.text.keys import use_action_names
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import Opened
+from cpm_app.session.exchange.messages import ImageOpened
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.session.storage.session_file import DocumentFile
@@ -116,7 +116,7 @@ class MainWindow(QMainWindow):
         self.workspace = workspace
         self.session = session = workspace.session
         self.preferences = preferences or Preferences(self)
-        self.preferences.follow(UNIT_PREFERENCE, lambda: prefer_unit(self.preferences.value(UNIT_PREFERENCE)))
+        self.preferences.call_on_change(UNIT_PREFERENCE, lambda: prefer_unit(self.preferences.read_preference(UNIT_PREFERENCE)))
         self._garbage = GarbageCollector(self)  # before any widget is created: the worker thread is already running
         self.turns = Turns(self)
         self.setAcceptDrops(True)
@@ -128,10 +128,10 @@ class MainWindow(QMainWindow):
         canvas, slices = self.canvas_area.canvas, workspace.slices
         self._keyboard = Keyboard(self, canvas)
         self.offers = self.canvas_area.offers
-        session.listen(Opened, lambda _: self.offers.clear())  # connected first, before any feature adds an offer
+        session.add_listener(ImageOpened, lambda _: self.offers.clear())  # connected first, before any feature adds an offer
         self.files = FileDialogs(self, session, self.preferences)
         self.document_file = DocumentFile(session, lambda: {**canvas.view_state(), **slices.view_state()})
-        self.document_file.truth = lambda: workspace.comparison.file
+        self.document_file.truth = lambda: workspace.comparison.truth_file
         self.shortcuts = Shortcuts(self.preferences, self)
         self.shortcuts.changed.connect(self._use_keys)
         self.speed = SpeedControl(session)
@@ -159,9 +159,9 @@ class MainWindow(QMainWindow):
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._use_chosen_theme)
         self._use_chosen_theme()
         self._show()
-        if not (geometry := self.preferences.get(_GEOMETRY_KEY, QByteArray())).isEmpty():
+        if not (geometry := self.preferences.read_key(_GEOMETRY_KEY, QByteArray())).isEmpty():
             self.restoreGeometry(geometry)
-            self.docks.restore_layout(self.preferences.get(_LAYOUT_KEY, QByteArray()))
+            self.docks.restore_layout(self.preferences.read_key(_LAYOUT_KEY, QByteArray()))
         self._follow_tool()
         canvas.setFocus()
 
@@ -175,7 +175,7 @@ class MainWindow(QMainWindow):
 
     def refresh(self) -> None:
         """Update actions and hint after a change that the session does not report."""
-        self.session.show_status()
+        self.session.announce_status()
 
     def open_image(self, path: str | Path, resumes: bool = False) -> None:
         """Open an image or a session; with `resumes`, an image together with the session next to it."""
@@ -196,8 +196,8 @@ class MainWindow(QMainWindow):
         if not all(feature.close() for feature in self.features.values()):
             event.ignore()
             return
-        self.preferences.put(_GEOMETRY_KEY, self.saveGeometry())
-        self.preferences.put(_LAYOUT_KEY, self.docks.layout_state())
+        self.preferences.store_key(_GEOMETRY_KEY, self.saveGeometry())
+        self.preferences.store_key(_LAYOUT_KEY, self.docks.layout_state())
         self.turns.stop()
         self.hide()
         self.workspace.close()
@@ -269,10 +269,10 @@ class MainWindow(QMainWindow):
             self.refresh()
 
     def _use_chosen_theme(self) -> None:
-        self.use_theme(_THEMES_BY_NAME.get(self.preferences.value(THEME_PREFERENCE)) or theme.system_theme())
+        self.use_theme(_THEMES_BY_NAME.get(self.preferences.read_preference(THEME_PREFERENCE)) or theme.system_theme())
 
     def _use_look(self) -> None:
-        value = self.preferences.value
+        value = self.preferences.read_preference
         theme.use_look(
             theme.Look(
                 contours=value(CONTOUR_WIDTH) / CONTOUR_WIDTH.default,

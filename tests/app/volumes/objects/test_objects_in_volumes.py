@@ -44,7 +44,7 @@ def found(volume, hand, monkeypatch):
     """A window on the balls after a run from both, in which the tool for objects is in use and ready."""
     monkeypatch.setattr(hand, "patience", 120_000)
     for plane, row, col in (ONE, OTHER):
-        volume.workspace.slices.at(round(plane))
+        volume.workspace.slices.go_to(round(plane))
         hand.drag((row, col), (row, col + 2), (row, col + 3))
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
@@ -111,9 +111,9 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
     assert proposal.selection.volume == pytest.approx(BALL, rel=0.08)
     layer = hand.canvas.layers["objects"]
     assert layer.offered_fill.count == 1
-    found.workspace.slices.at(1)
+    found.workspace.slices.go_to(1)
     assert layer.offered_fill.count == 0
-    found.workspace.slices.at(round(ONE[0]))
+    found.workspace.slices.go_to(round(ONE[0]))
     click(hand, ONE[1:])
     assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.08)
     click(hand, OTHER[1:], SHIFT)
@@ -135,7 +135,7 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     at = QPoint(round(seen[0]), round(seen[1]))
     hand.qtbot.mouseClick(view, Button.LeftButton, SHIFT, at)
     assert [said.inside for said in found.session.document.objects.clicks] == [False]
-    found.workspace.object_selection.drop()
+    found.workspace.object_selection.discard_clicks()
     hand.qtbot.mouseClick(view, Button.LeftButton, pos=at)
     settle(hand)
     take(hand)
@@ -151,7 +151,7 @@ def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
     hand.key(KEY.Key_Return)
     found.docks.reveal("objects")
     table = found.panels["objects"].table
-    hand.wait(lambda: all(found.workspace.object_list.figures(item) is not None for item in items(found)))
+    hand.wait(lambda: all(found.workspace.object_list.figures_of(item) is not None for item in items(found)))
     model = table.model()
     heads = [model.headerData(k, Qt.Orientation.Horizontal) for k in range(model.columnCount())]
     assert heads[3] == "Volume", heads
@@ -179,15 +179,15 @@ def test_objects_come_back_with_a_session(found, hand, tmp_path) -> None:
     before = items(found)
     file: DocumentFile = found.feature(OpenSaveFeature).document_file
     path = tmp_path / "balls.cpm"
-    assert file.save_at_once(path)
+    assert file.save_and_wait(path)
     found.session.edit("delete", lambda document: type(document)(document.image))
-    file.forget()
+    file.treat_as_saved()
     open_file_again(found, hand, path)
     assert items(found) == before
     for one, other in zip(items(found), before, strict=True):
         assert isinstance(one.unpacked_surface, Surface)
         np.testing.assert_array_equal(one.unpacked_surface.vertices, other.unpacked_surface.vertices)
-    found.workspace.slices.through(OTHER)
+    found.workspace.slices.go_through(OTHER)
     assert hand.canvas.layers["objects"].fills.count >= 1
 
 
@@ -198,7 +198,7 @@ def open_file_again(window, hand, path) -> None:
 
 def chosen_by_menu(window, hand, name: str, numbers: set[int]) -> None:
     """Do something to some objects by the menu."""
-    window.workspace.object_list.choose(numbers)
+    window.workspace.object_list.select_objects(numbers)
     if name in window.actions_by_name:
         window.actions_by_name[name].trigger()
         return
@@ -214,11 +214,11 @@ def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, 
     assert isinstance(region, EnclosedRegion)
     inside = found.session.document.regions.voxel_mask(found.session.image.shape)
     assert inside.sum() == pytest.approx(BALL, rel=0.1)
-    found.workspace.slices.through(ONE)
+    found.workspace.slices.go_through(ONE)
     shown = [shape for shape in found.canvas_area.canvas.drawn.document.shapes if isinstance(shape, RegionSection)]
     assert len(shown) == 1
     path, file = tmp_path / "region.cpm", found.feature(OpenSaveFeature).document_file
-    assert file.save_at_once(path)
+    assert file.save_and_wait(path)
     assert load_session(path).shapes[-1] == region
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert found.session.document.regions is None
@@ -227,16 +227,16 @@ def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, 
 def test_a_click_in_any_slice_gives_the_body_before_a_run(volume, hand) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_W)
-    volume.workspace.slices.through(OTHER)
+    volume.workspace.slices.go_through(OTHER)
     selection = volume.workspace.object_selection
     hand.wait(lambda: selection.ready)
     click(hand, OTHER[1:])
     (proposal,) = selection.proposals
     assert proposal.selection.volume == pytest.approx(BALL, rel=0.08)
     assert hand.canvas.layers["objects"].offered_fill.count == 1
-    volume.workspace.slices.at(1)
+    volume.workspace.slices.go_to(1)
     assert hand.canvas.layers["objects"].offered_fill.count == 0
-    volume.workspace.slices.through(ONE)
+    volume.workspace.slices.go_through(ONE)
     click(hand, ONE[1:])
     assert selection.proposals[0].selection.contains(np.array([ONE, OTHER])).all()
     assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.1)
@@ -255,7 +255,7 @@ def test_clicks_correct_a_painted_body_near_them_and_leave_the_rest_as_it_was(vo
     hand.canvas.setFocus()
     hand.key(KEY.Key_J)
     hand.canvas.hold.tool.set_radius(2.0)
-    volume.workspace.slices.through(OTHER)
+    volume.workspace.slices.go_through(OTHER)
     hand.drag(OTHER[1:], (18, 25), (18, 19))
     hand.drag((3, 4), (3, 6), (3, 10))
     (painted,) = items(volume)
@@ -264,7 +264,7 @@ def test_clicks_correct_a_painted_body_near_them_and_leave_the_rest_as_it_was(vo
     hand.wait(lambda: selection.ready)
     click(hand, OTHER[1:])
     assert selection.selecting
-    volume.workspace.slices.at(15)
+    volume.workspace.slices.go_to(15)
     click(hand, OTHER[1:])
     take(hand)
     (corrected,) = items(volume)
@@ -280,7 +280,7 @@ def test_two_clicks_split_a_body_in_space_and_one_undo_joins_it(volume, hand) ->
     hand.canvas.setFocus()
     hand.key(KEY.Key_J)
     hand.canvas.hold.tool.set_radius(3.0)
-    volume.workspace.slices.at(10)
+    volume.workspace.slices.go_to(10)
     hand.drag((10, 6), (10, 7))
     hand.drag((10, 12), (10, 13))
     (whole,) = items(volume)

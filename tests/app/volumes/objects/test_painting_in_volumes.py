@@ -78,10 +78,10 @@ def test_a_stroke_in_a_slice_paints_voxels_of_that_slice_and_one_undo_takes_it_b
     stroke(hand.canvas, (12, 8), (12, 14), (12, 20))
     (item,) = items(volume)
     assert_is(item.mask(SHAPE), in_slice(covered((12, 12, 8), (12, 12, 20)), 0, 12))
-    assert volume.workspace.object_list.chosen == {item.number}
+    assert volume.workspace.object_list.selected_numbers == {item.number}
     assert volume.actions_by_name["undo"].text() == "Undo paint object"
     before = masks(volume)[0]
-    volume.workspace.slices.at(15)
+    volume.workspace.slices.go_to(15)
     stroke(hand.canvas, (14, 10))
     assert [each.number for each in items(volume)] == [item.number]  # the chosen one continues in other slices
     stroke(hand.canvas, (14, 22), keys=CTRL)
@@ -136,17 +136,17 @@ def test_a_frozen_object_keeps_every_voxel_and_others_are_painted_over_if_that_i
     listed = volume.workspace.object_list
     stroke(hand.canvas, (12, 8), (12, 14))
     first = masks(volume)[0]
-    listed.toggle("frozen")
+    listed.toggle_state("frozen")
     stroke(hand.canvas, (12, 16), (12, 10), keys=CTRL)
     assert np.array_equal(masks(volume)[0], first)
     assert not (masks(volume)[1] & first).any()
     stroke(hand.canvas, (12, 8), keys=SHIFT)  # the chosen one, which is not frozen, has nothing there
     assert np.array_equal(masks(volume)[0], first)
-    listed.choose((1,))
+    listed.select_objects((1,))
     stroke(hand.canvas, (20, 8))
     assert np.array_equal(masks(volume)[0], first)
     assert "frozen" in volume.canvas_area.messages.text
-    listed.toggle("frozen")
+    listed.toggle_state("frozen")
     volume.do("paint_over")
     stroke(hand.canvas, (12, 16), (12, 8), keys=CTRL)
     assert np.array_equal(masks(volume)[0], first)
@@ -162,12 +162,12 @@ def test_painted_objects_are_measured_drawn_in_space_saved_and_exported(volume, 
     listed.ball = True
     stroke(hand.canvas, (12, 10), (14, 18))
     stroke(hand.canvas, (20, 24), keys=CTRL)
-    hand.wait(lambda: all(listed.figures(item) is not None for item in items(volume)))
+    hand.wait(lambda: all(listed.figures_of(item) is not None for item in items(volume)))
     counts = [int(mask.sum()) for mask in masks(volume)]
-    assert [listed.figures(item).volume for item in items(volume)] == counts
+    assert [listed.figures_of(item).volume for item in items(volume)] == counts
     hand.wait(lambda: len(volume.feature(SpaceFeature).panel.contents.objects) == 2)
     path, file = tmp_path / "painted.cpm", volume.feature(OpenSaveFeature).document_file
-    assert file.save_at_once(path)
+    assert file.save_and_wait(path)
     kept = load_session(path).objects.items
     assert kept == items(volume)
     assert [item.mask(SHAPE).sum() for item in kept] == counts
@@ -178,7 +178,7 @@ def test_painted_objects_are_measured_drawn_in_space_saved_and_exported(volume, 
 
 def test_a_key_fills_the_slices_between_and_says_how_many(volume, hand, brush) -> None:
     for plane, radius in ((5, 2.0), (15, 7.0)):
-        volume.workspace.slices.at(plane)
+        volume.workspace.slices.go_to(plane)
         brush.set_radius(radius)
         stroke(hand.canvas, (14, 16))
     before = masks(volume)[0]

@@ -48,13 +48,13 @@ def test_the_center_line_of_a_rod_is_found_and_counted(found) -> None:
 
 def test_slices_show_the_pieces_near_them_and_space_all(found, hand) -> None:
     layer = hand.canvas.layers["skeleton"]
-    found.workspace.slices.at(12)
+    found.workspace.slices.go_to(12)
     assert layer.branches.count >= 1
-    found.workspace.slices.at(2)
+    found.workspace.slices.go_to(2)
     assert (layer.branches.count, layer.disks.count) == (0, 0)
-    found.workspace.slices.turn(2)
-    found.workspace.slices.at(20)
-    found.workspace.slices.turn(0)
+    found.workspace.slices.set_axis(2)
+    found.workspace.slices.go_to(20)
+    found.workspace.slices.set_axis(0)
     seen = SeenInSpace().of(found.session.scene, hand.canvas.layers)
     assert seen.wires is not None
     assert np.ptp(seen.wires.ends[:, :, 2]) > 15.0
@@ -73,7 +73,7 @@ def test_center_lines_are_exported_and_come_back_with_a_session(found, hand, tmp
     lines = [line for line in written.read_text().splitlines() if not line.startswith("#")]
     assert len(lines) > 10
     path = tmp_path / "work.cpm"
-    assert found.feature(OpenSaveFeature).document_file.save_at_once(path)
+    assert found.feature(OpenSaveFeature).document_file.save_and_wait(path)
     before = found.session.scene.skeleton.contours[0].points
     found.open_image(str(path))
     hand.wait(lambda: found.session.idle and found.session.scene.skeleton is not None)

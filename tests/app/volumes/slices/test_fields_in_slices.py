@@ -39,8 +39,8 @@ def test_forces_on_the_particle_under_the_pointer_are_shown_along_the_slice(volu
     hand.key(KEY.Key_Period)
     hand.wait(lambda: volume.session.status.step >= 1 and volume.session.idle)
     layer = hand.canvas.layers["forces"]
-    near = hand.canvas.drawn.near
-    nearest = int(np.argmin(near.away))
+    near = hand.canvas.drawn.near_particles
+    nearest = int(np.argmin(near.distance))
     hand.move(*hand.canvas.drawn.snapshot.position[nearest].tolist())
     number = volume.session.scene.snapshot.state.particles.identity[near.index[nearest]]
     hand.wait(lambda: layer.probed is not None and layer.probed.identity == number)
@@ -49,7 +49,7 @@ def test_forces_on_the_particle_under_the_pointer_are_shown_along_the_slice(volu
         np.testing.assert_allclose(force, whole.forces[name][1:])
         assert layer.probed.sizes[name] == pytest.approx(float(np.linalg.norm(whole.forces[name])))
     assert layer.probed.position == pytest.approx(hand.canvas.drawn.snapshot.position[nearest])
-    volume.workspace.slices.at(0)
+    volume.workspace.slices.go_to(0)
     assert hand.canvas.drawn.probed.identity == -1
 
 

@@ -21,7 +21,7 @@ WHOLE = IntensityWindow(20.0, 200.0)
 @pytest.fixture
 def large(monkeypatch, window, hand, volume_file):
     """A window on a volume whose slices count as large."""
-    monkeypatch.setattr(slices, "AT_ONCE", 100)
+    monkeypatch.setattr(slices, "MAX_SYNC_PIXELS", 100)
     monkeypatch.setattr(display_image, "_PREVIEW_SIDE", 8)
     open_file(window, hand, volume_file)
     return window

@@ -25,7 +25,7 @@ def run(volume, hand):
 
 def test_shift_f_shows_what_is_selected_in_the_slices_through_its_middle(volume, hand) -> None:
     volume.session.edit("draw", lambda document: edits.add_shape(document, Box((2.0, 3.0, 4.0), (8.0, 9.0, 16.0))))
-    volume.session.select(0)
+    volume.session.select_shape(0)
     hand.key(KEY.Key_F, Qt.KeyboardModifier.ShiftModifier)
     assert volume.session.scene.slices.voxel == (5, 6, 10)
     seen = volume.canvas_area.canvas.view.viewRect()
@@ -37,9 +37,9 @@ def test_shift_f_shows_what_is_selected_in_the_slices_through_its_middle(volume,
 def test_a_kept_result_is_shown_beyond_the_divider_in_slices(run, hand) -> None:
     compared, canvas = run.workspace.comparison, run.canvas_area.canvas
     hand.wait(lambda: len(canvas.drawn.contours.items) == 1)
-    compared.keep()
+    compared.keep_current()
     run.session.edit("draw", lambda document: edits.set_shapes(document, (Sphere((12.0, 14.0, 16.0), 3.0),)))
-    compared.choose(max(compared.rows))
-    far = canvas.sections.of(compared.far())
+    compared.select_row(max(compared.rows))
+    far = canvas.sections.from_scene(compared.scene_beyond_divider())
     assert len(far.contours.items) == 1
     assert far.document.shapes[0].line.radii != canvas.drawn.document.shapes[0].line.radii

@@ -35,7 +35,7 @@ def turn_wheel(view, notches, at, keys=Qt.KeyboardModifier.NoModifier) -> None:
 
 def test_the_other_axes_are_shown_beside_the_canvas(volume, hand) -> None:
     for axis in range(3):
-        volume.workspace.slices.turn(axis)
+        volume.workspace.slices.set_axis(axis)
         others = [other for other in range(3) if other != axis]
         for view, other in zip(sides(volume), others, strict=True):
             assert view.isVisible()

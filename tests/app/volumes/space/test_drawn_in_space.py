@@ -48,7 +48,7 @@ def test_what_is_drawn_is_seen_in_space_in_its_color(volume, hand, space) -> Non
     volume.feature(SpaceFeature).panel.bar.checks["slices"].setChecked(False)  # which may have the same color
     draw(volume, Box((4.0, 5.0, 6.0), (14.0, 18.0, 20.0)))
     hand.wait(lambda: space.idle and MOVING in inks(space))
-    volume.session.select(0)
+    volume.session.select_shape(0)
     hand.wait(lambda: space.idle and theme.CHOSEN in inks(space))
     assert MOVING not in inks(space)
     volume.canvas_area.canvas.layers.drawing.set_shown(False)

@@ -52,7 +52,7 @@ def test_particles_and_surface_of_a_run_are_seen_on_the_boundary(volume, patient
     assert len(contents.particles.colors) == len(contents.particles.positions)
     assert contents.mesh.surface is volume.session.scene.reconstruction.result.surface
     again = space.contents
-    volume.workspace.slices.go(1)
+    volume.workspace.slices.go_by(1)
     assert space.contents.mesh is again.mesh, "nothing is made again when only the slice changes"
     assert space.contents.slices.voxel != again.slices.voxel
 
