@@ -66,7 +66,7 @@ def take_in_space(window: MainWindow, name: str) -> None:
     view = window.feature(SpaceFeature).panel.view
     window.docks.reveal("space")
     wait(lambda: window.session.idle)
-    wait(lambda: view.idle)
+    wait(lambda: view.is_idle)
     keep(view.grab().toImage(), name)
 
 

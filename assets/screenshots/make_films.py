@@ -266,11 +266,11 @@ def head(film: Film) -> None:
         film.write(name)
         film.key(Qt.Key.Key_Return, "Enter")
         film.settle()
-        wait(lambda: view.idle)
+        wait(lambda: view.is_idle)
         film.hold(0.6)
     middle = view.rect().center()
     film.drag(view, middle - QPoint(60, 10), middle + QPoint(60, 10))
-    wait(lambda: view.idle)
+    wait(lambda: view.is_idle)
     film.hold(1.5)
 
 

@@ -206,7 +206,7 @@ def head(stand: Stand) -> None:
         listed.rename_row(("object", category), name)
         listed.classify_selected(category)
         stand.settle()
-    wait(lambda: stand.window.feature(SpaceFeature).panel.view.idle)
+    wait(lambda: stand.window.feature(SpaceFeature).panel.view.is_idle)
     stand.take("head")
 
 

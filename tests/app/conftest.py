@@ -78,7 +78,7 @@ class Hand:
 
     def at(self, row: float, col: float) -> QPoint:
         """Point of the canvas over a position of the image."""
-        return self.canvas.point((row, col)).toPoint()
+        return self.canvas.map_from_image((row, col)).toPoint()
 
     def press(self, row: float, col: float) -> None:
         """Left button down."""

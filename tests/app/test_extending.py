@@ -20,7 +20,7 @@ from cpm_app.views.layers.layer import Layer
 from cpm_app.views.main_window import make_window
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.drawn import DraggedTool
-from cpm_app.views.tools.tool import CIRCLE
+from cpm_app.views.tools.tool import CIRCLE_GROUP
 from cpm_app.views.window import bars
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
@@ -74,16 +74,16 @@ class CenterLayer(Layer):
     tip = "The center of the image."
     shortcut = "Ctrl+Alt+9"
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         self.cross = Curves("#ff0000", 9.0)
-        self.add(self.cross)
+        self.add_items(self.cross)
         self.center = None
 
-    def follow(self, before) -> None:
+    def show_scene(self, before) -> None:
         if self.scene.image is not before.image and self.scene.image is not None:
             self.center = tuple((n - 1) / 2 for n in self.scene.image.shape)
             row, col = self.center
-            self.cross.show([np.array([[row - 3, col], [row + 3, col]]), np.array([[row, col - 3], [row, col + 3]])])
+            self.cross.show_paths([np.array([[row - 3, col], [row + 3, col]]), np.array([[row, col - 3], [row, col + 3]])])
 
 
 def another_window(qtbot, request, workspace: Workspace, image_file) -> MainWindow:
@@ -113,7 +113,7 @@ def opened(qtbot, request, compiled_loops, image_file):
 
 
 def test_a_layer_is_a_class_and_a_place_in_the_list_of_layers(monkeypatch, opened) -> None:
-    monkeypatch.setattr(canvas_layers, "LAYERS", (*canvas_layers.LAYERS, CenterLayer))
+    monkeypatch.setattr(canvas_layers, "LAYER_CLASSES", (*canvas_layers.LAYER_CLASSES, CenterLayer))
     window = opened()
     layer = window.canvas_area.canvas.layers["center"]
     assert layer.center == (31.5, 31.5)
@@ -130,14 +130,14 @@ class DiameterTool(DraggedTool):
     """Draws the circle around a dragged diameter."""
 
     name = "bin"  # also the name of its icon
-    text = "&Diameter tool"
+    menu_text = "&Diameter tool"
     shortcut = "N"
-    group = CIRCLE
+    group = CIRCLE_GROUP
     tip = "Drag along a diameter."
     activity = "draw a circle by its diameter"
-    slip = "Drag along a diameter."
+    slip_message = "Drag along a diameter."
 
-    def shape(self, begin, at) -> Circle:
+    def build_shape(self, begin, at) -> Circle:
         row, col = ((a + b) / 2 for a, b in zip(begin, at, strict=True))
         return Circle((row, col), math.dist(begin, at) / 2)
 

@@ -48,7 +48,7 @@ def turn(window: MainWindow, do: Callable[[], object], done: Callable[[], bool] 
         nonlocal longest, at, busy
         now, clock = time.thread_time(), time.perf_counter()
         longest, at = max(longest, now - at), now
-        idle = session.idle and all(turns.idle for turns in window.findChildren(Turns))
+        idle = session.idle and all(turns.is_idle for turns in window.findChildren(Turns))
         busy = busy if idle and done() else clock
         if clock - busy > REST or clock - begin > PATIENCE:
             loop.quit()
@@ -77,7 +77,7 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
         return len(session.scene.objects.proposals) > MANY
 
     def at(row: float, col: float) -> QPoint:
-        return canvas.point((row, col)).toPoint()
+        return canvas.map_from_image((row, col)).toPoint()
 
     for side in (4096, 896):
         path = image_of(folder, f"{side}.npy", (side, side))
@@ -141,7 +141,7 @@ def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:
             (QTest.mouseMove, 120),
             (QTest.mouseRelease, 120),
         ):
-            at, held = canvas.point((100, col)).toPoint(), (click,) if act is not QTest.mouseMove else ()
+            at, held = canvas.map_from_image((100, col)).toPoint(), (click,) if act is not QTest.mouseMove else ()
             yield (
                 f"paint {name}, {act.__name__}",
                 lambda act=act, at=at, held=held: act(canvas.viewport(), *held, pos=at),

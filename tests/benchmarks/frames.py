@@ -115,7 +115,7 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
         session.open_file(path)
         wait(application, lambda: session.document.image is not None)
     session.warm_up()
-    wait(application, lambda: session.idle and window.turns.idle)
+    wait(application, lambda: session.idle and window.turns.is_idle)
     if values.ndim == 3:
         workspace.slices.go_through((64,) * 3)
     else:

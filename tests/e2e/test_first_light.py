@@ -43,7 +43,7 @@ def test_the_proposal_is_drawn_in_its_color_and_its_contour_and_the_image_in_gra
     qtbot.waitUntil(lambda: bool(selection.proposals), timeout=PATIENCE)
 
     def color(row: float, col: float) -> QColor:
-        return picture.pixelColor(canvas.point((row, col)).toPoint() * canvas.devicePixelRatioF())
+        return picture.pixelColor(canvas.map_from_image((row, col)).toPoint() * canvas.devicePixelRatioF())
 
     (found,) = window.workspace.review.items
     shares = []
@@ -66,7 +66,7 @@ def test_no_particle_crosses_a_barrier_drawn_by_hand(window, qtbot) -> None:
     rows: list[np.ndarray] = []
     session.scene_changed.connect(lambda: session.scene.snapshot and rows.append(session.scene.snapshot.position[:, 0]))
     across = 160.0
-    left, right = (canvas.point((across, col)).toPoint() for col in (-4.0, 260.0))
+    left, right = (canvas.map_from_image((across, col)).toPoint() for col in (-4.0, 260.0))
     qtbot.keyClick(canvas, Qt.Key.Key_B)
     qtbot.mousePress(canvas.viewport(), Qt.MouseButton.LeftButton, pos=left)
     for share in (0.25, 0.5, 0.75, 1.0):

@@ -7,7 +7,7 @@ import pyqtgraph as pg
 import pytest
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.items import curves as drawing
-from cpm_app.views.items.curves import Curves, Fills, boxes
+from cpm_app.views.items.curves import Curves, Fills, bounding_boxes
 from cpm_app.views.widgets.turns import Turns
 from hypothesis import given
 from hypothesis import strategies as st
@@ -23,7 +23,7 @@ paths = st.lists(
 @given(paths)
 def test_boxes_are_the_least_and_largest_coordinates_of_each_path(drawn) -> None:
     expected = [[*path.min(axis=0), *path.max(axis=0)] for path in drawn]
-    assert boxes(drawn).T.tolist() == expected
+    assert bounding_boxes(drawn).T.tolist() == expected
 
 
 def test_pieces_that_are_not_painted_are_not_visible(ready, hand, monkeypatch) -> None:
@@ -32,7 +32,7 @@ def test_pieces_that_are_not_painted_are_not_visible(ready, hand, monkeypatch) -
     hand.wait(lambda: ready.session.idle and hand.canvas.layers.contours.counts == (1, 0))
     ready.canvas_area.hint.hide()
     visible: list[np.ndarray] = []
-    meeting = drawing.meeting
+    meeting = drawing.find_overlapping
 
     def noted(areas, area):
         visible.append(meeting(areas, area))
@@ -41,13 +41,13 @@ def test_pieces_that_are_not_painted_are_not_visible(ready, hand, monkeypatch) -
     lines = [item for item, _ in hand.canvas.layers.contours._items if isinstance(item, Curves)]
     for factor in (0.4, 1.0, 1.3, 3.0, 14.0):
         visible.clear()
-        hand.canvas.fit()
-        monkeypatch.setattr(drawing, "meeting", noted)
+        hand.canvas.fit_image()
+        monkeypatch.setattr(drawing, "find_overlapping", noted)
         for item in lines:
             item.update()
-        hand.canvas.zoom(factor, hand.canvas.point((32.0, 50.0)))
+        hand.canvas.zoom_by(factor, hand.canvas.map_from_image((32.0, 50.0)))
         seen = hand.canvas.grab().toImage()
-        monkeypatch.setattr(drawing, "meeting", lambda areas, _: np.ones(areas.shape[1], bool))
+        monkeypatch.setattr(drawing, "find_overlapping", lambda areas, _: np.ones(areas.shape[1], bool))
         for item in lines:
             item.update()
         assert hand.canvas.grab().toImage() == seen
@@ -62,7 +62,7 @@ def view_with(qtbot, item: pg.GraphicsObject) -> ImageView:
     shown.resize(400, 400)
     shown.view.setRange(xRange=(0.0, 400.0), yRange=(0.0, 400.0), padding=0.0)
     shown.view.addItem(item, ignoreBounds=True)
-    item.use_shape((400, 400))
+    item.set_image_shape((400, 400))
     shown.show()
     return shown
 
@@ -81,9 +81,9 @@ def test_a_picture_that_is_drawn_in_turns_is_that_drawn_at_once(qtbot, kind) -> 
     def show(item: Curves | Fills, shown: list[np.ndarray], color: str) -> None:
         colors = [color if index % 3 else "#aa5500" for index in range(len(shown))]
         if isinstance(item, Curves):
-            item.show(shown, colors)
+            item.show_paths(shown, colors)
         else:
-            item.show([([ring], color, 0.3) for ring, color in zip(shown, colors, strict=True)])
+            item.show_areas([([ring], color, 0.3) for ring, color in zip(shown, colors, strict=True)])
 
     item, chance = make(), np.random.default_rng(5)
     view = view_with(qtbot, item)
@@ -98,7 +98,7 @@ def test_a_picture_that_is_drawn_in_turns_is_that_drawn_at_once(qtbot, kind) -> 
     ):
         show(item, shown, color)
         turns = view.scene().findChild(Turns)
-        qtbot.waitUntil(lambda turns=turns: turns.idle)
+        qtbot.waitUntil(lambda turns=turns: turns.is_idle)
         qtbot.wait(30)
         again = make()
         other = view_with(qtbot, again)
@@ -111,11 +111,11 @@ def test_a_change_of_one_curve_paints_only_those_near_it_again(qtbot) -> None:
     item = Curves("#ffffff", 1.0)
     view = view_with(qtbot, item)
     known = [np.array([(row, col), (row, col + 8.0)]) for row in range(5, 400, 20) for col in range(5, 400, 20)]
-    item.show(known)
+    item.show_paths(known)
     view.grab()
     painted: list[list[int]] = []
-    seen = item.seen
-    item.seen = lambda *given: painted.append(seen(*given)[0]) or seen(*given)
-    item.show([*known[:100], *known[101:]])
+    seen = item.find_visible_parts
+    item.find_visible_parts = lambda *given: painted.append(seen(*given)[0]) or seen(*given)
+    item.show_paths([*known[:100], *known[101:]])
     qtbot.waitUntil(lambda: bool(painted))
     assert sum(map(len, painted)) < 9

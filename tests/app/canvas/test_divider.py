@@ -57,14 +57,14 @@ def test_both_sides_show_their_result_at_the_same_place(ready, wipe, hand) -> No
     ]
     assert sum(mirror.layers.contours.counts) > 0
     assert sum(hand.canvas.layers.contours.counts) == 0
-    for act in (lambda: hand.canvas.zoom(2.0), lambda: hand.canvas.pan(30.0, 10.0)):
+    for act in (lambda: hand.canvas.zoom_by(2.0), lambda: hand.canvas.pan_by(30.0, 10.0)):
         act()
         assert mirror.view.viewRect().center().x() == pytest.approx(hand.canvas.view.viewRect().center().x(), abs=1e-6)
         assert mirror.magnification == pytest.approx(hand.canvas.magnification)
     layer, mirrored = hand.canvas.layers["image"], mirror.layers["image"]
-    layer.choose("gamma", 2.0)
+    layer.set_option("gamma", 2.0)
     layer.set_opacity(0.5)
-    assert (mirrored.number("gamma"), mirrored.opacity) == (2.0, 0.5)
+    assert (mirrored.get_amount("gamma"), mirrored.opacity) == (2.0, 0.5)
 
 
 def test_the_divider_is_dragged_and_moved_by_arrow_keys_and_esc_ends_it(ready, wipe, hand) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.model.display.lengths import find_scale_bar
-from cpm_app.views.layers.annotations import LONGEST
+from cpm_app.views.layers.annotations import MAX_SCALE_BAR_LENGTH
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -28,11 +28,11 @@ def length_said(label: str, unit: str) -> float:
 
 @given(st.floats(0.01, 100.0), st.floats(1e-4, 1e3), st.sampled_from([*METRES, "furlong", None]))
 def test_a_bar_is_as_long_as_its_label_within_a_pixel(zoom, size, unit):
-    shown = find_scale_bar(LONGEST / zoom, size, unit)
+    shown = find_scale_bar(MAX_SCALE_BAR_LENGTH / zoom, size, unit)
     on_screen = shown.pixels * zoom
     said = length_said(shown.label, unit or "px")
     assert on_screen * (size if unit else 1.0) / zoom == pytest.approx(said, rel=1e-9)
-    assert 0.4 * LONGEST - 1e-6 <= on_screen <= LONGEST + 1e-6
+    assert 0.4 * MAX_SCALE_BAR_LENGTH - 1e-6 <= on_screen <= MAX_SCALE_BAR_LENGTH + 1e-6
     assert f"{said:e}"[0] in "125" or unit in ("cm", None, "furlong")
 
 
@@ -48,13 +48,13 @@ def test_the_bar_follows_the_zoom_and_is_shown_only_with_a_unit(window, hand):
     layer = hand.canvas.layers["scale_bar"]
     show(window, None)
     assert not layer.item.isVisible()
-    layer.choose("pixels", True)
+    layer.set_option("pixels", True)
     assert layer.item.isVisible()
     assert layer.bar.label.endswith(" px")
     show(window, "µm")
     labels = set()
     for factor in (1.0, 2.6, 2.6, 0.02):
-        hand.canvas.zoom(factor)
+        hand.canvas.zoom_by(factor)
         pixel = hand.canvas.view.viewPixelSize()[0]
         assert abs(layer.bar.pixels * 0.5 - length_said(layer.bar.label, "µm")) <= 0.5 * pixel
         place = layer.item.mapRectToScene(layer.item.boundingRect())

@@ -25,7 +25,7 @@ def rested(ready, hand):
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.scene.contours.result is not None and ready.session.idle)
-    ready.canvas_area.strip.legend.show_now()
+    ready.canvas_area.strip.legend.update_now()
     return ready
 
 
@@ -57,17 +57,17 @@ def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
 def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> None:
     layers, legend = rested.canvas_area.canvas.layers, rested.canvas_area.strip.legend
     offered = rested.session.scene.objects.proposals
-    rested.canvas_area.strip.legend.show_now()
+    rested.canvas_area.strip.legend.update_now()
     assert {entry.text: entry.count for entry in legend.entries} == {
         text: count for text, count in (("found", sum(layers.contours.counts)), ("proposed", len(offered))) if count
     }
     rested.workspace.review.select(item.key for item in rested.workspace.review.items)
     rested.workspace.object_list.reject_selected()
-    legend.show_now()
+    legend.update_now()
     assert {entry.text for entry in legend.entries} - {"proposed"} == {"rejected"}
     layers.contours.set_shown(False)
     layers["objects"].set_shown(False)
-    legend.show_now()
+    legend.update_now()
     assert legend.entries == ()
     assert legend.isHidden()
 
@@ -76,7 +76,7 @@ def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(res
     strip = rested.canvas_area.strip
     legend = strip.legend
     hand.wait(lambda: rested.workspace.object_selection.idle)
-    legend.show_now()
+    legend.update_now()
     strip.setFixedWidth(2000)
     qtbot.waitUntil(lambda: strip.width() == 2000)
     whole = legend.sizeHint().width()
@@ -85,20 +85,20 @@ def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(res
     strip.setFixedWidth(2000)
     qtbot.waitUntil(lambda: legend.sizeHint().width() == whole)
     hand.key(KEY.Key_L, Qt.KeyboardModifier.AltModifier)
-    assert legend.folded
+    assert legend.is_folded
     assert rested.preferences.read_key("legend/folded", False)
     hand.key(KEY.Key_L, Qt.KeyboardModifier.AltModifier)
-    assert not legend.folded
+    assert not legend.is_folded
 
 
 def test_particles_lead_during_a_run_and_recede_after_it(rested) -> None:
     particles = rested.canvas_area.canvas.layers.particles
-    assert particles.size_of(rested.session.scene.snapshot) < 1.0
+    assert particles.diameter_factor(rested.session.scene.snapshot) < 1.0
     assert not rested.canvas_area.canvas.layers.contours.junctions.isVisible()
-    particles.choose("done", "same")
-    assert particles.size_of(rested.session.scene.snapshot) == 1.0
+    particles.set_option("done", "same")
+    assert particles.diameter_factor(rested.session.scene.snapshot) == 1.0
     rested.session.reset()
-    assert particles.size_of(rested.session.scene.snapshot) == 1.0
+    assert particles.diameter_factor(rested.session.scene.snapshot) == 1.0
 
 
 def test_short_open_contours_recede_and_kept_ones_do_not(rested) -> None:
@@ -109,5 +109,5 @@ def test_short_open_contours_recede_and_kept_ones_do_not(rested) -> None:
     for mark, short in ((None, 1), (Mark((1.0, 1.0), "kept"), 0)):
         items = (ContourItem(1, ReviewedContour(contour, mark, 0), row),)
         shown = ReviewedContours(items, None, session.scene.contours.result)
-        rested.canvas_area.canvas.draw(replace(session.scene, contours=shown))
+        rested.canvas_area.canvas.draw_scene(replace(session.scene, contours=shown))
         assert layer.short.count == short

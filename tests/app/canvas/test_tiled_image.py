@@ -6,7 +6,7 @@ import numpy as np
 import PIL.Image
 import pytest
 from cpm_app.model.display.display_image import DisplayImage, IntensityWindow
-from cpm_app.views.items.tiled_image import TiledImage, part_of
+from cpm_app.views.items.tiled_image import TiledImage, visible_part
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QRectF
@@ -41,7 +41,7 @@ def test_a_part_covers_what_is_seen_with_no_more_pixels_than_the_screen_needs(ro
     display = DisplayImage.from_shades(np.zeros((rows, cols), np.uint8))
     seen = QRectF(right * cols - 0.5, down * rows - 0.5, share * cols, share * rows)
     seen = seen.intersected(QRectF(-0.5, -0.5, cols, rows))
-    level, top, left, bottom, end = part_of(display, seen, zoom)
+    level, top, left, bottom, end = visible_part(display, seen, zoom)
     size = 2.0**level
     assert level == 0 or size * zoom <= 1.0 + 1e-5
     assert left * size - 0.5 <= seen.left() + 1e-6
@@ -68,9 +68,9 @@ def test_finer_levels_of_a_file_are_read_where_the_screen_has_room_for_them():
     display = DisplayImage.from_image(image, IntensityWindow(0.0, 255.0))
     assert display.shape == image.shape
     seen = QRectF(300.0, 400.0, 100.0, 50.0)
-    assert part_of(display, seen, 1.0)[0] == 0
+    assert visible_part(display, seen, 1.0)[0] == 0
     assert not read
-    level, top, left, bottom, end = part_of(display, seen, 2.0)
+    level, top, left, bottom, end = visible_part(display, seen, 2.0)
     assert (level, top, left, bottom, end) == (-1, 768, 512, 1024, 1024)
     shades = display.levels[level - display.finest][top:bottom, left:end]
     assert (shades == values[top:bottom, left:end]).all()
@@ -108,7 +108,7 @@ def test_the_picture_of_a_part_holds_its_very_pixels(rows, cols, colored, seed):
     pixels = np.random.default_rng(seed).integers(0, 256, shape, np.uint8)
     item = TiledImage(0.0)
     item.show_image(DisplayImage.from_shades(pixels))
-    picture = item._picture((0, 3, 2, 3 + rows, 2 + cols))
+    picture = item._render_part((0, 3, 2, 3 + rows, 2 + cols))
     seen = np.frombuffer(picture.constBits(), np.uint8).reshape(rows, -1, 4)[:, :cols, 2::-1]
     expected = pixels[3 : 3 + rows, 2 : 2 + cols]
     np.testing.assert_array_equal(seen, expected if colored else np.repeat(expected[..., None], 3, axis=2))
@@ -139,15 +139,15 @@ def test_a_color_image_is_shown_in_its_colors(colored, hand):
 
 def test_levels_brighten_the_colors_and_keep_them_apart(colored, hand):
     layer = hand.canvas.layers["image"]
-    layer.choose_window(0.0, 204.0)
+    layer.set_window(0.0, 204.0)
     assert color_at(hand, 10.0, 20.0) == (250, 50, 50)
     assert color_at(hand, 10.0, 60.0) == (50, 75, 250)
-    layer.choose("range", "0")
+    layer.set_option("range", "0")
     assert color_at(hand, 10.0, 60.0) == (40, 60, 200)
 
 
 def test_a_gray_image_after_a_colored_one_has_no_colors(colored, hand, image_file):
-    hand.canvas.layers["image"].choose_window(0.0, 204.0)
+    hand.canvas.layers["image"].set_window(0.0, 204.0)
     colored.session.open_file(image_file)
     hand.wait(lambda: colored.session.document.image.name == image_file.name and colored.session.idle)
     red, green, blue = color_at(hand, 32.0, 32.0)

@@ -21,20 +21,20 @@ def test_the_status_bar_shows_the_zoom_in_percent(window, hand) -> None:
 
 
 def test_the_wheel_keeps_what_is_under_the_pointer(window, hand) -> None:
-    place = QPointF(hand.canvas.point((20.0, 12.0)).toPoint())
-    before = hand.canvas.position(place)
+    place = QPointF(hand.canvas.map_from_image((20.0, 12.0)).toPoint())
+    before = hand.canvas.map_to_image(place)
     for _ in range(5):
         event = QWheelEvent(
             place, hand.canvas.mapToGlobal(place), QPoint(), QPoint(0, 120), Qt.MouseButton.NoButton,
             Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase, False,
         )  # fmt: skip
         QApplication.sendEvent(hand.canvas.viewport(), event)
-    assert hand.canvas.position(place) == pytest.approx(before, abs=0.2)
+    assert hand.canvas.map_to_image(place) == pytest.approx(before, abs=0.2)
 
 
 def test_the_zoom_stays_within_bounds(window, hand) -> None:
     for factor in (1e9, 1e-9):
-        hand.canvas.zoom(factor)
+        hand.canvas.zoom_by(factor)
         assert 0.0099 <= hand.canvas.magnification <= 64.1
 
 

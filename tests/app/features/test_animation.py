@@ -135,7 +135,7 @@ def test_the_dialog_leads_to_a_file(rested, hand, tmp_path) -> None:
 
 
 def test_frames_show_the_visible_part(rested, hand, tmp_path) -> None:
-    rested.canvas_area.canvas.zoom(4.0)
+    rested.canvas_area.canvas.zoom_by(4.0)
     dialog = asked(hand.qtbot, rested)
     check(hand.qtbot, dialog, "run:.png")
     dialog.width_field.setValue(120)

@@ -81,7 +81,7 @@ def test_particles_follow_a_charge_while_it_is_dragged(rested, hand, shown) -> N
         hand.move(row, 62)
         hand.wait(lambda: shown().state.charges == (PlacedCharge(session.document.shapes[-1].position, 2.0),))
     hand.wait(lambda: near(shown(), (52.0, 62.0), 8.0) > 3)
-    assert hand.canvas.hold.dragging
+    assert hand.canvas.dispatcher.is_dragging
     hand.release(52, 62)
     assert session.document.shapes[-1].position == pytest.approx((52, 62), abs=0.5)
     hand.key(KEY.Key_Z, CONTROL)

@@ -30,11 +30,11 @@ def test_potential_and_field_are_shown_on_request(ready, hand):
     engine = Engine(session.image, parameters)
     assert np.array_equal(potential.shades, shade_potential(engine.potential(parameters)))
     ready.actions_by_name["layer_field"].trigger()
-    hand.wait(lambda: len(field.drawn) > 0)
-    arrows = field.drawn
-    hand.canvas.zoom(3.0)
-    assert not np.array_equal(field.drawn, arrows)
+    hand.wait(lambda: len(field.arrow_points) > 0)
+    arrows = field.arrow_points
+    hand.canvas.zoom_by(3.0)
+    assert not np.array_equal(field.arrow_points, arrows)
     seen = hand.canvas.view.viewRect()
-    assert ((field.drawn[:, 1] > seen.left() - 1) & (field.drawn[:, 1] < seen.right() + 1)).all()
+    assert ((field.arrow_points[:, 1] > seen.left() - 1) & (field.arrow_points[:, 1] < seen.right() + 1)).all()
     ready.actions_by_name["layer_potential"].trigger()
     assert potential.shades is None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cpm_app.session.worker.requests import FORCE_NAMES
-from cpm_app.views.layers.forces import KINDS
+from cpm_app.views.layers.forces import FORCE_KINDS
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def test_every_force_is_listed_with_its_magnitude(held, ready, hand):
     hand.wait(lambda: held.probed is not None)
     listed = {name: figure for name, _, figure in held.lines}
     assert {"Coulomb", "Lorentz", "Damping", "Total"} <= listed.keys()
-    for kind, (title, _) in KINDS.items():
+    for kind, (title, _) in FORCE_KINDS.items():
         if title in listed:
             assert listed[title] == f"{np.hypot(*held.probed.forces[kind]):.3f}"
 
@@ -58,7 +58,7 @@ def test_every_force_is_listed_with_its_magnitude(held, ready, hand):
 def test_far_from_all_particles_no_forces_are_shown(held, ready, hand):
     hand.move(*moment(ready)[1].position[0])
     hand.wait(lambda: held.probed is not None)
-    hand.canvas.zoom(4.0)
+    hand.canvas.zoom_by(4.0)
     hand.move(32, 32)
     hand.wait(lambda: held.probed is None)
     assert not held.legend.isVisible()

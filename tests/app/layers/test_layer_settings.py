@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import pytest
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.views.layers.layer import Amount, Choice, Switch
+from cpm_app.views.layers.layer import AmountOption, ChoiceOption, SwitchOption
 from cpm_app.views.main_window import make_window
 from PySide6.QtCore import Qt
 
 
-def another(option: Amount | Choice | Switch, value: object) -> object:
+def another(option: AmountOption | ChoiceOption | SwitchOption, value: object) -> object:
     """Some other value of an option."""
-    if isinstance(option, Choice):
+    if isinstance(option, ChoiceOption):
         return next(way for way in reversed(option.choices) if way not in (value, "hand"))
-    if isinstance(option, Switch):
+    if isinstance(option, SwitchOption):
         return not value
     return option.low if value != option.low else option.high
 
@@ -24,7 +24,7 @@ def test_every_option_of_every_layer_is_restored_from_its_view_state(window):
         layer.set_shown(not layer.shown)
         layer.set_opacity(0.4)
         for option in layer.options:
-            layer.choose(option.name, another(option, layer.chosen[option.name]))
+            layer.set_option(option.name, another(option, layer.option_values[option.name]))
         after = layer.view_state()
         assert {"shown", "opacity", *(option.name for option in layer.options)} <= after.keys()
         for key in ("shown", "opacity", *(option.name for option in layer.options)):
@@ -40,7 +40,7 @@ def test_an_invalid_setting_changes_nothing(window, cases):
     for nonsense in cases([None, 7.5, "no such way", True, -3, float("nan"), [1], {}]):
         for layer in window.canvas_area.canvas.layers:
             before = layer.view_state()
-            wrong = {option.name: nonsense for option in layer.options if option.taken(nonsense) is None}
+            wrong = {option.name: nonsense for option in layer.options if option.validate_value(nonsense) is None}
             layer.use_view_state({**wrong, "low": nonsense, "opacity": "much"})
             assert layer.view_state() == before
 
@@ -72,14 +72,14 @@ def test_the_panel_shows_and_changes_opacity_and_settings(window, hand):
 
 def test_settings_are_kept_for_the_next_start_but_not_what_is_shown(window):
     layer = window.canvas_area.canvas.layers["particles"]
-    layer.choose("colour", "force")
+    layer.set_option("colour", "force")
     layer.set_shown(False)
-    window.canvas_area.canvas.layers["image"].choose("range", "1")
+    window.canvas_area.canvas.layers["image"].set_option("range", "1")
     window.close()
     other = make_window(Workspace())
     again = other.canvas_area.canvas.layers["particles"]
-    assert again.word("colour") == "force"
+    assert again.get_choice("colour") == "force"
     assert again.shown
-    assert other.canvas_area.canvas.layers["image"].word("range") == "1"
+    assert other.canvas_area.canvas.layers["image"].get_choice("range") == "1"
     other.close()
     other.deleteLater()

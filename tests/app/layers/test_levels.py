@@ -68,7 +68,7 @@ def test_a_percentile_window_shows_what_an_outlier_hides(deep, hand):
 def test_handles_and_fields_choose_the_window_at_once_or_on_the_worker(deep, hand, monkeypatch, at_once):
     layer, form, values = deep
     if not at_once:
-        monkeypatch.setattr(image_layer, "_AT_ONCE", 0)
+        monkeypatch.setattr(image_layer, "_MAX_IMMEDIATE_PIXELS", 0)
     high = form.levels.high
     high.setFocus()
     high.selectAll()
@@ -76,7 +76,7 @@ def test_handles_and_fields_choose_the_window_at_once_or_on_the_worker(deep, han
     hand.qtbot.keyClick(high, Qt.Key.Key_Return)
     expected = apply_window(values, IntensityWindow(3000.0, 3199.0))
     hand.wait(lambda: np.array_equal(layer.shades, expected))
-    assert layer.word("range") == "hand"
+    assert layer.get_choice("range") == "hand"
     histogram = form.levels.histogram
     hand.wait(lambda: histogram.width() > 90)
     begin, end = (
@@ -96,12 +96,12 @@ def test_handles_and_fields_choose_the_window_at_once_or_on_the_worker(deep, han
 
 def test_a_window_chosen_by_hand_is_kept_in_a_session_file_and_not_for_another_image(window, deep, hand, image_file):
     layer, _, _ = deep
-    layer.choose_window(3050.0, 3090.0)
-    layer.choose("gamma", 0.5)
-    layer.choose("map", "magma")
+    layer.set_window(3050.0, 3090.0)
+    layer.set_option("gamma", 0.5)
+    layer.set_option("map", "magma")
     state = layer.view_state()
-    layer.choose("range", "0")
-    layer.choose("gamma", 1.0)
+    layer.set_option("range", "0")
+    layer.set_option("gamma", 1.0)
     assert layer.window == (3000.0, 65535.0)
     layer.use_view_state(state)
     assert layer.window == (3050.0, 3090.0)
@@ -109,7 +109,7 @@ def test_a_window_chosen_by_hand_is_kept_in_a_session_file_and_not_for_another_i
     window.session.open_file(image_file)
     hand.wait(lambda: window.session.document.image.name == image_file.name)
     assert layer.window == (20.0, 200.0)
-    assert layer.word("range") == "0"
+    assert layer.get_choice("range") == "0"
 
 
 @pytest.fixture
@@ -138,8 +138,8 @@ def test_ct_has_the_usual_windows_in_its_layer(window, ct, hand):
     assert levels.usual.currentText() == "Lung  W 1500  L -600"
     assert layer.window == (-1350.0, 150.0)
     assert (levels.low.value(), levels.high.value(), levels.figures.text()) == (-1350.0, 150.0, "W 1500  L -600")
-    assert layer.word("range") == "hand"
-    layer.choose_window(0.0, 80.0)
+    assert layer.get_choice("range") == "hand"
+    layer.set_window(0.0, 80.0)
     assert levels.usual.currentText().startswith("Brain")
     window.actions_by_name["levels_full"].trigger()
     assert levels.usual.currentIndex() == -1

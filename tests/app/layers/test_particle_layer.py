@@ -25,9 +25,9 @@ def picture(
     The image is enlarged by `zoom` to points of the screen, whose corner shows the position `corner`.
     """
     discs = kind(theme.MOVING, LARGEST, 0.0)
-    discs.use_shape((1000, 1000))
-    discs.use_palette((theme.MOVING, theme.RESTING, theme.CHOSEN))
-    discs.show(position, **look)
+    discs.set_image_shape((1000, 1000))
+    discs.set_palette((theme.MOVING, theme.RESTING, theme.CHOSEN))
+    discs.show_discs(position, **look)
     drawn = QImage(round(WIDTH * ratio), round(HEIGHT * ratio), QImage.Format.Format_ARGB32_Premultiplied)
     drawn.setDevicePixelRatio(ratio)
     drawn.fill(0)

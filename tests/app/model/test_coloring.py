@@ -51,7 +51,7 @@ def test_more_of_a_quantity_never_gives_a_lower_shade(name, seed, count):
 
 @pytest.mark.parametrize("name", ["viridis", "cividis", "magma"])
 def test_a_higher_shade_is_brighter(name):
-    red, green, blue = color_maps.table(name, SHADE_COUNT).astype(float).T
+    red, green, blue = color_maps.color_table(name, SHADE_COUNT).astype(float).T
     assert (np.diff(0.2126 * red + 0.7152 * green + 0.0722 * blue) > 0).all()
 
 
@@ -89,7 +89,7 @@ def test_colors_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):
     box = row.settings.fields["colour"]
     box.setFocus()
     hand.qtbot.keyClick(box, Qt.Key.Key_Down)
-    assert layer.word("colour") == "speed"
+    assert layer.get_choice("colour") == "speed"
     assert layer.legend.isVisible()
     title, _, low, *_, high = layer.legend.toPlainText().split()
     assert (title, low) == ("Speed", "0")

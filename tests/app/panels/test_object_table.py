@@ -389,8 +389,8 @@ def test_the_panel_opens_with_the_present_rows_and_its_key_gives_it_the_keyboard
 def test_the_layer_draws_objects_in_the_color_of_their_class_and_gaps_dashed(window, hand, table) -> None:
     canvas = window.canvas_area.canvas
     window.workspace.object_list.name_class(1, "bone", "#ff0000")
-    canvas.layers["objects"].choose("fill", 1.0)
-    canvas.layers["objects"].choose("names", False)
+    canvas.layers["objects"].set_option("fill", 1.0)
+    canvas.layers["objects"].set_option("names", False)
     hand.qtbot.wait(50)
     picture = canvas.grab().toImage()
     ratio = picture.devicePixelRatio()

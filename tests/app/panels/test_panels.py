@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cpm_app.model.display.plots import PLOTS, RunMetrics
 from cpm_app.model.parameters.controls import build_controls, control_value
-from cpm_app.views.layers.fields import ARROW_SPACING, arrow_lines, arrows
+from cpm_app.views.layers.fields import ARROW_SPACING, build_arrow_lines, find_arrow_ends
 from cpm_app.views.panels.run import Chart
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
@@ -114,14 +114,14 @@ def test_arrows_neither_crowd_nor_leave_the_visible_part() -> None:
     field = np.stack([np.zeros((200, 300)), np.ones((200, 300))])
     seen = QRectF(50.0, 20.0, 100.0, 80.0)
     for pixel in (0.02, 0.5, 3.0):
-        starts, ends = arrows(field, seen, pixel)
+        starts, ends = find_arrow_ends(field, seen, pixel)
         stride = max(1.0, ARROW_SPACING * pixel)
         middle = 0.5 * (starts + ends)
         assert ((middle[:, 1] >= 50) & (middle[:, 1] <= 150) & (middle[:, 0] >= 20) & (middle[:, 0] <= 100)).all()
         assert len(starts) <= (100 / stride + 2) * (80 / stride + 2)
         assert (ends[:, 0] == starts[:, 0]).all()
         assert (ends[:, 1] > starts[:, 1]).all()
-        assert arrow_lines(starts, ends).shape == (6 * len(starts), 2)
+        assert build_arrow_lines(starts, ends).shape == (6 * len(starts), 2)
 
 
 def test_a_change_of_a_parameter_is_shown_once(window, monkeypatch) -> None:

@@ -183,9 +183,9 @@ def test_nothing_blocks_the_window_while_it_runs(large: MainWindow, hand, qtbot)
 
     def zoom() -> None:
         for factor in (1.5, 1.5, 0.5):
-            canvas.zoom(factor)
+            canvas.zoom_by(factor)
             qtbot.wait(20)
-        canvas.fit()
+        canvas.fit_image()
         qtbot.wait(20)
 
     def pause() -> None:

@@ -85,8 +85,8 @@ def test_what_is_saved_by_a_key_is_restored_with_marks_and_view(ready, hand, sav
     )
     session.edit("damping", lambda document: edits.set_parameter(document, "beta", 0.5))
     session.edit("reject", lambda document: replace(document, marks=(Mark((14.0, 32.0), "rejected"),)))
-    canvas.zoom(2.0)
-    canvas.pan(30.0, -20.0)
+    canvas.zoom_by(2.0)
+    canvas.pan_by(30.0, -20.0)
     canvas.layers["image"].set_opacity(0.5)
     canvas.layers["edge_map"].set_shown(True)
     seen = canvas.view.viewRect()
@@ -112,7 +112,7 @@ def test_what_is_saved_by_a_key_is_restored_with_marks_and_view(ready, hand, sav
 
 
 def test_looking_is_not_work_that_has_to_be_saved(window, hand) -> None:
-    hand.canvas.zoom(3.0)
+    hand.canvas.zoom_by(3.0)
     hand.canvas.layers["image"].set_opacity(0.3)
     assert not document_file(window).unsaved
 

@@ -37,7 +37,7 @@ def rested(ready, hand):
 
 
 def test_a_view_that_comes_late_shows_all_that_the_canvas_shows(rested, hand, other) -> None:
-    other.draw(rested.session.scene)
+    other.draw_scene(rested.session.scene)
     layers, expected = other.layers, hand.canvas.layers
     assert layers.contours.counts == expected.contours.counts == (1, 0)
     np.testing.assert_array_equal(layers.particles.position, expected.particles.position)
@@ -48,7 +48,7 @@ def test_a_view_that_comes_late_shows_all_that_the_canvas_shows(rested, hand, ot
 
 def test_another_scene_on_another_view_leaves_the_session_and_its_canvas_alone(rested, hand, other) -> None:
     before, count = rested.session.scene, hand.canvas.layers.particles.count
-    other.draw(replace(before, snapshot=None, contours=Scene().contours))
+    other.draw_scene(replace(before, snapshot=None, contours=Scene().contours))
     assert (other.layers.particles.count, other.layers.contours.counts) == (0, (0, 0))
     assert (hand.canvas.layers.particles.count, hand.canvas.layers.contours.counts) == (count, (1, 0))
     assert rested.session.scene is before

@@ -23,8 +23,8 @@ PIXELS = np.stack([ROW, COL], axis=-1).reshape(-1, 2).astype(float)
 def brush(hand):
     """The tool in use."""
     hand.key(KEY.Key_J)
-    assert hand.canvas.hold.tool.name == "mend"
-    return hand.canvas.hold.tool
+    assert hand.canvas.dispatcher.tool.name == "mend"
+    return hand.canvas.dispatcher.tool
 
 
 def items(window) -> tuple[SegmentedObject, ...]:

@@ -96,7 +96,7 @@ def test_with_shift_it_bends_and_what_is_bent_is_a_gap(mended, hand) -> None:
     hand.qtbot.mousePress(viewport, left, SHIFT, hand.at(*at(1.0, DRAWN)))
     for radius in (25.0, 28.0):
         hand.qtbot.keyPress(hand.canvas, KEY.Key_Shift)
-        hand.canvas.move_to(at(1.0, radius))
+        hand.canvas.move_pointer_to(at(1.0, radius))
     hand.qtbot.mouseRelease(viewport, left, SHIFT, hand.at(*at(1.0, 28.0)))
     item = bone(mended)
     assert radii(item).max() == pytest.approx(28.0, abs=0.5)
@@ -120,9 +120,9 @@ def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
     QCursor.setPos(mended.mapToGlobal(QPoint(2, 2)))
     mended.actions_by_name["cross_hair"].trigger()
     crosshair = mended.canvas_area.crosshair
-    crosshair.move(*(np.array(at(-2.0, DRAWN)) - crosshair.position))
+    crosshair.move_by(*(np.array(at(-2.0, DRAWN)) - crosshair.position))
     hand.key(KEY.Key_Return)
-    crosshair.move(*(np.array(at(-2.0, TRUE + 1)) - crosshair.position))
+    crosshair.move_by(*(np.array(at(-2.0, TRUE + 1)) - crosshair.position))
     hand.key(KEY.Key_Return)
     assert radii(bone(mended)).min() == pytest.approx(TRUE, abs=1.0), "pulled by keys"
     hand.key(KEY.Key_Escape)

@@ -102,7 +102,7 @@ def test_the_pointer_shows_what_a_click_takes_and_the_click_takes_that(window, h
     click(hand, 18, 18)
     np.testing.assert_array_equal(offered(objects), preview)
     assert taken(window) == ()
-    hand.canvas.leave()
+    hand.canvas.remove_pointer()
     assert not layer.added.count
 
 
@@ -110,8 +110,8 @@ def test_what_a_click_with_shift_would_remove_is_hatched_before_it(window, hand,
     click(hand, 18, 18)
     click(hand, 43, 42)
     before = offered(objects)
-    hand.canvas.hold.set_modifiers(SHIFT)
-    hand.canvas.move_to((43.0, 40.0))
+    hand.canvas.dispatcher.set_modifiers(SHIFT)
+    hand.canvas.move_pointer_to((43.0, 40.0))
     hand.wait(lambda: layer.removed.count == 1)
     preview = window.session.scene.objects.preview
     np.testing.assert_array_equal(preview.before.mask, before)
@@ -201,7 +201,7 @@ def test_escape_drops_the_proposal_and_backspace_takes_a_click_back(window, hand
     hand.key(KEY.Key_Escape)
     hand.wait(lambda: not objects.proposals)
     assert not objects.selecting
-    assert layer.offered_fill.count == 0
+    assert layer.proposal_fill.count == 0
 
 
 def test_a_click_in_an_object_chooses_it_and_a_click_in_a_chosen_one_corrects_it(window, hand, objects) -> None:
@@ -246,7 +246,7 @@ def test_a_click_with_control_in_an_object_selects_another_one_there(window, han
 def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window, hand, layer) -> None:
     run_everywhere(hand)
     assert "2 objects found. Enter: accept all" in window.canvas_area.hint.text()
-    assert layer.offered_fill.count == 2
+    assert layer.proposal_fill.count == 2
     hand.key(KEY.Key_Return)
     masks = [item.mask((64, 64)) for item in taken(window)]
     assert [max(overlap(mask, disk(*where)) for mask in masks) > 0.9 for where in (SMALL, LARGE)] == [True, True]

@@ -85,7 +85,7 @@ def test_a_frame_selects_what_lies_in_it_shift_adds_and_ctrl_removes(found, hand
     assert selected(found) == {(20, 20), (20, 100)}
     drag(hand, (40.0, 3.0), (80.0, 40.0))
     assert selected(found) == {(60, 20)}
-    assert hand.canvas.layers.contours._chosen.count == 1
+    assert hand.canvas.layers.contours._selected.count == 1
 
 
 def test_a_click_removes_a_contour_and_one_away_from_all_of_them_clears_the_selection(found, hand) -> None:

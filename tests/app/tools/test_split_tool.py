@@ -97,7 +97,7 @@ def test_keys_part_them(pair, hand) -> None:
     crosshair = pair.canvas_area.crosshair
     hand.key(KEY.Key_Return)
     for place in ((24.0, 20.0), (39.0, 44.0)):
-        crosshair.move(place[0] - crosshair.position[0], place[1] - crosshair.position[1])
+        crosshair.move_by(place[0] - crosshair.position[0], place[1] - crosshair.position[1])
         hand.key(KEY.Key_Return)
     check_halves(pair)
 
@@ -106,7 +106,7 @@ def test_a_frozen_object_stays_and_escape_forgets_the_first_half(pair, hand) -> 
     hand.click(24, 20)
     hand.key(KEY.Key_Escape)
     hand.click(39, 44)
-    assert len(items(pair)) == 1 and hand.canvas.hold.tool.drafting
+    assert len(items(pair)) == 1 and hand.canvas.dispatcher.tool.has_draft
     pair.workspace.object_list.select_objects((1,))
     pair.workspace.object_list.toggle_state("frozen")
     hand.drag((40, 20), (22, 44))

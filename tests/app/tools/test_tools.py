@@ -88,9 +88,9 @@ def test_each_gesture_is_one_step_of_undo_named_in_the_menu(ready, hand) -> None
 def test_a_drag_with_another_button_pans_by_what_the_pointer_moves(window, hand, button) -> None:
     canvas = hand.canvas
     start, end = hand.at(32, 32), hand.at(20, 40)
-    before = canvas.position(QPointF(start))
+    before = canvas.map_to_image(QPointF(start))
     hand.qtbot.mousePress(canvas.viewport(), button, pos=start)
     hand.qtbot.mouseMove(canvas.viewport(), end)
     hand.qtbot.mouseRelease(canvas.viewport(), button, pos=end)
-    assert canvas.position(QPointF(end)) == pytest.approx(before, abs=0.3)
+    assert canvas.map_to_image(QPointF(end)) == pytest.approx(before, abs=0.3)
     assert window.session.document.shapes == ()

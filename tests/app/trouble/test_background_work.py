@@ -51,7 +51,7 @@ def test_trouble_with_contours_is_said_while_the_run_goes_on_with_the_last_ones(
         broken.setattr(owner, name, raising(error))
         hand.key(KEY.Key_Period)
         hand.wait(lambda: bool(said(ready)))
-        assert ready.canvas_area.messages.error
+        assert ready.canvas_area.messages.is_error
         assert (str(error) or "memory").casefold() in said(ready).casefold()
         assert said(ready).endswith("The contours that are shown are those of an earlier step.")
         assert session.scene.contours is before
@@ -93,7 +93,7 @@ def test_what_background_work_fails_with_is_said_once_and_taken_back(window, han
     latest, results = LatestOnlyWorker(window.session, "test", "measuring"), []
     latest.submit(raising(ZeroDivisionError("by zero")), results.append)
     hand.wait(lambda: said(window) == "An unexpected error occurred while measuring: by zero.")
-    window.canvas_area.messages.dismiss()
+    window.canvas_area.messages.dismiss_message()
     latest.submit(raising(ZeroDivisionError("by zero")), results.append)
     hand.wait(lambda: latest.idle)
     assert said(window) == ""

@@ -96,7 +96,7 @@ def test_work_that_no_journal_can_take_is_said_once_and_taken_back(window, hand,
         journal(window).write()
         hand.wait(lambda: "No space left on device." in said(window))
         assert said(window).startswith("Unsaved work cannot be protected")
-        window.canvas_area.messages.dismiss()
+        window.canvas_area.messages.dismiss_message()
         journal(window).write()
         journal(window).flush()
     written(window)

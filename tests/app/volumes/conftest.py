@@ -36,7 +36,7 @@ def volume_file(tmp_path: Path) -> Path:
 def send(view: ImageView, kind: QEvent.Type, at: tuple[float, float], button: Button, held: Button, *,
          keys: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:  # fmt: skip
     """A mouse event over a position of a view."""
-    to = view.point(at)
+    to = view.map_from_image(at)
     event = QMouseEvent(kind, to, QPointF(view.viewport().mapToGlobal(to.toPoint())), button, held, keys)
     QApplication.sendEvent(view.viewport(), event)
 
@@ -67,7 +67,7 @@ def drag(view: ImageView, *places: tuple[float, float]) -> None:
 def open_file(window: MainWindow, hand: Hand, path: Path) -> None:
     """Open a file, and wait for it and for the views of it."""
     window.open_image(str(path))
-    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle and window.turns.idle)
+    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle and window.turns.is_idle)
     hand.qtbot.wait(1)  # the docks are fitted after Qt has laid them out
 
 

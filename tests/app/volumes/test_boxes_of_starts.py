@@ -32,7 +32,7 @@ def test_a_drag_fills_a_box_with_a_grid_that_every_slice_shows(volume, hand) -> 
     assert np.allclose(grid.last[1:], (20, 26), atol=0.5)
     assert volume.session.selected_shape == 0
     near = grid.seeds()[np.abs(grid.seeds()[:, 0] - 12) <= 4.0]
-    (section,) = hand.canvas.drawn.document.shapes
+    (section,) = hand.canvas.drawn_scene.document.shapes
     assert len(section.seeds()) == len(near) > 0
     hand.key(KEY.Key_BracketRight)
     (wider,) = volume.session.document.shapes

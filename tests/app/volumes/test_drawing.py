@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SlicesFeature
-from cpm_app.views.tools.tool import CIRCLE, MEND
+from cpm_app.views.tools.tool import CIRCLE_GROUP, MEND_GROUP
 from cpm_app.views.window.bars import ToolPalette
 from PySide6.QtCore import Qt
 
@@ -31,19 +31,19 @@ def only(window, kind):
 
 
 def flat(view, place) -> np.ndarray:
-    return np.array(view.here.drop_axis(tuple(place)))
+    return np.array(view.shown_slice.drop_axis(tuple(place)))
 
 
 def test_a_drag_draws_a_box_whose_faces_are_dragged_in_any_slice(volume, hand, cases) -> None:
     for view in cases(views(volume)):
         hand.key(KEY.Key_L)
         drag(view, (6, 8), (7, 9), (12, 18))
-        box, axis = only(volume, Box), view.here.axis
+        box, axis = only(volume, Box), view.shown_slice.axis
         assert flat(view, box.first) == pytest.approx((6, 8), abs=PIXEL)
         assert flat(view, box.last) == pytest.approx((12, 18), abs=PIXEL)
         depth = box.last[axis] - box.first[axis]
         assert depth == pytest.approx(min(np.ptp([flat(view, box.first), flat(view, box.last)], axis=0)), abs=1e-6)
-        assert 0.5 * (box.first[axis] + box.last[axis]) == view.here.index
+        assert 0.5 * (box.first[axis] + box.last[axis]) == view.shown_slice.index
         assert volume.session.selected_shape == 0
         drag(view, (12, 13), (13, 13), (15, 13))
         grown = only(volume, Box)
@@ -65,9 +65,9 @@ def test_every_slice_takes_the_tool_in_use_and_shows_its_draft(volume, hand, cas
         x, y = view.layers.drawing._draft.path.getData()
         np.testing.assert_allclose(np.stack([y, x], axis=1), [(5, 6), (9, 15), (12, 20)], atol=PIXEL + 0.5)
         hand.key(KEY.Key_Return)
-        stroke, here = only(volume, Stroke), view.here
+        stroke, here = only(volume, Stroke), view.shown_slice
         assert [place[here.axis] for place in stroke.points] == [here.index] * 2
-        (line,) = view.drawn.document.shapes
+        (line,) = view.drawn_scene.document.shapes
         assert np.array(line.points) == pytest.approx(np.array([(5, 6), (9, 15)]), abs=PIXEL)
 
 
@@ -121,7 +121,7 @@ def test_the_eraser_takes_away_particles_in_a_ball_and_no_others(volume, hand) -
     hand.wait(lambda: volume.session.idle)
     before = volume.session.scene.snapshot.position
     hand.key(KEY.Key_E)
-    radius = volume.canvas_area.canvas.hold.tool.radius
+    radius = volume.canvas_area.canvas.dispatcher.tool.radius
     hand.click(7, 16)
     hand.wait(lambda: volume.session.idle and len(volume.session.scene.snapshot.position) < len(before))
     after = volume.session.scene.snapshot.position
@@ -157,5 +157,5 @@ def test_limits_and_charges_act_on_the_run_and_come_back_with_the_session(volume
 def test_the_palette_names_tools_as_they_are_called_in_volumes(volume) -> None:
     buttons = volume.findChild(ToolPalette).buttons
     assert all(button.isVisible() for button in buttons.values())
-    assert [action.text() for action in buttons[MEND].menu().actions() if action.isVisible()] == ["&Brush", "Spli&t"]
-    assert (buttons[MEND].text(), buttons[CIRCLE].text()) == ("Brush", "Sphere")
+    assert [action.text() for action in buttons[MEND_GROUP].menu().actions() if action.isVisible()] == ["&Brush", "Spli&t"]
+    assert (buttons[MEND_GROUP].text(), buttons[CIRCLE_GROUP].text()) == ("Brush", "Sphere")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cpm_app.views.features.volumes import SlicesFeature, SpaceFeature
-from cpm_app.views.layers.image_layer import dragged
+from cpm_app.views.layers.image_layer import drag_window
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
@@ -89,5 +89,5 @@ def test_the_automatic_range_of_a_volume_leaves_out_its_extremes(window, hand, t
 )
 def test_a_drag_keeps_the_window_in_order_and_in_the_range(range_, right, down) -> None:
     ends = (range_[0], range_[0] + range_[1])
-    low, high = dragged(ends, ends, right, down)
+    low, high = drag_window(ends, ends, right, down)
     assert ends[0] <= low <= high <= ends[1]

@@ -26,7 +26,7 @@ def bar(window):
 
 def shown(window):
     """Axis and index of the slice that is shown."""
-    current = window.canvas_area.canvas.drawn.slices.current
+    current = window.canvas_area.canvas.drawn_scene.slices.current
     return current.axis, current.index
 
 
@@ -42,7 +42,7 @@ def test_a_volume_opens_at_its_middle_plane_with_the_preset_for_volumes(volume) 
     assert volume.session.document.parameters == PRESETS["volume"]
     assert bar(volume).isVisible()
     assert shown(volume) == (0, MIDDLE[0])
-    np.testing.assert_array_equal(volume.canvas_area.canvas.drawn.image.values, ball()[MIDDLE[0]])
+    np.testing.assert_array_equal(volume.canvas_area.canvas.drawn_scene.image.values, ball()[MIDDLE[0]])
 
 
 def test_keys_wheel_slider_and_field_go_through_the_slices(volume, hand) -> None:
@@ -72,7 +72,7 @@ def test_each_axis_has_its_slices_in_the_same_gray_values(volume, hand, axis) ->
     canvas = volume.canvas_area.canvas
     for index in (MIDDLE[axis], 0):
         volume.workspace.slices.go_to(index)
-        np.testing.assert_array_equal(canvas.drawn.image.values, np.take(ball(), index, axis=axis))
+        np.testing.assert_array_equal(canvas.drawn_scene.image.values, np.take(ball(), index, axis=axis))
         assert canvas.layers["image"].window == (20.0, 200.0)
     assert canvas.layers["image"].shades.max() == 0, "what is even in one slice stays as dark as in the volume"
 

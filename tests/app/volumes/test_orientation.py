@@ -55,7 +55,7 @@ def test_each_slice_has_the_letters_of_its_edges(patient, hand) -> None:
 def test_what_is_superior_is_above_and_keys_lead_where_they_point(patient, hand) -> None:
     patient.feature(SlicesFeature).bar.axes[1].click()
     canvas = patient.canvas_area.canvas
-    foot, head = canvas.point((4.0, 10.0)), canvas.point((20.0, 10.0))
+    foot, head = canvas.map_from_image((4.0, 10.0)), canvas.map_from_image((20.0, 10.0))
     assert head.y() < foot.y()
     assert head.x() == foot.x()
     hand.key(Qt.Key.Key_Return)
@@ -64,10 +64,10 @@ def test_what_is_superior_is_above_and_keys_lead_where_they_point(patient, hand)
     hand.key(Qt.Key.Key_Right)
     assert patient.canvas_area.crosshair.position == (row + 1.0, col + 1.0)
     hand.key(Qt.Key.Key_Escape)
-    before = canvas.point((4.0, 10.0))
-    canvas.pan(0.0, 30.0)
-    assert canvas.point((4.0, 10.0)).y() == pytest.approx(before.y() - 30.0, abs=1.0)
-    canvas.pan(0.0, -30.0)
+    before = canvas.map_from_image((4.0, 10.0))
+    canvas.pan_by(0.0, 30.0)
+    assert canvas.map_from_image((4.0, 10.0)).y() == pytest.approx(before.y() - 30.0, abs=1.0)
+    canvas.pan_by(0.0, -30.0)
     patient.feature(SlicesFeature).bar.axes[0].click()
 
 

@@ -24,7 +24,7 @@ def sphere_of(window) -> Sphere:
 
 def section_of(window):
     """The only shape that the slice shows."""
-    (section,) = window.canvas_area.canvas.drawn.document.shapes
+    (section,) = window.canvas_area.canvas.drawn_scene.document.shapes
     return section
 
 
@@ -40,8 +40,8 @@ def test_a_drag_draws_a_sphere_that_each_slice_shows_as_its_circle(volume, hand)
         assert section.line.center == pytest.approx(sphere.center[1:])
         assert section.line.radii == pytest.approx((math.sqrt(sphere.radius**2 - off**2),) * 2)
     volume.workspace.slices.go_to(12 + 8)
-    assert volume.canvas_area.canvas.drawn.document.shapes == ()
-    assert volume.canvas_area.canvas.drawn.selected_shape is None
+    assert volume.canvas_area.canvas.drawn_scene.document.shapes == ()
+    assert volume.canvas_area.canvas.drawn_scene.selected_shape is None
 
 
 def test_a_sphere_is_moved_and_resized_in_any_slice_that_cuts_it(volume, hand) -> None:

@@ -43,7 +43,7 @@ def choose(window, hand, sizes, unit) -> None:
 
 def test_the_size_that_is_set_is_shown_taken_back_and_set_again(volume, hand) -> None:
     values, gray = volume.session.image.values, volume.canvas_area.canvas.layers.image
-    gray.choose_window(30.0, 90.0)
+    gray.set_window(30.0, 90.0)
     choose(volume, hand, (2.0, 0.5, 0.5), "mm")
     assert size(volume) == ((2.0, 0.5, 0.5), "mm")
     assert label(volume).text() == "2 × 0.5 × 0.5 mm"

@@ -76,7 +76,7 @@ def test_letters_choose_tools_from_every_field_and_bring_the_keyboard_to_the_can
         for tool in TOOLS:
             focus(hand, field)
             hand.key(getattr(KEY, f"Key_{tool.shortcut}"))
-            assert hand.canvas.hold.tool.name == tool.name
+            assert hand.canvas.dispatcher.tool.name == tool.name
             assert hand.canvas.hasFocus()
 
 

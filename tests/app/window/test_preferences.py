@@ -47,7 +47,7 @@ def across(window, color: str) -> int:
     """Number of pixels of a color in the row through the middle of the canvas."""
     canvas = window.canvas_area.canvas
     picture = canvas.grab().toImage()
-    y = canvas.point((32.0, 32.0)).toPoint().y()
+    y = canvas.map_from_image((32.0, 32.0)).toPoint().y()
     near = QColor(color)
     return sum(
         abs(picture.pixelColor(x, y).red() - near.red()) < 40
@@ -162,11 +162,11 @@ def test_another_unit_is_shown_at_once(window, hand, monkeypatch) -> None:
     session = window.session
     image = replace(session.image, spacing=(0.5, 0.5), unit="µm")
     monkeypatch.setattr(type(session), "image", property(lambda self: image))
-    window.pointer_readout._show((10.0, 20.0))
+    window.pointer_readout._on_place_changed((10.0, 20.0))
     assert "5 µm" in window.pointer_readout.text()
     window.preferences.store_preference(UNIT_PREFERENCE, "nm")
-    window.pointer_readout._show((10.0, 20.0))
+    window.pointer_readout._on_place_changed((10.0, 20.0))
     assert "5000 nm" in window.pointer_readout.text()
     window.preferences.store_preference(UNIT_PREFERENCE, "px")
-    window.pointer_readout._show((10.0, 20.0))
+    window.pointer_readout._on_place_changed((10.0, 20.0))
     assert "µm" not in window.pointer_readout.text()

@@ -41,7 +41,7 @@ def test_each_piece_has_a_turn_of_its_own_and_its_place_in_the_order(qtbot) -> N
     for piece in (first, second, first):
         turns.ask(piece)
     assert not done
-    qtbot.waitUntil(lambda: turns.idle)
+    qtbot.waitUntil(lambda: turns.is_idle)
     assert [name for name, _ in done] == ["first", "second", "last"]
     assert len({turn for _, turn in done}) == 3
 
@@ -52,7 +52,7 @@ def test_what_waits_is_forgotten_when_it_is_stopped(qtbot) -> None:
     turns.ask(lambda: done.append(1))
     turns.stop()
     qtbot.wait(5)
-    assert turns.idle
+    assert turns.is_idle
     assert not done
 
 

@@ -60,14 +60,14 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
     for tool in window.canvas_area._tools.values():
         tool.used = False
         if isinstance(tool, RingTool):
-            tool._chosen = None
+            tool._own_radius = None
     window.workspace.object_list.set_brush_radius(None)
     window.session.load_document(switch_mode(window.session.document, "shape"))
     window.actions_by_name[FIRST_TOOL].trigger()
     window.canvas_area.messages.clear()
     window.resize(*SIZE)
     window.activateWindow()
-    window.canvas_area.canvas.leave()
+    window.canvas_area.canvas.remove_pointer()
     window.canvas_area.canvas.setFocus()
 
 

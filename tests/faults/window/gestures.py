@@ -139,7 +139,7 @@ class Hand:
         canvas = self.window.canvas_area.canvas
         rows, cols = canvas.shape or (1, 1)
         at = self.choice.uniform(-0.05, 1.05) * rows, self.choice.uniform(-0.05, 1.05) * cols
-        point = canvas.point(at).toPoint()
+        point = canvas.map_from_image(at).toPoint()
         inside = canvas.viewport().rect()
         return QPoint(
             min(max(point.x(), inside.left()), inside.right()), min(max(point.y(), inside.top()), inside.bottom())

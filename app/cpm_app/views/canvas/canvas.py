@@ -11,21 +11,21 @@ from PySide6.QtWidgets import QApplication
 
 from cpm_app.model.text.language import tr
 from cpm_app.views.canvas.image_view import ImageView
-from cpm_app.views.layers.layer import Requests
+from cpm_app.views.layers.layer import WorkerRequests
 from cpm_app.views.tools.tool import Tool
 from cpm_core.numerics import Position
 
-ZOOM = 1.2
+WHEEL_ZOOM_FACTOR = 1.2
 """Magnification by one notch of the wheel."""
 
 
-class Wheel:
+class WheelNotchCounter:
     """Counts whole notches of a wheel; some devices report fractions of one."""
 
     def __init__(self) -> None:
         self._rest = 0.0
 
-    def notches(self, event: QWheelEvent) -> int:
+    def count_notches(self, event: QWheelEvent) -> int:
         """Count the whole notches toward the user since the last call."""
         turned = event.angleDelta().y() or event.angleDelta().x()  # some systems exchange them while Shift is held
         self._rest -= turned / 120.0
@@ -34,75 +34,75 @@ class Wheel:
         return whole
 
 
-class ToolInUse:
+class ToolDispatcher:
     """Dispatches the pointer to the tool in use, or to `grip`, which moves the handles of the selected shape."""
 
     def __init__(self, tool: Tool, grip: Tool) -> None:
-        self.tool, self._grip = tool, grip
-        self._dragged: Tool | None = None
+        self.tool, self._handle_tool = tool, grip
+        self._pressed_tool: Tool | None = None
 
     @property
-    def gesturing(self) -> bool:
+    def is_gesturing(self) -> bool:
         """Whether a tool has an unfinished gesture or draft."""
-        return self.dragging or self.tool.drafting
+        return self.is_dragging or self.tool.has_draft
 
     @property
-    def dragging(self) -> bool:
+    def is_dragging(self) -> bool:
         """Whether the button is down for a tool."""
-        return self._dragged is not None
+        return self._pressed_tool is not None
 
-    def cancel(self) -> None:
+    def cancel_gesture(self) -> None:
         """Cancel the gesture or draft of the tool."""
-        if self.gesturing:
-            tool, self._dragged = self._dragged or self.tool, None
+        if self.is_gesturing:
+            tool, self._pressed_tool = self._pressed_tool or self.tool, None
             tool.cancel()
 
-    def take(self, tool: Tool) -> None:
+    def switch_tool(self, tool: Tool) -> None:
         """Switch to another tool."""
-        if self.dragging or not self.tool.lasting:
-            self.cancel()
-        self.tool.put_away()
+        if self.is_dragging or not self.tool.keeps_draft:
+            self.cancel_gesture()
+        self.tool.hide_marks()
         self.tool.set_in_use(False)
         self.tool = tool
         tool.set_in_use(True)
 
-    def press(self, view: ImageView, at: Position, reach: float | None = None) -> None:
+    def press_button(self, view: ImageView, at: Position, reach: float | None = None) -> None:
         """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
-        self._dragged = self.at(view, at)
-        self._dragged.press(view.placed(at), view.reach() if reach is None else reach)
+        self._pressed_tool = self.find_receiver(view, at)
+        self._pressed_tool.on_press(view.place_at(at), view.hit_tolerance() if reach is None else reach)
 
-    def move(self, view: ImageView, at: Position) -> None:
+    def move_pointer(self, view: ImageView, at: Position) -> None:
         """Move the pointer to a position."""
-        tool = self._dragged or self.tool
-        tool.here = view.here
-        if self.dragging:
-            tool.drag(view.placed(at))
+        tool = self._pressed_tool or self.tool
+        tool.current_slice = view.shown_slice
+        if self.is_dragging:
+            tool.on_drag(view.place_at(at))
         else:
-            tool.hover(view.placed(at))
+            tool.on_hover(view.place_at(at))
             self.show_cursor(view, at)
 
-    def release(self) -> None:
+    def release_button(self) -> None:
         """Release the left button."""
-        if self._dragged is not None:
-            tool, self._dragged = self._dragged, None
-            tool.release()
+        if self._pressed_tool is not None:
+            tool, self._pressed_tool = self._pressed_tool, None
+            tool.on_release()
 
     def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """Pass the modifier keys that are held to the tool."""
-        (self._dragged or self.tool).modifiers = modifiers
+        (self._pressed_tool or self.tool).modifiers = modifiers
 
-    def at(self, view: ImageView, at: Position) -> Tool:
+    def find_receiver(self, view: ImageView, at: Position) -> Tool:
         """Find the tool that a press here goes to: the handle tool over a handle, otherwise the tool in use."""
-        self.tool.here = self._grip.here = view.here
-        grips = not self.tool.drafting and self._grip.grips(view.placed(at), view.reach())
-        return self._grip if grips else self.tool
+        self.tool.current_slice = self._handle_tool.current_slice = view.shown_slice
+        grips = not self.tool.has_draft and self._handle_tool.has_handle_at(view.place_at(at), view.hit_tolerance())
+        return self._handle_tool if grips else self.tool
 
     def show_cursor(self, view: ImageView, at: Position) -> None:
         """Show the cursor for a press at a position."""
-        view.viewport().setCursor(self.at(view, at).cursor(view.placed(at), view.reach()))
+        view.viewport().setCursor(self.find_receiver(view, at).cursor_at(view.place_at(at), view.hit_tolerance()))
 
 
-class Pointer(QObject):
+class PointerFilter(QObject):
     """Handles the mouse buttons in a view: the left one works with the tool in use, the others drag.
 
     A right-button drag begins once the pointer has moved; a right click without a drag opens a menu.
@@ -114,174 +114,174 @@ class Pointer(QObject):
     """Drag with another button: QMouseEvent, and the distance to pan [px of the screen], QPointF."""
     menu_wanted = Signal(object)
     """The right button was clicked at a point of the screen: QPoint."""
-    doubled = Signal()
+    double_clicked = Signal()
     """The left button was clicked a second time, and the tool has handled it."""
 
     def __init__(self, view: ImageView, canvas: Canvas) -> None:
         super().__init__(view)
         self._view, self._canvas = view, canvas
-        self.over: QPointF | None = None
+        self.point_in_view: QPointF | None = None
         """Point of the view under the pointer; None when it has left."""
-        self._from: QPointF | None = None
-        self._still = self._twice = False
-        self._does: dict[QEvent.Type, Callable[[QMouseEvent], None]] = {
-            QEvent.Type.MouseButtonPress: self._press,
-            QEvent.Type.MouseButtonDblClick: self._press,
-            QEvent.Type.MouseMove: self._move,
-            QEvent.Type.MouseButtonRelease: self._release,
+        self._drag_origin: QPointF | None = None
+        self._is_still = self._is_double_click = False
+        self._handlers: dict[QEvent.Type, Callable[[QMouseEvent], None]] = {
+            QEvent.Type.MouseButtonPress: self._on_button_pressed,
+            QEvent.Type.MouseButtonDblClick: self._on_button_pressed,
+            QEvent.Type.MouseMove: self._on_pointer_moved,
+            QEvent.Type.MouseButtonRelease: self._on_button_released,
         }
         view.viewport().installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Handle the events of the pointer."""
-        if isinstance(event, QMouseEvent) and event.type() in self._does:
+        if isinstance(event, QMouseEvent) and event.type() in self._handlers:
             event.accept()
-            self._does[event.type()](event)
+            self._handlers[event.type()](event)
             return True
         canvas = self._canvas
-        if event.type() == QEvent.Type.Leave and not (canvas.led_by_keys or canvas.hold.dragging):
-            canvas.leave()
+        if event.type() == QEvent.Type.Leave and not (canvas.is_led_by_keys or canvas.dispatcher.is_dragging):
+            canvas.remove_pointer()
         return False
 
-    def _press(self, event: QMouseEvent) -> None:
+    def _on_button_pressed(self, event: QMouseEvent) -> None:
         """Begin a gesture or a drag."""
         canvas = self._canvas
-        canvas.taken.emit()
+        canvas.keyboard_interrupted.emit()
         canvas.setFocus()
         if event.button() == Qt.MouseButton.LeftButton and self._view.shape is not None:
-            canvas.hold.set_modifiers(event.modifiers())
-            self._twice = event.type() == QEvent.Type.MouseButtonDblClick
-            canvas.hold.press(self._view, self._view.position(event.position()))
+            canvas.dispatcher.set_modifiers(event.modifiers())
+            self._is_double_click = event.type() == QEvent.Type.MouseButtonDblClick
+            canvas.dispatcher.press_button(self._view, self._view.map_to_image(event.position()))
         elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
-            self._from, self._still = event.position(), event.button() == Qt.MouseButton.RightButton
+            self._drag_origin, self._is_still = event.position(), event.button() == Qt.MouseButton.RightButton
             self.dragged.emit(event, QPointF())
 
-    def _move(self, event: QMouseEvent) -> None:
+    def _on_pointer_moved(self, event: QMouseEvent) -> None:
         """Continue a drag, or report the position of the pointer."""
-        self.over = event.position()
-        if self._from is not None:
-            by = self._from - event.position()
-            if not self._still or by.manhattanLength() >= QApplication.startDragDistance():
-                self._from, self._still = event.position(), False
+        self.point_in_view = event.position()
+        if self._drag_origin is not None:
+            by = self._drag_origin - event.position()
+            if not self._is_still or by.manhattanLength() >= QApplication.startDragDistance():
+                self._drag_origin, self._is_still = event.position(), False
                 self._view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
                 self.dragged.emit(event, by)
-        elif not self._canvas.led_by_keys:
-            self._canvas.hold.set_modifiers(event.modifiers())
-            self.moved.emit(self._view.position(event.position()))
+        elif not self._canvas.is_led_by_keys:
+            self._canvas.dispatcher.set_modifiers(event.modifiers())
+            self.moved.emit(self._view.map_to_image(event.position()))
 
-    def _release(self, event: QMouseEvent) -> None:
+    def _on_button_released(self, event: QMouseEvent) -> None:
         """End a gesture or a drag."""
-        hold = self._canvas.hold
-        if event.button() == Qt.MouseButton.LeftButton and hold.dragging:
-            hold.release()
-            if self._twice:
-                self.doubled.emit()
-        elif self._from is not None:
-            self._from = None
-            if self._still and event.button() == Qt.MouseButton.RightButton and not hold.dragging:
+        hold = self._canvas.dispatcher
+        if event.button() == Qt.MouseButton.LeftButton and hold.is_dragging:
+            hold.release_button()
+            if self._is_double_click:
+                self.double_clicked.emit()
+        elif self._drag_origin is not None:
+            self._drag_origin = None
+            if self._is_still and event.button() == Qt.MouseButton.RightButton and not hold.is_dragging:
                 self.menu_wanted.emit(event.globalPosition().toPoint())
-            hold.show_cursor(self._view, self._view.position(event.position()))
+            hold.show_cursor(self._view, self._view.map_to_image(event.position()))
 
 
 class Canvas(ImageView):
     """Shows the image, or the current slice; the middle and the right button pan, the wheel zooms."""
 
-    pointed = Signal(object)
+    pointer_moved = Signal(object)
     """Position (row, col) under the pointer, or None when it has left."""
 
-    placed_at = Signal(object)
+    pointer_place_changed = Signal(object)
     """Place under the pointer in the image or volume, in any view, or None when it has left."""
 
-    taken = Signal()
+    keyboard_interrupted = Signal()
     """A mouse button was pressed, or another image opened: control by keys ends."""
 
-    slice_wanted = Signal(int)
+    slice_step_wanted = Signal(int)
     """Number of slices by which the user wants to move on."""
 
-    hold: ToolInUse
+    dispatcher: ToolDispatcher
     """Receiver of the gestures, set once the tools have been created for the layers of this canvas."""
 
-    def __init__(self, requests: Requests) -> None:
+    def __init__(self, requests: WorkerRequests) -> None:
         super().__init__(requests)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAcceptDrops(False)
         self.setMinimumSize(240, 160)
         self.setAccessibleName(tr("Image"))
-        self.led_by_keys = False
+        self.is_led_by_keys = False
         self._pointer: Position | None = None
-        self._wheel = Wheel()
-        self.pointer = Pointer(self, self)
-        self.pointer.moved.connect(self.move_to)
-        self.pointer.dragged.connect(lambda _, by: self.pan(by.x(), by.y()))
-        self.view.sigRangeChanged.connect(self.point_again)
+        self._wheel = WheelNotchCounter()
+        self.pointer = PointerFilter(self, self)
+        self.pointer.moved.connect(self.move_pointer_to)
+        self.pointer.dragged.connect(lambda _, by: self.pan_by(by.x(), by.y()))
+        self.view.sigRangeChanged.connect(self.report_resting_pointer)
 
-    def use_image(self) -> None:
+    def on_image_changed(self) -> None:
         """Cancel gestures begun on the previous image."""
-        self.hold.cancel()
-        self.taken.emit()
-        super().use_image()
-        self.point_again()
+        self.dispatcher.cancel_gesture()
+        self.keyboard_interrupted.emit()
+        super().on_image_changed()
+        self.report_resting_pointer()
 
-    def use(self, tool: Tool) -> None:
+    def use_tool(self, tool: Tool) -> None:
         """Give the left button to another tool."""
-        self.hold.take(tool)
+        self.dispatcher.switch_tool(tool)
         if self._pointer is not None:
-            tool.here = self.here
-            tool.hover(self.placed(self._pointer))
-        self.viewport().setCursor(tool.cursor(self.placed((-1e9, -1e9)), 0.0))
+            tool.current_slice = self.shown_slice
+            tool.on_hover(self.place_at(self._pointer))
+        self.viewport().setCursor(tool.cursor_at(self.place_at((-1e9, -1e9)), 0.0))
 
-    def move_to(self, at: Position) -> None:
+    def move_pointer_to(self, at: Position) -> None:
         """Move the pointer, or the cross-hair, to a position."""
         self._pointer = at
-        self.hold.move(self, at)
-        self._report(at)
+        self.dispatcher.move_pointer(self, at)
+        self._emit_pointer_place(at)
 
-    def leave(self) -> None:
+    def remove_pointer(self) -> None:
         """Handle the pointer leaving the canvas."""
-        self._pointer = self.pointer.over = None
-        self.hold.tool.put_away()
-        self._report(None)
+        self._pointer = self.pointer.point_in_view = None
+        self.dispatcher.tool.hide_marks()
+        self._emit_pointer_place(None)
 
-    def point_again(self) -> None:
+    def report_resting_pointer(self) -> None:
         """Report the place under a resting pointer again, after the image has moved or changed under it."""
-        if self.pointer.over is not None and not self.led_by_keys:
-            self._pointer = self.position(self.pointer.over)
-            self._report(self._pointer)
+        if self.pointer.point_in_view is not None and not self.is_led_by_keys:
+            self._pointer = self.map_to_image(self.pointer.point_in_view)
+            self._emit_pointer_place(self._pointer)
 
-    def _report(self, at: Position | None) -> None:
-        self.pointed.emit(at)
-        self.placed_at.emit(None if at is None else self.placed(at))
+    def _emit_pointer_place(self, at: Position | None) -> None:
+        self.pointer_moved.emit(at)
+        self.pointer_place_changed.emit(None if at is None else self.place_at(at))
 
     # Called by Qt
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom around the pointer; with Shift, step through the slices of a volume or resize the tool."""
         event.accept()
-        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.here is not None:
-            self.slice_wanted.emit(self._wheel.notches(event))
-        elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.hold.tool.sized:
-            notches = self._wheel.notches(event)
+        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.shown_slice is not None:
+            self.slice_step_wanted.emit(self._wheel.count_notches(event))
+        elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.dispatcher.tool.is_resizable:
+            notches = self._wheel.count_notches(event)
             for _ in range(abs(notches)):
-                self.hold.tool.resize(-math.copysign(1.0, notches))
+                self.dispatcher.tool.resize_by(-math.copysign(1.0, notches))
         else:
-            self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
+            self.zoom_by(WHEEL_ZOOM_FACTOR ** (event.angleDelta().y() / 120.0), event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Show the effect of Shift on the tool; leave keys to the window."""
-        self._use_shift(event, event.modifiers() | Qt.KeyboardModifier.ShiftModifier)
+        self._apply_shift_key(event, event.modifiers() | Qt.KeyboardModifier.ShiftModifier)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
         """Show the effect of releasing Shift; leave keys to the window."""
-        self._use_shift(event, event.modifiers() & ~Qt.KeyboardModifier.ShiftModifier)
+        self._apply_shift_key(event, event.modifiers() & ~Qt.KeyboardModifier.ShiftModifier)
 
-    def _use_shift(self, event: QKeyEvent, modifiers: Qt.KeyboardModifier) -> None:
+    def _apply_shift_key(self, event: QKeyEvent, modifiers: Qt.KeyboardModifier) -> None:
         event.ignore()
-        if event.key() == Qt.Key.Key_Shift and self._pointer is not None and not self.led_by_keys:
-            self.hold.set_modifiers(modifiers)
-            self.hold.move(self, self._pointer)
+        if event.key() == Qt.Key.Key_Shift and self._pointer is not None and not self.is_led_by_keys:
+            self.dispatcher.set_modifiers(modifiers)
+            self.dispatcher.move_pointer(self, self._pointer)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Cancel the drag when the window loses the focus."""
-        if self.hold.dragging and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
-            self.hold.cancel()
+        if self.dispatcher.is_dragging and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
+            self.dispatcher.cancel_gesture()
         super().focusOutEvent(event)

@@ -12,12 +12,12 @@ from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.signals import PROGRAM_CATEGORIES, OPENING_CATEGORY
-from cpm_app.views.canvas.canvas import Canvas, ToolInUse
+from cpm_app.views.canvas.canvas import Canvas, ToolDispatcher
 from cpm_app.views.canvas.crosshair import Crosshair
-from cpm_app.views.canvas.flow import Flow
+from cpm_app.views.canvas.flow import ParticleFlow
 from cpm_app.views.canvas.image_view import ImageView
-from cpm_app.views.canvas.legend import Strip
-from cpm_app.views.canvas.pointed import Pointed, part_around, selected_places
+from cpm_app.views.canvas.legend import CanvasStrip
+from cpm_app.views.canvas.pointed import ItemPicker, rectangle_around, selected_places
 from cpm_app.views.layers.image_layer import LevelDrag
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.select import SelectTool
@@ -60,54 +60,54 @@ class CanvasArea(QWidget):
         self._workspace = workspace
         self._session = session = workspace.session
         self._selection = workspace.object_selection
-        self.canvas, self.flow = Canvas(session), Flow(session, self)
-        self.strip = Strip(self.canvas.layers.legend)
+        self.canvas, self.flow = Canvas(session), ParticleFlow(session, self)
+        self.strip = CanvasStrip(self.canvas.layers.collect_legend_entries)
         self.messages, self.hint = self.strip.messages, self.strip.hint
-        self._pointed = Pointed(workspace)
+        self._item_picker = ItemPicker(workspace)
         self.offers, self.controls, self.views = OfferBar(), QVBoxLayout(), QGridLayout()
         """Bar above the canvas, bars below it, and views next to it; features add their contents."""
         self.views.setSpacing(2)
         self.views.addWidget(self.canvas, 0, 0)
         column = arrange(QVBoxLayout(self), self.offers, self.views, self.controls, self.strip, spacing=0)
         column.setStretchFactor(self.views, 1)
-        self.crosshair = Crosshair(self.canvas, self.refresh)
-        tool_arguments = workspace, self.canvas.layers.drawing, self.refresh
+        self.crosshair = Crosshair(self.canvas, self.update_hint)
+        tool_arguments = workspace, self.canvas.layers.drawing, self.update_hint
         self._tools = {kind.name: kind(*tool_arguments) for kind in TOOLS}
-        self.canvas.hold = ToolInUse(self._tools[FIRST_TOOL], SelectTool(*tool_arguments))
-        self._given = False
+        self.canvas.dispatcher = ToolDispatcher(self._tools[FIRST_TOOL], SelectTool(*tool_arguments))
+        self._has_focus_from_field = False
         self.canvas.installEventFilter(self)
-        self.canvas.pointed.connect(self._point)
+        self.canvas.pointer_moved.connect(self._on_pointer_moved)
         self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
         self.use_tool(FIRST_TOOL)
         session.message_shown.connect(self.messages.show_message)
-        session.messages_cleared.connect(self.messages.attempt)
-        session.image_changed.connect(lambda: self.messages.keep_only(OPENING_CATEGORY, *PROGRAM_CATEGORIES))
+        session.messages_cleared.connect(self.messages.clear_category)
+        session.image_changed.connect(lambda: self.messages.keep_categories(OPENING_CATEGORY, *PROGRAM_CATEGORIES))
 
         def on_layer_changed() -> None:
             """Keep contours that are not visible from being selected."""
-            workspace.review.shows_rejected = bool(self.canvas.layers.contours.chosen["rejected"])
-            self.strip.legend.refresh()
+            workspace.review.shows_rejected = bool(self.canvas.layers.contours.option_values["rejected"])
+            self.strip.legend.schedule_update()
 
         for layer in self.canvas.layers:
             layer.changed.connect(on_layer_changed)
-        session.status_changed.connect(self.refresh)
-        self.flow.changed.connect(self._draw)
-        self._selection.changed.connect(self.refresh)
-        workspace.object_list.selection_changed.connect(self.refresh)
-        self._draw()
+        session.status_changed.connect(self.update_hint)
+        self.flow.changed.connect(self._draw_scene)
+        self._selection.changed.connect(self.update_hint)
+        workspace.object_list.selection_changed.connect(self.update_hint)
+        self._draw_scene()
 
     def use_tool(self, name: str) -> None:
         """Change the tool, and give the keyboard to the canvas.
 
         A drawing tool deselects the shape, whose handles would be in the way.
         """
-        changed = self.canvas.hold.tool.name != name
-        self.canvas.use(self._tools[name])
+        changed = self.canvas.dispatcher.tool.name != name
+        self.canvas.use_tool(self._tools[name])
         if name != "select":
             self._session.select_shape(None)
-        self.crosshair.move(0.0, 0.0)
+        self.crosshair.move_by(0.0, 0.0)
         self.canvas.setFocus()
-        self.refresh()
+        self.update_hint()
         if changed:
             self.tool_changed.emit()
 
@@ -121,38 +121,38 @@ class CanvasArea(QWidget):
             view = found or view
             point_in_view = QPointF(view.mapFrom(self, point))
         elif keyed is not None:
-            point_in_view = view.point(keyed)
+            point_in_view = view.map_from_image(keyed)
         else:
-            return self._pointed.chosen, self.rect().center()
-        kind = self._pointed.choose(view.placed(view.position(point_in_view)), view.reach(), view.here)
+            return self._item_picker.selected_kind, self.rect().center()
+        kind = self._item_picker.select_item_at(view.place_at(view.map_to_image(point_in_view)), view.hit_tolerance(), view.shown_slice)
         return kind, view.mapTo(self, point_in_view.toPoint())
 
-    def escape(self) -> None:
+    def cancel_or_deselect(self) -> None:
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
-        if self.canvas.hold.gesturing:
-            self.canvas.hold.cancel()
+        if self.canvas.dispatcher.is_gesturing:
+            self.canvas.dispatcher.cancel_gesture()
         elif self.crosshair.position is not None:
-            self.crosshair.hide()
+            self.crosshair.hide_crosshair()
         elif self._workspace.comparison.selected:
             self._workspace.comparison.select_row(CURRENT_KEY)
         else:
-            self.messages.dismiss()
+            self.messages.dismiss_message()
             self._session.select_shape(None)
             self._workspace.review.select()
 
-    def refresh(self) -> None:
+    def update_hint(self) -> None:
         """Show the next step below the canvas; advice of the tool has priority."""
         text = self._session.resolved.hint
         if self._session.document.image is not None:
             offered = "" if self._selection.selecting else self._selection.advice
-            text = self.crosshair.advice or self.canvas.hold.tool.advice or offered or text
-        self.strip.say_next(text)
+            text = self.crosshair.advice or self.canvas.dispatcher.tool.advice or offered or text
+        self.strip.show_hint(text)
 
     def zoom_to_selection(self) -> None:
         """Zoom to the selection; in a volume, in the slices through its middle."""
         places = selected_places(self._workspace)
         if places:
-            self.canvas.show_part(part_around(np.concatenate(places), self.canvas, self._workspace.slices))
+            self.canvas.show_part(rectangle_around(np.concatenate(places), self.canvas, self._workspace.slices))
 
     def add_circle(self) -> None:
         """Add a circle in the middle of the visible part."""
@@ -163,7 +163,7 @@ class CanvasArea(QWidget):
         row = min(max(seen.center().y(), 0.0), rows - 1.0)
         col = min(max(seen.center().x(), 0.0), cols - 1.0)
         radius = max(4.0, _NEW_CIRCLE_FRACTION * min(seen.width(), seen.height(), rows, cols))
-        volume, center = self.canvas.drawn.volume, self.canvas.placed((row, col))
+        volume, center = self.canvas.drawn_scene.volume, self.canvas.place_at((row, col))
         round_one = Circle(center, radius) if volume is None else Sphere.from_voxel_size(center, radius, volume.spacing)
         name = tr("add circle") if volume is None else tr("add sphere")
         self._session.edit(name, lambda document: edits.add_shape(document, round_one))
@@ -175,66 +175,66 @@ class CanvasArea(QWidget):
         An extra Enter right after a field has returned the focus accepts nothing.
         """
         if isinstance(event, QFocusEvent) and event.type() == QEvent.Type.FocusIn:
-            self._given = event.reason() == Qt.FocusReason.ShortcutFocusReason
+            self._has_focus_from_field = event.reason() == Qt.FocusReason.ShortcutFocusReason
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
-            key, tool = event.key(), self.canvas.hold.tool
-            sized = tool.sized or self._session.selected_shape is not None
-            if (key in _RESIZE_KEYS and sized) or (key == Qt.Key.Key_Backspace and tool.drafting):
+            key, tool = event.key(), self.canvas.dispatcher.tool
+            sized = tool.is_resizable or self._session.selected_shape is not None
+            if (key in _RESIZE_KEYS and sized) or (key == Qt.Key.Key_Backspace and tool.has_draft):
                 event.accept()
                 return True
-        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and self._take_key(event):
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and self._handle_key(event):
             return True
         return super().eventFilter(watched, event)
 
-    def _point(self) -> None:
+    def _on_pointer_moved(self) -> None:
         """Note that the pointer has been used since a field returned the focus."""
-        self._given = False
+        self._has_focus_from_field = False
 
-    def _draw(self) -> None:
-        self.canvas.draw(self.flow.scene)
-        self.strip.legend.refresh()
+    def _draw_scene(self) -> None:
+        self.canvas.draw_scene(self.flow.scene)
+        self.strip.legend.schedule_update()
 
-    def _take_key(self, event: QKeyEvent) -> bool:
+    def _handle_key(self, event: QKeyEvent) -> bool:
         key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected_shape
-        tool, keyed, objects = self.canvas.hold.tool, self.crosshair.position is not None, self._workspace.object_list
-        given, self._given = self._given, False
+        tool, keyed, objects = self.canvas.dispatcher.tool, self.crosshair.position is not None, self._workspace.object_list
+        given, self._has_focus_from_field = self._has_focus_from_field, False
         accepts = key in ENTER and not keyed and (objects.pending_rows or objects.selected_keys)
         if given and accepts:
             self._session.show_message(tr("The value is set. Enter accepts the proposal."))
             return True
         ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
-        if tool.drafting and key in _DRAFT_KEYS and ends:
-            (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
+        if tool.has_draft and key in _DRAFT_KEYS and ends:
+            (tool.remove_last_part if key == Qt.Key.Key_Backspace else tool.finish)()
         elif accepts:
             if objects.pending_rows:  # objects are accepted already
                 objects.accept_pending()
         elif key in ENTER:
-            self.canvas.hold.set_modifiers(held)
-            (self.crosshair.enter if keyed else self.crosshair.show)()
+            self.canvas.dispatcher.set_modifiers(held)
+            (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()
         elif key in _ARROW_DIRECTIONS:
             factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0
             row, col = _ARROW_DIRECTIONS[key]
-            by: Place = self.canvas.toward(factor * row, factor * col)
+            by: Place = self.canvas.image_displacement(factor * row, factor * col)
             if keyed:
-                self.crosshair.move(*by)
+                self.crosshair.move_by(*by)
             elif index is None:
-                self.canvas.pan(_PAN_STEP * col, _PAN_STEP * row)
+                self.canvas.pan_by(_PAN_STEP * col, _PAN_STEP * row)
             else:
                 slices = self._session.scene.slices
                 by = by if slices is None else slices.current.lift_offset(by)
                 name = tr("move {shape}", shape=translate_core_text(self._session.document.shapes[index].title))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
-        elif key in _RESIZE_KEYS and (index is not None or tool.sized):
-            self.enlarge(_RESIZE_KEYS[key])
+        elif key in _RESIZE_KEYS and (index is not None or tool.is_resizable):
+            self.resize_selection(_RESIZE_KEYS[key])
         else:
             return False
         return True
 
-    def enlarge(self, by: float) -> None:
+    def resize_selection(self, by: float) -> None:
         """Enlarge the selected shape, or the size of the tool; negative values of `by` make it smaller."""
         index = self._session.selected_shape
         if index is None:
-            self.canvas.hold.tool.resize(by)
+            self.canvas.dispatcher.tool.resize_by(by)
             return
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")

@@ -32,7 +32,7 @@ class Crosshair:
 
     def __init__(self, canvas: Canvas, changed: Callback) -> None:
         self._canvas = canvas
-        self._changed = changed
+        self._on_advice_changed = changed
         self.position: Position | None = None
         """Its position (row, col); None while it is hidden."""
         self._marks = [
@@ -43,7 +43,7 @@ class Crosshair:
         ]
         for marks in self._marks:
             canvas.view.addItem(marks, ignoreBounds=True)
-        canvas.taken.connect(self.hide)
+        canvas.keyboard_interrupted.connect(self.hide_crosshair)
 
     @property
     def advice(self) -> str:
@@ -51,16 +51,16 @@ class Crosshair:
         if self.position is None:
             return ""
         text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} hides it.")
-        return insert_keys(text, what=self._canvas.hold.tool.by_keys)
+        return insert_keys(text, what=self._canvas.dispatcher.tool.keyboard_tip)
 
-    def toggle(self) -> None:
+    def toggle_visibility(self) -> None:
         """Show or hide the cross-hair."""
         if self.position is None:
-            self.show()
+            self.show_crosshair()
         else:
-            self.hide()
+            self.hide_crosshair()
 
-    def show(self) -> None:
+    def show_crosshair(self) -> None:
         """Show the cross-hair under the pointer, or in the center of the canvas."""
         canvas = self._canvas
         shape = canvas.shape
@@ -68,55 +68,55 @@ class Crosshair:
             return
         inside = canvas.mapFromGlobal(QCursor.pos())
         under = canvas.underMouse() and canvas.rect().contains(inside)
-        at = canvas.position((inside if under else canvas.rect().center()).toPointF())
+        at = canvas.map_to_image((inside if under else canvas.rect().center()).toPointF())
         row, col = (min(max(round(place), 0), n - 1) for place, n in zip(at, shape, strict=True))
-        self._place((float(row), float(col)))
+        self._move_to((float(row), float(col)))
         canvas.setFocus()
 
-    def hide(self) -> None:
+    def hide_crosshair(self) -> None:
         """Hide the cross-hair."""
         if self.position is not None:
-            if self._canvas.hold.dragging:
-                self._canvas.hold.cancel()
+            if self._canvas.dispatcher.is_dragging:
+                self._canvas.dispatcher.cancel_gesture()
             self.position = None
-            self._canvas.led_by_keys = False
-            self._canvas.leave()
-            self._draw()
-            self._changed()
+            self._canvas.is_led_by_keys = False
+            self._canvas.remove_pointer()
+            self._draw_marks()
+            self._on_advice_changed()
 
-    def move(self, down: float, right: float) -> None:
+    def move_by(self, down: float, right: float) -> None:
         """Move the cross-hair, and whatever it drags, by px of the image."""
         if self.position is not None:
-            self._place((self.position[0] + down, self.position[1] + right))
+            self._move_to((self.position[0] + down, self.position[1] + right))
 
-    def enter(self) -> None:
+    def press_enter(self) -> None:
         """Press, release, or click, depending on the tool."""
-        canvas, at, hold = self._canvas, self.position, self._canvas.hold
+        canvas, at, hold = self._canvas, self.position, self._canvas.dispatcher
         if at is None:
             return
-        if hold.dragging:
-            hold.release()
-        elif hold.tool.clicks and hold.at(canvas, at) is hold.tool:
-            hold.press(canvas, at, _KEY_HIT_TOLERANCE)
-            hold.release()
+        if hold.is_dragging:
+            hold.release_button()
+        elif hold.tool.works_by_clicks and hold.find_receiver(canvas, at) is hold.tool:
+            hold.press_button(canvas, at, _KEY_HIT_TOLERANCE)
+            hold.release_button()
         else:
-            hold.press(canvas, at)
-        self._changed()
+            hold.press_button(canvas, at)
+        self._on_advice_changed()
 
-    def _place(self, at: Position) -> None:
+    def _move_to(self, at: Position) -> None:
         canvas = self._canvas
-        canvas.led_by_keys, self.position = True, at
-        point, seen = canvas.point(at), canvas.rect()
+        canvas.is_led_by_keys, self.position = True, at
+        point, seen = canvas.map_from_image(at), canvas.rect()
         room = QRectF(seen).adjusted(_PAN_MARGIN, _PAN_MARGIN, -_PAN_MARGIN, -_PAN_MARGIN)
-        canvas.pan(
+        canvas.pan_by(
             point.x() - min(max(point.x(), room.left()), room.right()),
             point.y() - min(max(point.y(), room.top()), room.bottom()),
         )
-        canvas.hold.set_modifiers(Qt.KeyboardModifier.NoModifier)
-        canvas.move_to(at)
-        self._draw()
-        self._changed()
+        canvas.dispatcher.set_modifiers(Qt.KeyboardModifier.NoModifier)
+        canvas.move_pointer_to(at)
+        self._draw_marks()
+        self._on_advice_changed()
 
-    def _draw(self) -> None:
+    def _draw_marks(self) -> None:
         for marks in self._marks:
-            marks.show([] if self.position is None else [self.position])
+            marks.show_markers([] if self.position is None else [self.position])

@@ -26,7 +26,7 @@ _STEP_TIME_SLACK = 1.4
 """Duration of the flow, in durations of the last step, so that a slower step brings no halt."""
 
 
-class Flow(QObject):
+class ParticleFlow(QObject):
     """The scene of a session, in which the particles of a volume move on for as long as the last step took.
 
     All views of a volume draw this scene, so that they show the same moment.
@@ -50,7 +50,7 @@ class Flow(QObject):
         if self._newest is not before:
             self._pause, self._arrived = time.perf_counter() - self._arrived, time.perf_counter()
             shown = _MIN_FLOW_STEP < self._pause < _MAX_FLOW_STEP
-            self._start = start(before, self._newest) if shown else None
+            self._start = start_positions(before, self._newest) if shown else None
             if self._start is not None:
                 self._timer.start()
         self._update_scene()
@@ -67,7 +67,7 @@ class Flow(QObject):
         self.changed.emit()
 
 
-def start(before: Snapshot | None, after: Snapshot | None) -> Array | None:
+def start_positions(before: Snapshot | None, after: Snapshot | None) -> Array | None:
     """Find the positions of the particles of a volume one step earlier.
 
     Parameters

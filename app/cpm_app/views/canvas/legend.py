@@ -41,31 +41,31 @@ class Legend(QWidget):
 
     def __init__(self, entries: Callable[[], Sequence[LegendEntry]]) -> None:
         super().__init__()
-        self._read = entries
+        self._read_entries = entries
         self.entries: tuple[LegendEntry, ...] = ()
         """Entries that are shown."""
-        self.folded = False
+        self.is_folded = False
         self._label = QLabel(textFormat=Qt.TextFormat.RichText)
         self.button = QToolButton()
         self.button.setObjectName("fold")
         self.button.setText(tr("Legend"))
         self.button.setToolTip(tr("Show or hide what the lines and dots mean."))
-        self.button.clicked.connect(lambda: self.fold(not self.folded))
+        self.button.clicked.connect(lambda: self.set_folded(not self.is_folded))
         arrange(QHBoxLayout(self), self._label, self.button, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self._timer = QTimer(self, singleShot=True, interval=_LEGEND_INTERVAL)
-        self._timer.timeout.connect(self.show_now)
-        self.fold(False)
+        self._timer.timeout.connect(self.update_now)
+        self.set_folded(False)
         self.hide()
 
-    def refresh(self) -> None:
+    def schedule_update(self) -> None:
         """Schedule an update of the entries."""
         if not self._timer.isActive():
             self._timer.start()
 
-    def show_now(self) -> None:
+    def update_now(self) -> None:
         """Update the entries now."""
-        entries = tuple(entry for entry in self._read() if entry.count)
+        entries = tuple(entry for entry in self._read_entries() if entry.count)
         if entries != self.entries:
             self.entries = entries
             self._label.setToolTip(
@@ -74,9 +74,9 @@ class Legend(QWidget):
             self.setVisible(bool(entries))
             self.width_changed.emit()
 
-    def fold(self, folded: bool) -> None:
+    def set_folded(self, folded: bool) -> None:
         """Hide or show all but the button."""
-        changed, self.folded = folded != self.folded, folded
+        changed, self.is_folded = folded != self.is_folded, folded
         style = Qt.ToolButtonStyle
         self.button.setToolButtonStyle(style.ToolButtonTextBesideIcon if folded else style.ToolButtonIconOnly)
         self.button.setArrowType(Qt.ArrowType.LeftArrow if folded else Qt.ArrowType.RightArrow)
@@ -86,13 +86,13 @@ class Legend(QWidget):
             self.folded_changed.emit(folded)
             self.width_changed.emit()
 
-    def fit(self, width: int) -> None:
+    def fit_width(self, width: int) -> None:
         """Show words only where they fit in a width [px]."""
-        self._label.setText(self._text(short=False))
+        self._label.setText(self._format_entries(short=False))
         if self.sizeHint().width() > width:
-            self._label.setText(self._text(short=True))
+            self._label.setText(self._format_entries(short=True))
 
-    def _text(self, *, short: bool) -> str:
+    def _format_entries(self, *, short: bool) -> str:
         """Format the entries as rich text, each sign on the background color of the canvas."""
         return "&nbsp; ".join(
             f"<span style='color:{look().color(entry.color)}; background-color:{theme.CANVAS}'>"
@@ -102,7 +102,7 @@ class Legend(QWidget):
         )
 
 
-class Strip(QFrame):
+class CanvasStrip(QFrame):
     """Message or hint, and legend, at a fixed height so that the image never moves; `entries` feeds the legend."""
 
     def __init__(self, entries: Callable[[], Sequence[LegendEntry]]) -> None:
@@ -116,15 +116,15 @@ class Strip(QFrame):
         self.setFixedHeight(self.fontMetrics().height() + _STRIP_PADDING)
         row = arrange(QHBoxLayout(self), self.messages, self.hint, self.legend, spacing=8, wide=self.messages)
         row.setStretchFactor(self.hint, 1)
-        self.messages.shown_changed.connect(self._share)
-        self.legend.width_changed.connect(self._share)
+        self.messages.shown_changed.connect(self._share_width)
+        self.legend.width_changed.connect(self._share_width)
 
-    def say_next(self, text: str) -> None:
+    def show_hint(self, text: str) -> None:
         """Show a hint on the next step, unless there is a message."""
         if text != self.hint.text():
             self.hint.setText(text)
             self.hint.setToolTip(text)
-            self._share()
+            self._share_width()
 
     def minimumSizeHint(self) -> QSize:
         """Return no minimum width: a legend growing during a run must not widen the window."""
@@ -133,11 +133,11 @@ class Strip(QFrame):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Share the width again."""
         super().resizeEvent(event)
-        self._share()
+        self._share_width()
 
-    def _share(self) -> None:
+    def _share_width(self) -> None:
         """Give the sentence what it needs, up to a part of the width, and the rest to the legend."""
         has_message = bool(self.messages.text)
         self.hint.setVisible(not has_message)
         wanted = self.messages.sizeHint().width() if has_message else self.hint.sizeHint().width() + _STRIP_PADDING
-        self.legend.fit(self.width() - min(wanted, round(_MAX_SENTENCE_FRACTION * self.width())) - _STRIP_PADDING)
+        self.legend.fit_width(self.width() - min(wanted, round(_MAX_SENTENCE_FRACTION * self.width())) - _STRIP_PADDING)

@@ -31,11 +31,11 @@ class MessageLine(QFrame):
         self._label = ElidedLabel()
         self.details = flat_button(tr("Details"), tr("Read the whole message."), self._show_details)
         self._label.fits_changed.connect(lambda: self.details.setVisible(not self._label.fits))
-        self._button = flat_button("", tr("Dismiss message"), self.dismiss)
+        self._button = flat_button("", tr("Dismiss message"), self.dismiss_message)
         parts = self._label, self.details, self._button
         arrange(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)
         self._timer = QTimer(self, singleShot=True, interval=_MESSAGE_DURATION)
-        self._timer.timeout.connect(lambda: self._use(self._messages.without_news()))
+        self._timer.timeout.connect(lambda: self._set_messages(self._messages.without_news()))
         self._theme: Theme | None = None
         self.hide()
 
@@ -46,30 +46,30 @@ class MessageLine(QFrame):
         return shown.text if shown is not None else ""
 
     @property
-    def error(self) -> bool:
+    def is_error(self) -> bool:
         """Whether an error is shown."""
         shown = self._messages.shown
         return shown is not None and shown.error
 
     def show_message(self, message: str, error: bool, category: str = "") -> None:
         """Show a message."""
-        self._use(self._messages.with_message(Message(message, error, category)))
+        self._set_messages(self._messages.with_message(Message(message, error, category)))
 
-    def attempt(self, category: str) -> None:
+    def clear_category(self, category: str) -> None:
         """Clear the messages of a category, before another attempt."""
-        self._use(self._messages.without_categories(category))
+        self._set_messages(self._messages.without_categories(category))
 
-    def keep_only(self, *categories: str) -> None:
+    def keep_categories(self, *categories: str) -> None:
         """Clear all messages except those of some categories."""
-        self._use(self._messages.only_categories(*categories))
+        self._set_messages(self._messages.only_categories(*categories))
 
-    def dismiss(self) -> None:
+    def dismiss_message(self) -> None:
         """Dismiss the message that is shown."""
-        self._use(self._messages.without_shown())
+        self._set_messages(self._messages.without_shown())
 
     def clear(self) -> None:
         """Clear all messages."""
-        self._use(Messages())
+        self._set_messages(Messages())
 
     def show_keys(self) -> None:
         """Name the current keys in the tool tip."""
@@ -78,9 +78,9 @@ class MessageLine(QFrame):
     def use_theme(self, theme: Theme) -> None:
         """Tint the button."""
         self._theme = theme
-        self._tint()
+        self._tint_icon()
 
-    def _use(self, messages: Messages) -> None:
+    def _set_messages(self, messages: Messages) -> None:
         before, self._messages = self._messages, messages
         shown = messages.shown
         if messages.news is not None and messages.news is not before.news:
@@ -89,16 +89,16 @@ class MessageLine(QFrame):
             return
         self.setVisible(shown is not None)
         if shown is not None:
-            self._show(shown)
+            self._display_message(shown)
         self.shown_changed.emit()
 
-    def _show(self, shown: Message) -> None:
+    def _display_message(self, shown: Message) -> None:
         self._label.setText(shown.text)
         self.setObjectName("error" if shown.error else "message")
         for widget in (self, self._label, self.details, self._button):
             self.style().unpolish(widget)
             self.style().polish(widget)
-        self._tint()
+        self._tint_icon()
         self.details.setVisible(not self._label.fits)
 
     def _show_details(self) -> None:
@@ -117,6 +117,6 @@ class MessageLine(QFrame):
         popup.move(self.mapToGlobal(QPoint(0, -popup.height() - 2)))
         popup.show()
 
-    def _tint(self) -> None:
+    def _tint_icon(self) -> None:
         if self._theme is not None:
-            self._button.setIcon(icon("close", self._theme.error_text if self.error else self._theme.message_text))
+            self._button.setIcon(icon("close", self._theme.error_text if self.is_error else self._theme.message_text))

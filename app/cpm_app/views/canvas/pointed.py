@@ -14,7 +14,7 @@ from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Charge, relative_sides
 
 
-class Pointed:
+class ItemPicker:
     """Finds and selects the item at a place: lines before areas, front to back."""
 
     def __init__(self, workspace: Workspace) -> None:
@@ -23,14 +23,14 @@ class Pointed:
         self._selection = workspace.object_selection
 
     @property
-    def chosen(self) -> str:
+    def selected_kind(self) -> str:
         """Kind of the selection: "charge", "shape", "object" or "image"."""
         shapes, selected = self._session.document.shapes, self._session.selected_shape
         if selected is not None and selected < len(shapes):
             return "charge" if isinstance(shapes[selected], Charge) else "shape"
         return "object" if self._list.selected_keys or self._selection.selecting else "image"
 
-    def choose(self, at: Place, reach: float, here: Slice | None = None) -> str:
+    def select_item_at(self, at: Place, reach: float, here: Slice | None = None) -> str:
         """Select the item at a place unless it already is, and return its kind; `reach` is in px of the image.
 
         In a volume, `here` is the slice under the pointer.
@@ -43,7 +43,7 @@ class Pointed:
         key = None if near else self._list.row_at(at, reach, inside_counts=False)
         if key is None:
             self._session.select_shape(None if found is None else found.index)
-            return "image" if found is None else self.chosen
+            return "image" if found is None else self.selected_kind
         self._session.select_shape(None)
         if key not in self._list.selected_keys:
             self._list.select_rows((key,))
@@ -74,7 +74,7 @@ def selected_places(workspace: Workspace) -> list[Array]:
     return [places for places in found if len(places)]
 
 
-def part_around(places: Array, canvas: ImageView, slices: SliceNavigation) -> QRectF:
+def rectangle_around(places: Array, canvas: ImageView, slices: SliceNavigation) -> QRectF:
     """Return the rectangle around places; in a volume, first show the slices through their middle.
 
     Parameters
@@ -88,6 +88,6 @@ def part_around(places: Array, canvas: ImageView, slices: SliceNavigation) -> QR
     """
     if places.shape[1] == 3:
         slices.go_through(tuple((0.5 * (places.min(axis=0) + places.max(axis=0))).tolist()))
-        places = places if canvas.here is None else canvas.here.project_points(places)
+        places = places if canvas.shown_slice is None else canvas.shown_slice.project_points(places)
     (top, left), (bottom, right) = places.min(axis=0), places.max(axis=0)
     return QRectF(left, top, right - left, bottom - top)

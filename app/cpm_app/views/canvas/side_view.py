@@ -11,7 +11,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import AXIS_NAMES, Slices
 from cpm_app.session.features.slices import Sections
 from cpm_app.session.scene import Scene
-from cpm_app.views.canvas.canvas import ZOOM, Canvas, Pointer, Wheel
+from cpm_app.views.canvas.canvas import WHEEL_ZOOM_FACTOR, Canvas, PointerFilter, WheelNotchCounter
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.items.item import image_rectangle, line_pen
 from cpm_app.views.theme import theme
@@ -24,7 +24,7 @@ _MIN_SIDE_VIEW_SIZE = 120
 """Minimum width and height [px of the screen]."""
 
 
-class Cross:
+class SliceCross:
     """Two lines where the two other slices cut a view."""
 
     def __init__(self, view: ImageView) -> None:
@@ -35,7 +35,7 @@ class Cross:
             line.hide()
             view.view.addItem(line, ignoreBounds=True)
 
-    def show(self, slices: Slices | None) -> None:
+    def show_slices(self, slices: Slices | None) -> None:
         """Show where the slices meet; without slices, show nothing."""
         for line in self._lines:
             line.setVisible(slices is not None)
@@ -51,9 +51,9 @@ class SideView(ImageView):
     Ctrl it zooms, and the middle button pans.
     """
 
-    went = Signal(object)
+    place_wanted = Signal(object)
     """Place of the volume that the user wants the slices through."""
-    passed = Signal(int, int)
+    slice_step_wanted = Signal(int, int)
     """Axis, and the number of slices by which the user wants to move along it."""
 
     def __init__(self, canvas: Canvas, parent: QWidget) -> None:
@@ -61,12 +61,12 @@ class SideView(ImageView):
         self.setParent(parent)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setMinimumSize(_MIN_SIDE_VIEW_SIZE, _MIN_SIDE_VIEW_SIZE)
-        self.cross = Cross(self)
+        self.cross = SliceCross(self)
         self._main = canvas
-        self._wheel = Wheel()
-        self.pointer = Pointer(self, canvas)
-        self.pointer.moved.connect(self._move)
-        self.pointer.dragged.connect(self._drag)
+        self._wheel = WheelNotchCounter()
+        self.pointer = PointerFilter(self, canvas)
+        self.pointer.moved.connect(self._on_pointer_moved)
+        self.pointer.dragged.connect(self._on_dragged)
         drawing = canvas.layers.drawing
         drawing.draft_shown.connect(self.layers.drawing.show_draft)
         drawing.ring_shown.connect(self.layers.drawing.show_ring)
@@ -76,29 +76,29 @@ class SideView(ImageView):
         if self.sections.axis != axis:
             self.sections = Sections(axis, self.sections.later)
             self.setAccessibleName(tr("Slice across the axis: {axis}", axis=AXIS_NAMES[axis]))
-        self.draw(scene)
-        self.cross.show(self.drawn.slices)
+        self.draw_scene(scene)
+        self.cross.show_slices(self.drawn_scene.slices)
 
-    def _move(self, at: Position) -> None:
+    def _on_pointer_moved(self, at: Position) -> None:
         """Dispatch the move to the tool in use."""
-        self._main.hold.move(self, at)
-        self._main.placed_at.emit(self.placed(at))
+        self._main.dispatcher.move_pointer(self, at)
+        self._main.pointer_place_changed.emit(self.place_at(at))
 
-    def _drag(self, event: QMouseEvent, by: QPointF) -> None:
+    def _on_dragged(self, event: QMouseEvent, by: QPointF) -> None:
         """Move the cross with the right button, the image with the middle one."""
         if event.buttons() & Qt.MouseButton.RightButton:
-            place = self.placed(self.position(event.position()))
-            self.went.emit(place)
-            self._main.placed_at.emit(place)
+            place = self.place_at(self.map_to_image(event.position()))
+            self.place_wanted.emit(place)
+            self._main.pointer_place_changed.emit(place)
         else:
-            self.pan(by.x(), by.y())
+            self.pan_by(by.x(), by.y())
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Step through the slices of this view; with Ctrl, zoom around the pointer, out to the whole slice at most."""
         event.accept()
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
-            self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
+            self.zoom_by(WHEEL_ZOOM_FACTOR ** (event.angleDelta().y() / 120.0), event.position())
             if self.shape is not None and self.view.viewRect().contains(image_rectangle(self.shape)):
-                self.fit()
+                self.fit_image()
         elif self.sections.axis is not None:
-            self.passed.emit(self.sections.axis, self._wheel.notches(event))
+            self.slice_step_wanted.emit(self.sections.axis, self._wheel.count_notches(event))

@@ -29,7 +29,7 @@ class SliceBar(PlaceBar):
 
     size_wanted = Signal()
     """The user wants to set the size of a voxel."""
-    turned = Signal(int)
+    axis_wanted = Signal(int)
     """Axis that the user wants slices across."""
 
     def __init__(self) -> None:
@@ -41,7 +41,7 @@ class SliceBar(PlaceBar):
             button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXIS_NAMES[axis]))
             button.setCheckable(True)
             group.addButton(button, axis)
-        group.idClicked.connect(self.turned)
+        group.idClicked.connect(self.axis_wanted)
         tip = tr("Voxel size: plane × row × column. Click to change it.")
         self.voxel = flat_button("", tip, self.size_wanted.emit)
         self.voxel.setObjectName("dim")

@@ -24,18 +24,18 @@ class PointerReadout(QLabel):
     def __init__(self, session: Session, canvas: Canvas) -> None:
         super().__init__()
         self._session = session
-        canvas.placed_at.connect(self._show)
+        canvas.pointer_place_changed.connect(self._on_place_changed)
 
-    def _show(self, place: Place | None) -> None:
+    def _on_place_changed(self, place: Place | None) -> None:
         text, image = "", self._session.image
         if place is not None and image is not None and len(place) == image.ndim:
             pixel = tuple(map(round, place))
             if all(0 <= at < side for at, side in zip(pixel, image.shape, strict=True)):
-                text = self._text(image, pixel, self._session.document.parameters.channel)
+                text = self._format_pixel(image, pixel, self._session.document.parameters.channel)
         self.setText(text)
 
     @staticmethod
-    def _text(image: Image, pixel: Integers, channel: str) -> str:
+    def _format_pixel(image: Image, pixel: Integers, channel: str) -> str:
         value, size = image.gray_at(pixel, channel), preferred_pixel_size(image.spacing, image.unit)
         lengths = [format_length(place, each, size.unit or "") for place, each in zip(pixel, size.spacing, strict=True)]
         places = dict(zip(("plane", "row", "col")[-image.ndim :], pixel, strict=True))
@@ -60,9 +60,9 @@ class ZoomReadout(QLabel):
         self._canvas = canvas
         self.setAccessibleName(tr("Zoom"))
         self.setMinimumWidth(self.fontMetrics().horizontalAdvance("00000 %"))
-        canvas.view.sigRangeChanged.connect(self._show)
+        canvas.view.sigRangeChanged.connect(self._on_zoom_changed)
 
-    def _show(self, *_: object) -> None:
+    def _on_zoom_changed(self, *_: object) -> None:
         percent = 100.0 * self._canvas.magnification
         shown = f"{percent:.0f} %" if percent >= 100.0 else f"{percent:.3g} %"
         self.setText(shown if self._canvas.shape is not None else "")

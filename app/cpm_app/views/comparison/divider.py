@@ -82,7 +82,7 @@ class Wipe(QObject):
     def draw(self, scene: Scene) -> None:
         """Draw the scene on the right."""
         if self.mirror is not None:
-            self.mirror.draw(scene)
+            self.mirror.draw_scene(scene)
             self._follow_place()
 
     def move_to(self, share: float) -> None:

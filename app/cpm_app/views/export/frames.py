@@ -78,7 +78,7 @@ class FrameRenderer:
         self._view.show()
         # a new image resets the options of its layer, so it is drawn before these are set
         first = Scene(scene.image, scene.display, document=scene.document, selected_shape=scene.selected_shape)
-        self._view.draw(replace(first, slices=scene.slices))
+        self._view.draw_scene(replace(first, slices=scene.slices))
         for layer in canvas.layers:
             self._view.layers[layer.name].use_view_state(layer.view_state())
         self._view.view.setRange(part, padding=0.0)
@@ -88,10 +88,10 @@ class FrameRenderer:
         """Draw a step of the run; return RGB values of shape (H, W, 3) and dtype uint8."""
         tracked = taken.contours.tracked if taken.contours is not None else None
         contours = ReviewedContours.from_tracked(tracked, self._scene.document.marks)
-        self._view.draw(replace(self._scene, snapshot=taken.snapshot, reconstruction=taken.contours, contours=contours))
+        self._view.draw_scene(replace(self._scene, snapshot=taken.snapshot, reconstruction=taken.contours, contours=contours))
         picture = QImage(*self._size, QImage.Format.Format_RGB32)
         painter = QPainter(picture)
-        self._view.finish()
+        self._view.finish_drawing()
         self._view.render(painter)
         painter.end()
         return to_array(picture)

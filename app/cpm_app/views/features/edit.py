@@ -24,7 +24,7 @@ class DrawFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         area = self.window.canvas_area
         tools = [
-            ActionSpec(tool.name, "Tools", tool.text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
+            ActionSpec(tool.name, "Tools", tool.menu_text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
                        icon=tool.name, group="tool", checked=tool.name == FIRST_TOOL,
                        gap=index > 0 and tool.group != TOOLS[index - 1].group, when=has_image)
             for index, tool in enumerate(TOOLS)
@@ -43,7 +43,7 @@ class DrawFeature(Feature):
             ActionSpec("cross_hair", "Tools", "Draw by &keys",
                        "Draw with the current tool by moving a cross-hair with the arrow keys; or press "
                        "Enter on the image.",
-                       area.crosshair.toggle, gap=True, when=has_image),
+                       area.crosshair.toggle_visibility, gap=True, when=has_image),
         )  # fmt: skip
 
     def _start(self, kind: SeedingKind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
@@ -97,7 +97,7 @@ class UndoSelectionFeature(Feature):
         session, area = window.session, window.canvas_area
 
         def can_resize(situation: Situation) -> bool:
-            return situation.selected is not None or area.canvas.hold.tool.sized
+            return situation.selected is not None or area.canvas.dispatcher.tool.is_resizable
 
         self.actions = (
             ActionSpec("undo", "Edit", "Undo", "Undo the last change.", session.undo, "Ctrl+Z", short=tr("Undo"),
@@ -109,15 +109,15 @@ class UndoSelectionFeature(Feature):
                        gap=True, when=has_shapes),
             ActionSpec("escape", ">" + tr("Edit"), "Cance&l",
                        "Cancel the current drawing, or clear the selection and hide messages.",
-                       window.canvas_area.escape, "Escape"),
+                       window.canvas_area.cancel_or_deselect, "Escape"),
             ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected_shape,
                        "Delete Backspace", gap=True, when=lambda now: now.selected is not None),
             ActionSpec("enlarge", ">" + tr("Edit"), "Larger",
                        "Make the selected shape, the brush or the candidate larger; the key ] does the same.",
-                       partial(area.enlarge, 1.0), when=can_resize),
+                       partial(area.resize_selection, 1.0), when=can_resize),
             ActionSpec("shrink", ">" + tr("Edit"), "Smaller",
                        "Make the selected shape, the brush or the candidate smaller; the key [ does the same.",
-                       partial(area.enlarge, -1.0), when=can_resize),
+                       partial(area.resize_selection, -1.0), when=can_resize),
             ActionSpec("clear", "Edit", "Delete &all shapes", "Remove all shapes.",
                        partial(session.edit, tr("delete all shapes"), edits.clear_shapes), "Ctrl+Shift+Backspace",
                        when=has_shapes),

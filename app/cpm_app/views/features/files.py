@@ -78,7 +78,7 @@ class OpenSaveFeature(Feature):
         With `resumes` an image is opened with the session next to it. The part of a recent file that was selected last
         is opened again.
         """
-        self.window.canvas_area.messages.keep_only(*PROGRAM_CATEGORIES)
+        self.window.canvas_area.messages.keep_categories(*PROGRAM_CATEGORIES)
         documents = []
         for path in paths:
             segments = path.name.lower().endswith(_SEGMENTATION_ENDINGS) and self.session.scene.slices is not None
@@ -95,7 +95,7 @@ class OpenSaveFeature(Feature):
 
     def take_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
         """Open a part of a file as a volume or as an image."""
-        self.window.canvas_area.messages.keep_only(*PROGRAM_CATEGORIES)
+        self.window.canvas_area.messages.keep_categories(*PROGRAM_CATEGORIES)
         if self._may_open():
             self.session.open_file(path, as_volume=as_volume, reading=reading)
 

@@ -42,10 +42,10 @@ class ObjectsFeature(Feature):
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.table.show_items)
         Keys(area.canvas, self.take_key)
-        area.canvas.pointer.doubled.connect(self._open)
+        area.canvas.pointer.double_clicked.connect(self._open)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
-        area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.hold.tool.name == "mend"))
-        area.canvas.pointed.connect(lambda at: objects.set_hovered_row(None) if at is None else None)
+        area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.dispatcher.tool.name == "mend"))
+        area.canvas.pointer_moved.connect(lambda at: objects.set_hovered_row(None) if at is None else None)
         for changed in (objects.selection_changed, objects.brush_changed):
             changed.connect(lambda *_: window.refresh())
         selection.changed.connect(window.refresh)
@@ -146,8 +146,8 @@ class ObjectsFeature(Feature):
                        self.select_next, "Shift+N", when=has_image),
             ActionSpec("show_rejected", "Objects", "&Show rejected",
                        "Show rejected objects and contours faintly, or hide them.",
-                       lambda: layer.choose("rejected", not layer.chosen["rejected"]), gap=True,
-                       holds=lambda _: bool(layer.chosen["rejected"])),
+                       lambda: layer.set_option("rejected", not layer.option_values["rejected"]), gap=True,
+                       holds=lambda _: bool(layer.option_values["rejected"])),
             ActionSpec("drop_missed_edits", "Objects", "Remove outdated edits",
                        "Remove manual edits that no longer match a contour, with their lines.",
                        lambda: editing.remove_edits(editing.unmatched_edits), when=lambda _: bool(editing.unmatched_edits)),
@@ -171,7 +171,7 @@ class ObjectsFeature(Feature):
 
     def take_key(self, event: QKeyEvent) -> bool:
         """Handle the keys that act on the selection on the canvas; return whether the key was one of them."""
-        tool = self.window.canvas_area.canvas.hold.tool
+        tool = self.window.canvas_area.canvas.dispatcher.tool
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
         key, selecting = event.key(), tool.name in _SELECTION_TOOLS
@@ -179,7 +179,7 @@ class ObjectsFeature(Feature):
             self._list.classify_selected(key - Qt.Key.Key_0)
         elif key in DELETE_KEYS and len(self._editing.marked_places) == 2:
             self._editing.delete_stretch()
-        elif selecting and key in DELETE_KEYS and self._list.selected_keys and not tool.drafting:
+        elif selecting and key in DELETE_KEYS and self._list.selected_keys and not tool.has_draft:
             self._list.delete_selected()
         else:
             return False
@@ -192,7 +192,7 @@ class ObjectsFeature(Feature):
 
     def _open(self) -> None:
         """Rename the item that was double-clicked with the selection tool."""
-        if self.window.canvas_area.canvas.hold.tool.name == "select" and len(self._list.selected_keys) == 1:
+        if self.window.canvas_area.canvas.dispatcher.tool.name == "select" and len(self._list.selected_keys) == 1:
             self.ask_name()
 
     def _change(self) -> None:

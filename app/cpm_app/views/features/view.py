@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QApplication
 
 from cpm_app.model.state.situation import has_image
 from cpm_app.model.text.language import tr, localize_number
-from cpm_app.views.canvas.canvas import ZOOM
-from cpm_app.views.layers.image_layer import AUTOMATIC, WHOLE, named
+from cpm_app.views.canvas.canvas import WHEEL_ZOOM_FACTOR
+from cpm_app.views.layers.image_layer import AUTOMATIC_RANGE, WHOLE_RANGE, format_window
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.panels.layer_list import LayersPanel
 from cpm_app.views.widgets.actions import LAYER, ActionSpec
@@ -40,7 +40,7 @@ class LayersFeature(Feature):
         layers, legend = canvas.layers, area.strip.legend
         panel = LayersPanel(layers)
         self.panels = (Panel("layers", "Layers", panel, "F8"),)
-        canvas.pointed.connect(layers.forces.point_at)
+        canvas.pointer_moved.connect(layers.forces.set_pointer)
         for layer in layers:
             layer.use_view_state(window.preferences.read_json(_LAYER_SETTINGS_KEY.format(layer=layer.name)))
             layer.changed.connect(window.refresh)
@@ -48,11 +48,11 @@ class LayersFeature(Feature):
         def show_range() -> None:
             low, high = layers.image.window
             text = tr("Black {low}, white {high}", low=localize_number(f"{low:.4g}"), high=localize_number(f"{high:.4g}"))
-            area.strip.say_next(f"{text}: {named((low, high))}")
+            area.strip.show_hint(f"{text}: {format_window((low, high))}")
 
         area.level_drag.moved.connect(show_range)
         area.level_drag.ended.connect(window.refresh)
-        legend.fold(bool(window.preferences.read_key(_LEGEND_FOLDED_KEY, False)))
+        legend.set_folded(bool(window.preferences.read_key(_LEGEND_FOLDED_KEY, False)))
         legend.folded_changed.connect(lambda folded: window.preferences.store_key(_LEGEND_FOLDED_KEY, folded))
         legend.folded_changed.connect(window.refresh)
         window.shortcuts.changed.connect(lambda: panel.use_actions(window.actions_by_name))
@@ -66,7 +66,7 @@ class LayersFeature(Feature):
                               holds=lambda _: layer.shown)  # fmt: skip
 
         self.actions = (
-            ActionSpec("fit", "View", "&Fit to window", "Show the whole image.", canvas.fit, "F Ctrl+0",
+            ActionSpec("fit", "View", "&Fit to window", "Show the whole image.", canvas.fit_image, "F Ctrl+0",
                        short=tr("Fit"), icon="fit", when=has_image),
             ActionSpec("actual_size", "View", "&Actual size",
                        "Show one pixel of the image on one pixel of the screen.", partial(canvas.zoom_to, 1.0),
@@ -74,33 +74,33 @@ class LayersFeature(Feature):
             ActionSpec("zoom_to_selection", "View", "Zoom to the &selection",
                        "Show the selected contours, objects or shape as large as possible.", area.zoom_to_selection,
                        "Shift+F", when=lambda now: now.selected is not None or bool(workspace.object_list.selected_keys)),
-            ActionSpec("zoom_in", "View", "Zoom &in", "Zoom in.", partial(canvas.zoom, ZOOM), "+ = Ctrl++"),
-            ActionSpec("zoom_out", "View", "Zoom &out", "Zoom out.", partial(canvas.zoom, 1.0 / ZOOM), "- Ctrl+-"),
+            ActionSpec("zoom_in", "View", "Zoom &in", "Zoom in.", partial(canvas.zoom_by, WHEEL_ZOOM_FACTOR), "+ = Ctrl++"),
+            ActionSpec("zoom_out", "View", "Zoom &out", "Zoom out.", partial(canvas.zoom_by, 1.0 / WHEEL_ZOOM_FACTOR), "- Ctrl+-"),
             ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",
-                       lambda: legend.fold(not legend.folded), "Alt+L", gap=True,
-                       holds=lambda _: not legend.folded),
+                       lambda: legend.set_folded(not legend.is_folded), "Alt+L", gap=True,
+                       holds=lambda _: not legend.is_folded),
             *map(create_layer_action, layers),
             ActionSpec("levels_full", _LAYERS_GROUP, "&All gray values",
                        "Show all gray values, from the smallest (black) to the largest (white).",
-                       partial(self._choose_range, WHOLE), "Alt+Shift+W", when=has_image,
-                       holds=lambda _: layers.image.word("range") == WHOLE),
+                       partial(self._choose_range, WHOLE_RANGE), "Alt+Shift+W", when=has_image,
+                       holds=lambda _: layers.image.get_choice("range") == WHOLE_RANGE),
             ActionSpec("levels_auto", _LAYERS_GROUP, "A&utomatic range",
                        "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
                        "button to change the range.",
-                       partial(self._choose_range, AUTOMATIC), "Alt+W", when=has_image,
-                       holds=lambda _: layers.image.word("range") == AUTOMATIC),
+                       partial(self._choose_range, AUTOMATIC_RANGE), "Alt+W", when=has_image,
+                       holds=lambda _: layers.image.get_choice("range") == AUTOMATIC_RANGE),
         )  # fmt: skip
 
     def close(self) -> bool:
         """Store the settings of the layers, but not their visibility, for the next start."""
         for layer in self.canvas.layers:
-            chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
+            chosen = {name: value for name, value in layer.option_values.items() if value != "hand"}
             if layer.options:
                 self.window.preferences.store_key(_LAYER_SETTINGS_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
 
     def _choose_range(self, value: str) -> None:
-        self.canvas.layers.image.choose("range", value)
+        self.canvas.layers.image.set_option("range", value)
         self.window.refresh()
 
 

@@ -17,14 +17,14 @@ from cpm_app.session.features.background import AsyncCache
 from cpm_app.session.scene import Scene
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.canvas.image_view import ImageView
-from cpm_app.views.canvas.side_view import Cross, SideView
+from cpm_app.views.canvas.side_view import SliceCross, SideView
 from cpm_app.views.canvas.slice_bar import SliceBar
 from cpm_app.views.features.animation import begin_animation, begin_writing, comment_on
 from cpm_app.views.panels.pages import PageBar, PagePanel
-from cpm_app.views.volume.seen_in_space import SeenInSpace
-from cpm_app.views.volume.space_clicks import draw_at, select_at
-from cpm_app.views.volume.space_marks import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
-from cpm_app.views.volume.space_panel import SpacePanel, specs
+from cpm_app.views.volume.seen_in_space import SpaceViewBuilder
+from cpm_app.views.volume.space_clicks import draw_shape_at, select_body_at
+from cpm_app.views.volume.space_marks import TURN_FRAMES, FRAMES_PER_SECOND, animation_size, render_picture, render_turn
+from cpm_app.views.volume.space_panel import SpacePanel, space_action_specs
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.widgets.fields import PLACE_JUMP
 from cpm_app.views.window.docks import Panel
@@ -52,7 +52,7 @@ class SlicesFeature(Feature):
         self._slices = slices = window.workspace.slices
         pages = window.workspace.pages
         self.bar.moved.connect(slices.go_to)
-        self.bar.turned.connect(slices.set_axis)
+        self.bar.axis_wanted.connect(slices.set_axis)
         self.bar.size_wanted.connect(partial(window.do, "pixel_size"))
         area.controls.addWidget(self.bar)
         self.sides: tuple[SideView, ...] = ()
@@ -60,10 +60,10 @@ class SlicesFeature(Feature):
         self.space: QWidget | None = None
         """View in space, which is shown together with them."""
         self._wanted = bool(window.preferences.read_key(_SIDES_SHOWN_KEY, True))
-        self._cross = Cross(area.canvas)
+        self._cross = SliceCross(area.canvas)
         self._later: list[AsyncCache] = []
         self._draw_later(area.canvas)
-        area.canvas.slice_wanted.connect(slices.go_by)
+        area.canvas.slice_step_wanted.connect(slices.go_by)
         area.flow.changed.connect(self._show)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.show_place)
         window.shortcuts.changed.connect(self.bar.show_keys)
@@ -110,8 +110,8 @@ class SlicesFeature(Feature):
     def _draw_later(self, view: ImageView) -> None:
         """Compute the slow parts of the slices of a view on another thread, and draw them when they are ready."""
         view.sections.later = later = AsyncCache(self.window.session)
-        later.completed.connect(view.draw_again)
-        later.completed.connect(self.window.canvas_area.strip.legend.refresh)
+        later.completed.connect(view.redraw_scene)
+        later.completed.connect(self.window.canvas_area.strip.legend.schedule_update)
         self._later.append(later)
 
     def _open_menu(self, point: QPoint) -> None:
@@ -134,7 +134,7 @@ class SlicesFeature(Feature):
         if (scene.slices, scene.full_image) != self._shown:
             self._shown = scene.slices, scene.full_image
             self.show_place()
-            self.window.canvas_area.canvas.point_again()
+            self.window.canvas_area.canvas.report_resting_pointer()
 
     def show_place(self) -> None:
         """Show the position of the slice in the preferred unit."""
@@ -143,7 +143,7 @@ class SlicesFeature(Feature):
     def _show_sides(self, scene: Scene) -> None:
         """Draw the other two slices and the lines where all three meet."""
         shown = scene.slices is not None and self._wanted
-        self._cross.show(scene.slices if shown else None)
+        self._cross.show_slices(scene.slices if shown else None)
         if len(self.sides) < 2:
             if shown:
                 self.window.turns.ask(self._make_side)
@@ -166,12 +166,12 @@ class SlicesFeature(Feature):
         area, row = self.window.canvas_area, len(self.sides)
         view = SideView(area.canvas, area)
         view.hide()
-        area.level_drag.watch(view.viewport())
+        area.level_drag.watch_widget(view.viewport())
         area.views.addWidget(view, row, 1)
         self._draw_later(view)
         view.pointer.menu_wanted.connect(self._open_menu)
-        view.went.connect(self._slices.go_through)
-        view.passed.connect(self._slices.step_along)
+        view.place_wanted.connect(self._slices.go_through)
+        view.slice_step_wanted.connect(self._slices.step_along)
         self.sides += (view,)
         self.window.turns.ask(self._show)
 
@@ -247,7 +247,7 @@ class SpaceFeature(Feature):
         super().__init__(window)
         self.panel = SpacePanel(window.session)
         self.panels = (Panel("space", "In space", self.panel, "Shift+F9", shown=False),)
-        self._seen, self._objects = SeenInSpace(), window.workspace.object_list
+        self._seen, self._objects = SpaceViewBuilder(), window.workspace.object_list
         self.panel.view.hide()
         window.feature(SlicesFeature).space = self.panel.view
         window.canvas_area.views.addWidget(self.panel.view, 1, 0)
@@ -257,10 +257,10 @@ class SpaceFeature(Feature):
         window.session.image_changed.connect(self.reveal)
         self.panel.view.picked.connect(self._pick)
         self.panel.bar.changed.connect(window.refresh)
-        window.canvas_area.level_drag.watch(self.panel.view)
+        window.canvas_area.level_drag.watch_widget(self.panel.view)
         for layer in (layers.particles, layers.image, layers.drawing, layers["objects"], layers["truth"]):
             layer.changed.connect(self._show)
-        self.actions = tuple(specs(self.panel, window.session))
+        self.actions = tuple(space_action_specs(self.panel, window.session))
 
     def close(self) -> bool:
         """Stop the thread that renders."""
@@ -269,19 +269,19 @@ class SpaceFeature(Feature):
 
     def write(self, path: Path, turning: bool) -> None:
         """Write the view as a picture, or as an animation of a full turn."""
-        room, seen, camera = self.panel.view.room, self.panel.contents, self.panel.view.camera
+        room, seen, camera = self.panel.view.picture_size, self.panel.contents, self.panel.view.camera
         if seen is None or camera is None:
             return
         session, size = self.window.session, animation_size(room)
         comment = comment_on(session)
 
         def write_view_picture(_: BackgroundTask) -> Report:
-            write_picture(picture_of(seen, camera, room), path, comment)
+            write_picture(render_picture(seen, camera, room), path, comment)
             return FilesExported(path)
 
         if turning:
-            frames = turn(seen, camera.enlarged(size[0] / room[0]), size)
-            begin_animation(session, path, lambda _: frames, FRAMES, FRAMES_PER_SECOND)
+            frames = render_turn(seen, camera.enlarged(size[0] / room[0]), size)
+            begin_animation(session, path, lambda _: frames, TURN_FRAMES, FRAMES_PER_SECOND)
         else:
             begin_writing(session, path, write_view_picture)
 
@@ -290,16 +290,16 @@ class SpaceFeature(Feature):
     def _pick(self, place: Place) -> None:
         """Move the slices to a place, and apply the tool in use there if it works without a slice."""
         self.window.workspace.slices.go_through(place)
-        tool = self.window.canvas_area.canvas.hold.tool
+        tool = self.window.canvas_area.canvas.dispatcher.tool
         camera, image = self.panel.view.camera, self.window.session.image
         if tool is not None and tool.name == "objects" and camera is not None and image is not None:
-            select_at(self.window.workspace.object_selection, camera, image.spacing, place)
+            select_body_at(self.window.workspace.object_selection, camera, image.spacing, place)
         elif tool is not None:
-            draw_at(self.window.session, tool.name, place)
+            draw_shape_at(self.window.session, tool.name, place)
 
     def reveal(self) -> None:
         """Show the tab for volumes only."""
         self.window.docks.offer("space", self.window.session.scene.slices is not None)
 
     def _show(self, *_: object) -> None:
-        self.panel.show_contents(self._seen.of(self.window.canvas_area.flow.scene, self._layers, self._objects.bodies))
+        self.panel.show_contents(self._seen.build_view(self.window.canvas_area.flow.scene, self._layers, self._objects.bodies))

@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from cpm_app.model.display.stamps import STAMP_LANES, Colors, stamp_pictures
-from cpm_app.views.items.item import OverImage, to_xy
+from cpm_app.views.items.item import ImageOverlay, to_xy
 from cpm_app.views.theme.theme import look
 from cpm_core.numerics import Array
 
@@ -32,7 +32,7 @@ _DISC_RIM = 16.0
 """Margin around the image for particles on its border [px of the image]."""
 
 
-class Discs(OverImage):
+class Discs(ImageOverlay):
     """Discs of one color or of a palette; their size follows the zoom within bounds.
 
     A single call of the painter draws all discs from one pixmap with the colors side by side. A pyqtgraph scatter plot
@@ -58,10 +58,10 @@ class Discs(OverImage):
 
     def __init__(self, color: str, diameter: float, z: float) -> None:
         super().__init__(z, _DISC_RIM)
-        self._own = (color,)
-        self._colors: Sequence[str] = self._own
+        self._default_palette = (color,)
+        self._colors: Sequence[str] = self._default_palette
         self._diameter = diameter
-        self._shrunk = 1.0
+        self._size_factor = 1.0
         self.position: Array = np.empty((0, 2))
         self._marks: Marks | None = None
         self._opacity: Array | None = None
@@ -69,18 +69,18 @@ class Discs(OverImage):
         self._stamp = QImage()
         self._stamped: tuple[object, ...] = ()
 
-    def use_palette(self, colors: Sequence[str] = ()) -> None:
+    def set_palette(self, colors: Sequence[str] = ()) -> None:
         """Set the palette, by default the color of the item; call `show_discs` afterwards."""
-        self._colors = tuple(colors) or self._own
+        self._colors = tuple(colors) or self._default_palette
         self.update()
 
-    def shrink(self, factor: float) -> None:
+    def set_size_factor(self, factor: float) -> None:
         """Scale the diameter of the discs by a factor."""
-        if factor != self._shrunk:
-            self._shrunk = factor
+        if factor != self._size_factor:
+            self._size_factor = factor
             self.update()
 
-    def show(self, position: Array, color: Marks | None = None, opacity: Array | None = None) -> None:
+    def show_discs(self, position: Array, color: Marks | None = None, opacity: Array | None = None) -> None:
         """Show discs, unless nothing has changed, as in slices far from moving particles.
 
         Parameters
@@ -96,7 +96,7 @@ class Discs(OverImage):
         if all(one is other or np.array_equal(one, other) for one, other in shown):  # type: ignore[arg-type]  # None
             return
         self.position, self._marks, self._opacity = position, color, opacity
-        self.renew(len(position))
+        self.update_count(len(position))
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw all discs."""
@@ -133,7 +133,7 @@ class Discs(OverImage):
     def _stamp_for(self, ratio: float, zoom: float) -> QImage:
         """Draw the discs of all colors side by side, for `ratio` device pixels per point, at magnification `zoom`."""
         diameter = round(
-            ratio * self._shrunk * look().points * min(self._diameter, max(_MIN_DISC_DIAMETER, _DISC_SPAN * zoom)), 1
+            ratio * self._size_factor * look().points * min(self._diameter, max(_MIN_DISC_DIAMETER, _DISC_SPAN * zoom)), 1
         )
         colors = tuple(look().color(color) for color in self._colors)
         if self._stamped != (diameter, ratio, colors):

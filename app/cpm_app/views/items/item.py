@@ -42,12 +42,12 @@ def line_pen(color: str, width: float, kind: Kind = "fixed") -> QPen:
     return pen
 
 
-def cached(item: QGraphicsItem) -> None:
+def enable_caching(item: QGraphicsItem) -> None:
     """Cache the rendered item until it changes; the items above it change much more often."""
     item.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
 
 
-class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of its kinds takes what they draw
+class ImageOverlay(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of its kinds takes what they draw
     """An item that covers the image and a rim around it.
 
     It is a plain Qt item: a pyqtgraph item tracks every change of its view, which costs time and is not needed here.
@@ -70,7 +70,7 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
         self.setZValue(z)
         self.setVisible(True)
 
-    def use_shape(self, shape: Extent, rim: float | None = None) -> None:
+    def set_image_shape(self, shape: Extent, rim: float | None = None) -> None:
         """Cover an image of this shape and a rim around it."""
         width = self._rim if rim is None else rim
         self.prepareGeometryChange()
@@ -81,7 +81,7 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
         self._shown = shown
         super().setVisible(shown and self.count > 0)
 
-    def renew(self, count: int) -> None:
+    def update_count(self, count: int) -> None:
         """Set the number of parts, and draw again."""
         self.count = count
         self.update()
@@ -102,7 +102,7 @@ class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no typ
         self.setZValue(z)
         self.setVisible(True)
 
-    def show(self, positions: Collection[Place] | Array, **look: Any) -> None:
+    def show_markers(self, positions: Collection[Place] | Array, **look: Any) -> None:
         """Show markers at positions (row, col), shape (N, 2) [px]; `look` overrides their appearance."""
         x, y = to_xy(np.array([*positions], dtype=float).reshape(-1, 2))
         self.setData(x=x, y=y, **look)
@@ -121,7 +121,7 @@ _NAME_RIM = 300.0
 """Margin around the image for text beyond its border [px of the image]."""
 
 
-class Names(OverImage):
+class TextLabels(ImageOverlay):
     """Texts at positions of the image, or `above` them, at constant size for any zoom."""
 
     count = 0
@@ -131,11 +131,11 @@ class Names(OverImage):
         self._above = above
         self.texts: Sequence[tuple[Position, str, str]] = ()
 
-    def show(self, texts: Sequence[tuple[Position, str, str]]) -> None:
+    def show_texts(self, texts: Sequence[tuple[Position, str, str]]) -> None:
         """Show texts, each given by position (row, col), text and color."""
         if texts or self.texts:
             self.texts = texts
-            self.renew(len(texts))
+            self.update_count(len(texts))
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw each text on a dark background."""
@@ -168,17 +168,17 @@ _PINNED_MARGIN = 12.0
 _TEXT_BACKGROUND = "#cc101216"
 """Color behind pinned text."""
 
-INK = "#f2f4f7"
+TEXT_COLOR = "#f2f4f7"
 """Color of pinned text."""
 
-FAINT = "#b6bec9"
+FAINT_TEXT_COLOR = "#b6bec9"
 """Color of less important pinned text."""
 
 _PINNED_Z = 20.0
 """Place in the stack, above everything else."""
 
 
-class Pinned(pg.TextItem):  # type: ignore[misc]  # pyqtgraph has no type hints
+class PinnedText(pg.TextItem):  # type: ignore[misc]  # pyqtgraph has no type hints
     """Text on a dark background near the edge of a view; it does not move with the image.
 
     Parameters
@@ -192,15 +192,15 @@ class Pinned(pg.TextItem):  # type: ignore[misc]  # pyqtgraph has no type hints
     """
 
     def __init__(self, view: pg.ViewBox, edge: tuple[float, float], gap: float = _PINNED_MARGIN) -> None:
-        super().__init__(color=INK, fill=QColor(_TEXT_BACKGROUND), anchor=edge)
+        super().__init__(color=TEXT_COLOR, fill=QColor(_TEXT_BACKGROUND), anchor=edge)
         self._view, self._edge, self._gap = view, edge, gap
         self.html = ""
         """Text that is shown."""
         self.setParentItem(view)
         self.setZValue(_PINNED_Z)
         self.setVisible(False)
-        view.sigResized.connect(self._place)
-        self._place()
+        view.sigResized.connect(self._place_at_edge)
+        self._place_at_edge()
 
     def show_html(self, html: str) -> None:
         """Show another text."""
@@ -210,7 +210,7 @@ class Pinned(pg.TextItem):  # type: ignore[misc]  # pyqtgraph has no type hints
             self.textItem.setTextWidth(-1.0)
             self.setTextWidth(self.textItem.document().idealWidth())  # without a width nothing is centered
 
-    def _place(self, *_: object) -> None:
+    def _place_at_edge(self, *_: object) -> None:
         room = self._view.boundingRect().adjusted(self._gap, self._gap, -self._gap, -self._gap)
         x, y = self._edge
         self.setPos(round(room.left() + x * room.width()), round(room.top() + y * room.height()))

@@ -12,7 +12,7 @@ from PySide6.QtGui import QImage, QPainter, qRgba
 from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem
 
 from cpm_app.model.display.display_image import DisplayImage
-from cpm_app.views.items.item import OverImage
+from cpm_app.views.items.item import ImageOverlay
 from cpm_core.numerics.types import Pixels
 
 _TILE_BLOCK_SIZE = 256
@@ -21,11 +21,11 @@ _TILE_BLOCK_SIZE = 256
 _SMOOTHING_LIMIT = 2.0
 """Magnification below which neighboring pixels are blended; above it, single pixels become visible."""
 
-Part = tuple[int, int, int, int, int]
+LevelPart = tuple[int, int, int, int, int]
 """Level, first row, first column, end of rows and end of columns of a part."""
 
 
-class TiledImage(OverImage):
+class TiledImage(ImageOverlay):
     """Draws a display image from the coarsest level that still fills the resolution of the screen.
 
     A table gives colors to gray shades, a curve brightness and contrast to colored ones. Nothing of the size of the
@@ -38,7 +38,7 @@ class TiledImage(OverImage):
         """Image that is drawn."""
         self._colors: list[int] | None = None
         self._curve: Pixels | None = None
-        self._made: tuple[Part, QImage] | None = None
+        self._rendered: tuple[LevelPart, QImage] | None = None
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemUsesExtendedStyleOption)
 
     def show_image(self, display: DisplayImage) -> None:
@@ -46,19 +46,19 @@ class TiledImage(OverImage):
         if display is self.display:
             return
         if self.display is None or display.shape != self.display.shape:
-            self.use_shape(display.shape)
+            self.set_image_shape(display.shape)
         self.display = display
-        self._renew()
+        self._discard_rendered()
 
-    def use_table(self, table: NDArray[np.uint8] | None) -> None:
+    def set_color_table(self, table: NDArray[np.uint8] | None) -> None:
         """Draw gray shades in the colors of a table, shape (256, 3) or (256, 4) with opacity; None for gray."""
         self._colors = None if table is None else [qRgba(*(int(c) for c in (*row, 255)[:4])) for row in table]
-        self._renew()
+        self._discard_rendered()
 
-    def use_curve(self, curve: Pixels | None) -> None:
+    def set_tone_curve(self, curve: Pixels | None) -> None:
         """Draw each channel of colored shades by a curve of 256 values; None leaves them as they are."""
         self._curve = curve
-        self._renew()
+        self._discard_rendered()
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, *_: Any) -> None:
         """Draw the visible part; the exposed rectangle may be the whole image."""
@@ -70,23 +70,23 @@ class TiledImage(OverImage):
         zoom = math.sqrt(abs(painter.deviceTransform().determinant()))
         if seen.isEmpty() or zoom <= 0.0:
             return
-        part = part_of(self.display, seen, zoom)
-        if self._made is None or self._made[0] != part:
-            self._made = (part, self._picture(part))
+        part = visible_part(self.display, seen, zoom)
+        if self._rendered is None or self._rendered[0] != part:
+            self._rendered = (part, self._render_part(part))
         level, top, left, bottom, right = part
         size = 2.0**level
         place = QRectF(left * size - 0.5, top * size - 0.5, (right - left) * size, (bottom - top) * size)
         painter.save()
         painter.setClipRect(self.boundingRect(), Qt.ClipOperation.IntersectClip)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, zoom * size < _SMOOTHING_LIMIT)
-        painter.drawImage(place, self._made[1])
+        painter.drawImage(place, self._rendered[1])
         painter.restore()
 
-    def _renew(self) -> None:
-        self._made = None
+    def _discard_rendered(self) -> None:
+        self._rendered = None
         self.update()
 
-    def _picture(self, part: Part) -> QImage:
+    def _render_part(self, part: LevelPart) -> QImage:
         """Render the pixels of a part in the format of the screen."""
         assert self.display is not None
         level, top, left, bottom, right = part
@@ -94,18 +94,18 @@ class TiledImage(OverImage):
         if shades.ndim == 3 and self._curve is not None:
             shades = self._curve[shades]
         if shades.ndim == 3:
-            picture = _view(shades, QImage.Format.Format_RGB888)
+            picture = _wrap_pixels(shades, QImage.Format.Format_RGB888)
         elif self._colors is None:
-            picture = _view(shades, QImage.Format.Format_Grayscale8)
+            picture = _wrap_pixels(shades, QImage.Format.Format_Grayscale8)
         else:
-            picture = _view(shades, QImage.Format.Format_Indexed8)
+            picture = _wrap_pixels(shades, QImage.Format.Format_Indexed8)
             picture.setColorTable(self._colors)
         opaque = self._colors is None or shades.ndim == 3
         screen = QImage.Format.Format_RGB32 if opaque else QImage.Format.Format_ARGB32_Premultiplied
         return picture.convertToFormat(screen)
 
 
-def _view(shades: Pixels, kind: QImage.Format) -> QImage:
+def _wrap_pixels(shades: Pixels, kind: QImage.Format) -> QImage:
     """Wrap shades, shape (H, W) or (H, W, 3), in a QImage without a copy; keep them alive while it is used."""
     rows, cols = shades.shape[:2]
     last = (rows - 1) * shades.strides[0] + cols * shades.strides[1]
@@ -113,7 +113,7 @@ def _view(shades: Pixels, kind: QImage.Format) -> QImage:
     return QImage(flat.data, cols, rows, shades.strides[0], kind)
 
 
-def part_of(display: DisplayImage, seen: QRectF, zoom: float) -> Part:
+def visible_part(display: DisplayImage, seen: QRectF, zoom: float) -> LevelPart:
     """Find the part of a display image to draw for a visible rectangle [px of the image].
 
     `zoom` is the number of pixels of the screen per pixel of the image.

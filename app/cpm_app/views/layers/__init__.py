@@ -14,14 +14,14 @@ from cpm_app.views.layers.drawing import DrawingLayer
 from cpm_app.views.layers.fields import EdgeMapLayer, FieldLayer, PotentialLayer
 from cpm_app.views.layers.forces import ForceLayer
 from cpm_app.views.layers.image_layer import ImageLayer
-from cpm_app.views.layers.layer import Layer, LegendEntry, Requests
+from cpm_app.views.layers.layer import Layer, LegendEntry, WorkerRequests
 from cpm_app.views.layers.objects import ObjectLayer
 from cpm_app.views.layers.particles import ParticleLayer
 from cpm_app.views.layers.skeleton import SkeletonLayer
 
 L = TypeVar("L", bound=Layer)
 
-LAYERS: tuple[type[Layer], ...] = (
+LAYER_CLASSES: tuple[type[Layer], ...] = (
     ParticleLayer,
     ForceLayer,
     ContourLayer,
@@ -42,13 +42,13 @@ LAYERS: tuple[type[Layer], ...] = (
 class Layers:
     """The layers of one canvas by name; `view` is the parent of their items, `requests` asks the worker for data."""
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        self._layers = {kind.name: kind(view, requests) for kind in LAYERS}
-        self.particles = self._of(ParticleLayer)
-        self.forces = self._of(ForceLayer)
-        self.contours = self._of(ContourLayer)
-        self.drawing = self._of(DrawingLayer)
-        self.image = self._of(ImageLayer)
+    def __init__(self, view: pg.ViewBox, requests: WorkerRequests) -> None:
+        self._layers = {kind.name: kind(view, requests) for kind in LAYER_CLASSES}
+        self.particles = self._get_layer(ParticleLayer)
+        self.forces = self._get_layer(ForceLayer)
+        self.contours = self._get_layer(ContourLayer)
+        self.drawing = self._get_layer(DrawingLayer)
+        self.image = self._get_layer(ImageLayer)
 
     def __getitem__(self, name: str) -> Layer:
         return self._layers[name]
@@ -56,19 +56,19 @@ class Layers:
     def __iter__(self) -> Iterator[Layer]:
         return iter(self._layers.values())
 
-    def draw(self, scene: Scene) -> None:
+    def draw_scene(self, scene: Scene) -> None:
         """Draw a scene; layers that show nothing in slices get only the image there."""
         bare = scene if scene.slices is None else Scene(scene.image, scene.display)
         for layer in self:
-            layer.draw(scene if layer.in_slices else bare)
+            layer.set_scene(scene if layer.shown_in_slices else bare)
 
-    def legend(self) -> list[LegendEntry]:
+    def collect_legend_entries(self) -> list[LegendEntry]:
         """Collect the entries of all visible layers: contours and ground truth first, then the rest."""
         first = (self.contours, self["truth"])
         rest = [layer for layer in self if layer not in first]
         return [entry for layer in (*first, *rest) if layer.shown for entry in layer.legend_entries()]
 
-    def _of(self, kind: type[L]) -> L:
+    def _get_layer(self, kind: type[L]) -> L:
         layer = self._layers[kind.name]
         assert isinstance(layer, kind)
         return layer

@@ -6,12 +6,12 @@ from cpm_app.model.display.lengths import find_scale_bar, preferred_pixel_size
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import find_edge_labels
 from cpm_app.session.scene import Scene
-from cpm_app.views.items.item import INK, Pinned
-from cpm_app.views.layers.layer import Layer, Switch
+from cpm_app.views.items.item import TEXT_COLOR, PinnedText
+from cpm_app.views.layers.layer import Layer, SwitchOption
 from cpm_core.image import ScaleBar
 from cpm_core.numerics.types import Texts
 
-LONGEST = 160.0
+MAX_SCALE_BAR_LENGTH = 160.0
 """Maximum length of the bar [px of the screen]; the bar is at least 2/5 as long."""
 
 _MIN_SCALE_BAR_LENGTH = 40.0
@@ -25,7 +25,7 @@ _LETTER_GAP = 4.0
 
 _SCALE_BAR_HTML = (
     "<div align='center'>{label}</div><table align='center' cellspacing='0' cellpadding='0'><tr>"
-    f"<td width='{{length}}' bgcolor='{INK}' style='font-size:2px'>&nbsp;</td></tr></table>"
+    f"<td width='{{length}}' bgcolor='{TEXT_COLOR}' style='font-size:2px'>&nbsp;</td></tr></table>"
 )
 """Template of the scale bar: label above a bar of some length."""
 
@@ -37,36 +37,36 @@ class ScaleBarLayer(Layer):
     title = tr("Scale bar")
     tip = tr("A bar of round length, if the pixel size is known.")
     shortcut = "Alt+Shift+0"
-    in_slices = True
-    options = (Switch("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),)
+    shown_in_slices = True
+    options = (SwitchOption("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),)
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
-        self.item = Pinned(self.view, (0.0, 1.0))
-        self.add(self.item)
+        self.item = PinnedText(self.view, (0.0, 1.0))
+        self.add_items(self.item)
         self.bar: ScaleBar | None = None
         """Bar that is shown."""
-        self.view.sigRangeChanged.connect(self._fit)
-        self.view.sigResized.connect(self._fit)
+        self.view.sigRangeChanged.connect(self._update_bar)
+        self.view.sigResized.connect(self._update_bar)
 
-    def show_or_hide(self) -> None:
+    def apply_visibility(self) -> None:
         """Show the bar if the pixel size is known, or on request."""
-        self._fit()
+        self._update_bar()
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Fit the bar to another image."""
         if self.scene.image is not before.image:
-            self._fit()
+            self._update_bar()
 
-    def _fit(self, *_: object) -> None:
+    def _update_bar(self, *_: object) -> None:
         image = self.scene.image
-        shown = self.shown and image is not None and (image.unit is not None or bool(self.chosen["pixels"]))
+        shown = self.shown and image is not None and (image.unit is not None or bool(self.option_values["pixels"]))
         self.item.setVisible(shown)
         if shown and image is not None:
             pixel = float(self.view.viewPixelSize()[0])
             size = preferred_pixel_size(image.spacing, image.unit)
             longest = min(
-                LONGEST, max(0.5 * self.view.boundingRect().width() - _CENTER_LETTER_ROOM, _MIN_SCALE_BAR_LENGTH)
+                MAX_SCALE_BAR_LENGTH, max(0.5 * self.view.boundingRect().width() - _CENTER_LETTER_ROOM, _MIN_SCALE_BAR_LENGTH)
             )
             self.bar = find_scale_bar(longest * pixel, size.spacing[1], size.unit)
             self.item.show_html(_SCALE_BAR_HTML.format(label=self.bar.label, length=round(self.bar.pixels / pixel)))
@@ -78,29 +78,29 @@ class OrientationLayer(Layer):
     name = "orientation"
     title = tr("Orientation")
     tip = tr("Directions at the edges: right, left, anterior, posterior, superior, inferior; or the axes.")
-    in_slices = True
+    shown_in_slices = True
 
     _EDGES = ((0.5, 0.0), (0.5, 1.0), (0.0, 0.5), (1.0, 0.5))
     """Top, bottom, left and right, as fractions of width and height."""
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         self.letters: Texts = ("",) * 4
         """Letters at the top, the bottom, the left and the right."""
-        self._letters = [Pinned(self.view, edge, _LETTER_GAP) for edge in self._EDGES]
-        self.add(*self._letters)
-        self._draw()
+        self._letters = [PinnedText(self.view, edge, _LETTER_GAP) for edge in self._EDGES]
+        self.add_items(*self._letters)
+        self._draw_letters()
 
-    def show_or_hide(self) -> None:
+    def apply_visibility(self) -> None:
         """Show the letters of the known directions."""
-        self._draw()
+        self._draw_letters()
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show the orientation of another image or slice."""
         if self.scene.view_source != before.view_source:
-            self._draw()
+            self._draw_letters()
 
-    def _draw(self) -> None:
+    def _draw_letters(self) -> None:
         whole = self.scene.full_image
         edges = None if whole is None or not self.shown else find_edge_labels(whole, self.scene.slices)
         self.letters = ("",) * 4 if edges is None else (*edges[0], *edges[1])

@@ -10,8 +10,8 @@ import pyqtgraph as pg
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene import ContourItem, Scene
 from cpm_app.views.items.curves import Curves
-from cpm_app.views.items.item import Markers, Names
-from cpm_app.views.layers.layer import Layer, LegendEntry, Sign, Switch
+from cpm_app.views.items.item import Markers, TextLabels
+from cpm_app.views.layers.layer import Layer, LegendEntry, Sign, SwitchOption
 from cpm_app.views.theme import theme
 from cpm_core import Truth
 from cpm_core.contours import contour_midpoint
@@ -45,93 +45,93 @@ class ContourLayer(Layer):
     title = tr("Contours")
     tip = tr("Closed, open, and drawn by hand.")
     shortcut = "Alt+4"
-    in_slices = True
+    shown_in_slices = True
     colors = (theme.CONTOUR, theme.BY_HAND)
     options = (
-        Switch("rejected", tr("Rejected ones, dashed"), True, tr("Show rejected contours, faint and dashed.")),
-        Switch("names", tr("Names"), True, tr("Show the names of contours.")),
-        Switch("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),
+        SwitchOption("rejected", tr("Rejected ones, dashed"), True, tr("Show rejected contours, faint and dashed.")),
+        SwitchOption("names", tr("Names"), True, tr("Show the names of contours.")),
+        SwitchOption("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),
     )
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         self._hovered = Curves(theme.HOVERED, 3.7, width=7.0, halo=0.0)
-        self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
+        self._selected = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
         self.rejected = Curves(theme.REJECTED, 3.9, width=1.2, halo=0.0, dashed=True)
         self.short = Curves(theme.CONTOUR, 3.95, width=1.0, halo=0.0)
-        self._curves, self._other = Curves(theme.CONTOUR, 4.1, width=1.5, halo=3.2), Curves(theme.CONTOUR, 4.12)
+        self._curves, self._colored = Curves(theme.CONTOUR, 4.1, width=1.5, halo=3.2), Curves(theme.CONTOUR, 4.12)
         self.bridges = Curves(theme.HALO, 4.2, width=1.5, halo=0.0, dashed=True)
         self.by_hand = Curves(theme.BY_HAND, 4.25, halo=0.0, dashed=True)
-        self._names = Names(5.7)
+        self._names = TextLabels(5.7)
         self.junctions = Markers(5.5, size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
-        self.add(self._hovered, self._chosen, self.short, self._curves, self._other, self.bridges, self.by_hand)
-        self.add(self.rejected, switch="rejected")
-        self.add(self._names, switch="names")
-        self.add(self.junctions, switch="junctions")
-        self.show_or_hide()
-        self.fade()
+        self.add_items(self._hovered, self._selected, self.short, self._curves, self._colored, self.bridges, self.by_hand)
+        self.add_items(self.rejected, switch="rejected")
+        self.add_items(self._names, switch="names")
+        self.add_items(self.junctions, switch="junctions")
+        self.apply_visibility()
+        self.apply_opacity()
 
     @property
     def counts(self) -> tuple[int, int]:
         """Numbers of closed and open contours that are not rejected."""
-        closed = [item.contour.closed for item in self._counting]
+        closed = [item.contour.closed for item in self._counted_items]
         return sum(closed), len(closed) - sum(closed)
 
     def legend_entries(self) -> Sequence[LegendEntry]:
         """Return an entry for each kind of contour."""
         kept = sum(item.reviewed.verdict == "kept" for item in self.scene.contours.items)
-        rejected = self.rejected.count if self.chosen["rejected"] else 0
+        rejected = self.rejected.count if self.option_values["rejected"] else 0
         counts = (sum(self.counts), self.bridges.count, self.by_hand.count, kept, rejected)
         return [LegendEntry(count, *kind) for count, kind in zip(counts, _CONTOUR_KINDS, strict=True)]
 
-    def fade(self) -> None:
+    def apply_opacity(self) -> None:
         """Set the opacity; short open contours are paler."""
-        super().fade()
+        super().apply_opacity()
         self.short.setOpacity(_SHORT_OPACITY * self.opacity)
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show other contours, or another selection."""
         scene = self.scene
         other = scene.contours is not before.contours
         if other:
-            self._show()
+            self._show_contours()
         if other or scene.selected_contours is not before.selected_contours:
-            self._chosen.show(_paths([item for item in scene.contours.items if item.key in scene.selected_contours]))
+            self._selected.show_paths(_contour_paths([item for item in scene.contours.items if item.key in scene.selected_contours]))
         if other or scene.hovered_contour != before.hovered_contour:
-            self._hovered.show(_paths([item for item in scene.contours.items if item.key == scene.hovered_contour]))
+            self._hovered.show_paths(_contour_paths([item for item in scene.contours.items if item.key == scene.hovered_contour]))
 
-    def _show(self) -> None:
-        items, counting = self.scene.contours.items, self._counting
-        self.rejected.show(_paths([item for item in items if item.reviewed.rejected]))
+    def _show_contours(self) -> None:
+        items, counting = self.scene.contours.items, self._counted_items
+        self.rejected.show_paths(_contour_paths([item for item in items if item.reviewed.rejected]))
         for curves in (self.short, self._curves):
-            curves.show(_paths([item for item in counting if self._curves_of(item) is curves]))
-        other = [item for item in counting if self._curves_of(item) is self._other]
-        self._other.show(_paths(other), [item.contour.color or theme.CONTOUR for item in other])
+            curves.show_paths(_contour_paths([item for item in counting if self._curves_for(item) is curves]))
+        other = [item for item in counting if self._curves_for(item) is self._colored]
+        self._colored.show_paths(_contour_paths(other), [item.contour.color or theme.CONTOUR for item in other])
         result = self.scene.contours.result
-        self.bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
-        self.by_hand.show([stretch for item in counting for stretch in item.contour.by_hand])
+        self.bridges.show_paths([bridge.points for bridge in result.bridges] if result is not None else [])
+        self.by_hand.show_paths([stretch for item in counting for stretch in item.contour.by_hand])
         named = [item.contour for item in counting if item.contour.name]
-        self._names.show([(contour_midpoint(c), c.name, c.color or "#ffffff") for c in named])
+        self._names.show_texts([(contour_midpoint(c), c.name, c.color or "#ffffff") for c in named])
         ends = [item.contour.points[end] for item in items for end in (0, -1) if item.contour.junctions[end]]
-        self.junctions.show({(float(row), float(col)) for row, col in ends})
+        self.junctions.show_markers({(float(row), float(col)) for row, col in ends})
 
-    def _curves_of(self, item: ContourItem) -> Curves:
+    def _curves_for(self, item: ContourItem) -> Curves:
         """Return the item that draws a contour: for colored or hand-edited, short open unnamed, or other contours."""
         contour, image = item.contour, self.scene.image
         if contour.color or contour.by_hand:
-            return self._other
+            return self._colored
         wanted = contour.closed or contour.name or item.reviewed.verdict == "kept"
         if wanted or image is None or contour.length >= _SHORT_FRACTION * math.hypot(*image.shape):
             return self._curves
         return self.short
 
     @property
-    def _counting(self) -> list[ContourItem]:
+    def _counted_items(self) -> list[ContourItem]:
         """Contours that are not rejected."""
         return [item for item in self.scene.contours.items if not item.reviewed.rejected]
 
 
-def _paths(items: Sequence[ContourItem]) -> list[Array]:
+def _contour_paths(items: Sequence[ContourItem]) -> list[Array]:
     return [item.contour.path for item in items]
 
 
@@ -141,15 +141,15 @@ class TruthLayer(Layer):
     name = "truth"
     title = tr("Ground truth")
     tip = tr("True boundaries; missing contours dashed, wrong contours wide.")
-    in_slices = True
+    shown_in_slices = True
     colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         self._boundary = Curves(theme.TRUTH, 3.95, width=1.6, halo=0.0)
         self._missing = Curves(theme.MISSING, 4.3, width=3.4, halo=5.0, dashed=True)
         self._wrong = Curves(theme.WRONG, 4.4, width=5.0, halo=7.0)
-        self.add(self._boundary, self._missing, self._wrong)
+        self.add_items(self._boundary, self._missing, self._wrong)
 
     @property
     def counts(self) -> tuple[int, int, int]:
@@ -165,11 +165,11 @@ class TruthLayer(Layer):
             LegendEntry(wrong, tr("wrong"), tr("Contours away from true boundaries."), theme.WRONG),
         )
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show another ground truth, or other differences."""
         truth = self.scene.truth
         if truth is not before.truth:
-            self._boundary.show([contour.path for contour in truth.contours] if isinstance(truth, Truth) else [])
+            self._boundary.show_paths([contour.path for contour in truth.contours] if isinstance(truth, Truth) else [])
         if self.scene.differences is not before.differences:
             for curves, kind in ((self._missing, "missing"), (self._wrong, "wrong")):
-                curves.show([each.points for each in self.scene.differences if each.kind == kind])
+                curves.show_paths([each.points for each in self.scene.differences if each.kind == kind])

@@ -16,7 +16,7 @@ from cpm_app.model.volume.shape_sections import ChargeSection, Section, StartSec
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.discs import NO_POSITIONS, Discs
-from cpm_app.views.items.item import Markers, OverImage, cached, line_pen, to_xy
+from cpm_app.views.items.item import Markers, ImageOverlay, enable_caching, line_pen, to_xy
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.theme import theme
 from cpm_core.field import CHARGE_RADIUS, CHARGE_REACH
@@ -83,7 +83,7 @@ _cached_brush = lru_cache(pg.mkBrush)
 _cached_pen = lru_cache(pg.mkPen)
 
 
-class Dim(OverImage):
+class RegionVeil(ImageOverlay):
     """A veil over the image outside the regions of interest."""
 
     count = 0
@@ -91,21 +91,21 @@ class Dim(OverImage):
     def __init__(self) -> None:
         super().__init__(_VEIL_Z, 0.0)
         self._veil = QPainterPath()
-        cached(self)
+        enable_caching(self)
 
-    def show(self, regions: list[Region]) -> None:
+    def show_regions(self, regions: list[Region]) -> None:
         """Dim everything outside the regions; without regions, dim nothing."""
         if not regions and not self.count:
             return
         self._veil = QPainterPath()
         if regions:
             self._veil.addRect(self._room)
-            for outline in _outlines(regions):
+            for outline in _shape_outlines(regions):
                 inside = pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(outline)))
                 # A self-crossing path has no holes: by this rule, everything that it winds around is inside.
                 inside.setFillRule(Qt.FillRule.WindingFill)
                 self._veil = self._veil.subtracted(inside)
-        self.renew(len(regions))
+        self.update_count(len(regions))
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the veil."""
@@ -113,7 +113,7 @@ class Dim(OverImage):
         painter.fillPath(self._veil, QColor(theme.DIMMED))
 
 
-class Draft:
+class DraftItems:
     """A path with its corners, the closing segment of a closed path, and the ring of a tool."""
 
     def __init__(self, view: pg.ViewBox) -> None:
@@ -125,22 +125,22 @@ class Draft:
         for item in (self.path, self._closing, self._ring, self._corners):
             view.addItem(item, ignoreBounds=True)
 
-    def show(self, corners: Array, path: Array, color: str, closed: bool) -> None:
+    def show_path(self, corners: Array, path: Array, color: str, closed: bool) -> None:
         """Show a path with corners, each of shape (K, 2)."""
-        _draw(self.path, path, color, 2.0, 4.0)
+        _draw_path(self.path, path, color, 2.0, 4.0)
         dashed = line_pen(color, 1.4, "shapes")
         dashed.setStyle(Qt.PenStyle.DashLine)
         self._closing.setPen(dashed)
         self._closing.setData(*to_xy(path[[-1, 0]] if closed and len(path) > 2 else path[:0]))
         self._closing.setVisible(closed)
-        self._corners.show(corners)
+        self._corners.show_markers(corners)
 
     def show_ring(self, rim: Array, color: str) -> None:
         """Show the ring of a tool, shape (K, 2); an empty array hides it."""
-        _draw(self._ring, rim, color, 1.6, 3.4)
+        _draw_path(self._ring, rim, color, 1.6, 3.4)
 
 
-def _draw(item: pg.PlotCurveItem, path: Array, color: str, width: float, halo: float) -> None:
+def _draw_path(item: pg.PlotCurveItem, path: Array, color: str, width: float, halo: float) -> None:
     """Draw a path, shape (K, 2), with a halo."""
     item.setPen(line_pen(color, width, "shapes"))
     item.setShadowPen(line_pen(theme.HALO, halo, "shapes"))
@@ -159,38 +159,38 @@ class DrawingLayer(Layer):
     title = tr("Drawing")
     tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
     shortcut = "Alt+6"
-    in_slices = True
+    shown_in_slices = True
     draft_shown = Signal(object, object, str, bool)
     """Another draft is shown: the arguments of `show_draft`."""
     ring_shown = Signal(object, float, str, object)
     """Another ring is shown: the arguments of `show_ring`."""
     colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
-        self._lines = _shapes(theme.DRAWING, _START_Z, 1.4)
-        self._chosen = _shapes(theme.CHOSEN, _START_Z + 0.1, 2.2)
-        self._areas = _shapes(theme.DRAWING, _START_Z, 1.2, dashed=True)
+        self._lines = _create_shape_curves(theme.DRAWING, _START_Z, 1.4)
+        self._selected_lines = _create_shape_curves(theme.CHOSEN, _START_Z + 0.1, 2.2)
+        self._areas = _create_shape_curves(theme.DRAWING, _START_Z, 1.2, dashed=True)
         self.computed = {
             kind: Discs(theme.MOVING, diameter, _START_Z + 0.2) for kind, diameter in _SEED_DIAMETERS.items()
         }
         self._seeds = Discs(theme.MOVING, 6.0, _START_Z + 0.6)
-        self._chosen_points = Discs(theme.CHOSEN, 9.0, _START_Z + 0.7)
+        self._selected_points = Discs(theme.CHOSEN, 9.0, _START_Z + 0.7)
         self._handles = Markers(
             _START_Z + 0.8, size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
         )
-        self._starts = (self._lines, self._areas, self._seeds, self._chosen_points)
-        self._dim = Dim()
-        self._regions = _shapes(theme.REGION, _LIMIT_Z, 1.8)
-        self._barriers = _shapes(theme.BARRIER, _LIMIT_Z + 0.1, 3.6, halo=5.6)
-        self._rings = _shapes(theme.ATTRACTING, _CHARGE_Z - 0.2, 1.8)
-        self._reach = _shapes(theme.CHOSEN, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
+        self._starts = (self._lines, self._areas, self._seeds, self._selected_points)
+        self._dim = RegionVeil()
+        self._regions = _create_shape_curves(theme.REGION, _LIMIT_Z, 1.8)
+        self._barriers = _create_shape_curves(theme.BARRIER, _LIMIT_Z + 0.1, 3.6, halo=5.6)
+        self._rings = _create_shape_curves(theme.ATTRACTING, _CHARGE_Z - 0.2, 1.8)
+        self._reach = _create_shape_curves(theme.CHOSEN, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
         self._charges = Markers(_CHARGE_Z, size=_CHARGE_DIAMETER)
         self._signs = Markers(_CHARGE_Z + 0.1, size=_CHARGE_SIGN_SIZE, pen=None, brush=pg.mkBrush("w"))
-        self.add(self._lines, self._areas, self._chosen, *self.computed.values(), self._seeds, self._chosen_points)
-        self.add(self._handles, self._dim, self._regions, self._barriers, self._rings, self._reach)
-        self.add(self._charges, self._signs)
-        self._draft = Draft(self.view)
+        self.add_items(self._lines, self._areas, self._selected_lines, *self.computed.values(), self._seeds, self._selected_points)
+        self.add_items(self._handles, self._dim, self._regions, self._barriers, self._rings, self._reach)
+        self.add_items(self._charges, self._signs)
+        self._draft = DraftItems(self.view)
 
     @property
     def selected_shape(self) -> Section | None:
@@ -203,20 +203,20 @@ class DrawingLayer(Layer):
         """Shapes that are shown, in a volume their sections."""
         return self.scene.document.shapes
 
-    def use_shape(self, shape: Extent) -> None:
+    def set_image_shape(self, shape: Extent) -> None:
         """Fit the items to an image of this shape, with a rim for shapes beyond its border."""
         for item, _ in self._items:
-            if isinstance(item, OverImage):
-                item.use_shape(shape, 0.0 if item is self._dim else float(max(shape)) + CHARGE_REACH)
+            if isinstance(item, ImageOverlay):
+                item.set_image_shape(shape, 0.0 if item is self._dim else float(max(shape)) + CHARGE_REACH)
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show other shapes, another selection, or fainter starts behind a run."""
         scene = self.scene
         others = scene.document.shapes is not before.document.shapes
         if others or (scene.selected_shape, scene.has_particles) != (before.selected_shape, before.has_particles):
             self._show_starts()
             self._show_limits_and_charges()
-            self.fade()
+            self.apply_opacity()
         elif scene.image_seeds is not before.image_seeds:
             self._show_computed()
 
@@ -240,7 +240,7 @@ class DrawingLayer(Layer):
         closed : bool
             Whether to draw the closing segment.
         """
-        self._draft.show(self._flat(corners), self._flat(path), color, closed)
+        self._draft.show_path(self._flatten_places(corners), self._flatten_places(path), color, closed)
         self.draft_shown.emit(corners, path, color, closed)
 
     def show_ring(
@@ -256,17 +256,17 @@ class DrawingLayer(Layer):
         across that axis show it.
         """
         here = None if self.scene.slices is None else self.scene.slices.axis
-        self._draft.show_ring(self._ring(center if axis in (None, here) else None, radius), color)
+        self._draft.show_ring(self._ring_outline(center if axis in (None, here) else None, radius), color)
         self.ring_shown.emit(center, radius, color, axis)
 
-    def _flat(self, places: Sequence[Place] | Array) -> Array:
+    def _flatten_places(self, places: Sequence[Place] | Array) -> Array:
         """Return places as (row, col) in the slice that is shown, shape (K, 2)."""
         if not len(places):
             return NO_POSITIONS
         slices, flat = self.scene.slices, np.array(places, dtype=float)
         return flat if slices is None or flat.shape[1] == 2 else slices.current.project_points(flat)
 
-    def _ring(self, center: Place | None, radius: float) -> Array:
+    def _ring_outline(self, center: Place | None, radius: float) -> Array:
         """Return the outline of a ring, shape (K, 2), empty if there is none."""
         if center is None:
             return NO_POSITIONS
@@ -280,15 +280,15 @@ class DrawingLayer(Layer):
         """Show lines, areas and handles; hide the seeds during a run, because they would cover its particles."""
         selected, shapes = self.selected_shape, self._shapes
         rest = [shape for shape in shapes if shape is not selected]
-        self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
-        self._areas.show([shape.outline for shape in rest if _is_area(shape)])
-        self._chosen.show(_outlines([selected] if isinstance(selected, _Line | Grid | Threshold | Limit) else []))
+        self._lines.show_paths([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
+        self._areas.show_paths([shape.outline for shape in rest if _is_area(shape)])
+        self._selected_lines.show_paths(_shape_outlines([selected] if isinstance(selected, _Line | Grid | Threshold | Limit) else []))
         # A selected circle shows handles; a selected stroke can be recognized only by its particles.
         pointed = [selected] if isinstance(selected, Points | Stroke) else []
-        self._chosen_points.show(_particles(pointed))
+        self._selected_points.show_discs(_shape_seeds(pointed))
         seen = () if self.scene.has_particles else rest if pointed else shapes
-        self._seeds.show(_particles([shape for shape in seen if isinstance(shape, _Line | Points | Grid)]))
-        self._handles.show(selected.handles() if selected else ())
+        self._seeds.show_discs(_shape_seeds([shape for shape in seen if isinstance(shape, _Line | Points | Grid)]))
+        self._handles.show_markers(selected.handles() if selected else ())
         self._show_computed()
 
     def _show_computed(self) -> None:
@@ -296,35 +296,35 @@ class DrawingLayer(Layer):
         seeds = {} if self.scene.has_particles else self.scene.image_seeds
         starts = [start for start in self.scene.document.image_starts if start in seeds]
         for kind, discs in self.computed.items():
-            discs.show(_joined([seeds[start] for start in starts if getattr(start, "kind", None) == kind]))
+            discs.show_discs(_concatenate_positions([seeds[start] for start in starts if getattr(start, "kind", None) == kind]))
 
     def _show_limits_and_charges(self) -> None:
         """Show regions, barriers and placed charges."""
         selected, shapes = self.selected_shape, self._shapes
         regions = [shape for shape in shapes if isinstance(shape, Region)]
-        self._dim.show(regions)
-        self._regions.show(_outlines(regions))
-        self._barriers.show(_outlines([shape for shape in shapes if isinstance(shape, Barrier)]))
+        self._dim.show_regions(regions)
+        self._regions.show_paths(_shape_outlines(regions))
+        self._barriers.show_paths(_shape_outlines([shape for shape in shapes if isinstance(shape, Barrier)]))
         charges = [shape for shape in shapes if isinstance(shape, _AnyCharge)]
-        self._rings.show([_ring(charge, CHARGE_RADIUS) for charge in charges], [_color(charge) for charge in charges])
-        self._reach.show([_ring(selected, CHARGE_REACH)] if isinstance(selected, _AnyCharge) else [])
+        self._rings.show_paths([_charge_ring(charge, CHARGE_RADIUS) for charge in charges], [_charge_color(charge) for charge in charges])
+        self._reach.show_paths([_charge_ring(selected, CHARGE_REACH)] if isinstance(selected, _AnyCharge) else [])
         charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
         places = [charge.position for charge in charges]
         rims = [
             _cached_pen(theme.CHOSEN, width=2.6) if each is selected else _cached_pen(theme.HALO, width=1.4)
             for each in charges
         ]
-        self._charges.show(
+        self._charges.show_markers(
             places,
             size=[_CHARGE_DIAMETER + _DIAMETER_PER_STRENGTH * abs(charge.strength) for charge in charges],
-            brush=[_cached_brush(_color(charge)) for charge in charges],
+            brush=[_cached_brush(_charge_color(charge)) for charge in charges],
             pen=rims,
         )
-        self._signs.show(places, symbol=["+" if charge.strength > 0.0 else "_" for charge in charges])
+        self._signs.show_markers(places, symbol=["+" if charge.strength > 0.0 else "_" for charge in charges])
 
-    def fade(self) -> None:
+    def apply_opacity(self) -> None:
         """Set the opacity; starts are faint behind a run."""
-        super().fade()
+        super().apply_opacity()
         selected = self.selected_shape
         if self.scene.has_particles and not isinstance(selected, Start | StartSection):
             for item in self._starts:
@@ -334,7 +334,7 @@ class DrawingLayer(Layer):
             discs.setOpacity(self.opacity * (1.0 if strong else _COMPUTED_OPACITY))
 
 
-def _shapes(color: str, z: float, width: float, halo: float = 3.6, dashed: bool = False) -> Curves:
+def _create_shape_curves(color: str, z: float, width: float, halo: float = 3.6, dashed: bool = False) -> Curves:
     """Create curves with the line width preferred for shapes."""
     return Curves(color, z, width, halo, dashed, "shapes")
 
@@ -344,22 +344,22 @@ def _is_area(shape: Section) -> bool:
     return isinstance(shape.line if isinstance(shape, StartSection) else shape, Grid | Threshold)
 
 
-def _outlines(shapes: Sequence[_Line | Grid | Threshold | Limit]) -> list[Array]:
+def _shape_outlines(shapes: Sequence[_Line | Grid | Threshold | Limit]) -> list[Array]:
     """Return the outlines of shapes, each of shape (K, 2); a region in other slices of a volume has none."""
     return [np.array(shape.outline) for shape in shapes if len(shape.outline)]
 
 
-def _ring(charge: _AnyCharge, radius: float) -> Array:
+def _charge_ring(charge: _AnyCharge, radius: float) -> Array:
     return charge.cut_sphere_around(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
 
 
-def _color(charge: _AnyCharge) -> str:
+def _charge_color(charge: _AnyCharge) -> str:
     return theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING
 
 
-def _particles(shapes: Sequence[_Line | Points | Grid]) -> Array:
-    return _joined([shape.seeds() for shape in shapes])
+def _shape_seeds(shapes: Sequence[_Line | Points | Grid]) -> Array:
+    return _concatenate_positions([shape.seeds() for shape in shapes])
 
 
-def _joined(positions: Sequence[Array]) -> Array:
+def _concatenate_positions(positions: Sequence[Array]) -> Array:
     return np.concatenate([NO_POSITIONS, *positions])

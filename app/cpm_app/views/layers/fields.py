@@ -12,9 +12,9 @@ from PySide6.QtCore import QRectF
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene import Scene
-from cpm_app.views.items.item import cached, line_pen, to_xy
+from cpm_app.views.items.item import enable_caching, line_pen, to_xy
 from cpm_app.views.items.tiled_image import TiledImage
-from cpm_app.views.layers.layer import Choice, Layer
+from cpm_app.views.layers.layer import ChoiceOption, Layer
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels
@@ -26,56 +26,56 @@ _POTENTIAL_OPACITY = 0.75
 """Opacity of the potential over the image when the layer is fully opaque."""
 
 
-def _maps(names: Sequence[str], tip: str) -> Choice:
-    return Choice("map", tr("Colors"), {name: color_maps.MAPS[name] for name in names}, names[0], tip)
+def _create_map_option(names: Sequence[str], tip: str) -> ChoiceOption:
+    return ChoiceOption("map", tr("Colors"), {name: color_maps.MAPS[name] for name in names}, names[0], tip)
 
 
 class ScalarOverlay(Layer):
     """A scalar overlay, shape (H, W), in the colors of a map; the worker computes it only while it is shown."""
 
-    initially = False
-    in_slices = True
+    initially_shown = False
+    shown_in_slices = True
     z: ClassVar[float]
     """Place in the stack of layers."""
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         self._item = TiledImage(self.z)
         self._item.setVisible(False)
-        cached(self._item)
-        self.add(self._item)
+        enable_caching(self._item)
+        self.add_items(self._item)
 
     @property
     def shades(self) -> Pixels | None:
         """Shades shown, before the color map is applied; None while nothing is shown."""
         return self._item.display.shades if self._item.display is not None and self._item.isVisible() else None
 
-    def show_or_hide(self) -> None:
+    def apply_visibility(self) -> None:
         """Request the overlay only while it is shown."""
         self.requests.set_overlay_enabled(self.name, self.shown)
-        self.follow_choice("map")
-        self._show()
+        self.apply_option("map")
+        self._show_overlay()
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show newer values, or none."""
         if self.scene.overlays is not before.overlays:
-            self._show()
+            self._show_overlay()
 
-    def _show(self) -> None:
+    def _show_overlay(self) -> None:
         shades = self.scene.overlays.get(self.name) if self.shown else None
         # hidden, not cleared: the cached picture of an item stays on screen when its extent vanishes
         self._item.setVisible(isinstance(shades, DisplayImage))
         if isinstance(shades, DisplayImage):
             self._item.show_image(shades)
 
-    def follow_choice(self, name: str) -> None:
+    def apply_option(self, name: str) -> None:
         """Change the colors; load them only while they are visible, because reading them is slow."""
         if self.shown:
-            self._item.use_table(self.table())
+            self._item.set_color_table(self.color_table())
 
-    def table(self) -> np.ndarray:
+    def color_table(self) -> np.ndarray:
         """Return the colors of the 256 shades, shape (256, 3) or (256, 4), uint8."""
-        return color_maps.table(self.word("map"))
+        return color_maps.color_table(self.get_choice("map"))
 
 
 class EdgeMapLayer(ScalarOverlay):
@@ -87,16 +87,16 @@ class EdgeMapLayer(ScalarOverlay):
     shortcut = "Alt+7"
     colors = ("#f98c0a",)
     options = (
-        _maps(
+        _create_map_option(
             ("inferno", "magma", "plasma", "viridis", "cividis", color_maps.GRAY),
             tr("Colors from weak to strong edges."),
         ),
     )
     z = 1.0
 
-    def table(self) -> np.ndarray:
+    def color_table(self) -> np.ndarray:
         """Return colors, shape (256, 4), whose opacity grows with the strength of the edge."""
-        return np.column_stack([super().table(), np.linspace(0, _MAX_EDGE_OPACITY, 256).astype(np.uint8)])
+        return np.column_stack([super().color_table(), np.linspace(0, _MAX_EDGE_OPACITY, 256).astype(np.uint8)])
 
 
 class PotentialLayer(ScalarOverlay):
@@ -108,14 +108,14 @@ class PotentialLayer(ScalarOverlay):
     shortcut = "Alt+8"
     colors = ("#7c7b78",)
     options = (
-        _maps(
+        _create_map_option(
             ("cividis", "viridis", "magma", "plasma", color_maps.GRAY),
             tr("Colors from low to high potential."),
         ),
     )
     z = 0.9
 
-    def fade(self) -> None:
+    def apply_opacity(self) -> None:
         """Set the opacity so that the image remains visible below the colors."""
         self._item.setOpacity(_POTENTIAL_OPACITY * self.opacity)
 
@@ -131,43 +131,43 @@ class FieldLayer(Layer):
     title = tr("Field")
     tip = tr("Direction in which edges pull.")
     shortcut = "Alt+9"
-    initially = False
-    in_slices = True
+    initially_shown = False
+    shown_in_slices = True
     colors = (theme.FIELD,)
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD, 1.0), antialias=True, connect="pairs")
         self._item.setZValue(2)
-        cached(self._item)
-        self.add(self._item)
-        self.view.sigRangeChanged.connect(self._draw)
+        enable_caching(self._item)
+        self.add_items(self._item)
+        self.view.sigRangeChanged.connect(self._draw_arrows)
 
     @property
-    def drawn(self) -> Array:
+    def arrow_points(self) -> Array:
         """Ends of the lines drawn (row, col), shape (N, 2)."""
         x, y = self._item.getData()
         return np.empty((0, 2)) if x is None else np.stack([y, x], axis=1)
 
-    def show_or_hide(self) -> None:
+    def apply_visibility(self) -> None:
         """Request the field only while it is shown."""
         self.requests.set_overlay_enabled("field", self.shown)
-        self._draw()
+        self._draw_arrows()
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show another field, or none."""
         if self.scene.overlays is not before.overlays:
-            self._draw()
+            self._draw_arrows()
 
-    def _draw(self, *_: object) -> None:
+    def _draw_arrows(self, *_: object) -> None:
         field = self.scene.overlays.get("field") if self.shown else None
         self._item.setVisible(field is not None)
         if field is not None:
             pixel = float(self.view.viewPixelSize()[0])
-            self._item.setData(*to_xy(arrow_lines(*arrows(np.asarray(field), self.view.viewRect(), pixel))))
+            self._item.setData(*to_xy(build_arrow_lines(*find_arrow_ends(np.asarray(field), self.view.viewRect(), pixel))))
 
 
-def arrows(field: Array, seen: QRectF, pixel: float) -> tuple[Array, Array]:
+def find_arrow_ends(field: Array, seen: QRectF, pixel: float) -> tuple[Array, Array]:
     """Find the starts and ends of arrows, evenly spaced within the visible part.
 
     Parameters
@@ -195,7 +195,7 @@ def arrows(field: Array, seen: QRectF, pixel: float) -> tuple[Array, Array]:
     return starts, starts + vectors
 
 
-def arrow_lines(starts: Array, ends: Array) -> Array:
+def build_arrow_lines(starts: Array, ends: Array) -> Array:
     """Build pairs of points that draw a shaft and two barbs for each arrow.
 
     Parameters

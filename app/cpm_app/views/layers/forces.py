@@ -10,13 +10,13 @@ import pyqtgraph as pg
 from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import ForcesProbed, probe_forces
-from cpm_app.views.items.item import FAINT, Markers, Pinned, line_pen, to_xy
-from cpm_app.views.layers.fields import arrow_lines
-from cpm_app.views.layers.layer import Amount, Layer
+from cpm_app.views.items.item import FAINT_TEXT_COLOR, Markers, PinnedText, line_pen, to_xy
+from cpm_app.views.layers.fields import build_arrow_lines
+from cpm_app.views.layers.layer import AmountOption, Layer
 from cpm_app.views.theme import theme
 from cpm_core.numerics import Position
 
-KINDS = {
+FORCE_KINDS = {
     "coulomb": (tr("Coulomb"), theme.COULOMB),
     "lorentz": (tr("Lorentz"), theme.LORENTZ),
     "placed": (tr("Placed charges"), theme.REGION),
@@ -52,57 +52,57 @@ class ForceLayer(Layer):
     title = tr("Forces under the pointer")
     tip = tr("Coulomb, Lorentz and damping force on the particle nearest to the pointer.")
     shortcut = "Alt+3"
-    initially = False
-    in_slices = True
+    initially_shown = False
+    shown_in_slices = True
     colors = (theme.COULOMB, theme.LORENTZ, theme.DAMPING)
-    options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
+    options = (AmountOption("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         self._ring = Markers(_FORCE_Z, size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
         halo = line_pen(theme.HALO, 4.6)
         self._arrows = {
             name: pg.PlotCurveItem(pen=line_pen(color, 2.2), shadowPen=halo, antialias=True, connect="pairs")
-            for name, (_, color) in KINDS.items()
+            for name, (_, color) in FORCE_KINDS.items()
         }
-        self.legend = Pinned(self.view, (1.0, 0.0))
+        self.legend = PinnedText(self.view, (1.0, 0.0))
         for item in self._arrows.values():
             item.setZValue(_FORCE_Z)
-        self.add(self._ring, *self._arrows.values(), self.legend)
+        self.add_items(self._ring, *self._arrows.values(), self.legend)
         self.probed: ForcesProbed | None = None
         """Forces that are shown."""
         self.lines: list[tuple[str, str, str]] = []
         """Name, color and magnitude of each force in the legend."""
         self._pointer: Position | None = None
-        self._draw()
-        self.view.sigRangeChanged.connect(self._draw)
+        self._draw_arrows()
+        self.view.sigRangeChanged.connect(self._draw_arrows)
 
-    def point_at(self, place: Position | None) -> None:
+    def set_pointer(self, place: Position | None) -> None:
         """Set the position (row, col) of the pointer, or None when it has left."""
         self._pointer = place
-        self._ask()
+        self._request_forces()
 
-    def show_or_hide(self) -> None:
+    def apply_visibility(self) -> None:
         """Request forces only while the layer is shown."""
-        self._use(None)
-        self._ask()
+        self._show_probed(None)
+        self._request_forces()
 
-    def follow_choice(self, name: str) -> None:
+    def apply_option(self, name: str) -> None:
         """Change the length of the arrows."""
-        self._draw()
+        self._draw_arrows()
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show requested forces; request them again when the particles have moved."""
         snapshot, probed = self.scene.snapshot, self.scene.probed
         if snapshot is not before.snapshot:
             if snapshot is None:
-                self._use(None)
-            self._ask()
+                self._show_probed(None)
+            self._request_forces()
         answered = self.shown and probed is not before.probed
         if answered and probed is not None and snapshot is not None and probed.generation == snapshot.generation:
-            self._use(probed if probed.identity >= 0 else None)
+            self._show_probed(probed if probed.identity >= 0 else None)
 
-    def _ask(self) -> None:
+    def _request_forces(self) -> None:
         """Request the forces."""
         snapshot = self.scene.snapshot
         if not self.shown or snapshot is None:
@@ -113,29 +113,29 @@ class ForceLayer(Layer):
         here = None if self.scene.slices is None else self.scene.slices.current
         self.requests.post_command(probe_forces(snapshot.generation, place if here is None else here.lift_position(place), reach))
 
-    def _use(self, probed: ForcesProbed | None) -> None:
+    def _show_probed(self, probed: ForcesProbed | None) -> None:
         self.probed = probed
         if probed is not None:
             sizes = probed.sizes
-            listed = [name for name in KINDS if name in _ALWAYS_LISTED or sizes[name] >= _MIN_SHOWN_FORCE]
-            self.lines = [(*KINDS[name], localize_number(f"{sizes[name]:.3f}")) for name in listed]
+            listed = [name for name in FORCE_KINDS if name in _ALWAYS_LISTED or sizes[name] >= _MIN_SHOWN_FORCE]
+            self.lines = [(*FORCE_KINDS[name], localize_number(f"{sizes[name]:.3f}")) for name in listed]
             title = tr("Particle {number}", number=localize_number(f"{probed.identity:,}"))
             rows = (
                 f"<tr><td style='color:{color}'>━ </td><td>{name} </td><td align='right'>&nbsp;{size}</td></tr>"
                 for name, color, size in self.lines
             )
-            self.legend.show_html(f"<div style='color:{FAINT}'>{title}</div><table>{''.join(rows)}</table>")
-        self._draw()
+            self.legend.show_html(f"<div style='color:{FAINT_TEXT_COLOR}'>{title}</div><table>{''.join(rows)}</table>")
+        self._draw_arrows()
 
-    def _draw(self, *_: object) -> None:
+    def _draw_arrows(self, *_: object) -> None:
         probed = self.probed if self.shown else None
         for item in (self._ring, *self._arrows.values(), self.legend):
             item.setVisible(probed is not None)
         if probed is None:
             return
-        longest = max(_FULL_ARROW_FORCE, *(probed.sizes[name] for name in KINDS))
+        longest = max(_FULL_ARROW_FORCE, *(probed.sizes[name] for name in FORCE_KINDS))
         at, pixel = np.array([probed.position]), np.array(self.view.viewPixelSize()[::-1])
         for name, item in self._arrows.items():
             way = probed.forces[name] * (probed.sizes[name] >= _MIN_SHOWN_FORCE)
-            item.setData(*to_xy(arrow_lines(at, at + self.number("length") / longest * way * pixel)))
-        self._ring.show(at)
+            item.setData(*to_xy(build_arrow_lines(at, at + self.get_amount("length") / longest * way * pixel)))
+        self._ring.show_markers(at)

@@ -19,16 +19,16 @@ from cpm_app.model.display.display_image import (
 from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import shade_image
-from cpm_app.views.items.item import cached
+from cpm_app.views.items.item import enable_caching
 from cpm_app.views.items.tiled_image import TiledImage
-from cpm_app.views.layers.layer import Amount, Choice, Layer
+from cpm_app.views.layers.layer import AmountOption, ChoiceOption, Layer
 from cpm_app.views.theme import color_maps
 from cpm_core.numerics.types import Pixels
 
-WHOLE = "0"
+WHOLE_RANGE = "0"
 """Range of all gray values."""
 
-AUTOMATIC = "0.1"
+AUTOMATIC_RANGE = "0.1"
 """Range without the most extreme gray values [% at either end]."""
 
 _MANUAL_RANGE = "hand"
@@ -55,7 +55,7 @@ _SHOW_COLORS = "colors"
 _SHOW_CHANNEL = "channel"
 """Value of the option that shows the channel of the run."""
 
-_AT_ONCE = 1 << 22
+_MAX_IMMEDIATE_PIXELS = 1 << 22
 """Largest number of pixels shaded immediately, which takes two frames; the worker shades larger images."""
 
 
@@ -66,30 +66,30 @@ class ImageLayer(Layer):
     title = tr("Image")
     tip = tr("The image itself.")
     shortcut = "Alt+0"
-    in_slices = True
+    shown_in_slices = True
     options = (
-        Choice(
+        ChoiceOption(
             "shown",
             tr("Shown"),
             {_SHOW_COLORS: tr("In color"), _SHOW_CHANNEL: tr("Channel of the run")},
             _SHOW_COLORS,
             tr("A color image in its colors, or the channel in which a run finds edges."),
         ),
-        Choice("map", tr("Colors"), color_maps.MAPS, color_maps.GRAY, tr("Colors from dark to bright.")),
-        Choice(
+        ChoiceOption("map", tr("Colors"), color_maps.MAPS, color_maps.GRAY, tr("Colors from dark to bright.")),
+        ChoiceOption(
             "range",
             tr("Range"),
             {
-                WHOLE: tr("All gray values"),
-                AUTOMATIC: tr("All except 0.1 % at either end"),
+                WHOLE_RANGE: tr("All gray values"),
+                AUTOMATIC_RANGE: tr("All except 0.1 % at either end"),
                 "1": tr("All except 1 % at either end"),
                 "5": tr("All except 5 % at either end"),
                 _MANUAL_RANGE: tr("By hand"),
             },
-            WHOLE,
+            WHOLE_RANGE,
             tr("Range of gray values; values below are black, values above are white."),
         ),
-        Amount(
+        AmountOption(
             "gamma",
             tr("Gamma"),
             0.2,
@@ -100,14 +100,14 @@ class ImageLayer(Layer):
         ),
     )
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         self._item = TiledImage(0.0)
-        cached(self._item)
-        self.add(self._item)
-        self.ends = self.window = (0.0, 1.0)
+        enable_caching(self._item)
+        self.add_items(self._item)
+        self.gray_range = self.window = (0.0, 1.0)
         """Smallest and largest gray value of the image; gray values shown as black and white."""
-        self.reach = self.ends
+        self.window_bounds = self.gray_range
         """Bounds of a window set by hand: the gray range, of CT extended by the usual windows."""
 
     @property
@@ -118,28 +118,28 @@ class ImageLayer(Layer):
     @property
     def shown_window(self) -> IntensityWindow:
         """Window with gamma, as shown."""
-        return IntensityWindow(*self.window, self.number("gamma"))
+        return IntensityWindow(*self.window, self.get_amount("gamma"))
 
-    def choose_window(self, low: float, high: float) -> None:
+    def set_window(self, low: float, high: float) -> None:
         """Show gray values from `low`, black, to `high`, white."""
         if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self.window:
-            self.chosen["range"] = _MANUAL_RANGE
-            self._use_window(low, high)
+            self.option_values["range"] = _MANUAL_RANGE
+            self._apply_window(low, high)
 
-    def follow_choice(self, name: str) -> None:
+    def apply_option(self, name: str) -> None:
         """Change colors or window."""
         if name == "map":
-            name = self.word("map")
-            self._item.use_table(None if name == color_maps.GRAY else color_maps.table(name))
+            name = self.get_choice("map")
+            self._item.set_color_table(None if name == color_maps.GRAY else color_maps.color_table(name))
         elif name == "range":
-            self._find_window()
+            self._apply_range()
         else:  # what is shown, or gamma
-            self._shade()
+            self._update_shades()
 
-    def acts(self, name: str) -> bool:
+    def has_effect(self, name: str) -> bool:
         """Tell whether an option has an effect: gray images have no channels, color images no color map."""
         colored = self.scene.image is not None and self.scene.image.colors is not None
-        return {"shown": colored, "map": not colored or self.word("shown") == _SHOW_CHANNEL}.get(name, True)
+        return {"shown": colored, "map": not colored or self.get_choice("shown") == _SHOW_CHANNEL}.get(name, True)
 
     def view_state(self) -> dict[str, object]:
         """Return the state, with the window if it was set by hand."""
@@ -150,10 +150,10 @@ class ImageLayer(Layer):
         """Restore the state and the window."""
         super().use_view_state(state)
         low, high = state.get("low"), state.get("high")
-        if self.word("range") == _MANUAL_RANGE and isinstance(low, int | float) and isinstance(high, int | float):
-            self.choose_window(float(low), float(high))
+        if self.get_choice("range") == _MANUAL_RANGE and isinstance(low, int | float) and isinstance(high, int | float):
+            self.set_window(float(low), float(high))
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show another image, or shades that were requested."""
         scene, image, shaded = self.scene, self.scene.image, self.scene.shaded
         if image is None or scene.display is None:
@@ -161,43 +161,43 @@ class ImageLayer(Layer):
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
         whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
-            self.ends = self.reach = self.window = whole.gray_range
+            self.gray_range = self.window_bounds = self.window = whole.gray_range
             if whole.is_ct:
-                low, high = zip(self.ends, *map(window_at, CT_WINDOWS.values()), strict=True)
-                self.reach = min(low), max(high)
-            if self.word("range") == _MANUAL_RANGE:
+                low, high = zip(self.gray_range, *map(window_from_level, CT_WINDOWS.values()), strict=True)
+                self.window_bounds = min(low), max(high)
+            if self.get_choice("range") == _MANUAL_RANGE:
                 # a window set by hand for another image does not apply to this one
-                self.chosen["range"] = WHOLE
-            self._find_window()
+                self.option_values["range"] = WHOLE_RANGE
+            self._apply_range()
         elif (image, scene.display, channel) != (before.image, before.display, last):
-            self._shade()  # another slice of the volume, another pixel size, or a completed preview
+            self._update_shades()  # another slice of the volume, another pixel size, or a completed preview
         # of two pending requests, only the newer one may be shown
         wanted = image, self.shown_window, self._channel
         if shaded not in (None, before.shaded) and (shaded.image, shaded.window, shaded.channel) == wanted:
             self._item.show_image(shaded.display)
 
-    def _find_window(self) -> None:
+    def _apply_range(self) -> None:
         """Set the window from the selected range."""
-        way, image = self.word("range"), self.scene.full_image
+        way, image = self.get_choice("range"), self.scene.full_image
         if image is not None and way != _MANUAL_RANGE:
-            self._use_window(*(self.ends if way == WHOLE else percentile_window(image.values, float(way))))
+            self._apply_window(*(self.gray_range if way == WHOLE_RANGE else percentile_window(image.values, float(way))))
 
-    def _use_window(self, low: float, high: float) -> None:
+    def _apply_window(self, low: float, high: float) -> None:
         self.window = (low, high)
-        self._shade()
+        self._update_shades()
         self.changed.emit()
 
-    def _shade(self) -> None:
+    def _update_shades(self) -> None:
         image, whole, channel = self.scene.image, self.scene.display, self._channel
         if image is None or whole is None:
             return
-        window, all_of_it = self.shown_window, self.shown_window == IntensityWindow(*self.ends)
+        window, all_of_it = self.shown_window, self.shown_window == IntensityWindow(*self.gray_range)
         if image.colors is not None and channel is None:
-            self._item.use_curve(None if all_of_it else compute_color_curve(window, image.colors.white))
+            self._item.set_tone_curve(None if all_of_it else compute_color_curve(window, image.colors.white))
             self._item.show_image(whole)
         elif image.colors is None and all_of_it:
             self._item.show_image(whole)
-        elif image.colors is None and image.values.size <= _AT_ONCE:
+        elif image.colors is None and image.values.size <= _MAX_IMMEDIATE_PIXELS:
             self._item.show_image(DisplayImage.from_image(image, window))
         elif channel is not None:
             self.requests.post_command(shade_image(image, window, channel))
@@ -206,7 +206,7 @@ class ImageLayer(Layer):
     def _channel(self) -> str | None:
         """Channel that is shown; None for an image in color."""
         image = self.scene.image
-        if image is None or (image.colors is not None and self.word("shown") == _SHOW_COLORS):
+        if image is None or (image.colors is not None and self.get_choice("shown") == _SHOW_COLORS):
             return None
         return image.resolve_channel(self.scene.document.parameters.channel)
 
@@ -221,19 +221,19 @@ Window = tuple[float, float]
 """Gray values shown as black and as white."""
 
 
-def window_at(width_and_level: WidthAndLevel) -> Window:
+def window_from_level(width_and_level: WidthAndLevel) -> Window:
     """Return the window of gray values of a width around a level."""
     width, level = width_and_level
     return level - 0.5 * width, level + 0.5 * width
 
 
-def named(window: Window) -> str:
+def format_window(window: Window) -> str:
     """Format width and level of a window in the manner of radiology."""
     low, high = window
     return f"W {localize_number(f'{high - low:.4g}')}  L {localize_number(f'{0.5 * (low + high):.4g}')}"
 
 
-def dragged(window: Window, ends: Window, right: float, down: float) -> Window:
+def drag_window(window: Window, ends: Window, right: float, down: float) -> Window:
     """Return the window of gray values after a drag to the right and down [px of the screen], within `ends`."""
     span = ends[1] - ends[0]
     width = window[1] - window[0] + span * right / _FULL_DRAG_LENGTH
@@ -253,13 +253,13 @@ class LevelDrag(QObject):
 
     def __init__(self, layer: ImageLayer, widget: QWidget) -> None:
         super().__init__(widget)
-        self.watch(widget)
+        self.watch_widget(widget)
         self._layer = layer
-        self._from: QPointF | None = None
+        self._drag_origin: QPointF | None = None
         self._window: Window = (0.0, 1.0)
         self._cursor = QCursor()
 
-    def watch(self, widget: QWidget) -> None:
+    def watch_widget(self, widget: QWidget) -> None:
         """Handle drags on a widget that shows the image."""
         widget.installEventFilter(self)
 
@@ -270,19 +270,19 @@ class LevelDrag(QObject):
         kind, right = event.type(), Qt.MouseButton.RightButton
         begins = event.button() == right and bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
         if kind == QEvent.Type.MouseButtonPress and begins and self._layer.scene.image is not None:
-            self._from, self._window = event.position(), self._layer.window
+            self._drag_origin, self._window = event.position(), self._layer.window
             self._cursor = watched.cursor()
             watched.setCursor(Qt.CursorShape.SizeAllCursor)
             return True
-        if self._from is None:
+        if self._drag_origin is None:
             return False
         if kind == QEvent.Type.MouseMove:
-            way = event.position() - self._from
-            self._layer.choose_window(*dragged(self._window, self._layer.reach, way.x(), way.y()))
+            way = event.position() - self._drag_origin
+            self._layer.set_window(*drag_window(self._window, self._layer.window_bounds, way.x(), way.y()))
             self.moved.emit()
             return True
         if kind == QEvent.Type.MouseButtonRelease and event.button() == right:
-            self._from = None
+            self._drag_origin = None
             watched.setCursor(self._cursor)
             self.ended.emit()
             return True

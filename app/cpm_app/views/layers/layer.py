@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QGraphicsItem
 
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.commands import WorkerCommand
-from cpm_app.views.items.item import OverImage
+from cpm_app.views.items.item import ImageOverlay
 from cpm_core.numerics.types import Extent, Texts, frozen
 
 Value = str | float | bool
@@ -19,7 +19,7 @@ Value = str | float | bool
 
 
 @frozen
-class Choice:
+class ChoiceOption:
     """One of several alternatives.
 
     Attributes
@@ -35,16 +35,16 @@ class Choice:
     name: str
     title: str
     choices: Mapping[str, str]
-    first: str
+    default: str
     tip: str
 
-    def taken(self, value: object) -> Value | None:
+    def validate_value(self, value: object) -> Value | None:
         """Return the value to store, None if it is not one of the alternatives."""
         return value if isinstance(value, str) and value in self.choices else None
 
 
 @frozen
-class Amount:
+class AmountOption:
     """A number from `low` to `high` in increments of `step`; other fields as in `ChoiceOption`."""
 
     name: str
@@ -52,29 +52,29 @@ class Amount:
     low: float
     high: float
     step: float
-    first: float
+    default: float
     tip: str
 
-    def taken(self, value: object) -> Value | None:
+    def validate_value(self, value: object) -> Value | None:
         """Return the value to store, None if it is not a number within the bounds."""
         return float(value) if isinstance(value, int | float) and self.low <= value <= self.high else None
 
 
 @frozen
-class Switch:
+class SwitchOption:
     """An option that is on or off; other fields as in `ChoiceOption`."""
 
     name: str
     title: str
-    first: bool
+    default: bool
     tip: str
 
-    def taken(self, value: object) -> Value | None:
+    def validate_value(self, value: object) -> Value | None:
         """Return the value to store, None if it is not a bool."""
         return value if isinstance(value, bool) else None
 
 
-Option = Choice | Amount | Switch
+Option = ChoiceOption | AmountOption | SwitchOption
 
 
 Sign = Literal["line", "dashed", "dot", "check", "area"]
@@ -106,7 +106,7 @@ class LegendEntry:
     sign: Sign = "line"
 
 
-class Requests(Protocol):
+class WorkerRequests(Protocol):
     """Requests from layers to the worker; the answers arrive as parts of a scene."""
 
     def post_command(self, command: WorkerCommand) -> None:
@@ -150,53 +150,53 @@ class Layer(QObject):
     """Sentence on what it shows."""
     shortcut: ClassVar[str] = ""
     """Key that shows or hides the layer."""
-    initially: ClassVar[bool] = True
+    initially_shown: ClassVar[bool] = True
     """Whether it is shown at first."""
     colors: ClassVar[Texts] = ()
     """Colors of its legend."""
     options: ClassVar[tuple[Option, ...]] = ()
     """Options besides the opacity."""
-    in_slices: ClassVar[bool] = False
+    shown_in_slices: ClassVar[bool] = False
     """Whether it shows anything in the slices of a volume."""
 
     changed = Signal()
     """Visibility, opacity or an option has changed."""
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+    def __init__(self, view: pg.ViewBox, requests: WorkerRequests) -> None:
         super().__init__()
         self.view = view
         self.requests = requests
         self.scene = Scene()
-        self.shown = self.initially
+        self.shown = self.initially_shown
         self.opacity = 1.0
-        self.chosen: dict[str, Value] = {option.name: option.first for option in self.options}
+        self.option_values: dict[str, Value] = {option.name: option.default for option in self.options}
         self._items: list[tuple[QGraphicsItem, str]] = []
-        self.make()
+        self.create_items()
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
 
-    def add(self, *items: QGraphicsItem, switch: str = "") -> None:
+    def add_items(self, *items: QGraphicsItem, switch: str = "") -> None:
         """Put items without a parent on the canvas; with `switch`, show them only while that `SwitchOption` is on."""
         for item in items:
             self._items.append((item, switch))
             if item.parentItem() is None:
                 self.view.addItem(item, ignoreBounds=True)
 
-    def draw(self, scene: Scene) -> None:
+    def set_scene(self, scene: Scene) -> None:
         """Set the scene, and draw the parts that have changed."""
         before, self.scene = self.scene, scene
         if scene.image is not None and (before.image is None or scene.image.shape != before.image.shape):
-            self.use_shape(scene.image.shape)
-        self.follow(before)
+            self.set_image_shape(scene.image.shape)
+        self.show_scene(before)
 
-    def use_shape(self, shape: Extent) -> None:
+    def set_image_shape(self, shape: Extent) -> None:
         """Fit the items to an image of this shape."""
         for item, _ in self._items:
-            if isinstance(item, OverImage):
-                item.use_shape(shape)
+            if isinstance(item, ImageOverlay):
+                item.set_image_shape(shape)
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Draw the parts of `scene` that differ from the previous scene, `before`."""
 
     def legend_entries(self) -> Sequence[LegendEntry]:
@@ -207,54 +207,54 @@ class Layer(QObject):
         """Show or hide the layer."""
         if shown != self.shown:
             self.shown = shown
-            self.show_or_hide()
+            self.apply_visibility()
             self.changed.emit()
 
     def set_opacity(self, opacity: float) -> None:
         """Set the opacity, from 0 to 1."""
         if opacity != self.opacity:
             self.opacity = opacity
-            self.fade()
+            self.apply_opacity()
             self.changed.emit()
 
-    def show_or_hide(self) -> None:
+    def apply_visibility(self) -> None:
         """Apply `shown` and the switches to the items."""
         for item, switch in self._items:
-            item.setVisible(self.shown and bool(not switch or self.chosen[switch]))
+            item.setVisible(self.shown and bool(not switch or self.option_values[switch]))
 
-    def fade(self) -> None:
+    def apply_opacity(self) -> None:
         """Apply `opacity` to the items."""
         for item, _ in self._items:
             item.setOpacity(self.opacity)
 
-    def choose(self, name: str, value: object) -> None:
+    def set_option(self, name: str, value: object) -> None:
         """Set an option; an invalid value changes nothing."""
         option = next(option for option in self.options if option.name == name)
-        taken = option.taken(value)
-        if taken is not None and taken != self.chosen[name]:
-            self.chosen[name] = taken
-            self.follow_choice(name)
+        taken = option.validate_value(value)
+        if taken is not None and taken != self.option_values[name]:
+            self.option_values[name] = taken
+            self.apply_option(name)
             self.changed.emit()
 
-    def acts(self, name: str) -> bool:
+    def has_effect(self, name: str) -> bool:
         """Tell whether an option has an effect, given the other options."""
         return True
 
-    def follow_choice(self, name: str) -> None:
+    def apply_option(self, name: str) -> None:
         """Apply an option that has changed; by default, show or hide items."""
-        self.show_or_hide()
+        self.apply_visibility()
 
-    def word(self, name: str) -> str:
+    def get_choice(self, name: str) -> str:
         """Return the value of a `ChoiceOption`."""
-        return str(self.chosen[name])
+        return str(self.option_values[name])
 
-    def number(self, name: str) -> float:
+    def get_amount(self, name: str) -> float:
         """Return the value of an `AmountOption`."""
-        return float(self.chosen[name])
+        return float(self.option_values[name])
 
     def view_state(self) -> dict[str, object]:
         """Return the state for a session file."""
-        return {"shown": self.shown, "opacity": self.opacity, **self.chosen}
+        return {"shown": self.shown, "opacity": self.opacity, **self.option_values}
 
     def use_view_state(self, state: dict[str, object]) -> None:
         """Restore the state from a session file; missing or invalid entries change nothing."""
@@ -265,4 +265,4 @@ class Layer(QObject):
             self.set_opacity(float(opacity))
         for option in self.options:
             if option.name in state:
-                self.choose(option.name, state[option.name])
+                self.set_option(option.name, state[option.name])

@@ -23,8 +23,8 @@ from PySide6.QtWidgets import (
 )
 
 from cpm_app.model.text.language import tr, localize_number
-from cpm_app.views.layers.image_layer import CT_WINDOWS, ImageLayer, named, window_at
-from cpm_app.views.layers.layer import Choice, Layer, Option, Switch
+from cpm_app.views.layers.image_layer import CT_WINDOWS, ImageLayer, format_window, window_from_level
+from cpm_app.views.layers.layer import ChoiceOption, Layer, Option, SwitchOption
 from cpm_app.views.theme import color_maps
 from cpm_app.views.widgets.containers import arrange, dim_label
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
@@ -38,15 +38,15 @@ class LayerForm(QWidget):
         super().__init__()
         self.layer = layer
         self.fields: dict[str, QWidget] = {}
-        self._shows: dict[str, Callable[[Any], object]] = {}
+        self._value_setters: dict[str, Callable[[Any], object]] = {}
         """Functions that show the value of an option in its field."""
         grows = QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow
         self.rows = QFormLayout(self, horizontalSpacing=8, verticalSpacing=4, fieldGrowthPolicy=grows)
         self.rows.setContentsMargins(0, 0, 0, 0)
-        self.levels: Levels | None = None
+        self.levels: LevelsEditor | None = None
         self._image: Image | None = None
         for option in layer.options:
-            field, self._shows[option.name] = self._field(option)
+            field, self._value_setters[option.name] = self._create_field(option)
             self.fields[option.name] = field
             field.setToolTip(option.tip)
             field.setAccessibleName(option.title)
@@ -54,16 +54,16 @@ class LayerForm(QWidget):
                 self.rows.addRow(field)
             else:
                 self.rows.addRow(dim_label(option.title, option.tip), field)
-        layer.changed.connect(self.show_chosen)
-        self.show_chosen()
+        layer.changed.connect(self.show_option_values)
+        self.show_option_values()
 
-    def show_chosen(self) -> None:
+    def show_option_values(self) -> None:
         """Show the values of the options, and the window of an image."""
         if isinstance(self.layer, ImageLayer):
             self._show_levels(self.layer)
         for name, field in self.fields.items():
-            self._shows[name](self.layer.chosen[name])
-            field.setEnabled(self.layer.acts(name))
+            self._value_setters[name](self.layer.option_values[name])
+            field.setEnabled(self.layer.has_effect(name))
 
     def _show_levels(self, layer: ImageLayer) -> None:
         image = layer.scene.full_image
@@ -71,20 +71,20 @@ class LayerForm(QWidget):
             self._image = image
             if self.levels is not None:
                 self.rows.removeRow(self.levels)
-            self.levels = Levels(image, layer.reach)
-            self.levels.moved.connect(layer.choose_window)
+            self.levels = LevelsEditor(image, layer.window_bounds)
+            self.levels.moved.connect(layer.set_window)
             self.rows.insertRow(0, self.levels)
         if self.levels is not None:
             self.levels.show_window(*layer.window)
 
-    def _field(self, option: Option) -> tuple[QWidget, Callable[[Any], object]]:
+    def _create_field(self, option: Option) -> tuple[QWidget, Callable[[Any], object]]:
         """Create the field of an option, and the function that shows a value in it."""
-        set_option = partial(self.layer.choose, option.name)
-        if isinstance(option, Switch):
+        set_option = partial(self.layer.set_option, option.name)
+        if isinstance(option, SwitchOption):
             switch = QCheckBox(option.title)
             switch.toggled.connect(set_option)
             return switch, switch.setChecked
-        if isinstance(option, Choice):
+        if isinstance(option, ChoiceOption):
             box = ChoiceBox(option.choices)
             box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
             box.setIconSize(QSize(36, 12))
@@ -92,9 +92,9 @@ class LayerForm(QWidget):
                 box.setItemIcon(index, color_maps.icon(name) if name in color_maps.MAPS else QIcon())
             box.chosen.connect(set_option)
             return box, box.show_value
-        slider = MarkedSlider(option.low, option.high, option.step, option.first)
+        slider = MarkedSlider(option.low, option.high, option.step, option.default)
         slider.moved_to.connect(set_option)
-        slider.restored.connect(lambda: set_option(option.first))
+        slider.restored.connect(lambda: set_option(option.default))
         figure = QLabel(alignment=Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         figure.setMinimumWidth(figure.fontMetrics().horizontalAdvance("0.000"))
         both = QWidget()
@@ -124,7 +124,7 @@ _HISTOGRAM_HEIGHT = 72
 """Height of the histogram [px of the screen]."""
 
 
-class Levels(QWidget):
+class LevelsEditor(QWidget):
     """Histogram of the gray values on a logarithmic scale, and their window: two lines to drag, and two fields.
 
     For CT it also offers the usual windows.
@@ -182,14 +182,14 @@ class Levels(QWidget):
             row.addWidget(field, 1)
         tip = tr("Width and level of the range: white minus black, and the middle between them.")
         self.figures = dim_label(tip=tip)
-        usual = {name: f"{name}  {named(window_at(window))}" for name, window in CT_WINDOWS.items()}
+        usual = {name: f"{name}  {format_window(window_from_level(window))}" for name, window in CT_WINDOWS.items()}
         self.usual = ChoiceBox(usual)
         self.usual.setPlaceholderText(tr("CT window"))
         self.usual.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.usual.setMinimumContentsLength(10)
         self.usual.setAccessibleName(tr("CT window"))
         self.usual.setToolTip(tr("The usual windows of CT, in Hounsfield units."))
-        self.usual.chosen.connect(lambda name: self.moved.emit(*window_at(CT_WINDOWS[name])))
+        self.usual.chosen.connect(lambda name: self.moved.emit(*window_from_level(CT_WINDOWS[name])))
         self.usual.setVisible(image.is_ct)
         below = arrange(QHBoxLayout(), self.figures, self.usual, wide=self.usual)
         arrange(QVBoxLayout(self), self.histogram, row, below, spacing=4)
@@ -198,8 +198,8 @@ class Levels(QWidget):
         """Show a window without emitting a signal; leave the lines and their axis alone while a line is dragged."""
         self.low.show_value(low)
         self.high.show_value(high)
-        self.figures.setText(named((low, high)))
-        usual = (name for name, window in CT_WINDOWS.items() if window_at(window) == (low, high))
+        self.figures.setText(format_window((low, high)))
+        usual = (name for name, window in CT_WINDOWS.items() if window_from_level(window) == (low, high))
         self.usual.show_value(next(usual, ""))
         if not (self._lines.moving or any(line.moving for line in self._lines.lines)):
             with QSignalBlocker(self._lines):

@@ -12,9 +12,9 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import MIN_SURE_CONFIDENCE
 from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.scene import Scene
-from cpm_app.views.items.curves import Area, Curves, Fills
-from cpm_app.views.items.item import Markers, Names
-from cpm_app.views.layers.layer import Amount, Layer, LegendEntry, Switch
+from cpm_app.views.items.curves import FilledArea, Curves, Fills
+from cpm_app.views.items.item import Markers, TextLabels
+from cpm_app.views.layers.layer import AmountOption, Layer, LegendEntry, SwitchOption
 from cpm_app.views.theme import theme
 from cpm_core import Selection
 from cpm_core.numerics import Array
@@ -51,30 +51,30 @@ class ObjectLayer(Layer):
     title = tr("Objects")
     tip = tr("Accepted objects by class, and proposals, dashed.")
     shortcut = "Alt+5"
-    in_slices = True
+    shown_in_slices = True
     colors = (DEFAULT_CLASSES[0].color, theme.PROPOSAL)
     options = (
-        Amount("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),
-        Switch("names", tr("Names"), True, tr("Show the names of objects.")),
+        AmountOption("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),
+        SwitchOption("names", tr("Names"), True, tr("Show the names of objects.")),
     )
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         self.fills = Fills(3.0)
         self._outlines = Curves(theme.CHOSEN, 4.3)
         self._gaps = Curves(theme.HALO, 4.35, halo=0.0, dashed=True)
-        self._chosen = Curves(theme.CHOSEN, 4.25, width=5.0, halo=7.0)
+        self._selected = Curves(theme.CHOSEN, 4.25, width=5.0, halo=7.0)
         self._hovered = Curves(theme.HOVERED, 4.24, width=5.0, halo=0.0)
-        self.offered_fill, self._offered = Fills(4.4), Curves(theme.PROPOSAL, 4.55, width=2.2, halo=4.0, dashed=True)
+        self.proposal_fill, self._proposal_outlines = Fills(4.4), Curves(theme.PROPOSAL, 4.55, width=2.2, halo=4.0, dashed=True)
         self._doubtful = Curves(theme.PROPOSAL, 4.5, width=1.4, halo=2.8, dashed=_DOUBTFUL_DASHES)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
         self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.HALO, width=1.2))
         self._paths: dict[int, tuple[tuple[Line, ...], list[Array]]] = {}
         """Boundaries of the shown objects by object number, with the closed paths drawn for them."""
-        self._names, self._likely = Names(5.8), Names(5.85, above=True)
-        self.add(self.fills, self._outlines, self._gaps, self._chosen, self._hovered, self.offered_fill)
-        self.add(self._offered, self._doubtful, self.added, self.removed, self._clicks, self._likely)
-        self.add(self._names, switch="names")
+        self._names, self._probabilities = TextLabels(5.8), TextLabels(5.85, above=True)
+        self.add_items(self.fills, self._outlines, self._gaps, self._selected, self._hovered, self.proposal_fill)
+        self.add_items(self._proposal_outlines, self._doubtful, self.added, self.removed, self._clicks, self._probabilities)
+        self.add_items(self._names, switch="names")
 
     def legend_entries(self) -> Sequence[LegendEntry]:
         """Return the entries of accepted objects and proposals."""
@@ -87,14 +87,14 @@ class ObjectLayer(Layer):
             LegendEntry(len(offered), tr("proposed"), tr("Objects that can be accepted."), theme.PROPOSAL, "dashed"),
         )
 
-    def follow_choice(self, name: str) -> None:
+    def apply_option(self, name: str) -> None:
         """Change the opacity of areas, or show or hide names."""
         if name == "fill":
             self._show_objects()
         else:
-            super().follow_choice(name)
+            super().apply_option(name)
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show other objects, another selection, or other proposals."""
         scene, shown, last = self.scene, self.scene.objects, before.objects
         of, last_of = scene.document.objects, before.document.objects
@@ -103,13 +103,13 @@ class ObjectLayer(Layer):
             self._show_objects()
         other_offer = shown.proposals is not last.proposals
         if other or other_offer or shown.selected != last.selected:
-            self._chosen.show(self._paths_of(shown.selected))
+            self._selected.show_paths(self._find_paths(shown.selected))
         if other or other_offer or shown.hovered != last.hovered:
-            self._hovered.show(self._paths_of({shown.hovered}))
+            self._hovered.show_paths(self._find_paths({shown.hovered}))
         if other_offer:
             self._show_proposals()
         if other_offer or (shown.selected, shown.hovered) != (last.selected, last.hovered):
-            self._show_likely()
+            self._show_probabilities()
         if shown.preview is not last.preview:
             self._show_preview()
         if of.clicks != last_of.clicks:
@@ -118,7 +118,7 @@ class ObjectLayer(Layer):
     def _show_objects(self) -> None:
         objects = self.scene.document.objects
         seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
-        fill = self.number("fill")
+        fill = self.get_amount("fill")
         known = self._paths
         self._paths = {
             item.number: made if (made := known.get(item.number)) and made[0] is item.boundary else
@@ -126,11 +126,11 @@ class ObjectLayer(Layer):
             for item in seen
         }  # fmt: skip
         paths = [(self._paths[item.number][1], objects.color_of(item)) for item in seen]
-        self.fills.show([(own, color, fill) for own, color in paths])
+        self.fills.show_areas([(own, color, fill) for own, color in paths])
         outlines = [(path, color) for own, color in paths for path in own]
-        self._outlines.show([path for path, _ in outlines], [color for _, color in outlines])
-        self._gaps.show([np.array(gap) for item in seen for gap in item.gaps])
-        self._names.show([(item.center, item.name, objects.color_of(item)) for item in seen if item.name])
+        self._outlines.show_paths([path for path, _ in outlines], [color for _, color in outlines])
+        self._gaps.show_paths([np.array(gap) for item in seen for gap in item.gaps])
+        self._names.show_texts([(item.center, item.name, objects.color_of(item)) for item in seen if item.name])
 
     @property
     def _proposals(self) -> list[tuple[int, Selection]]:
@@ -138,23 +138,23 @@ class ObjectLayer(Layer):
         offered = ((each.key, each.selection) for each in self.scene.objects.proposals)
         return [(key, found) for key, found in offered if isinstance(found, Selection) and found.has_boundary]
 
-    def _paths_of(self, numbers: Iterable[int]) -> list[Array]:
+    def _find_paths(self, numbers: Iterable[int]) -> list[Array]:
         """Find the boundaries of objects by number and of proposals by key, each of shape (K, 2)."""
         wanted = set(numbers)
         proposals = [found for key, found in self._proposals if key and key in wanted]
         own = [path for number, (_, paths) in self._paths.items() if number in wanted for path in paths]
-        return [*own, *_outlines(proposals)]
+        return [*own, *_selection_outlines(proposals)]
 
     def _show_proposals(self) -> None:
         found = [selection for _, selection in self._proposals]
         sure = [each for each in found if each.confidence >= MIN_SURE_CONFIDENCE]
         doubtful = [each for each in found if each.confidence < MIN_SURE_CONFIDENCE]
-        areas = [(_curves_of(each), theme.PROPOSAL, _PROPOSAL_OPACITY) for each in sure]
-        self.offered_fill.show([*areas, *((_curves_of(each), theme.PROPOSAL, _DOUBTFUL_OPACITY) for each in doubtful)])
-        self._offered.show(_outlines(sure))
-        self._doubtful.show(_outlines(doubtful))
+        areas = [(_selection_curves(each), theme.PROPOSAL, _PROPOSAL_OPACITY) for each in sure]
+        self.proposal_fill.show_areas([*areas, *((_selection_curves(each), theme.PROPOSAL, _DOUBTFUL_OPACITY) for each in doubtful)])
+        self._proposal_outlines.show_paths(_selection_outlines(sure))
+        self._doubtful.show_paths(_selection_outlines(doubtful))
 
-    def _show_likely(self) -> None:
+    def _show_probabilities(self) -> None:
         """Show the probabilities of proposals; of many, only of the one under the pointer and of selected ones."""
         shown, offered = self.scene.objects, self._proposals
         few = len(offered) <= _MAX_MARKED_PROPOSALS
@@ -164,22 +164,22 @@ class ObjectLayer(Layer):
             if key in {*shown.selected, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < MIN_SURE_CONFIDENCE)
         ]  # fmt: skip
         texts = (f"{'? ' * (found.confidence < MIN_SURE_CONFIDENCE)}{format_confidence(found)}" for found in marked)
-        highest = (tuple(min(np.concatenate(_curves_of(found)).tolist())) for found in marked)
-        self._likely.show([(place, text, "#ffffff") for place, text in zip(highest, texts, strict=True)])
+        highest = (tuple(min(np.concatenate(_selection_curves(found)).tolist())) for found in marked)
+        self._probabilities.show_texts([(place, text, "#ffffff") for place, text in zip(highest, texts, strict=True)])
 
     def _show_preview(self) -> None:
         """Show the area that a click would add or remove, by the even-odd rule for the old and new boundaries."""
         preview = self.scene.objects.preview
-        changed: list[Area] = []
+        changed: list[FilledArea] = []
         if preview is not None and isinstance(preview.after, Selection):
-            curves = _curves_of(preview.after)
+            curves = _selection_curves(preview.after)
             if isinstance(preview.before, Selection):
-                curves += _curves_of(preview.before)
+                curves += _selection_curves(preview.before)
             color, opacity = (theme.PROPOSAL, _PREVIEW_OPACITY) if preview.adds else (theme.REMOVED, 1.0)
             changed = [(curves, color, opacity)] if curves else []  # empty in a slice that misses the object
         adds = preview is not None and preview.adds
-        self.added.show(changed if adds else [])
-        self.removed.show([] if adds else changed)
+        self.added.show_areas(changed if adds else [])
+        self.removed.show_areas([] if adds else changed)
 
     def _show_clicks(self) -> None:
         """Mark the places of all clicks, thinned out along long strokes."""
@@ -188,16 +188,16 @@ class ObjectLayer(Layer):
             (at, each.inside) for each in clicks for at in each.places[:: 1 + len(each.places) // _MAX_CLICK_MARKS]
         ]
         brushes = {True: pg.mkBrush(theme.RESTING), False: pg.mkBrush(theme.BARRIER)}
-        self._clicks.show(
+        self._clicks.show_markers(
             [at for at, _ in marks],
             symbol=["o" if inside else "x" for _, inside in marks],
             brush=[brushes[inside] for _, inside in marks],
         )
 
 
-def _curves_of(selection: Selection) -> list[Array]:
+def _selection_curves(selection: Selection) -> list[Array]:
     return [contour.points for contour in selection.contours]
 
 
-def _outlines(selections: Iterable[Selection]) -> list[Array]:
+def _selection_outlines(selections: Iterable[Selection]) -> list[Array]:
     return [contour.path for selection in selections for contour in selection.contours]

@@ -14,15 +14,15 @@ from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.discs import NO_POSITIONS, MovingDiscs
-from cpm_app.views.items.item import Pinned
-from cpm_app.views.layers.layer import Choice, Layer, LegendEntry
+from cpm_app.views.items.item import PinnedText
+from cpm_app.views.layers.layer import ChoiceOption, Layer, LegendEntry
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
-BEGIN = 0.18
+DARK_MAP_FRACTION = 0.18
 """Fraction of the color maps that is too dark to stand out from a dark image."""
 
-UNKNOWN = theme.JUNCTION
+UNKNOWN_COLOR = theme.JUNCTION
 """Color of particles whose quantity is not known yet; no color map contains it."""
 
 _LEGEND_WIDTH = 154
@@ -35,7 +35,7 @@ _LEGEND_HTML = (
     f"<table width='{_LEGEND_WIDTH}' cellspacing='0' cellpadding='1'>"
     "<tr><td colspan='3' align='center'>{title}</td></tr>"
     f"<tr><td colspan='3'><img src='{{map}}' width='{_LEGEND_WIDTH}' height='{_STRIP_HEIGHT}'></td></tr><tr><td>0</td>"
-    f"<td align='center' style='color:{UNKNOWN}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
+    f"<td align='center' style='color:{UNKNOWN_COLOR}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
 )
 """Template of the legend: title, a strip of colors, and the values at its ends."""
 
@@ -80,20 +80,20 @@ class ParticleLayer(Layer):
     title = tr("Particles")
     tip = tr("Moving, and nearly at rest.")
     shortcut = "Alt+1"
-    in_slices = True
+    shown_in_slices = True
     colors = (theme.MOVING, theme.RESTING)
-    ways: ClassVar = {_BY_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
+    color_choices: ClassVar = {_BY_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
     """Names and titles of the quantities that the color can show."""
     options = (
-        Choice("colour", tr("Color by"), ways, _BY_STATE, " ".join(quantity.tip for quantity in QUANTITIES.values())),
-        Choice(
+        ChoiceOption("colour", tr("Color by"), color_choices, _BY_STATE, " ".join(quantity.tip for quantity in QUANTITIES.values())),
+        ChoiceOption(
             "map",
             tr("Colors"),
             {name: color_maps.MAPS[name] for name in _QUANTITY_MAPS},
             "viridis",
             tr("Colors from low to high."),
         ),
-        Choice(
+        ChoiceOption(
             "done",
             tr("After a run"),
             {
@@ -106,14 +106,14 @@ class ParticleLayer(Layer):
         ),
     )
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         # Contours lie above the particles at rest and below those that still move.
         self._resting = MovingDiscs(theme.RESTING, 7.0, 3.0)
         self._moving = MovingDiscs(theme.MOVING, 6.0, _RUNNING_Z)
-        self.legend = Pinned(self.view, (1.0, 1.0))
+        self.legend = PinnedText(self.view, (1.0, 1.0))
         self._discs = (self._resting, self._moving)
-        self.add(*self._discs, self.legend)
+        self.add_items(*self._discs, self.legend)
 
     @property
     def position(self) -> Array:
@@ -125,11 +125,11 @@ class ParticleLayer(Layer):
         """Number of particles shown."""
         return sum(discs.count for discs in self._discs)
 
-    def size_of(self, snapshot: Snapshot | None) -> float:
+    def diameter_factor(self, snapshot: Snapshot | None) -> float:
         """Return the factor for the diameter of the particles of a snapshot; 0 if they are hidden after its run."""
         ended = snapshot is not None and snapshot.state.stop_reason
         return (
-            {_SAME_AFTER_RUN: 1.0, _SMALL_AFTER_RUN: _ENDED_DIAMETER_FACTOR, _HIDDEN_AFTER_RUN: 0.0}[self.word("done")]
+            {_SAME_AFTER_RUN: 1.0, _SMALL_AFTER_RUN: _ENDED_DIAMETER_FACTOR, _HIDDEN_AFTER_RUN: 0.0}[self.get_choice("done")]
             if ended
             else 1.0
         )
@@ -137,7 +137,7 @@ class ParticleLayer(Layer):
     def legend_entries(self) -> Sequence[LegendEntry]:
         """Return the entries of the states during a run; quantities have a legend on the canvas."""
         snapshot = self.scene.snapshot
-        if self.word("colour") != _BY_STATE or (snapshot is not None and snapshot.state.stop_reason):
+        if self.get_choice("colour") != _BY_STATE or (snapshot is not None and snapshot.state.stop_reason):
             return ()
         kinds = (
             (self._moving, tr("moving"), tr("Particles that move."), theme.MOVING),
@@ -145,66 +145,66 @@ class ParticleLayer(Layer):
         )
         return [LegendEntry(discs.count, text, tip, color, "dot") for discs, text, tip, color in kinds]
 
-    def show_or_hide(self) -> None:
+    def apply_visibility(self) -> None:
         """Show or hide the particles and the legend."""
         snapshot = self.scene.snapshot
         for discs in self._discs:
-            discs.setVisible(self.shown and self.size_of(snapshot) > 0.0)
-        self.legend.setVisible(self.shown and snapshot is not None and self.word("colour") != _BY_STATE)
+            discs.setVisible(self.shown and self.diameter_factor(snapshot) > 0.0)
+        self.legend.setVisible(self.shown and snapshot is not None and self.get_choice("colour") != _BY_STATE)
 
-    def fade(self) -> None:
+    def apply_opacity(self) -> None:
         """Set opacity, size and place in the stack."""
-        recede = self.size_of(self.scene.snapshot) < 1.0
+        recede = self.diameter_factor(self.scene.snapshot) < 1.0
         for discs in self._discs:
             discs.setOpacity(self.opacity * (_ENDED_OPACITY_FACTOR if recede else 1.0))
-            discs.shrink(_ENDED_DIAMETER_FACTOR if recede else 1.0)
+            discs.set_size_factor(_ENDED_DIAMETER_FACTOR if recede else 1.0)
         self._moving.setZValue(_ENDED_Z if recede else _RUNNING_Z)
 
-    def acts(self, name: str) -> bool:
+    def has_effect(self, name: str) -> bool:
         """Tell whether an option has an effect: a color map has one only while a quantity is shown."""
-        return name != "map" or self.word("colour") != _BY_STATE
+        return name != "map" or self.get_choice("colour") != _BY_STATE
 
-    def follow_choice(self, _: str) -> None:
+    def apply_option(self, _: str) -> None:
         """Change the colors, or the appearance of particles after a run."""
         palette: list[str] = []
-        if self.word("colour") != _BY_STATE:
+        if self.get_choice("colour") != _BY_STATE:
             palette, strip = (
-                _palette(name := self.word("map")),
-                color_maps.strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, BEGIN),
+                _build_quantity_palette(name := self.get_choice("map")),
+                color_maps.strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, DARK_MAP_FRACTION),
             )
             self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
         for discs in self._discs:
-            discs.use_palette(palette)
-        self._show()
+            discs.set_palette(palette)
+        self._show_particles()
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show the newest particles."""
         if self.scene.snapshot is not before.snapshot:  # another slice has a snapshot of its own
-            self._show()
+            self._show_particles()
 
-    def _show(self) -> None:
+    def _show_particles(self) -> None:
         snapshot, near, marks = self.scene.snapshot, self.scene.near_particles, None
         opacity = None if near is None else 1.0 - _OFF_SLICE_FADING * near.distance
-        if snapshot is not None and self.word("colour") != _BY_STATE:
-            quantity = QUANTITIES[self.word("colour")]
+        if snapshot is not None and self.get_choice("colour") != _BY_STATE:
+            quantity = QUANTITIES[self.get_choice("colour")]
             shown = color_particles(quantity, snapshot.state, snapshot.metrics)
             marks = shown.color_indices if near is None else shown.color_indices[near.index]
             high = localize_number(f"{shown.high:g}")
             unknown = tr("● too new") if (shown.color_indices == SHADE_COUNT).has_object() else ""
             self.legend.show_html(
-                _LEGEND_HTML.format(title=quantity.title, map=self.word("map"), high=high, unknown=unknown)
+                _LEGEND_HTML.format(title=quantity.title, map=self.get_choice("map"), high=high, unknown=unknown)
             )
         for discs in self._discs:
             if snapshot is None:
-                discs.show(NO_POSITIONS)
+                discs.show_discs(NO_POSITIONS)
             else:
                 which = snapshot.resting if discs is self._resting else ~snapshot.resting
                 color = None if marks is None else marks[which]
-                discs.show(snapshot.position[which], color, None if opacity is None else opacity[which])
-        self.fade()
-        self.show_or_hide()
+                discs.show_discs(snapshot.position[which], color, None if opacity is None else opacity[which])
+        self.apply_opacity()
+        self.apply_visibility()
 
 
-def _palette(name: str) -> list[str]:
+def _build_quantity_palette(name: str) -> list[str]:
     """Build the palette: colors from low to high, and one for unknown values."""
-    return [QColor(*map(int, row)).name() for row in color_maps.table(name, SHADE_COUNT, BEGIN)] + [UNKNOWN]
+    return [QColor(*map(int, row)).name() for row in color_maps.color_table(name, SHADE_COUNT, DARK_MAP_FRACTION)] + [UNKNOWN_COLOR]

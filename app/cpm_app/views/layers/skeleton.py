@@ -32,16 +32,16 @@ class SkeletonLayer(Layer):
     name = "skeleton"
     title = tr("Skeleton")
     tip = tr("Center lines, colored from thin to thick, and inscribed disks.")
-    in_slices = True
+    shown_in_slices = True
     colors = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
 
-    def make(self) -> None:
+    def create_items(self) -> None:
         """Create the items of the layer."""
         self.branches = Curves(theme.THICKNESSES[0], 4.6, width=2.6, halo=4.4)
         self.disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
-        self.add(self.disks, self.branches)
+        self.add_items(self.disks, self.branches)
 
-    def follow(self, before: Scene) -> None:
+    def show_scene(self, before: Scene) -> None:
         """Show another skeleton, or none."""
         found = self.scene.skeleton
         if found is before.skeleton:
@@ -49,15 +49,15 @@ class SkeletonLayer(Layer):
         pieces: list[tuple[int, Array]] = []
         circles: list[Array] = []
         if found is not None and found.contours:
-            pieces += banded(found, len(theme.THICKNESSES))
+            pieces += split_skeleton_by_thickness(found, len(theme.THICKNESSES))
             for contour, radii in zip(found.contours, found.radii, strict=True):
                 along = np.append(radii, radii[0]) if contour.closed else radii
-                circles += disks(contour.path, along, _sides(self.scene))
-        self.branches.show([piece for _, piece in pieces], [theme.THICKNESSES[band] for band, _ in pieces])
-        self.disks.show(circles)
+                circles += inscribed_disks(contour.path, along, _pixel_sides(self.scene))
+        self.branches.show_paths([piece for _, piece in pieces], [theme.THICKNESSES[band] for band, _ in pieces])
+        self.disks.show_paths(circles)
 
 
-def banded(found: Skeleton, bands: int) -> Iterator[tuple[int, Array]]:
+def split_skeleton_by_thickness(found: Skeleton, bands: int) -> Iterator[tuple[int, Array]]:
     """Split the branches of a skeleton into bands of thickness.
 
     Yields
@@ -70,10 +70,10 @@ def banded(found: Skeleton, bands: int) -> Iterator[tuple[int, Array]]:
     thickest = max(float(np.percentile(np.concatenate(found.radii), _THICK_PERCENTILE)), 1e-9)
     for contour, radii in zip(found.contours, found.radii, strict=True):
         along = np.append(radii, radii[0]) if contour.closed else radii
-        yield from by_thickness(contour.path, along / thickest, bands)
+        yield from split_path_by_thickness(contour.path, along / thickest, bands)
 
 
-def by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array]]:
+def split_path_by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array]]:
     """Split a path into bands of thickness; return pieces, each with the index of its band.
 
     Parameters
@@ -90,14 +90,14 @@ def by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array
     return [(int(band[a]), path[a : min(b + 1, len(path))]) for a, b in pairwise(cuts)]
 
 
-def _sides(scene: Scene) -> tuple[float, ...]:
+def _pixel_sides(scene: Scene) -> tuple[float, ...]:
     """Return the sides of a pixel in the unit of the radii, which in a volume is the smallest side of a voxel."""
     if scene.volume is None or scene.image is None:
         return 1.0, 1.0
     return tuple(side / min(scene.volume.spacing) for side in scene.image.spacing)
 
 
-def disks(path: Array, radii: Array, sides: Sides = (1.0, 1.0)) -> list[Array]:
+def inscribed_disks(path: Array, radii: Array, sides: Sides = (1.0, 1.0)) -> list[Array]:
     """Return the outlines of inscribed disks along a branch, at least a radius apart.
 
     Parameters

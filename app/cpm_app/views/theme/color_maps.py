@@ -33,7 +33,7 @@ MAPS: dict[str, str] = {
 
 
 @lru_cache(maxsize=32)
-def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
+def color_table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
     """Return the colors of a map from low to high.
 
     Parameters
@@ -62,7 +62,7 @@ def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
 
 def strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:
     """Draw a map as a strip of a size in px, from low on the left to high on the right."""
-    row = table(name, 256, begin)
+    row = color_table(name, 256, begin)
     image = QImage(row.tobytes(), len(row), 1, 3 * len(row), QImage.Format.Format_RGB888)
     ways = (Qt.AspectRatioMode.IgnoreAspectRatio, Qt.TransformationMode.SmoothTransformation)
     return QPixmap.fromImage(image.scaled(width, height, *ways))

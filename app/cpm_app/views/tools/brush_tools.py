@@ -12,7 +12,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import BRUSH_RADIUS_RANGE, default_brush_radius
 from cpm_app.session.undo_history import Erasure
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import SELECT, STROKE, ShapeTool
+from cpm_app.views.tools.tool import SELECT_GROUP, STROKE_GROUP, ShapeTool
 from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Points
 
@@ -33,57 +33,57 @@ class RingTool(ShapeTool):
     """Works within a ring that follows the pointer and can be resized."""
 
     color: str
-    sized = True
+    is_resizable = True
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         super().set_up()
-        self._chosen: float | None = None
-        self._at: Place | None = None
+        self._own_radius: float | None = None
+        self._pointer: Place | None = None
         self._last: Place | None = None
 
     @property
     def radius(self) -> float:
         """Radius of the ring [px of the image]."""
-        return self._chosen or default_brush_radius(self._session.document.image)
+        return self._own_radius or default_brush_radius(self._session.document.image)
 
-    def work(self, path: tuple[Place, ...]) -> None:
+    def apply_along(self, path: tuple[Place, ...]) -> None:
         """Apply the tool along a path of the ring; the path is a single place when the gesture begins."""
         raise NotImplementedError
 
-    def press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place, reach: float) -> None:
         """Begin a gesture."""
-        self._begin()
+        self._begin_gesture()
         self._last, self.used = at, True
         self._session.select_shape(None)
-        self.hover(at)
-        self.work((at,))
+        self.on_hover(at)
+        self.apply_along((at,))
 
-    def drag(self, at: Place) -> None:
+    def on_drag(self, at: Place) -> None:
         """Continue along the path of the pointer."""
-        self.hover(at)
+        self.on_hover(at)
         if self._last is not None and at != self._last:
             path, self._last = (self._last, at), at
-            self.work(path)
+            self.apply_along(path)
 
-    def hover(self, at: Place) -> None:
+    def on_hover(self, at: Place) -> None:
         """Move the ring to the pointer."""
-        self._at = at
+        self._pointer = at
         self._drawing.show_ring(at, self.radius, self.color)
 
-    def resize(self, by: float) -> None:
+    def resize_by(self, by: float) -> None:
         """Make the ring larger or smaller."""
         self.set_radius(min(max(self.radius * _RING_GROWTH**by, BRUSH_RADIUS_RANGE[0]), BRUSH_RADIUS_RANGE[1]))
-        if self._at is not None:
-            self.hover(self._at)
+        if self._pointer is not None:
+            self.on_hover(self._pointer)
 
     def set_radius(self, radius: float) -> None:
         """Set the radius of the ring [px of the image]."""
-        self._chosen = radius
+        self._own_radius = radius
 
-    def put_away(self) -> None:
+    def hide_marks(self) -> None:
         """Hide the ring."""
-        self._at = None
+        self._pointer = None
         self._drawing.show_ring()
 
 
@@ -91,82 +91,82 @@ class SprayTool(RingTool):
     """Scatters points in the ring while the button is down and the pointer moves."""
 
     name = "spray"
-    text = tr("Spra&y")
+    menu_text = tr("Spra&y")
     shortcut = "Y"
-    group = STROKE
+    group = STROKE_GROUP
     tip = tr("Drag to scatter points; [ and ] change the ring.")
     color = theme.DRAWING
     guidance = tr("Drag to spray points; [ and ] make the ring smaller and larger.")
-    by_keys = tr("Enter begins to spray, arrow keys continue, Enter ends; [ and ] change the ring.")
+    keyboard_tip = tr("Enter begins to spray, arrow keys continue, Enter ends; [ and ] change the ring.")
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         super().set_up()
-        self._taken: Array = np.empty((0, 2))
+        self._points: Array = np.empty((0, 2))
         """Points of the gesture so far [smallest side of a voxel], shape (N, 2)."""
 
     @cached_property
     def _random(self) -> np.random.Generator:
         return np.random.default_rng(0)  # created late, because it is slow to load
 
-    def work(self, path: tuple[Place, ...]) -> None:
+    def apply_along(self, path: tuple[Place, ...]) -> None:
         """Scatter points along the path of the ring, none too close to another."""
-        image, sides = self._session.document.image, np.array(self.sides)
+        image, sides = self._session.document.image, np.array(self.pixel_sides)
         if image is None:
             return
         if len(path) == 1:
-            self._taken = np.empty((0, 2))
-        begin, end = (np.array(self.flat(place)) * sides for place in (path[0], path[-1]))
+            self._points = np.empty((0, 2))
+        begin, end = (np.array(self.position_in_slice(place)) * sides for place in (path[0], path[-1]))
         far = math.dist(begin, end) / self.radius if len(path) > 1 else 2.0
         many = self._random.poisson(_SPRAY_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)
         share = self._random.random(many)[:, None]
         angle, off = 2.0 * math.pi * self._random.random(many), self.radius * np.sqrt(self._random.random(many))
         places = begin + share * (end - begin) + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)
-        last = np.array(image.shape if self.here is None else self.here.drop_axis(image.shape)) - 0.5
+        last = np.array(image.shape if self.current_slice is None else self.current_slice.drop_axis(image.shape)) - 0.5
         inside = ((places >= -0.5 * sides) & (places <= last * sides)).all(axis=1)
-        points = np.concatenate([self._taken, places[inside]])
+        points = np.concatenate([self._points, places[inside]])
         near = scipy.spatial.cKDTree(points).query_pairs(_SPRAY_SPACING, output_type="ndarray")
-        self._taken = np.delete(points, near.max(axis=1), axis=0)[:_MAX_SPRAY_POINTS]
-        if len(self._taken):
-            placed = (self.lifted((row, col)) for row, col in (self._taken / sides).tolist())
-            self._put(tr("spray points"), Points(tuple(placed)))
+        self._points = np.delete(points, near.max(axis=1), axis=0)[:_MAX_SPRAY_POINTS]
+        if len(self._points):
+            placed = (self.place_in_image((row, col)) for row, col in (self._points / sides).tolist())
+            self._put_shape(tr("spray points"), Points(tuple(placed)))
 
 
 class EraserTool(RingTool):
     """Erases points and particles in its ring, and other shapes that it touches."""
 
     name = "eraser"
-    text = tr("&Eraser")
+    menu_text = tr("&Eraser")
     shortcut = "E"
-    group = SELECT
+    group = SELECT_GROUP
     tip = tr("Drag to erase points, shapes and particles; [ and ] change its ring.")
     color = theme.CHOSEN
     guidance = tr("Drag over points, shapes or particles to erase them; [ and ] make the ring smaller and larger.")
-    by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; [ and ] change the ring.")
+    keyboard_tip = tr("Enter begins to erase, arrow keys continue, Enter ends; [ and ] change the ring.")
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         super().set_up()
         self._erasure: Erasure | None = None
-        self._erased = False
+        self._has_erased = False
 
-    def work(self, path: tuple[Place, ...]) -> None:
+    def apply_along(self, path: tuple[Place, ...]) -> None:
         """Erase along the path of the ring."""
         if self._erasure is None:
-            self._erasure, self._erased = self._session.run_updater.begin_erasure(), False
+            self._erasure, self._has_erased = self._session.run_updater.begin_erasure(), False
         before = self._session.document
         left, run_changed = self._session.run_updater.erase_particles(path, self.radius, self._erasure)
         self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
-        self._erased = self._erased or run_changed or self._session.document is not before
+        self._has_erased = self._has_erased or run_changed or self._session.document is not before
 
-    def release(self) -> None:
+    def on_release(self) -> None:
         """Keep the erased state."""
         self._erasure = None
-        super().release()
+        super().on_release()
 
     def cancel(self) -> None:
         """Restore what the gesture has erased."""
-        erased = self._erasure is not None and self._erased
-        self.release()
+        erased = self._erasure is not None and self._has_erased
+        self.on_release()
         if erased:
             self._session.undo()

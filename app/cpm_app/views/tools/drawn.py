@@ -12,7 +12,7 @@ from cpm_app.model.document.document import ImageReference
 from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.model.volume.slices import Slice
 from cpm_app.session.signals import EDITING_CATEGORY
-from cpm_app.views.tools.tool import CHARGE, CIRCLE, STROKE, ShapeTool
+from cpm_app.views.tools.tool import CHARGE_GROUP, CIRCLE_GROUP, STROKE_GROUP, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
 from cpm_core.shapes.solids import LEAST_BOX_SIDE
@@ -35,9 +35,9 @@ def box_between(one: Position, other: Position, here: Slice, volume: ImageRefere
 class DraggedTool(ShapeTool):
     """Draws a shape between the place of the press and the pointer."""
 
-    slip: str
+    slip_message: str
     """Message when the pointer has not moved."""
-    slip_in_volume: str
+    slip_message_in_volume: str
     """Message in a volume when the pointer has not moved."""
 
     def set_up(self) -> None:
@@ -45,43 +45,43 @@ class DraggedTool(ShapeTool):
         super().set_up()
         self._start: Position = (0.0, 0.0)
 
-    def shape(self, begin: Position, at: Position) -> Shape:
+    def build_shape(self, begin: Position, at: Position) -> Shape:
         """Build the shape between two places."""
         raise NotImplementedError
 
-    def press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position, reach: float) -> None:
         """Begin a shape."""
         self._start = at
-        self._begin()
+        self._begin_gesture()
 
-    def drag(self, at: Position) -> None:
+    def on_drag(self, at: Position) -> None:
         """Extend the shape to the pointer."""
-        if self._index is not None and (self._drawn or math.dist(self._start, at) >= SMALLEST_RADIUS):
-            shape = self.shape(self._start, at)
-            self._put(tr("draw {shape}", shape=translate_core_text(shape.title)), shape)
+        if self._index is not None and (self._drawn_shape or math.dist(self._start, at) >= SMALLEST_RADIUS):
+            shape = self.build_shape(self._start, at)
+            self._put_shape(tr("draw {shape}", shape=translate_core_text(shape.title)), shape)
             self._session.select_shape(self._index)
 
-    def release(self) -> None:
+    def on_release(self) -> None:
         """Keep the shape."""
-        if self._index is not None and self._drawn is None:
-            self._session.show_message(self.slip if self.volume is None else self.slip_in_volume, topic=EDITING_CATEGORY)
+        if self._index is not None and self._drawn_shape is None:
+            self._session.show_message(self.slip_message if self.volume is None else self.slip_message_in_volume, topic=EDITING_CATEGORY)
         self.used = True
-        super().release()
+        super().on_release()
 
 
 class CircleTool(DraggedTool):
     """Draws a circle from its center."""
 
     name = "circle"
-    text = tr("&Circle")
+    menu_text = tr("&Circle")
     shortcut = "C"
-    group = CIRCLE
+    group = CIRCLE_GROUP
     tip = tr("Drag from the center to draw a circle.")
-    slip = tr("Keep the button down and drag to draw a circle from its center.")
-    slip_in_volume = tr("Keep the button down and drag to draw a sphere from its center.")
-    by_keys = tr("Enter begins at the center, arrow keys move the rim, Enter ends.")
+    slip_message = tr("Keep the button down and drag to draw a circle from its center.")
+    slip_message_in_volume = tr("Keep the button down and drag to draw a sphere from its center.")
+    keyboard_tip = tr("Enter begins at the center, arrow keys move the rim, Enter ends.")
 
-    def shape(self, begin: Position, at: Position) -> Circle | Sphere:
+    def build_shape(self, begin: Position, at: Position) -> Circle | Sphere:
         """Build the circle, or in a volume the sphere, around `begin` through the pointer."""
         if self.volume is not None:
             return Sphere.from_voxel_size(begin, LEAST_BOX_SIDE, self.volume.spacing).with_handle_at(begin, at)
@@ -95,26 +95,26 @@ class EllipseTool(DraggedTool):
     """
 
     name = "ellipse"
-    text = tr("E&llipse")
+    menu_text = tr("E&llipse")
     shortcut = "L"
-    group = CIRCLE
+    group = CIRCLE_GROUP
     tip = tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its center.")
-    slip = tr("Keep the button down and drag to draw an ellipse.")
-    slip_in_volume = tr("Keep the button down and drag from corner to corner to draw a box.")
+    slip_message = tr("Keep the button down and drag to draw an ellipse.")
+    slip_message_in_volume = tr("Keep the button down and drag from corner to corner to draw a box.")
     guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its center.")
-    by_keys = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")
+    keyboard_tip = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")
 
-    def shape(self, begin: Position, at: Position) -> Ellipse | Box:
+    def build_shape(self, begin: Position, at: Position) -> Ellipse | Box:
         """Build the ellipse in the dragged box, its first radius along the row; in a volume, the box."""
-        (top, left), (down, right) = self.flat(begin), map(operator.sub, self.flat(at), self.flat(begin))
-        high, wide = self.sides
+        (top, left), (down, right) = self.position_in_slice(begin), map(operator.sub, self.position_in_slice(at), self.position_in_slice(begin))
+        high, wide = self.pixel_sides
         if self.modifiers & Qt.KeyboardModifier.ShiftModifier:
             size = max(abs(down) * high, abs(right) * wide)
             down, right = math.copysign(size / high, down), math.copysign(size / wide, right)
         centered = bool(self.modifiers & Qt.KeyboardModifier.ControlModifier)
-        if self.volume is not None and self.here is not None:
+        if self.volume is not None and self.current_slice is not None:
             one = (top - down, left - right) if centered else (top, left)
-            return Box(*box_between(one, (top + down, left + right), self.here, self.volume))
+            return Box(*box_between(one, (top + down, left + right), self.current_slice, self.volume))
         share, center = 1.0, begin
         if not centered:
             share, center = 0.5, (top + 0.5 * down, left + 0.5 * right)
@@ -125,50 +125,50 @@ class PointTool(ShapeTool):
     """Places a point, which follows the pointer while the button is down."""
 
     name = "points"
-    text = tr("&Points")
+    menu_text = tr("&Points")
     shortcut = "P"
-    group = STROKE
+    group = STROKE_GROUP
     tip = tr("Click to place a point.")
-    clicks = True
-    by_keys = tr("Enter places a point.")
+    works_by_clicks = True
+    keyboard_tip = tr("Enter places a point.")
 
-    def press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position, reach: float) -> None:
         """Place a point."""
-        self._begin()
-        self.drag(at)
+        self._begin_gesture()
+        self.on_drag(at)
         self._session.select_shape(None)
 
-    def drag(self, at: Position) -> None:
+    def on_drag(self, at: Position) -> None:
         """Move the point to the pointer."""
-        self._put(tr("place point"), Points((at,)))
+        self._put_shape(tr("place point"), Points((at,)))
 
 
 class ChargeTool(ShapeTool):
     """Places a charge or grabs an existing one; it follows the pointer while the button is down."""
 
-    by_keys = tr("Enter places it or picks one up, arrow keys move it, Enter puts it down.")
+    keyboard_tip = tr("Enter places it or picks one up, arrow keys move it, Enter puts it down.")
     strength: float
     """Strength of new charges; positive ones attract."""
 
-    def press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place, reach: float) -> None:
         """Grab the charge under the pointer, or place one."""
         self.used = True
-        self._begin(self._found(at, reach))
+        self._begin_gesture(self._find_charge(at, reach))
         if self._before is None:
-            self._place(Charge(at, self.strength))
+            self._put_charge(Charge(at, self.strength))
         self._session.select_shape(self._index)
 
-    def drag(self, at: Place) -> None:
+    def on_drag(self, at: Place) -> None:
         """Move the charge to the pointer."""
-        charge = self._drawn
+        charge = self._drawn_shape
         if isinstance(charge, Charge):
-            self._place(Charge(at, charge.strength))
+            self._put_charge(Charge(at, charge.strength))
 
-    def _place(self, charge: Charge) -> None:
+    def _put_charge(self, charge: Charge) -> None:
         verb = tr("drop {charge}") if self._before is None else tr("move {charge}")
-        self._put(verb.format(charge=translate_core_text(charge.title)), charge)
+        self._put_shape(verb.format(charge=translate_core_text(charge.title)), charge)
 
-    def _found(self, at: Place, reach: float) -> int | None:
+    def _find_charge(self, at: Place, reach: float) -> int | None:
         """Find the index of the charge nearest to the pointer, of equally near ones the topmost."""
         near = [
             (math.dist(shape.position, at), -index)
@@ -182,9 +182,9 @@ class AttractTool(ChargeTool):
     """Places charges that attract particles."""
 
     name = "attract"
-    text = tr("&Attract")
+    menu_text = tr("&Attract")
     shortcut = "A"
-    group = CHARGE
+    group = CHARGE_GROUP
     tip = tr("Place a charge that attracts particles, and drag it while they run; [ and ] change its strength.")
     guidance = tr("Click to place a charge that attracts particles; drag it while they run.")
     strength = 2.0
@@ -194,9 +194,9 @@ class RepelTool(ChargeTool):
     """Places charges that repel particles."""
 
     name = "repel"
-    text = tr("&Repel")
+    menu_text = tr("&Repel")
     shortcut = "D"
-    group = CHARGE
+    group = CHARGE_GROUP
     tip = tr("Place a charge that repels particles, and drag it while they run; [ and ] change its strength.")
     guidance = tr("Click to place a charge that repels particles; drag it while they run.")
     strength = -2.0

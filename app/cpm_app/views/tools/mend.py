@@ -17,7 +17,7 @@ from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import pointer
 from cpm_app.views.tools.brush_tools import RingTool
-from cpm_app.views.tools.tool import MEND, TAKING_AWAY, Cursor
+from cpm_app.views.tools.tool import MEND_GROUP, REMOVE_MODIFIER, Cursor
 from cpm_core.contours import HandEdit
 from cpm_core.numerics import Array, Place, Position
 from cpm_core.numerics.types import Line
@@ -56,12 +56,12 @@ class MendTool(RingTool):
     """
 
     name = "mend"
-    text = tr("&Mend")
+    menu_text = tr("&Mend")
     shortcut = "J"
-    group = MEND
+    group = MEND_GROUP
     panel = "objects"
     tip = tr("Drag a line to pull it, an end of a contour to join it, elsewhere to paint; Shift cuts or erases.")
-    by_keys = tr("Enter picks up or paints, with Shift cuts or erases; arrow keys move, Enter ends.")
+    keyboard_tip = tr("Enter picks up or paints, with Shift cuts or erases; arrow keys move, Enter ends.")
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
@@ -78,8 +78,8 @@ class MendTool(RingTool):
         self._dragged = False
         self._way = self._editing.path_from((0.0, 0.0))
         self._reach = 1.0
-        self._editing.changed.connect(self._show)
-        self._list.brush_changed.connect(self._show)
+        self._editing.changed.connect(self._show_preview)
+        self._list.brush_changed.connect(self._show_preview)
 
     @property
     def radius(self) -> float:
@@ -91,22 +91,22 @@ class MendTool(RingTool):
         self._list.set_brush_radius(radius)
 
     @property
-    def drafting(self) -> bool:
+    def has_draft(self) -> bool:
         """Whether places are marked."""
         return bool(self._editing.marked_places)
 
     @property
     def advice(self) -> str:
         """Sentence on what a press or a release does here."""
-        held, item, away = self._held, self._item, self._takes_away
+        held, item, away = self._held, self._item, self._is_removing
         name = "" if item is None else self._list.title_of(item)
         if held is not None and self._dragged:
             return insert_keys(_JOIN_ADVICE if held.at_end else _REDRAW_ADVICE)
         if held is not None and item is not None:
             words = tr("Drag to bend the boundary of {name}.") if away else tr("Drag to pull the boundary of {name}.")
         elif held is not None:
-            words = self._on_contour(held)
-        elif self._at is None:
+            words = self._contour_advice(held)
+        elif self._pointer is None:
             words = self.tip
         elif away:
             words = _ERASE_ADVICE if item is not None else _ERASE_ANYWHERE_ADVICE
@@ -114,11 +114,11 @@ class MendTool(RingTool):
             words = _ADD_ADVICE if item is not None else _PAINT_ADVICE
         return insert_keys(words, name=name)
 
-    def _on_contour(self, held: Contact) -> str:
+    def _contour_advice(self, held: Contact) -> str:
         """Return the advice for a place of a contour."""
         if held.at_end:
             return tr("Drag to another end to join them, elsewhere to extend this contour.")
-        if self._takes_away:
+        if self._is_removing:
             return tr("Click to cut the contour here, drag to bend it.")
         if len(self._editing.marked_places) == 2:
             return tr("Delete removes the segment between the marks; {key:escape} removes the marks.")
@@ -126,61 +126,61 @@ class MendTool(RingTool):
             return tr("Click a second point to mark a segment.")
         return tr("Drag to pull the contour, click to mark a place, Shift-click to cut.")
 
-    def press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position, reach: float) -> None:
         """Grab the line under the pointer, or begin to paint."""
-        self._find(at, reach)
+        self._find_target(at, reach)
         self.used, self._pressed, self._dragged = True, at, False
         if self._held is None:
             self._editing.mark_places(())
-            super().press(at, reach)
+            super().on_press(at, reach)
         elif self._held.at_end:
             self._way = self._editing.path_from_end(self._held)
 
-    def drag(self, at: Position) -> None:
+    def on_drag(self, at: Position) -> None:
         """Preview a release here, or continue to paint."""
         if self._held is None:
-            super().drag(at)
+            super().on_drag(at)
         elif self._pressed is not None:
-            self._at = at
+            self._pointer = at
             self._dragged = self._dragged or math.dist(self._pressed, at) > _CLICK_TOLERANCE * self._reach
-            self._show()
+            self._show_preview()
 
-    def release(self) -> None:
+    def on_release(self) -> None:
         """Carry out what the preview shows, mark the place that was clicked, or end the stroke."""
         held, item = self._held, self._item
         if held is not None and self._dragged:
-            edits = self._meant(held)[0]
+            edits = self._compute_edit(held)[0]
             if item is None:
                 self._editing.add_edits(edits)
             elif item.frozen:
                 frozen = tr("{name} is frozen: unfreeze it to change it.").format(name=self._list.title_of(item))
                 self._session.show_message(frozen, topic=EDITING_CATEGORY)
             else:
-                self._editing.redraw_boundary(item, held, edits[0], not self._takes_away)
+                self._editing.redraw_boundary(item, held, edits[0], not self._is_removing)
         elif held is not None:
-            self._click(held, item)
-        self._put_down()
+            self._on_click(held, item)
+        self._finish_gesture()
 
-    def hover(self, at: Position) -> None:
+    def on_hover(self, at: Position) -> None:
         """Preview what a press here would grab or paint."""
-        self._at = at
+        self._pointer = at
         if self._pressed is None:
-            self._find(at, self._reach)
-        self._show()
+            self._find_target(at, self._reach)
+        self._show_preview()
 
-    def work(self, path: Line) -> None:
+    def apply_along(self, path: Line) -> None:
         """Begin a stroke, or continue it."""
         if len(path) == 1:
             self._objects = self._session.document.objects
-            axis = None if self.here is None or self._list.ball else self.here.axis
-            self._brush.begin_stroke(path[0], self.radius, not self._takes_away, self._gesture, axis, self._fresh)
+            axis = None if self.current_slice is None or self._list.ball else self.current_slice.axis
+            self._brush.begin_stroke(path[0], self.radius, not self._is_removing, self._gesture, axis, self._paints_new_object)
         else:
             self._brush.extend_stroke(path[-1])
 
     def finish(self) -> None:
         """Keep the marks, because keys and menus act on them."""
 
-    def take_back(self) -> None:
+    def remove_last_part(self) -> None:
         """Delete the marked stretch, or remove a single mark."""
         if len(self._editing.marked_places) == 2:
             self._editing.delete_stretch()
@@ -194,53 +194,53 @@ class MendTool(RingTool):
             self._session.edit("", lambda document: replace(document, objects=before), self._gesture)
         if self._pressed is None:
             self._editing.mark_places(())
-        self._put_down()
+        self._finish_gesture()
 
-    def put_away(self) -> None:
+    def hide_marks(self) -> None:
         """Hide the preview, the marks and the ring."""
-        self._at = self._held = None
+        self._pointer = self._held = None
         self._review.set_hovered(None)
         self._drawing.show_draft()
         self._drawing.show_ring()
 
-    def cursor(self, at: Position, reach: float) -> Cursor | QCursor:
+    def cursor_at(self, at: Position, reach: float) -> Cursor | QCursor:
         """Return links over an end, a knife or a hand over a line, a cross elsewhere."""
         if self.volume is None:
             self._editing.request_edges()
-        if self._reach != max(reach, 1.0) and self._at is not None:
-            self._find(at, reach)
-            self._show()
+        if self._reach != max(reach, 1.0) and self._pointer is not None:
+            self._find_target(at, reach)
+            self._show_preview()
         if self._held is None:
             return Cursor.CrossCursor
         if self._held.at_end:
             return pointer("join")
-        return pointer("knife") if self._takes_away and self._item is None else Cursor.OpenHandCursor
+        return pointer("knife") if self._is_removing and self._item is None else Cursor.OpenHandCursor
 
     @property
-    def _takes_away(self) -> bool:
-        return bool(self.modifiers & TAKING_AWAY)
+    def _is_removing(self) -> bool:
+        return bool(self.modifiers & REMOVE_MODIFIER)
 
     @property
-    def _fresh(self) -> bool:
+    def _paints_new_object(self) -> bool:
         """Whether a new object is painted."""
-        return bool(self.modifiers & Qt.KeyboardModifier.ControlModifier) and not self._takes_away
+        return bool(self.modifiers & Qt.KeyboardModifier.ControlModifier) and not self._is_removing
 
-    def _find(self, at: Place, reach: float) -> None:
+    def _find_target(self, at: Place, reach: float) -> None:
         """Find the line or object that a press at a place would act on."""
         self._reach = max(reach, 1.0)
         self._item = self._held = None
         if self.volume is None:
             on = self._editing.find_boundary(at, self._reach)
             self._item, self._held = on if on is not None else (None, self._editing.find_contact(at, self._reach))
-        if self._held is None and not self._fresh:
+        if self._held is None and not self._paints_new_object:
             self._item = self._brush.find_target((at,), self.radius)
 
-    def _click(self, held: Contact, item: SegmentedObject | None) -> None:
+    def _on_click(self, held: Contact, item: SegmentedObject | None) -> None:
         """Select the clicked object or contour, mark the place on the contour, or cut it there."""
         key = self._editing.key_of(held)
         if item is not None:
             self._list.select_objects((item.number,))
-        elif self._takes_away:
+        elif self._is_removing:
             self._editing.cut_contour(held)
         elif self.modifiers & Qt.KeyboardModifier.ControlModifier:
             self._review.select(self._review.selected_keys ^ ({key} if key is not None else set()))
@@ -251,12 +251,12 @@ class MendTool(RingTool):
             second = len(marked) == 1 and marked[0].is_on_same_contour(held) and marked[0].along != held.along
             self._editing.mark_places((*marked, held) if second else (held,))
 
-    def _meant(self, held: Contact) -> tuple[Sequence[HandEdit], Array, list[Position]]:
+    def _compute_edit(self, held: Contact) -> tuple[Sequence[HandEdit], Array, list[Position]]:
         """Compute the edits of a release now, the line that they add, and the places that are held and met."""
-        at = self._at
+        at = self._pointer
         assert at is not None
         if not held.at_end:
-            edit = pull_contour(held, at, None if self._takes_away else self._editing.edges)
+            edit = pull_contour(held, at, None if self._is_removing else self._editing.edges)
             return (edit,), np.array(edit.added), [held.place]
         target = self._editing.find_contact(at, self._reach)
         if target is not None and target.is_on_same_contour(held) and abs(target.along - held.along) <= 2.0 * self._reach:
@@ -264,13 +264,13 @@ class MendTool(RingTool):
         path = self._way(at if target is None else target.place)
         return connect_by_path(path, held, target), path, [held.place, *([] if target is None else [target.place])]
 
-    def _show(self) -> None:
+    def _show_preview(self) -> None:
         """Draw the preview, or the marks, the place under the pointer and the ring."""
         corners: list[Position] = [mark.place for mark in self._editing.marked_places]
         path: Sequence[Position] | Array = ()
         held, painting = self._held, self._brush.painting
-        if self._dragged and held is not None and self._at is not None:
-            _, path, corners = self._meant(held)
+        if self._dragged and held is not None and self._pointer is not None:
+            _, path, corners = self._compute_edit(held)
         elif not painting:
             on_contour = held is not None and self._item is None
             self._review.set_hovered(self._editing.key_of(held) if held is not None and on_contour else None)
@@ -278,21 +278,21 @@ class MendTool(RingTool):
             if len(marks) == 2 and self._editing.marked_places and marks[0].is_on_same_contour(marks[1]):
                 path = delete_stretch(*marks).removed
             corners += [held.place] if held is not None else []
-        adds = self._brush.adds if painting else not self._takes_away
+        adds = self._brush.adds if painting else not self._is_removing
         self._drawing.show_draft(corners, path, theme.BY_HAND)
         self._drawing.show_ring(
-            self._at if held is None else None,
+            self._pointer if held is None else None,
             self.radius,
             theme.RESTING if adds else theme.BARRIER,
-            None if self.here is None or self._list.ball else self.here.axis,
+            None if self.current_slice is None or self._list.ball else self.current_slice.axis,
         )
-        self._advised()
+        self._on_advice_changed()
 
-    def _put_down(self) -> None:
+    def _finish_gesture(self) -> None:
         self._brush.end_stroke()
         self._held = self._pressed = None
         self._dragged = False
-        super().release()
-        if self._at is not None:
-            self._find(self._at, self._reach)
-        self._show()
+        super().on_release()
+        if self._pointer is not None:
+            self._find_target(self._pointer, self._reach)
+        self._show_preview()

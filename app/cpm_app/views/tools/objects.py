@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import OBJECT, TAKING_AWAY, Cursor, Tool
+from cpm_app.views.tools.tool import OBJECT_GROUP, REMOVE_MODIFIER, Cursor, Tool
 from cpm_core.numerics import Place
 
 _STROKE_SPACING = 3.0
@@ -27,14 +27,14 @@ class ObjectTool(Tool):
     """
 
     name = "objects"
-    text = tr("Ob&jects")
+    menu_text = tr("Ob&jects")
     shortcut = "W"
-    group = OBJECT
+    group = OBJECT_GROUP
     panel = "objects"
     tip = tr("Click in an object to select it, Shift-click to remove what does not belong to it; Enter accepts it.")
-    by_keys = tr("Enter clicks, Shift+Enter removes what does not belong to the object; Ctrl+Enter accepts it.")
-    clicks = True
-    lasting = True
+    keyboard_tip = tr("Enter clicks, Shift+Enter removes what does not belong to the object; Ctrl+Enter accepts it.")
+    works_by_clicks = True
+    keeps_draft = True
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
@@ -42,14 +42,14 @@ class ObjectTool(Tool):
         self._path: list[Place] = []
 
     @property
-    def drafting(self) -> bool:
+    def has_draft(self) -> bool:
         """Whether an object is being selected."""
         return self._selection.selecting
 
     @property
-    def sized(self) -> bool:  # type: ignore[override]
+    def is_resizable(self) -> bool:  # type: ignore[override]
         """Whether there is an object to make smaller or larger."""
-        return self.drafting or bool(self._selection.proposals or self._list.selected_numbers)
+        return self.has_draft or bool(self._selection.proposals or self._list.selected_numbers)
 
     @property
     def advice(self) -> str:
@@ -69,10 +69,10 @@ class ObjectTool(Tool):
         """Keep the image prepared while the tool is in use."""
         self._selection.set_in_use(in_use)
 
-    def press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place, reach: float) -> None:
         """Begin a click or a stroke, or select the object under the pointer; if it is selected, begin to correct it."""
         self.used = True
-        existing = self._existing(at)
+        existing = self._find_existing(at)
         offered = [each.key for each in self._selection.proposals]
         if existing in self._session.scene.objects.selected or (existing and offered == [existing]):
             self._selection.correct_object(existing)
@@ -81,14 +81,14 @@ class ObjectTool(Tool):
         else:
             self._path = [at]
 
-    def drag(self, at: Place) -> None:
+    def on_drag(self, at: Place) -> None:
         """Continue a stroke."""
         if self._path and math.dist(self._path[-1], at) >= _STROKE_SPACING:
             self._path.append(at)
-            color = theme.RESTING if self._inside else theme.BARRIER
+            color = theme.RESTING if self._is_positive else theme.BARRIER
             self._drawing.show_draft((), self._path, color)
 
-    def release(self) -> None:
+    def on_release(self) -> None:
         """Add the places of the click or stroke as positive or negative points."""
         path = tuple(self._path)
         self._end_stroke()
@@ -96,15 +96,15 @@ class ObjectTool(Tool):
             return
         if not self._selection.selecting:
             self._list.select_objects(())
-        self._selection.add_click(path[:: math.ceil(len(path) / _MAX_STROKE_PLACES)], self._inside)
+        self._selection.add_click(path[:: math.ceil(len(path) / _MAX_STROKE_PLACES)], self._is_positive)
 
-    def hover(self, at: Place) -> None:
+    def on_hover(self, at: Place) -> None:
         """Preview what a click would select or change."""
-        existing = self._existing(at)
+        existing = self._find_existing(at)
         self._list.set_hovered_row(("object" if existing > 0 else "proposal", existing) if existing else None)
-        self._selection.preview_click(None if existing else at, self._inside)
+        self._selection.preview_click(None if existing else at, self._is_positive)
 
-    def resize(self, by: float) -> None:
+    def resize_by(self, by: float) -> None:
         """Propose the next larger candidate, or the next smaller one."""
         self._selection.step_candidate(1 if by > 0 else -1)
 
@@ -112,7 +112,7 @@ class ObjectTool(Tool):
         """Accept the object; an Enter right after the click waits for the answer."""
         self._selection.call_when_answered(self._list.accept_pending)
 
-    def take_back(self) -> None:
+    def remove_last_part(self) -> None:
         """Remove the last click."""
         self._selection.undo_click()
 
@@ -123,24 +123,24 @@ class ObjectTool(Tool):
         else:
             self._selection.discard_clicks()
 
-    def put_away(self) -> None:
+    def hide_marks(self) -> None:
         """Hide the preview of a click."""
         self._list.set_hovered_row(None)
         self._selection.preview_click(None)
 
-    def cursor(self, at: Place, reach: float) -> Cursor:
+    def cursor_at(self, at: Place, reach: float) -> Cursor:
         """Return a hand over an object that a click would select, a cross elsewhere."""
-        return Cursor.PointingHandCursor if self._existing(at) else Cursor.CrossCursor
+        return Cursor.PointingHandCursor if self._find_existing(at) else Cursor.CrossCursor
 
     @property
-    def _inside(self) -> bool:
+    def _is_positive(self) -> bool:
         """Whether a click adds a positive point; with Shift it adds a negative one."""
-        return not self.modifiers & TAKING_AWAY
+        return not self.modifiers & REMOVE_MODIFIER
 
-    def _existing(self, at: Place) -> int:
+    def _find_existing(self, at: Place) -> int:
         """Find the number of the object, or key of the proposal, that a click would select; 0 if none."""
         another = self._selection.selecting or self.modifiers & Qt.KeyboardModifier.ControlModifier
-        return 0 if another or not self._inside else self._selection.object_number_at(at)
+        return 0 if another or not self._is_positive else self._selection.object_number_at(at)
 
     def _end_stroke(self) -> None:
         self._path = []

@@ -12,7 +12,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.hand_editing import PathFinder
 from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import FREEHAND_SPACING, MIN_DRAWN_AREA, OBJECT, Cursor, Tool
+from cpm_app.views.tools.tool import FREEHAND_SPACING, MIN_DRAWN_AREA, OBJECT_GROUP, Cursor, Tool
 from cpm_core.numerics import Array, Position, polyline
 from cpm_core.reconstruction import Contact, connect_by_path, snap_path_to_ridge
 
@@ -24,7 +24,7 @@ class _Anchor(NamedTuple):
     click: Position
     piece: Array
 
-    def at(self, place: Position, reach: float) -> bool:
+    def is_near(self, place: Position, reach: float) -> bool:
         """Tell whether a click at a place is on this anchor."""
         return min(math.dist(place, self.place), math.dist(place, self.click)) <= reach
 
@@ -37,13 +37,13 @@ class OutlineTool(Tool):
     """
 
     name = "outline"
-    text = tr("O&utline")
+    menu_text = tr("O&utline")
     shortcut = "U"
-    group = OBJECT
+    group = OBJECT_GROUP
     panel = "objects"
     tip = tr("Click along the boundary of an object: the line follows the edges, and becomes an object when closed.")
-    clicks = True
-    by_keys = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
+    works_by_clicks = True
+    keyboard_tip = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
@@ -51,13 +51,13 @@ class OutlineTool(Tool):
         self._anchors: list[_Anchor] = []
         self._freehand: list[Position] = []
         self._begin: Contact | None = None
-        self._way: PathFinder | None = None
+        self._trace: PathFinder | None = None
         self._pointer: Position | None = None
         self._pressed: Position | None = None
         self._reach = 1.0
 
     @property
-    def drafting(self) -> bool:
+    def has_draft(self) -> bool:
         """Whether a line has been begun and not finished."""
         return bool(self._anchors)
 
@@ -71,24 +71,24 @@ class OutlineTool(Tool):
             "straight line, dragging draws freehand; Backspace removes the last anchor."
         )
 
-    def press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position, reach: float) -> None:
         """Set an anchor; on the first one close the line, on the last one end it."""
         self._reach = max(reach, 1.0)
-        if len(self._anchors) > 1 and self._anchors[0].at(at, self._reach):
+        if len(self._anchors) > 1 and self._anchors[0].is_near(at, self._reach):
             place = self._anchors[0].place
-            self._add(place, at, self._piece(place))
+            self._add_anchor(place, at, self._trace_piece(place))
             self.finish(closed=True)
-        elif self._anchors and self._anchors[-1].at(at, self._reach):
+        elif self._anchors and self._anchors[-1].is_near(at, self._reach):
             self.finish()
         else:
-            place = self._place(at)
+            place = self._snap_anchor(at)
             if not self._anchors:
-                self._begin = self._contact(at)
-            self._add(place, at, self._piece(place))
+                self._begin = self._find_contact(at)
+            self._add_anchor(place, at, self._trace_piece(place))
             self._pressed, self._freehand = place, []
-            self._show()
+            self._show_draft()
 
-    def drag(self, at: Position) -> None:
+    def on_drag(self, at: Position) -> None:
         """Draw freehand after the pointer has left the place of the press."""
         if self._pressed is None:
             return
@@ -96,34 +96,34 @@ class OutlineTool(Tool):
             self._freehand = [self._pressed]
         if self._freehand and math.dist(self._freehand[-1], at) >= FREEHAND_SPACING:
             self._freehand.append(at)
-            self._show()
+            self._show_draft()
 
-    def release(self) -> None:
+    def on_release(self) -> None:
         """Keep the freehand line, and close it if it has returned to its beginning."""
         drawn, self._freehand, self._pressed = self._freehand, [], None
         if len(drawn) < 2:
             return
         at, first = drawn[-1], self._anchors[0]
-        closes = first.at(at, self._reach)
-        drawn[-1] = first.place if closes else self._place(at)
+        closes = first.is_near(at, self._reach)
+        drawn[-1] = first.place if closes else self._snap_anchor(at)
         path = np.array(drawn)
-        edges = None if self._straight else self._editing.edges
-        self._add(drawn[-1], at, path if edges is None else snap_path_to_ridge(path, edges))
+        edges = None if self._is_straight else self._editing.edges
+        self._add_anchor(drawn[-1], at, path if edges is None else snap_path_to_ridge(path, edges))
         if closes:
             self.finish(closed=True)
         else:
-            self._show()
+            self._show_draft()
 
-    def hover(self, at: Position) -> None:
+    def on_hover(self, at: Position) -> None:
         """Extend the line to the pointer."""
         self._pointer = at
         if self._anchors:
-            self._show()
+            self._show_draft()
 
     def finish(self, closed: bool = False) -> None:
         """Turn the line into an object or contour that ends at the last anchor."""
         begin, pieces = self._begin, self._pieces
-        last = self._contact(self._anchors[-1].place) if pieces else None
+        last = self._find_contact(self._anchors[-1].place) if pieces else None
         self.cancel()
         if not pieces:
             return
@@ -135,27 +135,27 @@ class OutlineTool(Tool):
         else:
             self._editing.add_edits(connect_by_path(path, begin, last))
 
-    def take_back(self) -> None:
+    def remove_last_part(self) -> None:
         """Remove the last anchor."""
         if self._anchors:
             self._anchors.pop()
-            self._way = None
-            self._show()
+            self._trace = None
+            self._show_draft()
 
     def cancel(self) -> None:
         """Discard the line."""
         self.used = self.used or bool(self._anchors)
         self._anchors, self._freehand = [], []
-        self._begin = self._way = self._pressed = None
-        self._show()
+        self._begin = self._trace = self._pressed = None
+        self._show_draft()
 
-    def cursor(self, at: Position, reach: float) -> Cursor:
+    def cursor_at(self, at: Position, reach: float) -> Cursor:
         """Return a cross, and prepare the edges."""
         self._editing.request_edges()
         return Cursor.CrossCursor
 
     @property
-    def _straight(self) -> bool:
+    def _is_straight(self) -> bool:
         """Whether lines are straight, and freehand ones stay as they are."""
         return bool(self.modifiers & Qt.KeyboardModifier.ShiftModifier)
 
@@ -163,35 +163,35 @@ class OutlineTool(Tool):
     def _pieces(self) -> list[Array]:
         return [anchor.piece for anchor in self._anchors[1:]]
 
-    def _contact(self, at: Position) -> Contact | None:
+    def _find_contact(self, at: Position) -> Contact | None:
         """Find the contour that a line touches where it begins or ends."""
-        return None if self._straight else self._editing.find_contact(at, 0.5 * self._reach)
+        return None if self._is_straight else self._editing.find_contact(at, 0.5 * self._reach)
 
-    def _place(self, at: Position) -> Position:
+    def _snap_anchor(self, at: Position) -> Position:
         """Snap a place to the contour or edge under the pointer; with Shift, keep it."""
-        if self._straight:
+        if self._is_straight:
             return at
-        contact = self._contact(at)
+        contact = self._find_contact(at)
         return contact.place if contact is not None else self._editing.snap_to_edge(at)
 
-    def _piece(self, place: Position) -> Array:
+    def _trace_piece(self, place: Position) -> Array:
         """Trace the line from the last anchor to a place, shape (K, 2), clear of the pieces drawn before."""
         begin = self._anchors[-1].place if self._anchors else place
-        if self._straight or not self._anchors:
+        if self._is_straight or not self._anchors:
             return np.array([begin, place], dtype=float)
-        self._way = self._way or self._editing.path_from(begin, self._pieces)
-        return self._way(place)
+        self._trace = self._trace or self._editing.path_from(begin, self._pieces)
+        return self._trace(place)
 
-    def _add(self, place: Position, click: Position, piece: Array) -> None:
+    def _add_anchor(self, place: Position, click: Position, piece: Array) -> None:
         self._anchors.append(_Anchor(place, click, piece))
-        self._way = None
+        self._trace = None
 
-    def _show(self) -> None:
+    def _show_draft(self) -> None:
         parts = self._pieces
         if self._freehand:
             parts.append(np.array(self._freehand))
         elif self._anchors and self._pointer is not None and self._pressed is None:
-            parts.append(self._piece(self._place(self._pointer)))
+            parts.append(self._trace_piece(self._snap_anchor(self._pointer)))
         path = np.concatenate(parts) if parts else ()
         self._drawing.show_draft([anchor.place for anchor in self._anchors], path, theme.BY_HAND)
-        self._advised()
+        self._on_advice_changed()

@@ -12,7 +12,7 @@ from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.session.features.object_list import RowKey
 from cpm_app.session.features.slices import hit_shape
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import SELECT, Cursor, ShapeTool
+from cpm_app.views.tools.tool import SELECT_GROUP, Cursor, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Circle
 
@@ -31,16 +31,16 @@ class SelectTool(ShapeTool):
     """
 
     name = "select"
-    text = tr("&Select tool")
+    menu_text = tr("&Select tool")
     word = tr("Select")
     shortcut = "S"
-    group = SELECT
+    group = SELECT_GROUP
     panel = "objects"
     tip = tr(
         "Click objects, contours or shapes to select them, or drag a frame around them; drag a shape to move it. "
         "{key:accept} accepts, {key:reject} rejects."
     )
-    by_keys = tr("Enter picks up what lies under the cross-hair, arrow keys move it, Enter puts it down.")
+    keyboard_tip = tr("Enter picks up what lies under the cross-hair, arrow keys move it, Enter puts it down.")
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
@@ -52,8 +52,8 @@ class SelectTool(ShapeTool):
         self._reach = 0.0
         self._corner: Position | None = None
         """Corner where the frame begins."""
-        self._chosen: frozenset[RowKey] = frozenset()
-        self._found: frozenset[RowKey] = frozenset()
+        self._selected_before: frozenset[RowKey] = frozenset()
+        self._met_keys: frozenset[RowKey] = frozenset()
         self._removes = False
 
     @property
@@ -68,83 +68,83 @@ class SelectTool(ShapeTool):
             return insert_keys(tr("Enter accepts · {key:reject} rejects · {key:name_object}: name · 1-9: class"))
         return tr("Click to select, or drag a frame around several.") if self._list.rows else ""
 
-    def press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place, reach: float) -> None:
         """Select the shape, object or contour under the pointer, or begin a frame."""
-        self._reach, self._chosen = reach, self._list.selected_keys
-        found, key = self._met(at, reach)
+        self._reach, self._selected_before = reach, self._list.selected_keys
+        found, key = self._find_item(at, reach)
         self._session.select_shape(found.index if found is not None else None)
         if found is not None:
-            self._begin(found.index)
+            self._begin_gesture(found.index)
             self._part, self._anchor = found.part, found.handle or at
             self._list.select_rows(())
             return
-        self._crossing = key is None and self.here is not None
-        self._found = frozenset(() if key is None else (key,))
+        self._crossing = key is None and self.current_slice is not None
+        self._met_keys = frozenset(() if key is None else (key,))
         self._removes = (
-            key in self._chosen if self.modifiers & _SELECTION_MODIFIERS else bool(self.modifiers & _DESELECT_MODIFIER)
+            key in self._selected_before if self.modifiers & _SELECTION_MODIFIERS else bool(self.modifiers & _DESELECT_MODIFIER)
         )
-        self._corner = self.flat(at) if self.here is None else None
+        self._corner = self.position_in_slice(at) if self.current_slice is None else None
         if key is not None:
-            self._show()
-        self.drag(at)
+            self._update_selection()
+        self.on_drag(at)
 
-    def drag(self, at: Place) -> None:
+    def on_drag(self, at: Place) -> None:
         """Move the selected shape, or its handle; or select what lies in the frame."""
         shape = self._before
         if self._crossing:
             self._workspace.slices.go_through(at)
         if self._corner is not None:
-            self._draw_frame(self._corner, self.flat(at))
+            self._draw_frame(self._corner, self.position_in_slice(at))
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
-            self._put(tr("reshape {shape}", shape=translate_core_text(shape.title)), shape.with_handle_at(self._anchor, at))
+            self._put_shape(tr("reshape {shape}", shape=translate_core_text(shape.title)), shape.with_handle_at(self._anchor, at))
         else:
             by = tuple(map(operator.sub, at, self._anchor))
-            self._put(tr("move {shape}", shape=translate_core_text(shape.title)), shape.translated(by))
+            self._put_shape(tr("move {shape}", shape=translate_core_text(shape.title)), shape.translated(by))
 
-    def release(self) -> None:
+    def on_release(self) -> None:
         """Keep the selection; a click beside all items clears it."""
-        if self._before is None and not self._found and not self.modifiers & _SELECTION_MODIFIERS:
+        if self._before is None and not self._met_keys and not self.modifiers & _SELECTION_MODIFIERS:
             self._list.select_rows(())
-        self._leave()
-        super().release()
+        self._end_frame()
+        super().on_release()
 
     def cancel(self) -> None:
         """Restore the shape and the selection, and highlight nothing."""
         if self._corner is not None:
             known = {row.key for row in self._list.rows}
-            self._list.select_rows(self._chosen & known)
-        self._leave()
+            self._list.select_rows(self._selected_before & known)
+        self._end_frame()
         self._list.set_hovered_row(None)
         super().cancel()
 
-    def put_away(self) -> None:
+    def hide_marks(self) -> None:
         """Highlight nothing."""
         self._list.set_hovered_row(None)
 
-    def cursor(self, at: Place, reach: float) -> Cursor:
+    def cursor_at(self, at: Place, reach: float) -> Cursor:
         """Highlight the item under the pointer, and return arrows over a shape, a hand over another item."""
-        found, key = self._met(at, reach)
+        found, key = self._find_item(at, reach)
         self._list.set_hovered_row(key)
         if found is None:
             if key is not None:
                 return Cursor.PointingHandCursor
-            return Cursor.ArrowCursor if self.here is None else Cursor.CrossCursor
+            return Cursor.ArrowCursor if self.current_slice is None else Cursor.CrossCursor
         shape = self._session.document.shapes[found.index]
         if found.part == "body" or not isinstance(shape, Circle):
             return Cursor.SizeAllCursor if found.part == "body" else Cursor.PointingHandCursor
         upright = abs(at[0] - shape.center[0]) > abs(at[1] - shape.center[1])
         return Cursor.SizeVerCursor if upright else Cursor.SizeHorCursor
 
-    def grips(self, at: Place, reach: float) -> bool:
+    def has_handle_at(self, at: Place, reach: float) -> bool:
         """Tell whether a handle of the selected shape lies under the pointer."""
-        found = self._hit(at, reach)
+        found = self._find_shape(at, reach)
         return found is not None and found.part == "handle"
 
-    def _met(self, at: Place, reach: float) -> tuple[ShapeHit | None, RowKey | None]:
+    def _find_item(self, at: Place, reach: float) -> tuple[ShapeHit | None, RowKey | None]:
         """Find the shape at a place, or else the row: lines before areas, the selected shape first."""
-        found = self._hit(at, reach)
+        found = self._find_shape(at, reach)
         if found is not None:
             shape = self._session.document.shapes[found.index]
             selected = found.index == self._session.selected_shape
@@ -153,8 +153,8 @@ class SelectTool(ShapeTool):
         key = self._list.row_at(at, reach)
         return (None, key) if key is not None else (found, None)
 
-    def _hit(self, at: Place, reach: float) -> ShapeHit | None:
-        return hit_shape(self._session.scene, at, reach, self.here)
+    def _find_shape(self, at: Place, reach: float) -> ShapeHit | None:
+        return hit_shape(self._session.scene, at, reach, self.current_slice)
 
     def _draw_frame(self, corner: Position, at: Position) -> None:
         """Select the items in the frame, once it is larger than a click."""
@@ -162,20 +162,20 @@ class SelectTool(ShapeTool):
             return
         frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
         self._removes = bool(self.modifiers & _DESELECT_MODIFIER)
-        self._found = self._list.rows_inside(frame)
+        self._met_keys = self._list.rows_inside(frame)
         self._drawing.show_draft((), (*frame, corner), theme.CHOSEN)
-        self._show()
+        self._update_selection()
 
-    def _show(self) -> None:
+    def _update_selection(self) -> None:
         """Combine the found items with the selection according to the modifier keys."""
         if self._removes:
-            self._list.select_rows(self._chosen - self._found)
+            self._list.select_rows(self._selected_before - self._met_keys)
         else:
-            self._list.select_rows(self._found | self._chosen if self.modifiers & _SELECTION_MODIFIERS else self._found)
-        self._advised()
+            self._list.select_rows(self._met_keys | self._selected_before if self.modifiers & _SELECTION_MODIFIERS else self._met_keys)
+        self._on_advice_changed()
 
-    def _leave(self) -> None:
+    def _end_frame(self) -> None:
         self._corner = None
-        self._found, self._crossing = frozenset(), False
+        self._met_keys, self._crossing = frozenset(), False
         self._drawing.show_draft()
-        self._advised()
+        self._on_advice_changed()

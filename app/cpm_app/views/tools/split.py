@@ -17,7 +17,7 @@ from cpm_app.model.volume.surface_section import object_contains
 from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import pointer
-from cpm_app.views.tools.tool import FREEHAND_SPACING, MEND, Cursor, Tool
+from cpm_app.views.tools.tool import FREEHAND_SPACING, MEND_GROUP, Cursor, Tool
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Halves, SegmentedObject, split_object, split_object_along
 from cpm_core.reconstruction import Contact
@@ -33,121 +33,121 @@ class SplitTool(Tool):
     """Splits objects, proposals and closed contours between two clicks or along a line; cuts a contour at a click."""
 
     name = "split"
-    text = tr("Spli&t")
+    menu_text = tr("Spli&t")
     shortcut = "K"
-    group = MEND
+    group = MEND_GROUP
     panel = "objects"
     tip = tr("Click one half of an object, then the other, or drag a line across it; a click on a contour cuts it.")
-    clicks = True
-    by_keys = tr("Enter in one half, then in the other; Enter on a contour cuts it.")
+    works_by_clicks = True
+    keyboard_tip = tr("Enter in one half, then in the other; Enter on a contour cuts it.")
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         self._editing, self._list = self._workspace.hand_editing, self._workspace.object_list
-        self._whole: SegmentedObject | None = None
+        self._clicked_object: SegmentedObject | None = None
         """Object with one half clicked."""
         self._first: Place = (0.0, 0.0)
         self._path: list[Place] = []
         self._at: Place | None = None
         self._reach, self._dragged = 1.0, False
         self._preview = QTimer(self._list, singleShot=True, interval=_PREVIEW_DELAY)
-        self._preview.timeout.connect(self._show)
+        self._preview.timeout.connect(self._show_preview)
 
     @property
-    def drafting(self) -> bool:
+    def has_draft(self) -> bool:
         """Whether one half has been clicked."""
-        return self._whole is not None
+        return self._clicked_object is not None
 
     @property
     def advice(self) -> str:
         """Sentence on what the next click does."""
         if self._dragged:
             return insert_keys(tr("Release to split along the line; {key:escape} cancels."))
-        if self._whole is not None:
-            name = self._list.title_of(self._whole)
+        if self._clicked_object is not None:
+            name = self._list.title_of(self._clicked_object)
             return insert_keys(tr("Click the other half of {name}; {key:escape} cancels."), name=name)
         at = self._at
-        if at is not None and self._contact(at) is not None and self._whole_at(at) is None:
+        if at is not None and self._find_contact(at) is not None and self._find_object(at) is None:
             return tr("Click to cut the contour here.")
         return self.tip
 
-    def press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place, reach: float) -> None:
         """Begin a click or a line."""
         self.used, self._reach = True, max(reach, 1.0)
         self._path, self._dragged = [at], False
 
-    def drag(self, at: Place) -> None:
+    def on_drag(self, at: Place) -> None:
         """Draw a line."""
         if self._path and self.volume is None and math.dist(self._path[-1], at) >= FREEHAND_SPACING:
             self._path.append(at)
             self._dragged = self._dragged or math.dist(self._path[0], at) > self._reach
-            self._show()
+            self._show_preview()
 
-    def release(self) -> None:
+    def on_release(self) -> None:
         """Split along the line, or use the click."""
         path, dragged = self._path, self._dragged
         self._path, self._dragged = [], False
         if dragged:
             self._split_along(path)
         elif path:
-            self._click(path[0])
-        self._show()
+            self._on_click(path[0])
+        self._show_preview()
 
-    def hover(self, at: Place) -> None:
+    def on_hover(self, at: Place) -> None:
         """Schedule the preview of a split here, for when the pointer rests."""
         self._at = at
         self._preview.start()
-        self._advised()
+        self._on_advice_changed()
 
-    def take_back(self) -> None:
+    def remove_last_part(self) -> None:
         """Forget the first half."""
         self.cancel()
 
     def cancel(self) -> None:
         """Forget the first half, or the line."""
-        self._whole = None
+        self._clicked_object = None
         self._path, self._dragged = [], False
-        self._show()
+        self._show_preview()
 
-    def put_away(self) -> None:
+    def hide_marks(self) -> None:
         """Hide the preview."""
         self._at = None
-        self._show()
+        self._show_preview()
 
-    def cursor(self, at: Place, reach: float) -> Cursor | QCursor:
+    def cursor_at(self, at: Place, reach: float) -> Cursor | QCursor:
         """Return a knife, and prepare the edges."""
         self._reach = max(reach, 1.0)
         if self.volume is None:
             self._editing.request_edges()
         return pointer("knife")
 
-    def _contact(self, at: Place) -> Contact | None:
+    def _find_contact(self, at: Place) -> Contact | None:
         """Find the place of a contour in an image that a click would cut."""
         return None if self.volume is not None else self._editing.find_contact(at, self._reach)
 
-    def _click(self, at: Place) -> None:
-        first, whole = self._whole, self._whole_at(at)
+    def _on_click(self, at: Place) -> None:
+        first, whole = self._clicked_object, self._find_object(at)
         if first is not None and object_contains(first, at):
-            self._use(first, partial(split_object, first, self._first, at, self._editing.edges), at)
+            self._apply_split(first, partial(split_object, first, self._first, at, self._editing.edges), at)
         elif whole is not None:
-            self._whole, self._first = whole, at
-        elif first is None and (contact := self._contact(at)) is not None:
+            self._clicked_object, self._first = whole, at
+        elif first is None and (contact := self._find_contact(at)) is not None:
             self._editing.cut_contour(contact)
         else:
             self._session.show_message(tr("There is no object here. {advice}", advice=self.tip), topic=EDITING_CATEGORY)
 
     def _split_along(self, path: list[Place]) -> None:
         places = polyline.path_midpoints(np.array(path), _SAMPLED_PLACES).tolist()
-        crossed = [whole for row, col in places if (whole := self._whole_at((row, col))) is not None]
+        crossed = [whole for row, col in places if (whole := self._find_object((row, col))) is not None]
         if crossed:
             most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))
-            self._use(most, partial(split_object_along, most, path, self._editing.edges))
+            self._apply_split(most, partial(split_object_along, most, path, self._editing.edges))
         else:
             self._session.show_message(tr("The line crosses no object. {advice}", advice=self.tip), topic=EDITING_CATEGORY)
 
-    def _use(self, whole: SegmentedObject, halves: Callable[[], Halves], at: Place = ()) -> None:
+    def _apply_split(self, whole: SegmentedObject, halves: Callable[[], Halves], at: Place = ()) -> None:
         """Replace an object by its halves, or report why that fails; in a volume, split it at a place."""
-        self._whole = None
+        self._clicked_object = None
         if whole.frozen:
             name = self._list.title_of(whole)
             self._session.show_message(tr("{name} is frozen: unfreeze it to split it.", name=name), topic=EDITING_CATEGORY)
@@ -160,20 +160,20 @@ class SplitTool(Tool):
         except ValueError as error:
             self._session.show_message(translate_core_text(str(error)), topic=EDITING_CATEGORY)
 
-    def _whole_at(self, at: Place) -> SegmentedObject | None:
+    def _find_object(self, at: Place) -> SegmentedObject | None:
         """Find the object, proposal or closed contour around a place: a selected one first, then the smallest."""
         rows, under = self._list.selected_rows, ("object", self._list.object_number_at(at))
         key = under if under[1] else self._list.row_at(at, 0.0)
         wholes = [self._list.object_of_row(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))]
         return next((item for item in wholes if item is not None and object_contains(item, at)), None)
 
-    def _show(self) -> None:
+    def _show_preview(self) -> None:
         """Draw the line, or the clicked half and the cut that a click here would make."""
         path: Sequence[Place] | Array = self._path if self._dragged else ()
-        whole, at = self._whole, self._at
+        whole, at = self._clicked_object, self._at
         if not (self._dragged or self.volume or whole is None or at is None) and object_contains(whole, at):
             with suppress(ValueError):
                 cuts = split_object(whole, self._first, at, self._editing.edges).cuts
                 path = max(cuts, key=len, default=())
         self._drawing.show_draft([self._first] if whole is not None else (), path, theme.BARRIER)
-        self._advised()
+        self._on_advice_changed()

@@ -20,7 +20,7 @@ from cpm_core.shapes import Shape, relative_sides
 
 Cursor = Qt.CursorShape
 
-TAKING_AWAY = Qt.KeyboardModifier.ShiftModifier
+REMOVE_MODIFIER = Qt.KeyboardModifier.ShiftModifier
 """Key with which a click cuts or removes; window managers on Linux reserve clicks with Alt."""
 
 FREEHAND_SPACING = 1.0
@@ -29,34 +29,34 @@ FREEHAND_SPACING = 1.0
 MIN_DRAWN_AREA = 4.0
 """Area below which a closed path is taken for an accident [px²]."""
 
-OBJECT = tr("Objects")
+OBJECT_GROUP = tr("Objects")
 """Group of the tools that select and draw objects."""
 
-SELECT = tr("Select")
+SELECT_GROUP = tr("Select")
 """Group of the tools that select and erase."""
 
-MEND = tr("Mend")
+MEND_GROUP = tr("Mend")
 """Group of the tools that mend contours and objects."""
 
-CIRCLE = tr("Circle")
+CIRCLE_GROUP = tr("Circle")
 """Group of the closed starts."""
 
-STROKE = tr("Stroke")
+STROKE_GROUP = tr("Stroke")
 """Group of the open starts and points."""
 
-AREA = tr("Area")
+AREA_GROUP = tr("Area")
 """Group of the starts that fill an area."""
 
-AUTO = tr("Auto")
+AUTO_GROUP = tr("Auto")
 """Group of the starts that need no drawing; it has no tools."""
 
-LIMIT = tr("Limit")
+LIMIT_GROUP = tr("Limit")
 """Group of regions of interest and barriers."""
 
-CHARGE = tr("Charge")
+CHARGE_GROUP = tr("Charge")
 """Group of the placed charges."""
 
-GROUPS = (OBJECT, SELECT, MEND, CIRCLE, STROKE, AREA, AUTO, LIMIT, CHARGE)
+TOOL_GROUPS = (OBJECT_GROUP, SELECT_GROUP, MEND_GROUP, CIRCLE_GROUP, STROKE_GROUP, AREA_GROUP, AUTO_GROUP, LIMIT_GROUP, CHARGE_GROUP)
 """Groups of tools in display order."""
 
 _gestures = itertools.count()
@@ -71,7 +71,7 @@ class Tool:
 
     name: str
     """Name in code, and name of its icon."""
-    text: str
+    menu_text: str
     """Text in the menu."""
     shortcut: str
     """Key that selects the tool."""
@@ -83,21 +83,21 @@ class Tool:
     """Sentence on what the tool does."""
     guidance: str = ""
     """Advice until the tool has been used."""
-    by_keys: str
+    keyboard_tip: str
     """Sentence on what Enter does at the cross-hair."""
-    clicks = False
+    works_by_clicks = False
     """Whether Enter is a click; otherwise Enter presses the button, and the next Enter releases it."""
-    sized = False
+    is_resizable = False
     """Whether the tool has a size."""
-    lasting = False
+    keeps_draft = False
     """Whether the draft stays while another tool is used."""
-    here: Slice | None = None
+    current_slice: Slice | None = None
     """Slice under the pointer; None in an image."""
     modifiers = Qt.KeyboardModifier.NoModifier
     """Modifier keys that are held; they may constrain the shape."""
 
     def __init__(self, workspace: Workspace, drawing: DrawingLayer, advised: Callback) -> None:
-        self._workspace, self._drawing, self._advised = workspace, drawing, advised
+        self._workspace, self._drawing, self._on_advice_changed = workspace, drawing, advised
         self._session = workspace.session
         self.used = False
         self.set_up()
@@ -111,24 +111,24 @@ class Tool:
         image = self._session.document.image
         return image if image is not None and image.is_volume else None
 
-    def flat(self, place: Place) -> Place:
+    def position_in_slice(self, place: Place) -> Place:
         """Return a place as (row, col) in the view under the pointer."""
-        return place if self.here is None or len(place) == 2 else self.here.drop_axis(place)
+        return place if self.current_slice is None or len(place) == 2 else self.current_slice.drop_axis(place)
 
-    def lifted(self, position: Place) -> Place:
+    def place_in_image(self, position: Place) -> Place:
         """Return the place in the image or in the volume of (row, col) in the view under the pointer."""
-        return position if self.here is None else self.here.lift_position(position)
+        return position if self.current_slice is None else self.current_slice.lift_position(position)
 
     @property
-    def sides(self) -> tuple[float, float]:
+    def pixel_sides(self) -> tuple[float, float]:
         """Height and width of a pixel in the view under the pointer [smallest side of a voxel]."""
-        if self.here is None or self.volume is None:
+        if self.current_slice is None or self.volume is None:
             return 1.0, 1.0
-        down, right = self.here.drop_axis(relative_sides(self.volume.spacing))
+        down, right = self.current_slice.drop_axis(relative_sides(self.volume.spacing))
         return down, right
 
     @property
-    def drafting(self) -> bool:
+    def has_draft(self) -> bool:
         """Whether the tool has an unfinished draft while the button is up."""
         return False
 
@@ -137,25 +137,25 @@ class Tool:
         """Sentence on what to do next, or empty."""
         return "" if self.used else self.guidance
 
-    def press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place, reach: float) -> None:
         """Handle a press of the left button; `reach` is the tolerance for hits [px]."""
 
-    def drag(self, at: Place) -> None:
+    def on_drag(self, at: Place) -> None:
         """Handle a move with the button down."""
 
-    def release(self) -> None:
+    def on_release(self) -> None:
         """Handle the release of the button."""
 
-    def hover(self, at: Place) -> None:
+    def on_hover(self, at: Place) -> None:
         """Handle a move with the button up."""
 
-    def resize(self, by: float) -> None:
+    def resize_by(self, by: float) -> None:
         """Enlarge the tool; negative values of `by` make it smaller."""
 
     def finish(self) -> None:
         """Finish the draft."""
 
-    def take_back(self) -> None:
+    def remove_last_part(self) -> None:
         """Remove the last part of the draft."""
 
     def cancel(self) -> None:
@@ -164,14 +164,14 @@ class Tool:
     def set_in_use(self, in_use: bool) -> None:
         """Prepare for use, or end it."""
 
-    def put_away(self) -> None:
+    def hide_marks(self) -> None:
         """Hide the marks of the tool when the pointer has left or another tool is used."""
 
-    def cursor(self, at: Place, reach: float) -> Cursor | QCursor:
+    def cursor_at(self, at: Place, reach: float) -> Cursor | QCursor:
         """Return the cursor over a position."""
         return Cursor.CrossCursor
 
-    def grips(self, at: Place, reach: float) -> bool:
+    def has_handle_at(self, at: Place, reach: float) -> bool:
         """Tell whether a handle of the selected shape lies at a position, so that a press there goes to this tool."""
         return False
 
@@ -179,7 +179,7 @@ class Tool:
 class ShapeTool(Tool):
     """Base class of tools whose gesture adds or changes one shape of the document, as one step of undo."""
 
-    by_keys = tr("Enter picks up, arrow keys move, Enter puts down.")
+    keyboard_tip = tr("Enter picks up, arrow keys move, Enter puts down.")
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
@@ -187,40 +187,40 @@ class ShapeTool(Tool):
         self._before: Shape | None = None
         self._gesture = ""
 
-    def release(self) -> None:
+    def on_release(self) -> None:
         """Keep the shape as it is."""
-        self._end()
+        self._end_gesture()
 
     def cancel(self) -> None:
         """Restore the shape, or delete it when the gesture has added it."""
         index = self._index
         if self._before is not None:
-            self._put(tr("move"), self._before)
-        elif index is not None and self._drawn is not None:
+            self._put_shape(tr("move"), self._before)
+        elif index is not None and self._drawn_shape is not None:
             self._session.edit("", lambda document: edits.delete_shape(document, index), self._gesture)
-        self._end()
+        self._end_gesture()
 
     @property
-    def _drawn(self) -> Shape | None:
+    def _drawn_shape(self) -> Shape | None:
         """Shape of the gesture; None while the document does not contain it."""
         shapes = self._session.document.shapes
         return shapes[self._index] if self._index is not None and self._index < len(shapes) else None
 
-    def _begin(self, index: int | None = None) -> None:
+    def _begin_gesture(self, index: int | None = None) -> None:
         """Begin a gesture on a shape of the document, by default on a new one."""
         shapes = self._session.document.shapes
         self._index = len(shapes) if index is None else index
         self._before = None if index is None else shapes[index]
         self._gesture = f"{self.name} {next(_gestures)}"
 
-    def _end(self) -> None:
+    def _end_gesture(self) -> None:
         self._index = self._before = None
         self._session.end_gesture()
 
-    def _put(self, activity: str, shape: Shape) -> None:
+    def _put_shape(self, activity: str, shape: Shape) -> None:
         """Add the shape of the gesture to the document, or replace it there."""
         index = self._index
-        if index is not None and self._drawn is not None:
+        if index is not None and self._drawn_shape is not None:
             self._session.edit(activity, lambda document: edits.replace_shape(document, index, shape), self._gesture)
         elif index is not None and self._before is None:
             self._session.edit(activity, lambda document: edits.add_shape(document, shape), self._gesture)

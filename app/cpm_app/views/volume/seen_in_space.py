@@ -19,8 +19,8 @@ from cpm_app.session.exchange.messages import Reconstruction, Snapshot
 from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.scene import Proposal, Scene
 from cpm_app.views.layers import Layers
-from cpm_app.views.layers.particles import BEGIN, UNKNOWN
-from cpm_app.views.layers.skeleton import banded
+from cpm_app.views.layers.particles import DARK_MAP_FRACTION, UNKNOWN_COLOR
+from cpm_app.views.layers.skeleton import split_skeleton_by_thickness
 from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, look
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
@@ -33,13 +33,13 @@ _NO_SURFACES: Mapping[int, Surface] = MappingProxyType({})
 """No surfaces of painted objects."""
 
 
-class SeenInSpace:
+class SpaceViewBuilder:
     """Builds the view in space of the scenes of a session."""
 
     def __init__(self) -> None:
         self._parts = IdentityCache()
 
-    def of(self, scene: Scene, layers: Layers, bodies: Mapping[int, Surface] = _NO_SURFACES) -> ViewInSpace | None:
+    def build_view(self, scene: Scene, layers: Layers, bodies: Mapping[int, Surface] = _NO_SURFACES) -> ViewInSpace | None:
         """Build the view in space of a scene, with the settings of the layers on the canvas; None without a volume.
 
         `bodies` are the surfaces of painted objects by object number, which another thread computes.
@@ -49,7 +49,7 @@ class SeenInSpace:
             self._parts.clear()
             return None
         get, layer, spacing = self._parts.get, layers.particles, image.spacing
-        size = 1.0 if snapshot is None else layer.size_of(snapshot)
+        size = 1.0 if snapshot is None else layer.diameter_factor(snapshot)
         inks = look().color(theme.MOVING), look().color(theme.RESTING)
         objects = scene.document.objects if layers["objects"].shown else None
         drawn = scene.document.shapes if layers.drawing.shown else ()
@@ -58,33 +58,33 @@ class SeenInSpace:
             image,
             get(ShadedVolume, image.values, layers.image.shown_window),
             slices,
-            get(_particles, snapshot, size, layer.word("colour"), layer.word("map"), inks),
-            get(_mesh, found),
-            get(_wires, drawn, scene.selected_shape, image, scene.skeleton if layers["skeleton"].shown else None),
-            color_maps.table(layers.image.word("map")),
-            get(_objects, objects, scene.objects.proposals, spacing, bodies),
-            get(_truth, scene.truth if layers["truth"].shown else None, spacing),
+            get(_build_particles, snapshot, size, layer.get_choice("colour"), layer.get_choice("map"), inks),
+            get(_build_surface_mesh, found),
+            get(_build_wires, drawn, scene.selected_shape, image, scene.skeleton if layers["skeleton"].shown else None),
+            color_maps.color_table(layers.image.get_choice("map")),
+            get(_build_object_meshes, objects, scene.objects.proposals, spacing, bodies),
+            get(_build_truth_mesh, scene.truth if layers["truth"].shown else None, spacing),
         )
 
 
-def _particles(
+def _build_particles(
     snapshot: Snapshot | None, size: float, quantity: str, map_name: str, inks: tuple[str, str]
 ) -> ShownParticles | None:
     if snapshot is None or size == 0.0:
         return None
-    state, palette, marks = snapshot.state, np.array(list(map(_rgb, inks)), np.uint8), snapshot.resting.astype(np.uint8)
+    state, palette, marks = snapshot.state, np.array(list(map(_to_rgb, inks)), np.uint8), snapshot.resting.astype(np.uint8)
     if quantity in QUANTITIES:
         marks = color_particles(QUANTITIES[quantity], state, snapshot.metrics).color_indices
-        palette = np.vstack([color_maps.table(map_name, SHADE_COUNT, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
+        palette = np.vstack([color_maps.color_table(map_name, SHADE_COUNT, DARK_MAP_FRACTION), _to_rgb(UNKNOWN_COLOR)]).astype(np.uint8)
     return ShownParticles(snapshot.position, palette[marks], size)
 
 
-def _mesh(found: Reconstruction | None) -> SurfaceMesh | None:
+def _build_surface_mesh(found: Reconstruction | None) -> SurfaceMesh | None:
     surface = getattr(found.result, "surface", None) if found is not None else None
     return None if surface is None or not len(surface.faces) else SurfaceMesh(surface)
 
 
-def _objects(
+def _build_object_meshes(
     objects: SegmentedObjects | None,
     offered: tuple[Proposal, ...],
     spacing: Sides,
@@ -100,20 +100,20 @@ def _objects(
     )  # fmt: skip
     found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.has_boundary]
     return (
-        *(_colored(body, spacing, look().color(color)) for body, color in shown if body is not None),
-        *(_colored(selection.surface, spacing, look().color(theme.PROPOSAL)) for selection in found),
+        *(_color_surface(body, spacing, look().color(color)) for body, color in shown if body is not None),
+        *(_color_surface(selection.surface, spacing, look().color(theme.PROPOSAL)) for selection in found),
     )
 
 
-def _truth(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMesh, ...]:
-    return (_colored(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
+def _build_truth_mesh(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMesh, ...]:
+    return (_color_surface(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
 
 
 _MESH_CACHE: WeakKeyDictionary[Surface, SurfaceMesh] = WeakKeyDictionary()
 """Meshes of surfaces that are still in use."""
 
 
-def _colored(surface: Surface, spacing: Sides, color: str) -> ColoredMesh:
+def _color_surface(surface: Surface, spacing: Sides, color: str) -> ColoredMesh:
     """Color a surface; reuse its mesh, with the normals, from the last view."""
     mesh, shade = _MESH_CACHE.get(surface), QColor(color)
     if mesh is None or mesh.surface.spacing != spacing:
@@ -121,7 +121,7 @@ def _colored(surface: Surface, spacing: Sides, color: str) -> ColoredMesh:
     return ColoredMesh(mesh, (shade.red(), shade.green(), shade.blue()))
 
 
-def _wires(
+def _build_wires(
     shapes: tuple[Shape, ...], selected: int | None, image: Image, skeleton: Skeleton | None = None
 ) -> Wires | None:
     sides = relative_sides(image.spacing)
@@ -133,15 +133,15 @@ def _wires(
             ink = theme.ATTRACTING if shape.strength > 0.0 else theme.REPELLING
         elif isinstance(shape, Limit) and not isinstance(shape, Interest):
             ink = theme.BARRIER
-        colors.append(np.tile(_rgb(theme.CHOSEN if index == selected else ink), (len(each), 1)))
+        colors.append(np.tile(_to_rgb(theme.CHOSEN if index == selected else ink), (len(each), 1)))
     if skeleton is not None:
-        bands = [_rgb(color) for color in theme.THICKNESSES]
-        for band, piece in banded(skeleton, len(bands)):
+        bands = [_to_rgb(color) for color in theme.THICKNESSES]
+        for band, piece in split_skeleton_by_thickness(skeleton, len(bands)):
             ends.append(np.stack([piece[:-1], piece[1:]], axis=1))
             colors.append(np.tile(bands[band], (len(piece) - 1, 1)))
     return Wires(np.concatenate(ends), np.concatenate(colors).astype(np.uint8)) if any(map(len, ends)) else None
 
 
-def _rgb(ink: Ink | str) -> Pixels:
+def _to_rgb(ink: Ink | str) -> Pixels:
     color = QColor(look().color(ink))
     return np.array([color.red(), color.green(), color.blue()], np.uint8)

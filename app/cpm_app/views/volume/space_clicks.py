@@ -10,7 +10,7 @@ from cpm_app.model.space.camera import Camera
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_selection import ObjectSelection
 from cpm_app.session.session import Session
-from cpm_app.views.tools.tool import TAKING_AWAY
+from cpm_app.views.tools.tool import REMOVE_MODIFIER
 from cpm_core import VolumePartition
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Sides
@@ -26,7 +26,7 @@ _INSIDE_DEPTHS = (0.5, 1.0, 1.5, 2.0, 3.0)
 """Depths behind a visible surface that are searched for its inside [smallest side of a voxel]."""
 
 
-def draw_at(session: Session, tool: str, at: Place) -> None:
+def draw_shape_at(session: Session, tool: str, at: Place) -> None:
     """Draw the shape of a tool at a place of the volume, if the tool needs no slice to draw in."""
     image = session.image
     if image is None or image.ndim != 3 or tool not in ("circle", "points"):
@@ -43,7 +43,7 @@ def draw_at(session: Session, tool: str, at: Place) -> None:
     session.select_shape(len(session.document.shapes) - 1)
 
 
-def select_at(selection: ObjectSelection, camera: Camera, spacing: Sides, at: Place) -> None:
+def select_body_at(selection: ObjectSelection, camera: Camera, spacing: Sides, at: Place) -> None:
     """Add a positive point, with Shift a negative one, inside the body behind a clicked place.
 
     If no body lies behind it, add the place itself.
@@ -53,5 +53,5 @@ def select_at(selection: ObjectSelection, camera: Camera, spacing: Sides, at: Pl
     places = np.array(at) + np.outer((0.0, *_INSIDE_DEPTHS), way)
     within = partition.find_body_numbers(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
     place = places[1 + int(np.argmax(within[1:]))] if np.any(within[1:]) else places[0]
-    inside = not QGuiApplication.keyboardModifiers() & TAKING_AWAY
+    inside = not QGuiApplication.keyboardModifiers() & REMOVE_MODIFIER
     selection.add_click((tuple(place.tolist()),), inside)

@@ -16,7 +16,7 @@ from cpm_app.model.volume.slices import axis_ends
 from cpm_app.views.theme import theme
 from cpm_core.numerics.types import Pixels
 
-LOOK = SpaceStyle(background=(0x14, 0x16, 0x1A))
+CANVAS_LOOK = SpaceStyle(background=(0x14, 0x16, 0x1A))
 """Look with the background of the canvas."""
 
 _MAX_BAR_LENGTH = 120.0
@@ -46,7 +46,7 @@ def draw_marks(painter: QPainter, view: ViewInSpace, camera: Camera, size: QSize
         painter.setPen(QColor(*AXIS_COLORS[axis]).lighter(130))
         for place, side, name in ((seen[0], -1.0, names[0]), (seen[1], 1.0, names[1])):
             col, row = place + side * _AXIS_NAME_GAP * way / length
-            write(painter, QPointF(col, row), name)
+            draw_text(painter, QPointF(col, row), name)
     scaled = find_scale_bar(_MAX_BAR_LENGTH / camera.scale, 1.0, view.image.unit)
     length = scaled.pixels * camera.scale
     left, y = _BAR_MARGIN, size.height() - _BAR_MARGIN
@@ -54,10 +54,10 @@ def draw_marks(painter: QPainter, view: ViewInSpace, camera: Camera, size: QSize
     painter.drawLine(QPointF(left, y), QPointF(left + length, y))
     for x in (left, left + length):
         painter.drawLine(QPointF(x, y - _BAR_TICK), QPointF(x, y + _BAR_TICK))
-    write(painter, QPointF(left + 0.5 * length, y - _BAR_MARGIN), scaled.label)
+    draw_text(painter, QPointF(left + 0.5 * length, y - _BAR_MARGIN), scaled.label)
 
 
-def write(painter: QPainter, center: QPointF, text: str) -> None:
+def draw_text(painter: QPainter, center: QPointF, text: str) -> None:
     """Draw a text centered on a point."""
     metrics = painter.fontMetrics()
     room = QSizeF(metrics.horizontalAdvance(text) + 4.0, metrics.height())
@@ -65,7 +65,7 @@ def write(painter: QPainter, center: QPointF, text: str) -> None:
     painter.drawText(QRectF(corner, room), Qt.AlignmentFlag.AlignCenter, text)
 
 
-FRAMES = 120
+TURN_FRAMES = 120
 """Number of frames of a full turn."""
 
 FRAMES_PER_SECOND = 25.0
@@ -75,7 +75,7 @@ _MAX_FRAME_SIDE = 720
 """Longer side of the frames of an animation [px]."""
 
 
-def picture_of(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Pixels:
+def render_picture(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Pixels:
     """Render the view with names and scale bar; safe on any thread.
 
     Returns
@@ -83,7 +83,7 @@ def picture_of(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Pixe
     ndarray of uint8, shape (rows, cols, 3)
         RGB colors, where `size` is (rows, cols).
     """
-    colors = np.ascontiguousarray(view.render_picture(camera, size, LOOK).colors)
+    colors = np.ascontiguousarray(view.render_picture(camera, size, CANVAS_LOOK).colors)
     rows, cols = size
     image = QImage(colors.data, cols, rows, 3 * cols, QImage.Format.Format_RGB888)
     painter = QPainter(image)
@@ -99,7 +99,7 @@ def animation_size(size: tuple[int, int]) -> tuple[int, int]:
     return rows, cols
 
 
-def turn(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Iterator[Pixels]:
+def render_turn(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Iterator[Pixels]:
     """Render the frames of a full turn one by one, each of shape (rows, cols, 3), uint8."""
-    for frame in range(FRAMES):
-        yield picture_of(view, camera.rotated(2.0 * pi * frame / FRAMES, 0.0), size)
+    for frame in range(TURN_FRAMES):
+        yield render_picture(view, camera.rotated(2.0 * pi * frame / TURN_FRAMES, 0.0), size)

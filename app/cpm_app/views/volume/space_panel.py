@@ -45,27 +45,27 @@ class SpaceBar(QWidget):
         self.shown = ShownParts()
         """Parts that are shown."""
         self.checks = {name: QCheckBox(title) for name, (title, _) in _SHOWN_PARTS.items()}
-        self.opacity = _slider(tr("Opacity of surface and objects"), 0.05, self.shown.opacity)
+        self.opacity = _create_slider(tr("Opacity of surface and objects"), 0.05, self.shown.opacity)
         self.opacity.setToolTip(tr("Through a transparent surface, particles and slices behind it are visible."))
         self.cut = QComboBox()
         self.cut.setAccessibleName(tr("Axis of the cut"))
         self.cut.setToolTip(tr("Cut away the front of the surface and particles to look inside."))
         for title, axis in _CUT_AXES:
             self.cut.addItem(title, axis)
-        self.cut_at = _slider(tr("Position of the cut"), 0.01, self.shown.cut_at)
+        self.cut_at = _create_slider(tr("Position of the cut"), 0.01, self.shown.cut_at)
         for name, check in self.checks.items():
             check.setToolTip(_SHOWN_PARTS[name][1])
             check.setChecked(getattr(self.shown, name))
-            check.toggled.connect(self._choose)
+            check.toggled.connect(self._on_control_changed)
         looks = arrange(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity)
         cut = arrange(QHBoxLayout(), self.cut, self.cut_at)
         arrange(QVBoxLayout(self), *self.checks.values(), looks, cut, None, margins=(12, 8, 8, 6), spacing=6)
-        self.opacity.moved_to.connect(self._choose)
-        self.cut.currentIndexChanged.connect(self._choose)
-        self.cut_at.moved_to.connect(self._choose)
-        self._enable()
+        self.opacity.moved_to.connect(self._on_control_changed)
+        self.cut.currentIndexChanged.connect(self._on_control_changed)
+        self.cut_at.moved_to.connect(self._on_control_changed)
+        self._update_enabled()
 
-    def _choose(self) -> None:
+    def _on_control_changed(self) -> None:
         shown = replace(
             self.shown,
             **{name: check.isChecked() for name, check in self.checks.items()},
@@ -75,16 +75,16 @@ class SpaceBar(QWidget):
         )
         if shown != self.shown:
             self.shown = shown
-            self._enable()
+            self._update_enabled()
             self.changed.emit(shown)
 
-    def _enable(self) -> None:
+    def _update_enabled(self) -> None:
         """Disable the controls that have no effect."""
         self.opacity.setEnabled(self.shown.surface or self.shown.objects)
         self.cut_at.setEnabled(self.shown.cut_axis is not None)
 
 
-def _slider(name: str, step: float, first: float) -> MarkedSlider:
+def _create_slider(name: str, step: float, first: float) -> MarkedSlider:
     slider = MarkedSlider(0.0, 1.0, step, first)
     slider.setAccessibleName(name)
     slider.show_value(first)
@@ -118,7 +118,7 @@ _PATIENT_VIEWS = {"A": tr("From the &front"), "P": tr("From the &front"), "L": t
 """Titles of the views along an axis, by the letter at its end, as slices across the axis are seen."""
 
 
-def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
+def space_action_specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
     """Return the actions of the view in space."""
 
     def copy_picture() -> None:

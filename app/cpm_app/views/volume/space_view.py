@@ -30,7 +30,7 @@ from cpm_app.model.volume.slices import slice_directions, find_front_axis
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.session import Session
 from cpm_app.views.theme import theme
-from cpm_app.views.volume.space_marks import LOOK, draw_marks, write
+from cpm_app.views.volume.space_marks import CANVAS_LOOK, draw_marks, draw_text
 from cpm_core.numerics import Array, Place
 from cpm_core.numerics.types import record
 
@@ -78,14 +78,14 @@ _MAX_CLICK_MOVE = 4.0
 
 
 @record
-class _Frame:
+class _SpaceFrame:
     """A picture, and the particles, camera and settings it was drawn with."""
 
     picture: Picture
     particles: ShownParticles | None
     camera: Camera
     coarseness: int
-    number: int
+    request_number: int
     seconds: float
 
 
@@ -107,14 +107,14 @@ class SpaceView(QWidget):
         self.setAccessibleName(tr("View in space"))
         self.camera: Camera | None = None
         self._view: ViewInSpace | None = None
-        self._frame: _Frame | None = None
+        self._frame: _SpaceFrame | None = None
         self._seconds, self._asked = 0.0, 0
         self._pressed: QPointF | None = None
         self._last = QPointF()
         self._drag = (Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
         self._painter = LatestOnlyWorker(session, "cpm-space", tr("drawing the view in space"))
         self._still = QTimer(self, interval=_STILL_DELAY, singleShot=True)
-        self._still.timeout.connect(partial(self._ask, 1))
+        self._still.timeout.connect(partial(self._request_picture, 1))
         self._parts = IdentityCache()
 
     def sizeHint(self) -> QSize:
@@ -130,12 +130,12 @@ class SpaceView(QWidget):
         elif before is None or self.camera is None or before.lengths != view.lengths:
             self.show_all()
         else:
-            self._changed()
+            self._draw_coarsely()
 
     @property
-    def idle(self) -> bool:
+    def is_idle(self) -> bool:
         """Whether the picture shows the last request at full resolution."""
-        shown = 0 if self._frame is None else self._frame.number
+        shown = 0 if self._frame is None else self._frame.request_number
         return not self._still.isActive() and (self._view is None or shown == self._asked)
 
     @property
@@ -144,7 +144,7 @@ class SpaceView(QWidget):
         return None if self._frame is None or self._frame.particles is None else self._frame.particles.positions
 
     @property
-    def room(self) -> tuple[int, int]:
+    def picture_size(self) -> tuple[int, int]:
         """Rows and columns of the picture at full resolution."""
         ratio = self.devicePixelRatioF()
         return max(1, round(self.height() * ratio)), max(1, round(self.width() * ratio))
@@ -153,17 +153,17 @@ class SpaceView(QWidget):
         """Show the whole volume from the initial direction."""
         if self._view is not None:
             image = self._view.image
-            self.use(Camera.facing_box(self._view.lengths, self.room, slice_directions(image)[find_front_axis(image)]))
+            self.set_camera(Camera.facing_box(self._view.lengths, self.picture_size, slice_directions(image)[find_front_axis(image)]))
 
     def look_along(self, axis: int) -> None:
         """Look along an axis, in the orientation of the slices across it."""
         if self._view is not None and self.camera is not None:
-            self.use(replace(self.camera, axes=slice_directions(self._view.image)[axis]))
+            self.set_camera(replace(self.camera, axes=slice_directions(self._view.image)[axis]))
 
-    def use(self, camera: Camera) -> None:
+    def set_camera(self, camera: Camera) -> None:
         """Show the volume from another camera."""
         self.camera = camera
-        self._changed()
+        self._draw_coarsely()
 
     def close_thread(self) -> None:
         """End the drawing thread."""
@@ -188,7 +188,7 @@ class SpaceView(QWidget):
             draw_marks(painter, self._view, frame.camera.enlarged(self.width() / cols), self.size())
         elif self._view is not None:
             painter.setPen(QColor(theme.DRAWING))
-            write(painter, QPointF(self.rect().center()), tr("The picture is being prepared."))
+            draw_text(painter, QPointF(self.rect().center()), tr("The picture is being prepared."))
         painter.end()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -198,7 +198,7 @@ class SpaceView(QWidget):
             self.camera = self.camera.enlarged(max(min(self.width(), self.height()), 1) / before)
         elif self.camera is not None:
             self.show_all()
-        self._changed()
+        self._draw_coarsely()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin to turn, move or roll, until the button is released."""
@@ -212,13 +212,13 @@ class SpaceView(QWidget):
             return
         way, self._last = (event.position() - self._last) * self.devicePixelRatioF(), event.position()
         button, keys = self._drag
-        half_turn = pi / min(self.room)
+        half_turn = pi / min(self.picture_size)
         if button != Qt.MouseButton.LeftButton or keys & Qt.KeyboardModifier.ShiftModifier:
-            self.use(camera.translated(way.x(), way.y()))
+            self.set_camera(camera.translated(way.x(), way.y()))
         elif keys & Qt.KeyboardModifier.ControlModifier:
-            self.use(camera.rolled(half_turn * way.x()))
+            self.set_camera(camera.rolled(half_turn * way.x()))
         else:
-            self.use(camera.rotated(half_turn * way.x(), half_turn * way.y()))
+            self.set_camera(camera.rotated(half_turn * way.x(), half_turn * way.y()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Pick the clicked place; a right click opens the menu."""
@@ -229,7 +229,7 @@ class SpaceView(QWidget):
             reason, point = QContextMenuEvent.Reason.Other, event.position().toPoint()
             QApplication.postEvent(self, QContextMenuEvent(reason, point, event.globalPosition().toPoint()))
         elif event.button() == Qt.MouseButton.LeftButton:
-            position = self._at(event.position())
+            position = self._find_position(event.position())
             if position is not None:
                 self.picked.emit(position)
 
@@ -245,16 +245,16 @@ class SpaceView(QWidget):
         """Enlarge at the pointer."""
         if self.camera is not None:
             off = (event.position() - QPointF(self.rect().center())) * self.devicePixelRatioF()
-            self.use(self.camera.zoomed(_WHEEL_FACTOR ** event.angleDelta().y(), off.x(), off.y()))
+            self.set_camera(self.camera.zoomed(_WHEEL_FACTOR ** event.angleDelta().y(), off.x(), off.y()))
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Turn, zoom, look along an axis, or show the whole volume."""
         key, camera = Qt.Key(event.key()), self.camera
         if camera is not None and key in _TURN_KEYS:
-            self.use(camera.rotated(*_TURN_KEYS[key]))
+            self.set_camera(camera.rotated(*_TURN_KEYS[key]))
         elif camera is not None and key in _ZOOM_KEYS:
-            self.use(camera.zoomed(_ZOOM_KEYS[key]))
+            self.set_camera(camera.zoomed(_ZOOM_KEYS[key]))
         elif key in _AXIS_KEYS:
             self.look_along(_AXIS_KEYS[key])
         elif key in _WHOLE_VIEW_KEYS:
@@ -264,12 +264,12 @@ class SpaceView(QWidget):
 
     def showEvent(self, event: object) -> None:
         """Draw the view, which is not drawn while hidden."""
-        self._ask(1)
+        self._request_picture(1)
 
-    def _changed(self) -> None:
-        self._ask(min(_MAX_COARSENESS, max(1, round((self._seconds / _MAX_TURNING_TIME) ** 0.5))))
+    def _draw_coarsely(self) -> None:
+        self._request_picture(min(_MAX_COARSENESS, max(1, round((self._seconds / _MAX_TURNING_TIME) ** 0.5))))
 
-    def _ask(self, coarseness: int) -> None:
+    def _request_picture(self, coarseness: int) -> None:
         """Request a picture with pixels of `coarseness` px of the screen, and later one at full resolution."""
         if self._view is None or self.camera is None or not self.isVisible():
             return
@@ -277,12 +277,12 @@ class SpaceView(QWidget):
             self._still.start()
         else:
             self._still.stop()
-        rows, cols = (max(1, side // coarseness) for side in self.room)
+        rows, cols = (max(1, side // coarseness) for side in self.picture_size)
         self._asked += 1
         given = self._view, self.camera, (rows, cols), coarseness, self._asked
-        self._painter.submit(partial(_draw, self._parts, *given), self._take)
+        self._painter.submit(partial(_draw_frame, self._parts, *given), self._on_picture_drawn)
 
-    def _take(self, frame: _Frame) -> None:
+    def _on_picture_drawn(self, frame: _SpaceFrame) -> None:
         """Show a finished picture."""
         if self._view is None:
             return
@@ -291,7 +291,7 @@ class SpaceView(QWidget):
             self._seconds = frame.seconds
         self.update()
 
-    def _at(self, point: QPointF) -> Place | None:
+    def _find_position(self, point: QPointF) -> Place | None:
         """Find the position [voxels] of the item seen at a point; None where there is none."""
         frame, view = self._frame, self._view
         if frame is None or view is None:
@@ -307,17 +307,17 @@ class SpaceView(QWidget):
         return tuple((place / np.array(view.image.spacing)).tolist())
 
 
-def _draw(
+def _draw_frame(
     parts: IdentityCache,
     view: ViewInSpace,
     camera: Camera,
     size: tuple[int, int],
     coarseness: int,
     number: int,
-) -> _Frame:
+) -> _SpaceFrame:
     """Draw a frame on the drawing thread."""
     begin, particles = time.perf_counter(), view.particles
-    look, seen = replace(LOOK, radius=max(LOOK.radius / coarseness, 0.6)), camera.enlarged(1.0 / coarseness)
+    look, seen = replace(CANVAS_LOOK, radius=max(CANVAS_LOOK.radius / coarseness, 0.6)), camera.enlarged(1.0 / coarseness)
     if view.shown.opacity < 1.0:
         picture = view.render_picture(seen, size, look)
     else:  # everything except the particles is drawn only once
@@ -325,4 +325,4 @@ def _draw(
         made_of = *(getattr(still, one.name) for one in fields(still)), camera, size
         picture = parts.get_named("still", lambda: still.render_picture(seen, size, look), *made_of).copy()
         view.draw_particles(picture, particles, seen, look)
-    return _Frame(picture, particles, seen, coarseness, number, time.perf_counter() - begin)
+    return _SpaceFrame(picture, particles, seen, coarseness, number, time.perf_counter() - begin)

@@ -158,7 +158,7 @@ class Actions(dict[str, QAction]):
                 self._tell(name)
             if spec.pictured is not None and self._icons[name] != (wanted := spec.pictured(situation)):
                 self._icons[name] = wanted
-                self._tint(name)
+                self._tint_icon(name)
 
     def _show_limits(self, volume: bool) -> None:
         """Exchange the texts and icons of the actions that do something else in volumes."""
@@ -172,7 +172,7 @@ class Actions(dict[str, QAction]):
             action.setIconText(on_button)
             if name in ICONS_IN_VOLUMES:
                 self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self.specs[name].icon
-                self._tint(name)
+                self._tint_icon(name)
             self._tell(name)
 
     def show_keys(self) -> None:
@@ -189,9 +189,9 @@ class Actions(dict[str, QAction]):
 
         for name in sorted(self._icons, key=is_off_buttons):
             if is_new and not is_off_buttons(name):
-                self._tint(name)
+                self._tint_icon(name)
             else:
-                turns.ask(partial(self._tint, name))
+                turns.ask(partial(self._tint_icon, name))
 
     def _make(self, spec: ActionSpec, parent: QWidget) -> QAction:
         action = QAction(spec.text, parent)
@@ -219,7 +219,7 @@ class Actions(dict[str, QAction]):
         action.setStatusTip(text)
         action.setToolTip(f"{_plain(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {text}")
 
-    def _tint(self, name: str) -> None:
+    def _tint_icon(self, name: str) -> None:
         if self._theme is not None:
             color = self._theme.accent_text if name == PRIMARY else self._theme.text
             self[name].setIcon(icon(self._icons[name], color, faded=self._theme.line))

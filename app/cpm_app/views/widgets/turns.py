@@ -20,7 +20,7 @@ class Turns(QObject):
         self._timer.timeout.connect(self._next)
 
     @property
-    def idle(self) -> bool:
+    def is_idle(self) -> bool:
         """Whether no work is waiting."""
         return not self._waiting
 

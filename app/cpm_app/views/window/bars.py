@@ -27,7 +27,7 @@ from cpm_app.session.tasks.tasks import BackgroundTask, TaskManager
 from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.tools import TOOLS
-from cpm_app.views.tools.tool import AUTO, GROUPS
+from cpm_app.views.tools.tool import AUTO_GROUP, TOOL_GROUPS
 from cpm_app.views.widgets.actions import PRIMARY, Actions
 from cpm_app.views.widgets.containers import Scrolled, arrange, dim_label, flat_button
 from cpm_core.shapes import SEEDING_KINDS
@@ -122,8 +122,8 @@ class ToolPalette(QToolBar):
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
         self.setIconSize(QSize(20, 20))
-        names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in GROUPS}
-        names[AUTO] = [f"start_{kind}" for kind in SEEDING_KINDS]
+        names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in TOOL_GROUPS}
+        names[AUTO_GROUP] = [f"start_{kind}" for kind in SEEDING_KINDS]
         self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
         column = QWidget()
         for button in self.buttons.values():

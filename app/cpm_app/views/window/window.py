@@ -216,14 +216,14 @@ class MainWindow(QMainWindow):
 
     def _keep_tool(self) -> None:
         """Switch to the first tool if the tool in use does not work in volumes."""
-        tool = self.canvas_area.canvas.hold.tool
+        tool = self.canvas_area.canvas.dispatcher.tool
         if self.session.scene.slices is not None and tool is not None and tool.name in HIDDEN_IN_VOLUMES:
             self.refresh()
             self.do(FIRST_TOOL)
 
     def _follow_tool(self) -> None:
         """Bring the tab of the tool to the front, once per change, as the user may switch to another tab."""
-        self.docks.bring(self.canvas_area.canvas.hold.tool.panel)
+        self.docks.bring(self.canvas_area.canvas.dispatcher.tool.panel)
         self.refresh()
 
     def _add_menus(self, specs: Sequence[ActionSpec | Submenu]) -> ContextMenus:
@@ -247,7 +247,7 @@ class MainWindow(QMainWindow):
         use_action_names(self.shortcuts.names())
         self.actions_by_name.show_keys()
         self.canvas_area.messages.show_keys()
-        self.canvas_area.refresh()
+        self.canvas_area.update_hint()
 
     def _show(self) -> None:
         self.actions_by_name.show(self.session.situation)
@@ -265,7 +265,7 @@ class MainWindow(QMainWindow):
             self.canvas_area.strip.legend.update()
             self._use_chosen_theme()
         elif key == UNIT_PREFERENCE.name:
-            self.canvas_area.canvas.layers["scale_bar"].show_or_hide()
+            self.canvas_area.canvas.layers["scale_bar"].apply_visibility()
             self.refresh()
 
     def _use_chosen_theme(self) -> None:

@@ -97,7 +97,7 @@ def forget_offer(window, hand) -> None:
 def test_the_bodies_of_the_starts_are_offered_and_taken_by_enter(found, hand) -> None:
     selection = found.workspace.object_selection
     hand.wait(lambda: len(selection.proposals) == 2)
-    assert hand.canvas.layers["objects"].offered_fill.count > 0
+    assert hand.canvas.layers["objects"].proposal_fill.count > 0
     hand.key(KEY.Key_Return)
     assert bodies(found) == pytest.approx([BALL, BALL], rel=0.08)
     assert {item.number for item in items(found)} == {1, 2}
@@ -110,9 +110,9 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
     (proposal,) = selection.proposals
     assert proposal.selection.volume == pytest.approx(BALL, rel=0.08)
     layer = hand.canvas.layers["objects"]
-    assert layer.offered_fill.count == 1
+    assert layer.proposal_fill.count == 1
     found.workspace.slices.go_to(1)
-    assert layer.offered_fill.count == 0
+    assert layer.proposal_fill.count == 0
     found.workspace.slices.go_to(round(ONE[0]))
     click(hand, ONE[1:])
     assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.08)
@@ -129,9 +129,9 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
 def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand) -> None:
     forget_offer(found, hand)
     view = found.feature(SpaceFeature).panel.view
-    hand.wait(lambda: view.idle and view._frame is not None)
+    hand.wait(lambda: view.is_idle and view._frame is not None)
     beside = np.array([OTHER]) + 5.0 * view.camera.axes[0]  # off the lines of the start in it
-    seen = view.camera.project(beside, view.room)[0] / view.devicePixelRatioF()
+    seen = view.camera.project(beside, view.picture_size)[0] / view.devicePixelRatioF()
     at = QPoint(round(seen[0]), round(seen[1]))
     hand.qtbot.mouseClick(view, Button.LeftButton, SHIFT, at)
     assert [said.inside for said in found.session.document.objects.clicks] == [False]
@@ -215,7 +215,7 @@ def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, 
     inside = found.session.document.regions.voxel_mask(found.session.image.shape)
     assert inside.sum() == pytest.approx(BALL, rel=0.1)
     found.workspace.slices.go_through(ONE)
-    shown = [shape for shape in found.canvas_area.canvas.drawn.document.shapes if isinstance(shape, RegionSection)]
+    shown = [shape for shape in found.canvas_area.canvas.drawn_scene.document.shapes if isinstance(shape, RegionSection)]
     assert len(shown) == 1
     path, file = tmp_path / "region.cpm", found.feature(OpenSaveFeature).document_file
     assert file.save_and_wait(path)
@@ -233,9 +233,9 @@ def test_a_click_in_any_slice_gives_the_body_before_a_run(volume, hand) -> None:
     click(hand, OTHER[1:])
     (proposal,) = selection.proposals
     assert proposal.selection.volume == pytest.approx(BALL, rel=0.08)
-    assert hand.canvas.layers["objects"].offered_fill.count == 1
+    assert hand.canvas.layers["objects"].proposal_fill.count == 1
     volume.workspace.slices.go_to(1)
-    assert hand.canvas.layers["objects"].offered_fill.count == 0
+    assert hand.canvas.layers["objects"].proposal_fill.count == 0
     volume.workspace.slices.go_through(ONE)
     click(hand, ONE[1:])
     assert selection.proposals[0].selection.contains(np.array([ONE, OTHER])).all()
@@ -254,7 +254,7 @@ def test_clicks_correct_a_painted_body_near_them_and_leave_the_rest_as_it_was(vo
     monkeypatch.setattr(hand, "patience", 120_000)
     hand.canvas.setFocus()
     hand.key(KEY.Key_J)
-    hand.canvas.hold.tool.set_radius(2.0)
+    hand.canvas.dispatcher.tool.set_radius(2.0)
     volume.workspace.slices.go_through(OTHER)
     hand.drag(OTHER[1:], (18, 25), (18, 19))
     hand.drag((3, 4), (3, 6), (3, 10))
@@ -279,7 +279,7 @@ def test_clicks_correct_a_painted_body_near_them_and_leave_the_rest_as_it_was(vo
 def test_two_clicks_split_a_body_in_space_and_one_undo_joins_it(volume, hand) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_J)
-    hand.canvas.hold.tool.set_radius(3.0)
+    hand.canvas.dispatcher.tool.set_radius(3.0)
     volume.workspace.slices.go_to(10)
     hand.drag((10, 6), (10, 7))
     hand.drag((10, 12), (10, 13))

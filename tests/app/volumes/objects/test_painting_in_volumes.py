@@ -30,7 +30,7 @@ def brush(volume, hand):
     """The brush in use, of a small radius."""
     hand.canvas.setFocus()
     hand.key(KEY.Key_J)
-    tool = hand.canvas.hold.tool
+    tool = hand.canvas.dispatcher.tool
     assert tool.name == "mend"
     tool.set_radius(3.0)
     listed = volume.workspace.object_list
@@ -122,8 +122,8 @@ def test_the_lines_in_slices_enclose_the_voxels_that_have_been_painted(volume, h
     mask = masks(volume)[0]
     assert_is(mask, covered((12, 12, 10), (12, 15, 18)))
     for view in (hand.canvas, *volume.feature(SlicesFeature).sides):
-        here = view.drawn.slices.current
-        (cut,) = view.drawn.document.objects.items
+        here = view.drawn_scene.slices.current
+        (cut,) = view.drawn_scene.document.objects.items
         expected = here.slice_array(mask)
         pixels = np.moveaxis(np.indices(expected.shape), 0, -1).reshape(-1, 2).astype(float)
         inside = np.zeros(len(pixels), bool)

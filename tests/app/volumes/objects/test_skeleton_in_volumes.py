@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cpm_app.views.features.files import OpenSaveFeature
-from cpm_app.views.layers.skeleton import disks
-from cpm_app.views.volume.seen_in_space import SeenInSpace
+from cpm_app.views.layers.skeleton import inscribed_disks
+from cpm_app.views.volume.seen_in_space import SpaceViewBuilder
 from PySide6.QtCore import Qt
 
 from tests.app.exporting import asked, order
@@ -55,13 +55,13 @@ def test_slices_show_the_pieces_near_them_and_space_all(found, hand) -> None:
     found.workspace.slices.set_axis(2)
     found.workspace.slices.go_to(20)
     found.workspace.slices.set_axis(0)
-    seen = SeenInSpace().of(found.session.scene, hand.canvas.layers)
+    seen = SpaceViewBuilder().build_view(found.session.scene, hand.canvas.layers)
     assert seen.wires is not None
     assert np.ptp(seen.wires.ends[:, :, 2]) > 15.0
 
 
 def test_disks_in_slices_are_round_in_space() -> None:
-    (ring,) = disks(np.array([(5.0, 5.0)]), np.array([3.0]), (2.0, 1.0))
+    (ring,) = inscribed_disks(np.array([(5.0, 5.0)]), np.array([3.0]), (2.0, 1.0))
     assert np.ptp(ring, axis=0) == pytest.approx((3.0, 6.0), abs=0.05)
 
 

@@ -18,18 +18,18 @@ def test_arrows_of_the_field_point_to_the_surface_in_every_slice(volume, hand) -
     hand.canvas.setFocus()
     hand.key(KEY.Key_9, ALT)
     views = (hand.canvas, *volume.feature(SlicesFeature).sides)
-    hand.wait(lambda: all(len(view.layers["field"].drawn) for view in views))
+    hand.wait(lambda: all(len(view.layers["field"].arrow_points) for view in views))
     for view in views:
-        field = view.drawn.overlays["field"]
+        field = view.drawn_scene.overlays["field"]
         assert field.shape[1:] == view.shape
-        center = view.drawn.slices.current.project_points(CENTER[None])[0]
+        center = view.drawn_scene.slices.current.project_points(CENTER[None])[0]
         places = np.argwhere(np.ones(view.shape))
         away = np.linalg.norm(places - center, axis=1)
         outward = ((places - center) * field[:, places[:, 0], places[:, 1]].T).sum(axis=1)
         assert (outward[(away > 9.5) & (away < 12.0)] < 0.0).all()
         assert (outward[(away > 2.5) & (away < 4.5)] > 0.0).all()
     hand.key(KEY.Key_9, ALT)
-    assert not len(hand.canvas.layers["field"].drawn) or not hand.canvas.layers["field"].shown
+    assert not len(hand.canvas.layers["field"].arrow_points) or not hand.canvas.layers["field"].shown
 
 
 def test_forces_on_the_particle_under_the_pointer_are_shown_along_the_slice(volume, hand) -> None:
@@ -39,18 +39,18 @@ def test_forces_on_the_particle_under_the_pointer_are_shown_along_the_slice(volu
     hand.key(KEY.Key_Period)
     hand.wait(lambda: volume.session.status.step >= 1 and volume.session.idle)
     layer = hand.canvas.layers["forces"]
-    near = hand.canvas.drawn.near_particles
+    near = hand.canvas.drawn_scene.near_particles
     nearest = int(np.argmin(near.distance))
-    hand.move(*hand.canvas.drawn.snapshot.position[nearest].tolist())
+    hand.move(*hand.canvas.drawn_scene.snapshot.position[nearest].tolist())
     number = volume.session.scene.snapshot.state.particles.identity[near.index[nearest]]
     hand.wait(lambda: layer.probed is not None and layer.probed.identity == number)
     whole = volume.session.scene.probed
     for name, force in layer.probed.forces.items():
         np.testing.assert_allclose(force, whole.forces[name][1:])
         assert layer.probed.sizes[name] == pytest.approx(float(np.linalg.norm(whole.forces[name])))
-    assert layer.probed.position == pytest.approx(hand.canvas.drawn.snapshot.position[nearest])
+    assert layer.probed.position == pytest.approx(hand.canvas.drawn_scene.snapshot.position[nearest])
     volume.workspace.slices.go_to(0)
-    assert hand.canvas.drawn.probed.identity == -1
+    assert hand.canvas.drawn_scene.probed.identity == -1
 
 
 def test_a_sampled_force_is_interpolated_and_counts_in_pixels_of_the_slice() -> None:

@@ -28,7 +28,7 @@ def large(monkeypatch, window, hand, volume_file):
 
 
 def shown(view) -> DisplayImage:
-    return view.drawn.display
+    return view.drawn_scene.display
 
 
 def test_a_large_slice_is_shown_as_a_preview_and_then_with_all_its_pixels(large, hand) -> None:

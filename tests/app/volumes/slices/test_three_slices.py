@@ -40,7 +40,7 @@ def test_the_other_axes_are_shown_beside_the_canvas(volume, hand) -> None:
         for view, other in zip(sides(volume), others, strict=True):
             assert view.isVisible()
             here = volume.session.scene.slices.slice_across(other)
-            np.testing.assert_array_equal(view.drawn.image.values, np.take(ball(), here.index, axis=other))
+            np.testing.assert_array_equal(view.drawn_scene.image.values, np.take(ball(), here.index, axis=other))
             assert lines(view) == list(here.drop_axis(volume.session.scene.slices.voxel))
 
 
@@ -52,7 +52,7 @@ def test_a_click_beside_the_canvas_moves_the_cross_and_with_it_the_slice(volume,
     press(rows, (5.0, 20.0), button)
     assert volume.session.scene.slices.voxel == (5, 14, 20)
     assert volume.session.scene.slices.axis == 0
-    np.testing.assert_array_equal(hand.canvas.drawn.image.values, ball()[5])
+    np.testing.assert_array_equal(hand.canvas.drawn_scene.image.values, ball()[5])
     move(rows, (9.0, 11.0), button)
     assert volume.session.scene.slices.voxel == (9, 14, 11)
     release(rows, (9.0, 11.0), button)
@@ -73,7 +73,7 @@ def test_what_is_drawn_in_one_slice_is_seen_in_all_that_cut_it(volume, hand) -> 
     (sphere,) = volume.session.document.shapes
     assert isinstance(sphere, Sphere)
     for view in sides(volume):
-        (section,) = view.drawn.document.shapes
+        (section,) = view.drawn_scene.document.shapes
         assert section.line.radii == pytest.approx((sphere.radius,) * 2, abs=0.2)
 
 

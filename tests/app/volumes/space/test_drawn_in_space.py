@@ -25,7 +25,7 @@ def space(volume, hand):
     panel = volume.feature(SpaceFeature).panel
     panel.bar.checks["slices"].setChecked(False)  # another test may have shown them
     view = panel.view
-    hand.wait(lambda: view.isVisible() and view.camera is not None and view.idle)
+    hand.wait(lambda: view.isVisible() and view.camera is not None and view.is_idle)
     return view
 
 
@@ -35,7 +35,7 @@ def draw(window, shape) -> None:
 
 def on_screen(view, place) -> QPoint:
     """Where the view shows a place of the volume."""
-    seen = view.camera.project(np.array([place]), view.room)[0] / view.devicePixelRatioF()
+    seen = view.camera.project(np.array([place]), view.picture_size)[0] / view.devicePixelRatioF()
     return QPoint(round(float(seen[0])), round(float(seen[1])))
 
 
@@ -47,22 +47,22 @@ def inks(view) -> set[str]:
 def test_what_is_drawn_is_seen_in_space_in_its_color(volume, hand, space) -> None:
     volume.feature(SpaceFeature).panel.bar.checks["slices"].setChecked(False)  # which may have the same color
     draw(volume, Box((4.0, 5.0, 6.0), (14.0, 18.0, 20.0)))
-    hand.wait(lambda: space.idle and MOVING in inks(space))
+    hand.wait(lambda: space.is_idle and MOVING in inks(space))
     volume.session.select_shape(0)
-    hand.wait(lambda: space.idle and theme.CHOSEN in inks(space))
+    hand.wait(lambda: space.is_idle and theme.CHOSEN in inks(space))
     assert MOVING not in inks(space)
     volume.canvas_area.canvas.layers.drawing.set_shown(False)
-    hand.wait(lambda: space.idle and theme.CHOSEN not in inks(space))
+    hand.wait(lambda: space.is_idle and theme.CHOSEN not in inks(space))
 
 
 @pytest.mark.parametrize(("key", "kind"), [(KEY.Key_C, Sphere), (KEY.Key_P, Points), (KEY.Key_S, None)])
 def test_a_click_on_what_is_seen_draws_there_with_sphere_and_point(volume, hand, space, key, kind) -> None:
     check = volume.feature(SpaceFeature).panel.bar.checks["slices"]
     check.setChecked(True)
-    hand.wait(lambda: space.idle)
+    hand.wait(lambda: space.is_idle)
     hand.key(key)
     hand.qtbot.mouseClick(space, LEFT, pos=space.rect().center())
-    hand.wait(lambda: space.idle)
+    hand.wait(lambda: space.is_idle)
     place = volume.session.scene.slices.voxel
     shapes = volume.session.document.shapes
     if kind is None:

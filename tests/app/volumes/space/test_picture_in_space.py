@@ -13,7 +13,7 @@ from cpm_app.model.space.triangles import CutPlane, SurfaceMesh, draw_mesh
 from cpm_app.model.space.view_in_space import SpaceStyle, ShownParticles, ShownParts, ViewInSpace
 from cpm_app.model.space.voxels import ShadedVolume, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slice, Slices
-from cpm_app.views.canvas.flow import start
+from cpm_app.views.canvas.flow import start_positions
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -205,7 +205,7 @@ def test_particles_come_from_where_those_of_the_same_number_were_and_new_ones_fr
         return SimpleNamespace(generation=1, position=rng.normal(size=(count, 3)), state=state)
 
     before, after = snapshot(4, 30, numbers[:30]), snapshot(5, 25, rng.permutation(numbers[15:]))
-    for begin, place, number in zip(start(before, after), after.position, after.state.particles.identity, strict=True):
+    for begin, place, number in zip(start_positions(before, after), after.position, after.state.particles.identity, strict=True):
         known = np.flatnonzero(numbers[:30] == number)
         assert begin.tolist() == (before.position[known[0]] if len(known) else place).tolist()
-    assert start(after, before) is start(before, before) is None, "only from one step to the next"
+    assert start_positions(after, before) is start_positions(before, before) is None, "only from one step to the next"

@@ -60,7 +60,7 @@ def test_particles_and_surface_of_a_run_are_seen_on_the_boundary(volume, patient
 def test_a_click_in_space_moves_the_slices_there(volume, hand, space) -> None:
     space.bar.checks["slices"].setChecked(True)
     space.view.look_along(1)
-    hand.wait(lambda: space.view.idle)
+    hand.wait(lambda: space.view.is_idle)
     hand.qtbot.mouseClick(space.view, Qt.MouseButton.LeftButton, pos=space.view.rect().center())
     assert volume.session.scene.slices.voxel == pytest.approx((12, 14, 16), abs=1)
     axis = volume.session.scene.slices.voxel
@@ -71,12 +71,12 @@ def test_a_click_in_space_moves_the_slices_there(volume, hand, space) -> None:
 
 
 def test_the_picture_in_space_is_saved_as_it_is_seen(volume, hand, space, tmp_path) -> None:
-    hand.wait(lambda: space.view.idle)
+    hand.wait(lambda: space.view.is_idle)
     path = tmp_path / "space.png"
     volume.feature(SpaceFeature).write(path, False)
     hand.wait(path.exists)
     seen = np.asarray(PIL.Image.open(path).convert("RGB"))
-    assert seen.shape[:2] == space.view.room
+    assert seen.shape[:2] == space.view.picture_size
     background = tuple(int(theme.CANVAS[i : i + 2], 16) for i in (1, 3, 5))
     shown = space.view.grab().toImage()
     shown = shown.convertToFormat(shown.Format.Format_RGB888)
@@ -87,9 +87,9 @@ def test_the_picture_in_space_is_saved_as_it_is_seen(volume, hand, space, tmp_pa
 
 
 def test_a_turntable_is_one_full_turn(volume, hand, space, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(space_marks, "FRAMES", 8)
+    monkeypatch.setattr(space_marks, "TURN_FRAMES", 8)
     monkeypatch.setattr("cpm_app.views.features.volumes.FRAMES", 8)
-    hand.wait(lambda: space.view.idle)
+    hand.wait(lambda: space.view.is_idle)
     path = tmp_path / "turn.gif"
     volume.feature(SpaceFeature).write(path, True)
     hand.wait(path.exists)

@@ -70,7 +70,7 @@ def panel(qtbot: QtBot, workspace: Workspace) -> Iterator[SpacePanel]:
 
 def settle(qtbot: QtBot, panel: SpacePanel) -> None:
     """Wait for the whole picture; the first one compiles the loops."""
-    qtbot.waitUntil(lambda: panel.view.idle, timeout=60_000)
+    qtbot.waitUntil(lambda: panel.view.is_idle, timeout=60_000)
 
 
 def center(panel: SpacePanel) -> QPoint:
