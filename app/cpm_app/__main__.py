@@ -80,13 +80,13 @@ def _open_window(path: str | None) -> int:
         reason = explain_no_window()
         if reason:
             return _print_error(reason)
-        from cpm_app.views.application import run
+        from cpm_app.views.application import run_application
     except ImportError as error:
         if error.name in _QT_PACKAGES and isinstance(error, ModuleNotFoundError):
             return _print_error(_MISSING_QT_ERROR)
         return _print_error(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
     gc.enable()
-    return run(path)
+    return run_application(path)
 
 
 def explain_no_window() -> str:

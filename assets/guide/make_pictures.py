@@ -45,7 +45,7 @@ def show(window: MainWindow, file: str) -> None:
     """Open a sample."""
     sample = find_sample_named(file)
     assert sample is not None
-    window.feature(OpenSaveFeature).document_file.treat_as_saved()  # nobody is there to be asked whether it is to be saved
+    window.get_feature(OpenSaveFeature).document_file.treat_as_saved()  # nobody is there to be asked whether it is to be saved
     session, before = window.session, window.session.image_generation
     window.open_image(str(sample.path))
     wait(lambda: session.image_generation != before and session.idle and not session.status.busy)
@@ -63,8 +63,8 @@ def take(window: MainWindow, name: str) -> None:
 
 def take_in_space(window: MainWindow, name: str) -> None:
     """Take a picture of the view in space."""
-    view = window.feature(SpaceFeature).panel.view
-    window.docks.reveal("space")
+    view = window.get_feature(SpaceFeature).panel.view
+    window.docks.reveal_panel("space")
     wait(lambda: window.session.idle)
     wait(lambda: view.is_idle)
     keep(view.grab().toImage(), name)
@@ -129,7 +129,7 @@ def main() -> None:
     take_in_space(window, "vessels_midway")
     run(window)
     take_in_space(window, "vessels_end")
-    window.feature(OpenSaveFeature).document_file.treat_as_saved()
+    window.get_feature(OpenSaveFeature).document_file.treat_as_saved()
     window.close()
 
 

@@ -197,7 +197,7 @@ def nuclei(film: Film) -> None:
     film.hold(0.8)
     film.key(Qt.Key.Key_Return, "Enter")
     film.settle()
-    film.window.docks.reveal("objects")
+    film.window.docks.reveal_panel("objects")
     film.hold(2.0)
 
 
@@ -214,7 +214,7 @@ def artery(film: Film) -> None:
     film.hold(2.0)
     film.key(Qt.Key.Key_E, "Ctrl+E", Qt.KeyboardModifier.ControlModifier)
     film.hold(0.6)
-    dialog = film.window.feature(ExportFeature).dialog
+    dialog = film.window.get_feature(ExportFeature).dialog
     assert dialog is not None
     row = dialog.list.visualItemRect(dialog.rows["skeleton", ".csv"])
     film.click(dialog.list.viewport(), QPoint(row.left() + 8, row.center().y()))
@@ -254,7 +254,7 @@ def head(film: Film) -> None:
     film.settle()
     film.hold(0.8)
     film.key(Qt.Key.Key_W, "W")
-    view = film.window.feature(SpaceFeature).panel.view
+    view = film.window.get_feature(SpaceFeature).panel.view
     for name, place in (("lesion", (45.0, 31.0)), ("ventricle", (28.0, 55.0))):
         film.click_image(*place)
         film.hold(0.6)

@@ -123,7 +123,7 @@ def objects(stand: Stand) -> None:
     listed.select_objects({listed.object_number_at(place) for place in LARGE})
     listed.classify_selected(2)
     listed.select_objects({listed.object_number_at(LARGE[0])})
-    stand.window.docks.reveal("objects")
+    stand.window.docks.reveal_panel("objects")
     stand.settle()
     stand.do("fit")
     stand.take("objects")
@@ -155,7 +155,7 @@ def branches(stand: Stand) -> None:
     compared.add_branch(navigation.timeline_state.branches[0].identity)
     compared.select_row(max(compared.rows))
     wait(lambda: len(compared.agreements) == 1)
-    stand.window.docks.reveal("compare")
+    stand.window.docks.reveal_panel("compare")
     stand.settle()
     stand.take("branches")
 
@@ -163,7 +163,7 @@ def branches(stand: Stand) -> None:
 def trust(stand: Stand) -> None:
     """Nuclei compared with a truth, on both sides of the divider."""
     window, compared = stand.window, stand.window.workspace.comparison
-    window.use_theme(theme.DARK)
+    window.use_theme(theme.DARK_THEME)
     stand.open("nuclei.png")
     stand.run()
     sample = find_sample_named("nuclei.png")
@@ -176,7 +176,7 @@ def trust(stand: Stand) -> None:
         stand.settle()
         wait(lambda: len(compared.rows) == 2)
     compared.select_row(max(compared.rows))
-    window.docks.reveal("compare")
+    window.docks.reveal_panel("compare")
     stand.settle()
     wait(lambda: bool(compared.agreements))
     stand.take("trust")
@@ -206,7 +206,7 @@ def head(stand: Stand) -> None:
         listed.rename_row(("object", category), name)
         listed.classify_selected(category)
         stand.settle()
-    wait(lambda: stand.window.feature(SpaceFeature).panel.view.is_idle)
+    wait(lambda: stand.window.get_feature(SpaceFeature).panel.view.is_idle)
     stand.take("head")
 
 
@@ -229,11 +229,11 @@ def each_in_a_window(names: Iterable[str], size: tuple[int, int]) -> Iterator[tu
             QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(Path(folder) / name))
             window = open_window()
             window.resize(*size)
-            window.use_theme(theme.LIGHT)
+            window.use_theme(theme.LIGHT_THEME)
             stand = Stand(window)
             stand.settle()
             yield name, stand
-            window.feature(OpenSaveFeature).document_file.treat_as_saved()
+            window.get_feature(OpenSaveFeature).document_file.treat_as_saved()
             window.close()
             window.deleteLater()
 

@@ -50,7 +50,7 @@ RESTS = (
 T = TypeVar("T")
 
 ASK = dialogs.ask_about_unsaved
-KEEP_PICTURE = files.StartFeature._keep_picture
+KEEP_PICTURE = files.StartFeature._store_picture
 
 
 PATIENCE = 20_000
@@ -187,13 +187,13 @@ def own_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """No pictures of the canvas are taken, which takes a tenth of a test; tests of them use `pictures_taken`."""
-    monkeypatch.setattr(files.StartFeature, "_keep_picture", lambda feature: None)
+    monkeypatch.setattr(files.StartFeature, "_store_picture", lambda feature: None)
 
 
 @pytest.fixture
 def pictures_taken(no_pictures: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures of the canvas are taken, as outside of tests."""
-    monkeypatch.setattr(files.StartFeature, "_keep_picture", KEEP_PICTURE)
+    monkeypatch.setattr(files.StartFeature, "_store_picture", KEEP_PICTURE)
 
 
 @pytest.fixture(autouse=True)

@@ -19,7 +19,7 @@ def asked(qtbot: QtBot, window: MainWindow) -> ExportDialog:
     qtbot.waitUntil(window.isActiveWindow, timeout=PATIENCE)
     window.canvas_area.canvas.setFocus()
     qtbot.keyClick(window.canvas_area.canvas, Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier)
-    dialog = window.feature(ExportFeature).dialog
+    dialog = window.get_feature(ExportFeature).dialog
     assert dialog is not None
     qtbot.waitExposed(dialog)
     return dialog
@@ -38,7 +38,7 @@ def check(qtbot: QtBot, dialog: ExportDialog, *wanted: str) -> None:
             item.parent().setExpanded(True)
             dialog.list.setCurrentItem(item)
             qtbot.keyClick(dialog.list, Qt.Key.Key_Space)
-    assert {f"{file.kind}:{file.suffix}" for file in dialog.files} == set(wanted)
+    assert {f"{file.kind}:{file.suffix}" for file in dialog.checked_files} == set(wanted)
 
 
 def export(qtbot: QtBot, window: MainWindow, folder: Path, *wanted: str) -> list[Path]:
@@ -51,8 +51,8 @@ def export(qtbot: QtBot, window: MainWindow, folder: Path, *wanted: str) -> list
 def order(qtbot: QtBot, window: MainWindow, dialog: ExportDialog, folder: Path) -> list[Path]:
     """The files that a dialog leads to as it is."""
     dialog.folder = folder
-    dialog._follow()
-    paths = [file.path for file in dialog.files]
+    dialog._on_settings_changed()
+    paths = [file.path for file in dialog.checked_files]
     qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: all(path.exists() for path in paths) and window.session.idle, timeout=PATIENCE)
     return paths

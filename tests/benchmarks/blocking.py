@@ -70,7 +70,7 @@ def image_of(folder: Path, name: str, shape: tuple[int, ...]) -> Path:
 
 def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
     """What is done with an image."""
-    session, canvas, do = window.session, window.canvas_area.canvas, window.do
+    session, canvas, do = window.session, window.canvas_area.canvas, window.trigger_action
     click = Qt.MouseButton.LeftButton
 
     def offered() -> bool:
@@ -93,7 +93,7 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
     for key in (Qt.Key.Key_PageUp, Qt.Key.Key_Home, Qt.Key.Key_End):
         yield f"scrub, {key.name}", lambda key=key: QTest.keyClick(window.panels["timeline"].view, key)
     for name in ("objects", "compare", "layers", "objects", "run", "objects"):
-        yield f"tab {name}", lambda name=name: window.docks.reveal(name)
+        yield f"tab {name}", lambda name=name: window.docks.reveal_panel(name)
     yield "tool for objects", lambda: do("objects")
     yield "point at a proposal", lambda: QTest.mouseMove(canvas.viewport(), at(160, 160))
     yield "click on a proposal", lambda: QTest.mouseClick(canvas.viewport(), click, pos=at(160, 160))
@@ -146,12 +146,12 @@ def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:
                 f"paint {name}, {act.__name__}",
                 lambda act=act, at=at, held=held: act(canvas.viewport(), *held, pos=at),
             )
-    yield "undo painting", lambda: window.do("undo")
-    yield "fill between slices", lambda: window.do("fill_between")
+    yield "undo painting", lambda: window.trigger_action("undo")
+    yield "fill between slices", lambda: window.trigger_action("fill_between")
     sphere = Sphere((96.0, 96.0, 96.0), 10.0)
     yield "draw a sphere", lambda: session.edit("draw", lambda d: edits.add_shape(d, sphere))
     yield "run, first surface", session.run
-    yield "tab in space", lambda: window.docks.reveal("space")
+    yield "tab in space", lambda: window.docks.reveal_panel("space")
 
 
 def measure(only: str) -> None:
@@ -170,7 +170,7 @@ def measure(only: str) -> None:
                 if only in what:
                     sys.stdout.write(f"{longest:6.1f} ms  {what}\n")
                     sys.stdout.flush()
-    window.feature(OpenSaveFeature).document_file.treat_as_saved()  # without a question whether to save
+    window.get_feature(OpenSaveFeature).document_file.treat_as_saved()  # without a question whether to save
     window.close()
 
 

@@ -149,7 +149,7 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
         ),
     ]
     sys.stdout.write("\n".join(lines) + "\n")
-    window.feature(OpenSaveFeature).document_file.treat_as_saved()  # without a question whether to save
+    window.get_feature(OpenSaveFeature).document_file.treat_as_saved()  # without a question whether to save
     window.close()
 
 

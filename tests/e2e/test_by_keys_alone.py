@@ -63,7 +63,7 @@ def open_the_sample(window: MainWindow, keys: Keys) -> None:
     generation = session.image_generation
     keys.press(KEY.Key_F, held=ALT)
     keys.press(KEY.Key_M)
-    keys.wait(window.feature(StartFeature).screen.isVisible)
+    keys.wait(window.get_feature(StartFeature).screen.isVisible)
     window.activateWindow()  # as a window manager does when a menu closes
     keys.wait(window.isActiveWindow)
     keys.press(KEY.Key_Return)

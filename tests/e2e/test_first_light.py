@@ -101,9 +101,9 @@ def test_a_file_that_is_not_an_image_is_reported_on_the_start_screen_and_no_samp
     path.write_text("no picture")
     make_application()
     window = open_window(str(path))
-    screen = window.feature(StartFeature).screen
+    screen = window.get_feature(StartFeature).screen
     qtbot.waitUntil(screen.isVisible, timeout=PATIENCE)
-    assert screen.trouble.text().startswith("notes.txt ")
+    assert screen.error_label.text().startswith("notes.txt ")
     assert window.session.document.image is None
     window.close()
     window.deleteLater()

@@ -13,13 +13,13 @@ from PySide6.QtWidgets import QApplication
 from cpm_app.model.text.language import current_language, use_number_marks
 from cpm_app.views.features.help import HelpFeature
 from cpm_app.views.main_window import open_window
-from cpm_app.views.theme.icons import program_icon
+from cpm_app.views.theme.icons import load_program_icon
 from cpm_app.views.window.python_hooks import UnexpectedErrors
 
 SWITCH_INTERVAL = 0.0002
 """Longest time that the window waits for the interpreter while the worker computes [s]."""
 
-PIXMAP_CACHE = 256 * 1024
+PIXMAP_CACHE_SIZE = 256 * 1024
 """Size of the cache for rendered layers [KB]; if it is too small, every frame paints each layer again."""
 
 
@@ -31,7 +31,7 @@ def make_application() -> QApplication:
     application.setApplicationDisplayName("CPM")
     application.setDesktopFileName("cpm")
     application.setStyle("Fusion")
-    application.setWindowIcon(program_icon())
+    application.setWindowIcon(load_program_icon())
     locale = locale_of(current_language(), QLocale.system())
     QLocale.setDefault(locale)
     use_number_marks(locale.decimalPoint(), locale.groupSeparator())
@@ -42,7 +42,7 @@ def make_application() -> QApplication:
     ):
         application.installTranslator(translator)
     pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
-    QPixmapCache.setCacheLimit(PIXMAP_CACHE)
+    QPixmapCache.setCacheLimit(PIXMAP_CACHE_SIZE)
     sys.setswitchinterval(SWITCH_INTERVAL)
     return application
 
@@ -53,12 +53,12 @@ def locale_of(name: str, desktop: QLocale) -> QLocale:
     return desktop if desktop.language() == own.language() else own
 
 
-def run(path: str | None = None) -> int:
+def run_application(path: str | None = None) -> int:
     """Run the desktop program and return its exit status."""
     application = make_application()
     window = open_window(path)
     unexpected = UnexpectedErrors(window.session)
-    window.feature(HelpFeature).welcome()
+    window.get_feature(HelpFeature).offer_guide()
     # Ctrl+C in the terminal closes the window; Python handles signals only while it runs, hence the timer.
     signal.signal(signal.SIGINT, lambda *_: window.close())
     wake = QTimer()
@@ -66,5 +66,5 @@ def run(path: str | None = None) -> int:
     wake.start(200)
     status = application.exec()
     window.close()
-    unexpected.end()
+    unexpected.restore_hooks()
     return status

@@ -7,7 +7,7 @@ from PySide6.QtCore import QTimer
 from cpm_app.model.document.samples import load_samples
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.storage.preferences import Preferences
-from cpm_app.views.features import FEATURES
+from cpm_app.views.features import WINDOW_FEATURES
 from cpm_app.views.features.files import RecoveryFeature, StartFeature
 from cpm_app.views.window.window import MainWindow
 
@@ -27,7 +27,7 @@ def make_window(workspace: Workspace, preferences: Preferences | None = None) ->
     MainWindow
         Window that is not shown yet.
     """
-    return MainWindow(workspace, FEATURES, preferences)
+    return MainWindow(workspace, WINDOW_FEATURES, preferences)
 
 
 def open_window(path: str | None = None) -> MainWindow:
@@ -42,6 +42,6 @@ def open_window(path: str | None = None) -> MainWindow:
     window.show()
     QTimer.singleShot(0, window, open_first_image)  # other threads would keep the window from being drawn
     if path is None:
-        window.feature(StartFeature).welcome()
-    window.feature(RecoveryFeature).offer()
+        window.get_feature(StartFeature).offer_recent_work()
+    window.get_feature(RecoveryFeature).offer_recovery()
     return window

@@ -23,7 +23,7 @@ def wipe(ready, hand):
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.scene.contours.result is not None and ready.session.idle)
-    feature, compared = ready.feature(CompareFeature), ready.workspace.comparison
+    feature, compared = ready.get_feature(CompareFeature), ready.workspace.comparison
     hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
     hand.wait(feature.panel.isVisible)
     hand.qtbot.mouseClick(feature.panel.keep, LEFT)

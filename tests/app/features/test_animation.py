@@ -10,7 +10,7 @@ import numpy as np
 import PIL.Image
 import pytest
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_app.views.export.frames import AnimationPlan, every
+from cpm_app.views.export.frames import AnimationPlan, sample_steps
 from cpm_app.views.features.animation import AnimationFeature
 from cpm_app.views.features.run import TasksFeature, TimelineFeature
 from cpm_app.views.theme import theme
@@ -36,11 +36,11 @@ def rested(ready, hand):
 
 
 def feature(window) -> AnimationFeature:
-    return window.feature(AnimationFeature)
+    return window.get_feature(AnimationFeature)
 
 
 def write(window, hand, path: Path, steps: tuple[int, ...]) -> None:
-    task = feature(window).write(1, AnimationPlan(steps, SIZE, 10), path)
+    task = feature(window).export_animation(1, AnimationPlan(steps, SIZE, 10), path)
     assert task is not None
     hand.wait(lambda: task.is_over and window.session.idle)
 
@@ -69,7 +69,7 @@ def test_an_animation_has_a_frame_for_each_step_with_its_particles(rested, hand,
             animation.seek(index)
             frames.append(np.array(animation.convert("RGB")))
     for frame in frames:
-        assert of_color(frame, theme.MOVING) + of_color(frame, theme.RESTING) > 20
+        assert of_color(frame, theme.MOVING_COLOR) + of_color(frame, theme.RESTING_COLOR) > 20
     # a ring of particles grows from radius 10 toward the rim of the disc
     assert all(not np.array_equal(one, other) for one, other in pairwise(frames))
     assert (rested.session.status.step, rested.canvas_area.canvas.layers.particles.count) == before
@@ -81,7 +81,7 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
     path = tmp_path / "one.png"
     write(rested, hand, path, (6,))
     pixels = picture(path)
-    navigation = rested.feature(TimelineFeature).navigation
+    navigation = rested.get_feature(TimelineFeature).navigation
     navigation.go_to(1, 6)
     hand.wait(lambda: rested.session.status.step == 6 and rested.session.idle)
     position = rested.canvas_area.canvas.layers.particles.position
@@ -89,13 +89,13 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
     assert len(position) > 10
     for at in zip(row, col, strict=True):
         around = pixels[at[0] - 3 : at[0] + 4, at[1] - 3 : at[1] + 4]
-        assert of_color(around, theme.MOVING) + of_color(around, theme.RESTING) > 0
+        assert of_color(around, theme.MOVING_COLOR) + of_color(around, theme.RESTING_COLOR) > 0
 
 
 def test_cancellation_leaves_no_partial_file(rested, hand, tmp_path, monkeypatch) -> None:
     path = tmp_path / "run.gif"
     last = rested.session.status.step
-    bar = rested.feature(TasksFeature).bar
+    bar = rested.get_feature(TasksFeature).bar
     seen: list[int] = []
     advance = BackgroundTask.advance
 
@@ -106,14 +106,14 @@ def test_cancellation_leaves_no_partial_file(rested, hand, tmp_path, monkeypatch
         advance(task, fraction)
 
     monkeypatch.setattr(BackgroundTask, "advance", give_up_after_three)
-    plan = AnimationPlan(every(0, last, 1), SIZE, 10)
-    task = feature(rested).write(1, plan, path)
+    plan = AnimationPlan(sample_steps(0, last, 1), SIZE, 10)
+    task = feature(rested).export_animation(1, plan, path)
     hand.wait(lambda: task.is_over and rested.session.idle)
     assert task.is_cancelled
     assert len(seen) == 3
     assert not bar.isVisible()
     assert [file.name for file in tmp_path.iterdir() if "run" in file.name] == []
-    hand.wait(lambda: not feature(rested)._filming)
+    hand.wait(lambda: not feature(rested)._renderers)
     assert rested.session.status.step == last
 
 
@@ -125,7 +125,7 @@ def test_the_dialog_leads_to_a_file(rested, hand, tmp_path) -> None:
         field.selectAll()
         hand.qtbot.keyClicks(field, keys)
         hand.qtbot.keyClick(field, KEY.Key_Tab)
-    assert dialog.animation == AnimationPlan((2, 7, 12), (100, 100), 15)
+    assert dialog.animation_plan == AnimationPlan((2, 7, 12), (100, 100), 15)
     assert dialog._size.text() == "3 frames of 100 × 100 px"
     (written_to,) = order(hand.qtbot, rested, dialog, tmp_path)
     with PIL.Image.open(written_to) as animation:
@@ -139,10 +139,10 @@ def test_frames_show_the_visible_part(rested, hand, tmp_path) -> None:
     dialog = asked(hand.qtbot, rested)
     check(hand.qtbot, dialog, "run:.png")
     dialog.width_field.setValue(120)
-    zoomed = dialog.animation
+    zoomed = dialog.animation_plan
     dialog.reject()
     path = tmp_path / "zoomed.png"
-    task = feature(rested).write(1, replace(zoomed, steps=(1,)), path)
+    task = feature(rested).export_animation(1, replace(zoomed, steps=(1,)), path)
     hand.wait(lambda: task.is_over and rested.session.idle)
     pixels = picture(path)
     assert pixels.shape[:2][::-1] == zoomed.size

@@ -38,7 +38,7 @@ def opened(window: MainWindow, hand: Hand, entry: str) -> ComparePanel:
     """The panel, opened by its key, after an entry of its button Add."""
     hand.canvas.setFocus()
     hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
-    panel = window.feature(CompareFeature).panel
+    panel = window.get_feature(CompareFeature).panel
     hand.wait(panel.isVisible)
     menu = panel.add.menu()
     menu.aboutToShow.emit()
@@ -79,8 +79,8 @@ def run(window: MainWindow, hand: Hand, panel: ComparePanel) -> None:
 
 
 def choose(window: MainWindow, hand: Hand, title: str) -> None:
-    table = window.feature(CompareFeature).panel.table
-    place = table.visualRect(table.model().index(table.column("name").index(title), 0)).center()
+    table = window.get_feature(CompareFeature).panel.table
+    place = table.visualRect(table.model().index(table.column_texts("name").index(title), 0)).center()
     hand.qtbot.mouseClick(table.viewport(), LEFT, pos=place)
 
 
@@ -98,11 +98,11 @@ def type_into(hand: Hand, field, text: str) -> None:
 def test_each_row_is_what_a_run_with_its_values_gives(ready, values, hand) -> None:
     run(ready, hand, values)
     titles = ["β 0.6, w₁/w₂ 0.7", "β 0.6, w₁/w₂ 0.9", "β 0.9, w₁/w₂ 0.7", "β 0.9, w₁/w₂ 0.9"]
-    assert values.table.column("name") == ["Shown now", *titles]
+    assert values.table.column_texts("name") == ["Shown now", *titles]
     chosen = replace(PRESETS["shape"], beta=0.6, w1=0.9 * 1.75, scales=ready.session.document.parameters.scales)
     alone = segment(disc(), circle((32.0, 32.0), radius=10.0, spacing=2.0), chosen)
     np.testing.assert_array_equal(rows(ready)[1].found.particles, alone.particles)
-    assert values.table.column("count")[2] == "1"
+    assert values.table.column_texts("count")[2] == "1"
     assert not ready.session.status.started, "the run of the window is left alone"
 
 
@@ -139,7 +139,7 @@ def test_cancel_stops_all_runs_and_removes_their_rows(ready, values, hand, monke
 def test_values_that_are_no_numbers_are_named_where_they_are_typed(ready, values, hand) -> None:
     values.values.down.values.setText("0.6, many")
     start(hand, values)
-    said = [label.text() for label in values.pages.currentWidget().findChildren(type(values.words))]
+    said = [label.text() for label in values.pages.currentWidget().findChildren(type(values.summary))]
     assert any("“many” is not a number" in text for text in said)
     assert rows(ready) == []
 
@@ -151,7 +151,7 @@ def test_methods_are_measured_by_a_truth_and_exported(ready, methods, hand, tmp_
     hand.wait(lambda: ready.session.scene.truth is not None)
     run(ready, hand, methods)
     hand.wait(lambda: len(compared.agreements) == len(DEFAULT_METHODS))
-    figures = dict(zip(methods.table.column("name"), methods.table.column("dice"), strict=True))
+    figures = dict(zip(methods.table.column_texts("name"), methods.table.column_texts("dice"), strict=True))
     for row in rows(ready):
         if row.trial is not None:
             assert figures[row.title] == f"{compared.agreements[row.key].dice:.3f}"
@@ -189,7 +189,7 @@ def test_a_session_keeps_the_methods_and_undo_takes_a_change_back(ready, methods
     assert set(compared.methods) == {"cpm", "gvf", "geodesic", "morph_gac"}
     own = CONTOUR_METHODS["geodesic"].settings(balloon=1.5)
     assert compared == MethodComparison(compared.methods, (("geodesic", own),), around=True)
-    file = ready.feature(OpenSaveFeature).document_file
+    file = ready.get_feature(OpenSaveFeature).document_file
     assert file.unsaved
     assert file.save_and_wait(tmp_path / "a.cpm")
     assert load_session(tmp_path / "a.cpm").comparison == compared

@@ -225,7 +225,7 @@ def test_labelme_gets_the_names_of_classes_that_are_asked_for_and_few_vertices(t
 def test_the_choice_is_kept_and_repeated_without_a_dialog_for_another_image(two, hand, folder, image_file) -> None:
     export(hand.qtbot, two, folder, "objects:.svg", "objects:.coco.json")
     dialog = asked(hand.qtbot, two)
-    assert [file.suffix for file in dialog.files] == [".coco.json", ".svg"]
+    assert [file.suffix for file in dialog.checked_files] == [".coco.json", ".svg"]
     dialog.reject()
     items = two.session.document.objects
     copy = image_file.with_name("second.npy")
@@ -239,7 +239,7 @@ def test_the_choice_is_kept_and_repeated_without_a_dialog_for_another_image(two,
     hand.key(KEY.Key_E, CTRL | SHIFT)
     written = [copy.with_name(f"second_objects{suffix}") for suffix in (".svg", ".coco.json")]
     hand.wait(lambda: all(path.exists() for path in written) and two.session.idle)
-    assert two.feature(ExportFeature).dialog is None
+    assert two.get_feature(ExportFeature).dialog is None
 
 
 def test_the_folder_is_chosen_and_nothing_is_written_where_one_file_cannot_be(two, hand, folder, monkeypatch) -> None:
@@ -248,7 +248,7 @@ def test_the_folder_is_chosen_and_nothing_is_written_where_one_file_cannot_be(tw
     monkeypatch.setattr(export_dialog, "ask_to_replace", lambda *_: True)
     dialog = asked(hand.qtbot, two)
     check(hand.qtbot, dialog, "objects:.geojson", "objects:.svg")
-    hand.qtbot.mouseClick(dialog._place, LEFT)
+    hand.qtbot.mouseClick(dialog._folder_button, LEFT)
     dialog.base.selectAll()
     hand.qtbot.keyClicks(dialog.base, "b")
     hand.qtbot.mouseClick(dialog.export_button, LEFT)

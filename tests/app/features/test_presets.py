@@ -9,8 +9,8 @@ from cpm_app.model.parameters.presets import Preset, built_in_presets, check_pre
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.views.features.run import RunControlFeature
 from cpm_app.views.panels import presets as dialogs
-from cpm_app.views.panels.presets import Presets
-from cpm_app.views.window.dialogs import Question
+from cpm_app.views.panels.presets import PresetButton
+from cpm_app.views.window.dialogs import QuestionDialog
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
@@ -89,8 +89,8 @@ def test_a_preset_is_saved_found_and_deleted_and_damaged_files_are_ignored(store
 
 
 @pytest.fixture
-def presets(window) -> Presets:
-    return window.feature(RunControlFeature).presets
+def presets(window) -> PresetButton:
+    return window.get_feature(RunControlFeature).presets
 
 
 def test_a_preset_is_chosen_with_the_keys_and_undone(window, hand, presets) -> None:
@@ -118,6 +118,6 @@ def test_own_presets_are_saved_and_deleted(window, presets, monkeypatch) -> None
     presets.save.trigger()
     assert called(presets.store, "Soft").parameters == mine
     assert presets.current.name == "Soft"
-    monkeypatch.setattr(Question, "ask", lambda _: "delete")
+    monkeypatch.setattr(QuestionDialog, "wait_for_answer", lambda _: "delete")
     presets.delete.trigger()
     assert called(presets.store, "Soft") is None

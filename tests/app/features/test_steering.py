@@ -180,7 +180,7 @@ def test_undo_brings_erased_particles_back_however_far_the_run_has_gone_since(be
 
 
 def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> None:
-    session, navigation = begun.session, begun.feature(TimelineFeature).navigation
+    session, navigation = begun.session, begun.get_feature(TimelineFeature).navigation
     seen = {}
 
     def take_a_step() -> None:

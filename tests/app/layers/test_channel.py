@@ -43,8 +43,8 @@ def test_a_channel_is_taken_with_the_keys_and_undone(colored, hand) -> None:
 
 
 def test_a_session_brings_back_the_channel(colored, hand, image_file, tmp_path) -> None:
-    colored.panels["run"].parameters.change("channel", "blue")
-    colored.feature(OpenSaveFeature).document_file.save(tmp_path / "kept.cpm")
+    colored.panels["run"].parameters.set_parameter("channel", "blue")
+    colored.get_feature(OpenSaveFeature).document_file.save(tmp_path / "kept.cpm")
     colored.session.open_file(image_file)
     hand.wait(lambda: colored.session.document.image.name == image_file.name and colored.session.idle)
     assert colored.session.document.parameters.channel == "luminance"
@@ -58,11 +58,11 @@ def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand
     layer, panel = hand.canvas.layers["image"], colored.panels["run"].parameters
     assert color_at(hand, 30.0, 20.0) == (220, 60, 60)
     layer.set_option("shown", "channel")
-    panel.change("channel", "red")
+    panel.set_parameter("channel", "red")
     hand.wait(lambda: color_at(hand, 30.0, 20.0)[1] > 200)
     red, green, blue = color_at(hand, 30.0, 60.0)
     assert red == green == blue < 100
-    panel.change("channel", "blue")
+    panel.set_parameter("channel", "blue")
     hand.wait(lambda: color_at(hand, 30.0, 60.0)[1] > 200)
     layer.set_option("shown", "colors")
     assert color_at(hand, 30.0, 20.0) == (220, 60, 60)

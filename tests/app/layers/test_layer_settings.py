@@ -46,7 +46,7 @@ def test_an_invalid_setting_changes_nothing(window, cases):
 
 
 def test_the_panel_shows_and_changes_opacity_and_settings(window, hand):
-    window.docks.reveal("layers")
+    window.docks.reveal_panel("layers")
     for name, row in window.panels["layers"].rows.items():
         layer = hand.canvas.layers[name]
         row.fold.setFocus()

@@ -45,7 +45,7 @@ def deep(window, hand, tmp_path):
     np.save(tmp_path / "deep.npy", values)
     window.session.open_file(tmp_path / "deep.npy")
     hand.wait(lambda: window.session.document.image.name == "deep.npy" and window.session.idle)
-    window.docks.reveal("layers")
+    window.docks.reveal_panel("layers")
     row = window.panels["layers"].rows["image"]
     hand.qtbot.mouseClick(row.fold, Qt.MouseButton.LeftButton)
     return hand.canvas.layers["image"], row.settings, values
@@ -121,7 +121,7 @@ def ct(window, hand, tmp_path):
     nibabel.save(nibabel.Nifti1Image(values.T, np.diag([1.0, 1.0, 2.0, 1.0])), tmp_path / "ct.nii.gz")
     window.session.open_file(tmp_path / "ct.nii.gz")
     hand.wait(lambda: window.session.document.image.name == "ct.nii.gz" and window.session.idle)
-    window.docks.reveal("layers")
+    window.docks.reveal_panel("layers")
     row = window.panels["layers"].rows["image"]
     hand.qtbot.mouseClick(row.fold, Qt.MouseButton.LeftButton)
     return hand.canvas.layers["image"], row.settings

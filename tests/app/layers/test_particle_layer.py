@@ -24,9 +24,9 @@ def picture(
 
     The image is enlarged by `zoom` to points of the screen, whose corner shows the position `corner`.
     """
-    discs = kind(theme.MOVING, LARGEST, 0.0)
+    discs = kind(theme.MOVING_COLOR, LARGEST, 0.0)
     discs.set_image_shape((1000, 1000))
-    discs.set_palette((theme.MOVING, theme.RESTING, theme.CHOSEN))
+    discs.set_palette((theme.MOVING_COLOR, theme.RESTING_COLOR, theme.SELECTED_COLOR))
     discs.show_discs(position, **look)
     drawn = QImage(round(WIDTH * ratio), round(HEIGHT * ratio), QImage.Format.Format_ARGB32_Premultiplied)
     drawn.setDevicePixelRatio(ratio)
@@ -63,7 +63,7 @@ def test_visible_particles_cover_their_pixel_and_the_rest_stays_free(qapp, ratio
 def test_a_particle_has_the_right_size_and_color(qapp):
     drawn = picture(np.array([[10.0, 20.0]]), 1, 5.0, np.zeros(2))
     blue, green, red, _ = drawn[50, 100]
-    assert QColor(int(red), int(green), int(blue)) == QColor(theme.MOVING)
+    assert QColor(int(red), int(green), int(blue)) == QColor(theme.MOVING_COLOR)
     covered = drawn[..., 3].sum() / 255.0
     assert math.pi * (0.5 * LARGEST) ** 2 < covered < math.pi * (0.5 * LARGEST + 0.6) ** 2
 

@@ -82,7 +82,7 @@ def test_colors_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):
     ready.session.step()
     hand.wait(lambda: layer.count > 0 and ready.session.status.step == 1)
     assert not layer.legend.isVisible()
-    window.docks.reveal("layers")
+    window.docks.reveal_panel("layers")
     row = window.panels["layers"].rows["particles"]
     row.fold.setFocus()
     hand.qtbot.keyClick(row.fold, Qt.Key.Key_Return)

@@ -36,7 +36,7 @@ TEXT_ON = (
 )
 
 
-@pytest.mark.parametrize("used", [theme.LIGHT, theme.DARK], ids=["light", "dark"])
+@pytest.mark.parametrize("used", [theme.LIGHT_THEME, theme.DARK_THEME], ids=["light", "dark"])
 @pytest.mark.parametrize(("text", "ground"), TEXT_ON)
 def test_text_can_be_read_on_its_background(used, text, ground):
     assert contrast(getattr(used, text), getattr(used, ground)) >= 4.5
@@ -49,7 +49,7 @@ def test_marks_on_the_canvas_are_seen_on_its_background():
         if name.isupper() and isinstance(color, str) and name not in ("CANVAS", "HALO") and len(color) == 7
     }
     assert {"CONTOUR", "PROPOSAL", "JUNCTION", "ATTRACTING"} <= marks.keys()
-    assert {name: color for name, color in marks.items() if contrast(color, theme.CANVAS) < 3.0} == {}
+    assert {name: color for name, color in marks.items() if contrast(color, theme.CANVAS_COLOR) < 3.0} == {}
 
 
 def seen(color, kind):

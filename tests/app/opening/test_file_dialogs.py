@@ -42,9 +42,9 @@ def of_image(path: Path) -> Document:
 
 
 ASKS: dict[str, Callable[[MainWindow], object]] = {
-    "Open": lambda window: window.feature(OpenSaveFeature).ask_for_file(),
-    "Save session": lambda window: window.feature(OpenSaveFeature).save_as(),
-    "Compare with ground truth": lambda window: window.feature(CompareFeature)._load(),
+    "Open": lambda window: window.get_feature(OpenSaveFeature).ask_for_document(),
+    "Save session": lambda window: window.get_feature(OpenSaveFeature).save_as(),
+    "Compare with ground truth": lambda window: window.get_feature(CompareFeature)._ask_for_truth(),
 }
 
 

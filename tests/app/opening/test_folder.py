@@ -44,7 +44,7 @@ def name(window: MainWindow) -> str:
 
 
 def place(window: MainWindow) -> str:
-    bar = window.feature(FolderFeature).bar
+    bar = window.get_feature(FolderFeature).bar
     return "" if bar.isHidden() else bar._place.text()
 
 
@@ -95,7 +95,7 @@ def test_keys_lead_through_the_folder_and_the_place_is_shown(window, hand, folde
     go(window, hand, NEXT, "hand2.npy")
     assert place(window) == "2 of 3"
     assert len(window.session.document.shapes) == 1
-    assert window.feature(OpenSaveFeature).document_file.path == folder / "hand2.cpm"
+    assert window.get_feature(OpenSaveFeature).document_file.path == folder / "hand2.cpm"
     go(window, hand, NEXT, "Hand10.npy")
     assert window.session.document.shapes == ()
     assert not window.actions_by_name["next_image"].isEnabled()
@@ -105,7 +105,7 @@ def test_keys_lead_through_the_folder_and_the_place_is_shown(window, hand, folde
 def test_a_click_leads_to_the_next_image_and_one_that_has_gone_is_passed_over(window, hand, folder) -> None:
     open_image(window, hand, folder / "hand1.npy")
     (folder / "hand2.npy").unlink()
-    hand.qtbot.mouseClick(window.feature(FolderFeature).bar.forward, Qt.MouseButton.LeftButton)
+    hand.qtbot.mouseClick(window.get_feature(FolderFeature).bar.forward, Qt.MouseButton.LeftButton)
     hand.wait(lambda: name(window) == "Hand10.npy" and window.session.idle)
     assert place(window) == "2 of 2"
 
@@ -136,7 +136,7 @@ def test_saving_on_the_way_never_replaces_the_file_of_other_work(window, hand, f
 def test_where_saving_fails_the_image_stays(window, hand, folder, monkeypatch) -> None:
     window.preferences.store_preference(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand1.npy")
-    window.feature(OpenSaveFeature).document_file.path = folder / "none" / "a.cpm"
+    window.get_feature(OpenSaveFeature).document_file.path = folder / "none" / "a.cpm"
     draw(window)
     hand.key(*NEXT)
     hand.wait(lambda: "none" in window.canvas_area.messages.text)

@@ -163,7 +163,7 @@ def test_objects_in_a_series_are_offered_as_dicom_segments_and_come_back(window,
     hand.wait(lambda: window.session.scene.slices is not None and window.session.idle)
     np.save(tmp_path / "labels.npy", np.where(LABELS, 4, 0).astype(np.uint8))
     with answering("Objects"):
-        window.feature(ImportFeature).take(tmp_path / "labels.npy")
+        window.get_feature(ImportFeature).import_file(tmp_path / "labels.npy")
         hand.wait(lambda: bool(window.session.document.objects.items))
     dialog = asked(hand.qtbot, window)
     check(hand.qtbot, dialog, "objects:.seg.dcm")

@@ -16,7 +16,7 @@ from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.help import PreferencesFeature
 from cpm_app.views.window import dialogs
-from cpm_app.views.window.dialogs import Answer
+from cpm_app.views.window.dialogs import UnsavedAnswer
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtWidgets import QCheckBox, QWidget
 
@@ -44,13 +44,13 @@ def other(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def asked(monkeypatch: pytest.MonkeyPatch) -> Callable[[Answer], list[str]]:
+def asked(monkeypatch: pytest.MonkeyPatch) -> Callable[[UnsavedAnswer], list[str]]:
     """Sets the answer to the question about unsaved work, and returns the names that are asked about."""
 
-    def answering(answer: Answer) -> list[str]:
+    def answering(answer: UnsavedAnswer) -> list[str]:
         names: list[str] = []
 
-        def ask(_: QWidget, name: str, lost: Sequence[str]) -> Answer:
+        def ask(_: QWidget, name: str, lost: Sequence[str]) -> UnsavedAnswer:
             assert lost
             names.append(name)
             return answer
@@ -96,7 +96,7 @@ def test_a_new_image_begins_with_the_parameters_of_its_mode_not_with_those_of_th
 
 
 def test_parameters_are_kept_for_the_next_image_by_choice(window, hand, other) -> None:
-    dialog = window.feature(PreferencesFeature).show()
+    dialog = window.get_feature(PreferencesFeature).open_preferences()
     dialog.turn_to("run")
     box = dialog.rows[KEEP_PARAMETERS.label]
     assert isinstance(box, QCheckBox)
@@ -106,7 +106,7 @@ def test_parameters_are_kept_for_the_next_image_by_choice(window, hand, other) -
     tune(window)
     open_image(window, hand, other)
     assert window.session.document.parameters == replace(FRESH, beta=1.9)
-    assert not window.feature(OpenSaveFeature).document_file.unsaved
+    assert not window.get_feature(OpenSaveFeature).document_file.unsaved
 
 
 @pytest.mark.parametrize("keeps", [False, True])
@@ -158,7 +158,7 @@ def test_work_saved_at_the_question_is_in_its_file(window, hand, other, held, as
     asked("save")
     window.open_image(str(other))
     draw(window)
-    window.feature(OpenSaveFeature).document_file.path = tmp_path / "kept.cpm"
+    window.get_feature(OpenSaveFeature).document_file.path = tmp_path / "kept.cpm"
     held.set()
     hand.wait(lambda: window.session.document.image.name == "other.npy")
     assert (tmp_path / "kept.cpm").is_file()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cpm_app.views.features.offers import StackFeature
+from cpm_app.views.features.offers import FilePartsFeature
 from PySide6.QtCore import Qt
 
 from cpm_core import load_volume
@@ -46,7 +46,7 @@ def test_a_series_with_a_gap_opens_its_longest_even_part_says_so_and_offers_the_
         "The longest even part has 11 slices, 10 to 20, 1 mm apart. Only these were taken."
     )
     answer(window, hand, "Choose…")
-    dialog = window.feature(StackFeature).dialog
+    dialog = window.get_feature(FilePartsFeature).dialog
     assert dialog.series.itemText(1) == "2: head, slices 1 to 9"
     dialog.series.setFocus()
     hand.qtbot.keyClick(dialog.series, Qt.Key.Key_Down)
@@ -63,7 +63,7 @@ def test_of_several_times_the_first_is_opened_and_the_others_are_offered(window,
     assert np.array_equal(window.session.image.values, VALUES[:9])
     assert bar(window).text == "s contains 9 planes, 2 points in time. Open now: time 1."
     answer(window, hand, "Choose…")
-    dialog = window.feature(StackFeature).dialog
+    dialog = window.get_feature(FilePartsFeature).dialog
     dialog.time.selectAll()
     hand.qtbot.keyClicks(dialog.time, "2")
     before = window.session.image
@@ -80,7 +80,7 @@ def test_without_an_even_part_a_slice_is_opened_and_no_volume_is_offered(window,
     assert bar(window).text.endswith("4 slices are missing. The longest even part has 5 slices, 1 to 5, 1 mm apart.")
     assert [button.text() for button in bar(window).buttons] == ["Choose…"]
     window.actions_by_name["parts"].trigger()
-    dialog = window.feature(StackFeature).dialog
+    dialog = window.get_feature(FilePartsFeature).dialog
     assert [dialog.kind.itemText(row) for row in range(dialog.kind.count())] == ["One as an image"]
     dialog.reject()
 
@@ -92,7 +92,7 @@ def test_a_slice_offers_the_series_around_it(window, hand, tmp_path) -> None:
     assert window.session.image.ndim == 2
     assert bar(window).text == f"{slices[3].name} seems to be one slice of a series in the folder s."
     window.actions_by_name["parts"].trigger()
-    dialog = window.feature(StackFeature).dialog
+    dialog = window.get_feature(FilePartsFeature).dialog
     hand.qtbot.keyClick(dialog.kind, Qt.Key.Key_Down)
     assert dialog.kind.currentText() == "The whole series in s"
     hand.qtbot.mouseClick(dialog.open_button, Qt.MouseButton.LeftButton)

@@ -31,7 +31,7 @@ KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
 
 
 def screen(window: MainWindow) -> StartScreen:
-    return window.feature(StartFeature).screen
+    return window.get_feature(StartFeature).screen
 
 
 def names(window: MainWindow) -> list[str]:
@@ -76,7 +76,7 @@ def test_a_sample_is_opened_by_a_click(window, hand) -> None:
 
 def test_what_was_open_has_a_picture_and_one_that_is_gone_is_not_shown(window, hand, other, image_file) -> None:
     open_image(window, hand, other)
-    pictures = window.feature(StartFeature).pictures
+    pictures = window.get_feature(StartFeature).pictures
     assert pictures.load_thumbnail(image_file).size() == THUMBNAIL_SIZE
     assert pictures.load_thumbnail(other).isNull()
     image_file.unlink()
@@ -87,8 +87,8 @@ def test_what_was_open_has_a_picture_and_one_that_is_gone_is_not_shown(window, h
 def test_a_saved_session_has_a_picture_at_once(ready, hand, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "work.cpm"), ""))
     hand.key(KEY.Key_S, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: not ready.feature(OpenSaveFeature).document_file.unsaved)
-    assert not ready.feature(StartFeature).pictures.load_thumbnail(tmp_path / "work.cpm").isNull()
+    hand.wait(lambda: not ready.get_feature(OpenSaveFeature).document_file.unsaved)
+    assert not ready.get_feature(StartFeature).pictures.load_thumbnail(tmp_path / "work.cpm").isNull()
 
 
 def test_a_session_saved_when_asked_is_recent_work_and_has_a_picture(
@@ -100,7 +100,7 @@ def test_a_session_saved_when_asked_is_recent_work_and_has_a_picture(
     hand.wait(lambda: ready.session.document.image.name == other.name and ready.session.idle)
     hand.key(KEY.Key_Home, ALT)
     assert names(ready)[:2] == ["other.npy", "work.cpm"]
-    pictures = ready.feature(StartFeature).pictures
+    pictures = ready.get_feature(StartFeature).pictures
     assert not pictures.load_thumbnail(tmp_path / "work.cpm").isNull()
     assert not pictures.load_thumbnail(image_file).isNull()
 
@@ -112,7 +112,7 @@ def test_where_nothing_can_be_opened_the_start_screen_is_shown(qtbot: QtBot, wor
     window.open_image(str(tmp_path / "gone.png"))
     qtbot.waitUntil(lambda: screen(window).isVisible(), timeout=20_000)
     assert not screen(window).back_button.isVisible()
-    assert screen(window).trouble.text().startswith("gone.png in ")
+    assert screen(window).error_label.text().startswith("gone.png in ")
     qtbot.keyClick(screen(window).samples, KEY.Key_Escape)
     assert screen(window).isVisible()
     window.close()
@@ -125,7 +125,7 @@ def test_a_file_that_cannot_be_opened_is_not_mistaken_for_the_sample_that_is_ope
     broken.write_bytes(b"no image")
     drop(window, broken)
     hand.wait(lambda: screen(window).isVisible())
-    assert screen(window).trouble.text().startswith("broken.nii ")
+    assert screen(window).error_label.text().startswith("broken.nii ")
     hand.qtbot.mouseClick(screen(window).back_button, Qt.MouseButton.LeftButton)
     window.session.edit("draw", lambda document: edits.add_shape(document, Circle((40.0, 40.0), 5.0)))
     drop(window, broken)
@@ -149,12 +149,12 @@ def test_a_copy_of_a_sample_starts_as_the_sample_does(window, hand, tmp_path, sa
     assert (document.shapes, document.mode) == (sample.shapes, sample.mode)
     assert document.parameters.scales <= sample.parameters.scales
     assert replace(document.parameters, scales=sample.parameters.scales) == sample.parameters
-    assert window.feature(OpenSaveFeature).recent.paths[0] == copy, "it is a file of the user"
+    assert window.get_feature(OpenSaveFeature).recent.paths[0] == copy, "it is a file of the user"
 
 
 def test_a_start_with_a_sample_offers_the_newest_work(window, hand, other, image_file) -> None:
     bar = window.offers
-    window.feature(StartFeature).welcome()
+    window.get_feature(StartFeature).offer_recent_work()
     open_image(window, hand, load_samples()[0].path)
     assert "disc.npy" in bar.text
     hand.qtbot.mouseClick(bar.buttons[1], Qt.MouseButton.LeftButton)

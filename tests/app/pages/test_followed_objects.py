@@ -154,11 +154,11 @@ def test_a_division_is_reported_with_its_page_and_the_table_and_files_hold_the_n
     followed(window, hand)
     assert "Page 3: track 2 splits off track 1." in window.canvas_area.messages.text
     hand.key(KEY.Key_F11, Qt.KeyboardModifier.ShiftModifier)
-    table = window.feature(PagesFeature).panel.table
-    assert sorted(zip(table.column("page"), table.column("track"), strict=True)) == [
+    table = window.get_feature(PagesFeature).panel.table
+    assert sorted(zip(table.column_texts("page"), table.column_texts("track"), strict=True)) == [
         ("1", "1"), ("2", "1"), ("3", "1"), ("3", "2"), ("4", "1"), ("4", "2")]  # fmt: skip
-    assert "splits off track 1" in table.column("happens")
-    assert all(float(gray) == pytest.approx(190.0, abs=20.0) for gray in table.column("gray")), table.column("gray")
+    assert "splits off track 1" in table.column_texts("happens")
+    assert all(float(gray) == pytest.approx(190.0, abs=20.0) for gray in table.column_texts("gray")), table.column_texts("gray")
     labels, rows = export(hand.qtbot, window, tmp_path, "pages:.tif", "pages:.measures.csv")
     hand.wait(lambda: labels.exists() and rows.exists())
     assert [sorted(np.unique(one)) for one in tifffile.imread(labels)] == [[0, 1], [0, 1], [0, 1, 2], [0, 1, 2]]
@@ -170,11 +170,11 @@ def test_a_click_in_the_table_or_in_the_plot_goes_to_the_page_and_selected_objec
     take(window, hand, *(each[:2] for each in MOVING[0]))
     followed(window, hand)
     hand.key(KEY.Key_F11, Qt.KeyboardModifier.ShiftModifier)
-    panel = window.feature(PagesFeature).panel
+    panel = window.get_feature(PagesFeature).panel
     table, chart = panel.table, panel.chart
     hand.wait(lambda: table.model().rowCount() == 6 and bool(chart._items))
     assert len(chart._curves) == 4
-    row = table.column("page").index("3") + 1
+    row = table.column_texts("page").index("3") + 1
     hand.qtbot.mouseClick(table.viewport(), LEFT, pos=table.visualRect(table.model().index(row, 0)).center())
     hand.wait(lambda: window.workspace.pages.number == 3 and window.workspace.object_list.selected_numbers == {2})
     settled(window, hand)
@@ -189,13 +189,13 @@ def test_a_click_in_the_table_or_in_the_plot_goes_to_the_page_and_selected_objec
 
 def test_contours_of_runs_are_listed_next_to_objects(stack, hand):
     window = stack(MOVING[:2])
-    panel = window.feature(PagesFeature).panel
+    panel = window.get_feature(PagesFeature).panel
     hand.key(KEY.Key_F11, Qt.KeyboardModifier.ShiftModifier)
     window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
     window.session.run()
     hand.wait_for_phase("finished")
     settled(window, hand)
-    assert panel.table.column("kind") == ["closed", "closed"]
+    assert panel.table.column_texts("kind") == ["closed", "closed"]
     hand.click(*MOVING[0][0][:2])
     hand.canvas.setFocus()
     hand.key(KEY.Key_Return)
@@ -220,7 +220,7 @@ def test_following_can_be_cancelled_and_a_session_keeps_the_objects_of_all_pages
     assert 2 in done
     followed(window, hand)
     rows = pages.tables["objects"][1]
-    documents = window.feature(OpenSaveFeature).document_file
+    documents = window.get_feature(OpenSaveFeature).document_file
     assert documents.save_and_wait(tmp_path / "a.cpm")
     window.session.open_file(tmp_path / "a.cpm")
     hand.wait(lambda: window.session.idle and set(pages.documents) == {1, 2, 3, 4})

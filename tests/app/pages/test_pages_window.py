@@ -73,7 +73,7 @@ def vertices(window) -> list[tuple[int, list[object]]]:
 
 
 def run_all(window, hand) -> None:
-    hand.qtbot.mouseClick(window.feature(PagesFeature).bar.run, LEFT)
+    hand.qtbot.mouseClick(window.get_feature(PagesFeature).bar.run, LEFT)
     assert window.workspace.pages.running
     settled(window, hand)
 
@@ -88,9 +88,9 @@ def test_all_pages_are_written_in_several_formats_at_once(stack, hand, tmp_path)
 
 
 def test_the_line_shows_the_pages_and_keys_go_through_them(stack, hand) -> None:
-    bar = stack.feature(PagesFeature).bar
+    bar = stack.get_feature(PagesFeature).bar
     assert bar.isVisible()
-    assert (bar.number.value(), bar.of.text()) == (1, "of 5")
+    assert (bar.number.value(), bar.total_label.text()) == (1, "of 5")
     go(stack, hand, page=2)
     assert bar.number.value() == bar.slider.value() == 2
     np.testing.assert_array_equal(stack.session.image.values, shifted(5))
@@ -126,14 +126,14 @@ def test_each_page_keeps_its_shapes_its_undo_and_its_run(stack, hand) -> None:
 
 def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) -> None:
     run_all(stack, hand)
-    feature = stack.feature(PagesFeature)
+    feature = stack.get_feature(PagesFeature)
     hand.key(Qt.Key.Key_F11, Qt.KeyboardModifier.ShiftModifier)
     table = feature.panel.table
-    assert table.column("page") == ["1", "2", "3", "4", "5"]
-    assert table.column("track") == ["1", "1", "1", "–", "1"]
-    assert "constant" in table.column("happens")[3]
-    assert [float(area) for area in table.column("area") if area != "–"] == pytest.approx([np.pi * 81] * 4, rel=0.05)
-    columns = [float(col) for col in table.column("col") if col != "–"]
+    assert table.column_texts("page") == ["1", "2", "3", "4", "5"]
+    assert table.column_texts("track") == ["1", "1", "1", "–", "1"]
+    assert "constant" in table.column_texts("happens")[3]
+    assert [float(area) for area in table.column_texts("area") if area != "–"] == pytest.approx([np.pi * 81] * 4, rel=0.05)
+    columns = [float(col) for col in table.column_texts("col") if col != "–"]
     np.testing.assert_allclose(np.diff(columns), [5, 5, 5], atol=0.3)
     assert "4 of 5 pages finished; tracks: 1. 1 could not be used." in feature.panel.summary.text()
     assert stack.session.status.phase == "finished"  # the page that is open shows its run
@@ -148,7 +148,7 @@ def test_a_double_click_in_the_table_goes_to_the_contour_and_selects_it(window, 
     window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
     run_all(window, hand)
     hand.key(Qt.Key.Key_F11, Qt.KeyboardModifier.ShiftModifier)
-    feature = window.feature(PagesFeature)
+    feature = window.get_feature(PagesFeature)
     table, review = feature.panel.table, window.workspace.review
     for row in reversed(range(table.model().rowCount())):
         told = table.rows.items[row]
@@ -195,7 +195,7 @@ def test_a_page_with_a_start_of_its_own_keeps_it(stack, hand) -> None:
 
 def test_stop_keeps_the_pages_that_are_done(stack, hand) -> None:
     pages = stack.workspace.pages
-    bar = stack.feature(PagesFeature).bar
+    bar = stack.get_feature(PagesFeature).bar
     hand.qtbot.mouseClick(bar.run, LEFT)
     assert bar.run.text() == "Stop"
     hand.wait(lambda: 1 in pages._found_pages)
@@ -209,7 +209,7 @@ def test_stop_keeps_the_pages_that_are_done(stack, hand) -> None:
 
 def test_a_session_keeps_the_pages(stack, hand, tmp_path) -> None:
     run_all(stack, hand)
-    documents = stack.feature(OpenSaveFeature).document_file
+    documents = stack.get_feature(OpenSaveFeature).document_file
     assert documents.unsaved
     assert documents.save_and_wait(tmp_path / "a.cpm")
     assert not documents.unsaved
@@ -232,7 +232,7 @@ def test_a_session_keeps_the_pages(stack, hand, tmp_path) -> None:
 def test_paging_asks_nothing_and_loses_nothing(stack, hand, monkeypatch) -> None:
     asked = []
     monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda *question: asked.append(question) or "discard")
-    documents = stack.feature(OpenSaveFeature).document_file
+    documents = stack.get_feature(OpenSaveFeature).document_file
     assert documents.unsaved
     go(stack, hand, page=2)
     assert documents.unsaved  # the circle on the page before

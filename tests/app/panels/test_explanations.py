@@ -29,7 +29,7 @@ def test_symbols_are_set_with_subscripts() -> None:
 
 
 def test_the_preferences_offer_colors(window, hand) -> None:
-    dialog = window.feature(PreferencesFeature).show()
+    dialog = window.get_feature(PreferencesFeature).open_preferences()
     dialog.rows["Theme"].activated.emit(2)
     assert window.palette().window().color().lightness() < 60
     dialog.reject()

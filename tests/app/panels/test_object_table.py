@@ -70,7 +70,7 @@ def _offer(window, *corners: tuple[float, float, float]) -> None:
 def panel(window, hand):
     """The panel, at the front."""
     window.resize(1600, 900)
-    window.docks.reveal("objects")
+    window.docks.reveal_panel("objects")
     hand.wait(window.panels["objects"].isVisible)
     return window.panels["objects"]
 
@@ -97,12 +97,12 @@ def drawn(window, panel):
 def column(table, name: str) -> list[str]:
     """The texts of a column, once the table shows what there is."""
     QCoreApplication.processEvents()
-    return table.column(name)
+    return table.column_texts(name)
 
 
 def cell(table, row: int, column: str = "name") -> QRect:
     QCoreApplication.processEvents()
-    index = table.model().index(row, table.number(column))
+    index = table.model().index(row, table.column_index(column))
     table.scrollTo(index)
     return table.visualRect(index)
 
@@ -147,7 +147,7 @@ def test_lengths_and_areas_are_in_the_unit_of_the_image(window, hand, table) -> 
 def test_the_columns_that_are_shown_fit_with_their_whole_titles_and_the_first_ones_fit_the_panel(drawn) -> None:
     header = drawn.horizontalHeader()
     assert all(
-        not drawn.isColumnHidden(drawn.number(name)) for name in ("number", "name", "class", "area", "confidence")
+        not drawn.isColumnHidden(drawn.column_index(name)) for name in ("number", "name", "class", "area", "confidence")
     )
     for width in (320, 700, 1600):
         drawn.resize(width, 200)
@@ -160,7 +160,7 @@ def test_the_columns_that_are_shown_fit_with_their_whole_titles_and_the_first_on
 def test_a_click_on_a_row_chooses_its_object_and_a_heading_sorts(window, hand, table) -> None:
     choose(hand, table, 1)
     assert window.workspace.object_list.selected_numbers == {2}
-    header, area = table.horizontalHeader(), table.number("area")
+    header, area = table.horizontalHeader(), table.column_index("area")
     at = QPoint(header.sectionViewportPosition(area) + 8, header.height() // 2)
     hand.qtbot.mouseClick(header.viewport(), LEFT, pos=at)
     assert column(table, "number") == ["2", "1"]
@@ -271,7 +271,7 @@ def test_a_digit_accepts_and_classes_and_the_second_class_asks_for_its_name(wind
     choose(hand, drawn, column(drawn, "class").index("closed"))
     hand.qtbot.keyClick(drawn, KEY.Key_2)
     assert [item.category for item in items(window)] == [1, 2]
-    field = window.feature(ObjectsFeature).panel.classes[2].name
+    field = window.get_feature(ObjectsFeature).panel.classes[2].name
     hand.wait(field.hasFocus)
     hand.qtbot.keyClicks(field, "vessel")
     hand.qtbot.keyClick(field, KEY.Key_Return)
@@ -373,7 +373,7 @@ def test_new_contours_preserve_the_selection_and_a_name_being_edited(window, han
 def test_the_panel_opens_with_the_present_rows_and_its_key_gives_it_the_keyboard_and_takes_it_back(
     window, hand, panel, drawn
 ) -> None:
-    window.docks.bring("run")
+    window.docks.bring_to_front("run")
     window.workspace.object_list.select_rows([("contour", 0)])
     window.workspace.object_list.reject_selected()
     hand.canvas.setFocus()
@@ -403,7 +403,7 @@ def test_the_layer_draws_objects_in_the_color_of_their_class_and_gaps_dashed(win
 
 
 def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, table, image_file) -> None:
-    field = window.feature(ObjectsFeature).panel.name
+    field = window.get_feature(ObjectsFeature).panel.name
     choose(hand, table, 0)
     hand.canvas.setFocus()
     hand.key(KEY.Key_F2)

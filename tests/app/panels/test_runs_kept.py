@@ -34,7 +34,7 @@ def run_to_the_end(window, hand) -> None:
 
 
 def navigation(window):
-    return window.feature(TimelineFeature).navigation
+    return window.get_feature(TimelineFeature).navigation
 
 
 def names(window) -> list[str]:
@@ -52,7 +52,7 @@ def wait_for_branch(window, hand, branch: int) -> None:
 
 def press_name(window, hand, branch: int) -> None:
     view = window.panels["timeline"].view
-    point = view.point(branch, 0).toPoint()
+    point = view.step_position(branch, 0).toPoint()
     point.setX(12)
     hand.qtbot.mouseClick(view, LEFT, pos=point)
 
@@ -98,7 +98,7 @@ def test_a_run_from_another_start_is_a_run_beside_the_first(rested, hand) -> Non
 
 def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
-    compared, wipe = rested.workspace.comparison, rested.feature(CompareFeature).wipe
+    compared, wipe = rested.workspace.comparison, rested.get_feature(CompareFeature).wipe
     menu = rested.panels["compare"].add.menu()
     menu.aboutToShow.emit()
     (branch,) = menu.actions()[1].menu().actions()

@@ -48,7 +48,7 @@ def rested(ready, hand):
 
 
 def navigation(window):
-    return window.feature(TimelineFeature).navigation
+    return window.get_feature(TimelineFeature).navigation
 
 
 def shown(window) -> np.ndarray:
@@ -68,7 +68,7 @@ def wait_for_step(window, hand, step: int) -> None:
 def scrub(window, hand, branch: int, *steps: int) -> None:
     """Press on the first step and drag through the others."""
     view = window.panels["timeline"].view
-    points = [view.point(branch, step).toPoint() for step in steps]
+    points = [view.step_position(branch, step).toPoint() for step in steps]
     hand.qtbot.mousePress(view, LEFT, pos=points[0])
     for point in points[1:]:
         hand.qtbot.mouseMove(view, point)
@@ -128,7 +128,7 @@ def test_a_compared_branch_is_shown_at_its_end_or_at_the_same_step(rested, hand,
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
     go_on_otherwise(rested, hand)
-    compared, wipe = rested.workspace.comparison, rested.feature(CompareFeature).wipe
+    compared, wipe = rested.workspace.comparison, rested.get_feature(CompareFeature).wipe
     compared.add_branch(1)
     row = max(compared.rows)
     compared.select_row(row)

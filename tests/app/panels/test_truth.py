@@ -53,7 +53,7 @@ def compared(ready: MainWindow, hand: Hand, mask_file: Path, monkeypatch: pytest
     hand.wait(lambda: ready.session.idle)
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(mask_file), ""))
     hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
-    menu = ready.feature(CompareFeature).panel.add.menu()
+    menu = ready.get_feature(CompareFeature).panel.add.menu()
     menu.aboutToShow.emit()
     menu.actions()[-1].trigger()
     hand.wait(lambda: CURRENT_KEY in ready.workspace.comparison.agreements)
@@ -67,8 +67,8 @@ def truth_row(window: MainWindow) -> ComparisonRow:
 def figure(window: MainWindow, name: str) -> float:
     """A figure in the row of what is shown now."""
     table = window.panels["compare"].table
-    table.setColumnHidden(table.number(name), False)
-    return float(table.column(name)[table.column("name").index("Shown now")])
+    table.setColumnHidden(table.column_index(name), False)
+    return float(table.column_texts(name)[table.column_texts("name").index("Shown now")])
 
 
 def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) -> None:
@@ -76,7 +76,7 @@ def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) 
     assert figure(compared, "dice") == pytest.approx(common / area, abs=0.02)
     assert figure(compared, "jaccard") == pytest.approx(common / (2 * area - common), abs=0.03)
     assert figure(compared, "largest") == pytest.approx(SHIFT, abs=0.8)
-    assert compared.panels["compare"].table.column("name") == ["Shown now", "mask.npy"]
+    assert compared.panels["compare"].table.column_texts("name") == ["Shown now", "mask.npy"]
     assert compared.panels["compare"].isVisible()
 
 
@@ -173,7 +173,7 @@ def test_a_new_image_has_nothing_to_compare_with(compared, hand, tmp_path) -> No
     hand.wait(lambda: compared.session.document.image.name == "other.npy")
     assert compared.session.scene.truth is None
     assert hand.canvas.layers["truth"].counts == (0, 0, 0)
-    hand.wait(lambda: compared.panels["compare"].table.column("dice") == ["–"])
+    hand.wait(lambda: compared.panels["compare"].table.column_texts("dice") == ["–"])
 
 
 def square(low: float, high: float) -> Contour:

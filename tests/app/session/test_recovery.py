@@ -28,7 +28,7 @@ def draw(window, row: float = 20.0) -> None:
 
 
 def journal(window):
-    return window.feature(RecoveryFeature).journal
+    return window.get_feature(RecoveryFeature).journal
 
 
 def written(window) -> Path:
@@ -39,8 +39,8 @@ def written(window) -> Path:
 
 
 def offer(window) -> QMessageBox | None:
-    feature = window.feature(RecoveryFeature)
-    feature.offer()
+    feature = window.get_feature(RecoveryFeature)
+    feature.offer_recovery()
     return feature.box
 
 
@@ -63,8 +63,8 @@ def test_the_journal_goes_when_the_work_is_saved_taken_back_or_closed(window, ha
     assert not written(window).exists()
     window.session.redo()
     assert written(window).exists()
-    window.feature(OpenSaveFeature).document_file.save(tmp_path / "a.cpm")
-    hand.wait(lambda: not window.feature(OpenSaveFeature).document_file.unsaved)
+    window.get_feature(OpenSaveFeature).document_file.save(tmp_path / "a.cpm")
+    hand.wait(lambda: not window.get_feature(OpenSaveFeature).document_file.unsaved)
     assert not written(window).exists()
     draw(window, 40.0)
     assert written(window).exists()
@@ -93,7 +93,7 @@ def test_what_was_left_is_restored_with_its_file_and_counts_as_unsaved(window, h
     assert str(session_file) in box.informativeText()
     press(box, "Restore")
     hand.wait(lambda: len(window.session.document.shapes) == 2 and window.session.idle)
-    document_file = window.feature(OpenSaveFeature).document_file
+    document_file = window.get_feature(OpenSaveFeature).document_file
     assert document_file.path == session_file
     assert document_file.unsaved
     assert "restored" in window.canvas_area.messages.text
@@ -114,7 +114,7 @@ def test_what_is_discarded_is_gone_and_the_next_is_offered(window, image_file) -
     assert "newer.cpm" in box.text()
     press(box, "Discard")
     assert not newer.exists()
-    box = window.feature(RecoveryFeature).box
+    box = window.get_feature(RecoveryFeature).box
     assert "older.cpm" in box.text()
     press(box, "Ask me later")
     assert older.exists()

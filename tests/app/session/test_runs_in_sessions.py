@@ -45,11 +45,11 @@ def steered(ready, hand):
 
 
 def navigation(window):
-    return window.feature(TimelineFeature).navigation
+    return window.get_feature(TimelineFeature).navigation
 
 
 def file_of(window) -> DocumentFile:
-    return window.feature(OpenSaveFeature).document_file
+    return window.get_feature(OpenSaveFeature).document_file
 
 
 def saved(window, hand, path: Path) -> Path:

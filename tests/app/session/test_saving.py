@@ -39,7 +39,7 @@ def saved_to(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 
 def document_file(window: MainWindow):
-    return window.feature(OpenSaveFeature).document_file
+    return window.get_feature(OpenSaveFeature).document_file
 
 
 def draw(window: MainWindow, row: float = 20.0) -> None:
@@ -95,7 +95,7 @@ def test_what_is_saved_by_a_key_is_restored_with_marks_and_view(ready, hand, sav
     hand.wait(lambda: not document_file(ready).unsaved)
     document = session.document
     np.save(tmp_path / "other.npy", np.eye(30))
-    ready.feature(OpenSaveFeature).take([tmp_path / "other.npy"])
+    ready.get_feature(OpenSaveFeature).open_files([tmp_path / "other.npy"])
     hand.wait(lambda: session.document.image.name == "other.npy")
     canvas.layers["edge_map"].set_shown(False)
     canvas.layers["image"].set_opacity(1.0)
@@ -210,7 +210,7 @@ def test_cancel_keeps_the_window_and_the_image(ready, hand, asked, tmp_path) -> 
     assert ready.isVisible()
     hand.wait(lambda: ready.session.idle)
     assert ready.session.document.image.name == "disc.npy"
-    ready.feature(OpenSaveFeature).document_file.treat_as_saved()
+    ready.get_feature(OpenSaveFeature).document_file.treat_as_saved()
 
 
 def test_discard_closes_the_window_without_saving(ready, asked) -> None:
@@ -255,7 +255,7 @@ def test_a_save_that_fails_or_has_no_path_keeps_the_window(ready, hand, asked, m
             assert not ready.close()
         assert ready.isVisible()
     hand.wait(lambda: "none" in ready.canvas_area.messages.text)
-    ready.feature(OpenSaveFeature).document_file.treat_as_saved()
+    ready.get_feature(OpenSaveFeature).document_file.treat_as_saved()
 
 
 def test_there_is_no_question_where_nothing_would_be_lost(window, asked, hand, saved_to) -> None:
@@ -270,7 +270,7 @@ def test_there_is_no_question_where_nothing_would_be_lost(window, asked, hand, s
 
 def recent(window: MainWindow) -> list[tuple[str, bool]]:
     menu = QMenu()
-    window.feature(OpenSaveFeature).recent.fill(menu)
+    window.get_feature(OpenSaveFeature).recent.fill_menu(menu)
     return [(action.text().partition(" ")[2], action.isEnabled()) for action in menu.actions() if "." in action.text()]
 
 
@@ -282,7 +282,7 @@ def test_files_that_were_open_are_listed_newest_first_and_gray_when_gone(window,
     (tmp_path / "a.npy").unlink()
     assert recent(window)[:3] == [("b.npy", True), ("a.npy", False), ("disc.npy", True)]
     menu = QMenu()
-    window.feature(OpenSaveFeature).recent.fill(menu)
+    window.get_feature(OpenSaveFeature).recent.fill_menu(menu)
     next(action for action in menu.actions() if "disc" in action.text()).trigger()
     hand.wait(lambda: window.session.document.image.name == "disc.npy")
     menu.actions()[-1].trigger()

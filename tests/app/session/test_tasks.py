@@ -139,7 +139,7 @@ def slow_file(tmp_path: Path) -> Path:
 def test_an_image_that_takes_long_is_given_up_by_a_click_and_the_one_before_runs_on(
     ready, hand, slow_file, reader, qtbot
 ) -> None:
-    session, bar = ready.session, ready.feature(TasksFeature).bar
+    session, bar = ready.session, ready.get_feature(TasksFeature).bar
     session.set_pace(30.0)
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.status.step >= 1)

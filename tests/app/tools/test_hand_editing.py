@@ -217,7 +217,7 @@ def test_a_freehand_outline_snaps_and_closes_where_it_began(window, hand) -> Non
 def test_edits_by_hand_are_saved_and_come_back(gap, hand, tmp_path: Path) -> None:
     path = tmp_path / "work.cpm"
     edits = gap.session.document.hand_edits
-    assert gap.feature(OpenSaveFeature).document_file.save_and_wait(path)
+    assert gap.get_feature(OpenSaveFeature).document_file.save_and_wait(path)
     assert load_session(path).hand_edits == edits
     shown = gap.workspace.review.result
     gap.session.open_file(path)

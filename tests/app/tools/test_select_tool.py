@@ -112,7 +112,7 @@ def test_a_click_inside_a_closed_contour_selects_it_and_enter_makes_an_object_th
     assert selected(found) == {(20, 60)}
     hand.key(KEY.Key_Return)
     hand.key(KEY.Key_F2)
-    field = found.feature(ObjectsFeature).panel.name
+    field = found.get_feature(ObjectsFeature).panel.name
     hand.wait(field.hasFocus)
     hand.qtbot.keyClicks(field, "aorta")
     hand.qtbot.keyClick(field, KEY.Key_Return)
@@ -139,7 +139,7 @@ def test_delete_removes_objects_rejects_contours_and_a_double_click_names(found,
     assert [mark.verdict for mark in found.session.document.marks] == ["rejected"]
     hand.double_click(20.0, 60.0)
     hand.release(20.0, 60.0)  # which QTest leaves out
-    field = found.feature(ObjectsFeature).panel.name
+    field = found.get_feature(ObjectsFeature).panel.name
     hand.wait(field.hasFocus)
     hand.qtbot.keyClick(field, KEY.Key_Escape)
     assert found.session.document.objects.items == ()

@@ -114,5 +114,5 @@ def test_an_error_that_nothing_expects_is_said_from_every_thread(window, hand, m
     thread.join()
     hand.wait(lambda: "thread" in said(window))
     assert "an error that nothing expects" in caplog.text
-    errors.end()
-    assert sys.excepthook != errors._take
+    errors.restore_hooks()
+    assert sys.excepthook != errors._on_exception

@@ -109,4 +109,4 @@ def test_a_folder_that_takes_no_journal_is_said(window, hand) -> None:
     draw(window)
     journal(window).write()
     hand.wait(lambda: journals_folder().name in said(window))
-    assert window.feature(RecoveryFeature).close()
+    assert window.get_feature(RecoveryFeature).close()

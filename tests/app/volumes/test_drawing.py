@@ -21,7 +21,7 @@ PIXEL = 0.6
 
 def views(window):
     """The three views of a slice: the large one, and those beside it."""
-    return (window.canvas_area.canvas, *window.feature(SlicesFeature).sides)
+    return (window.canvas_area.canvas, *window.get_feature(SlicesFeature).sides)
 
 
 def only(window, kind):
@@ -145,7 +145,7 @@ def test_limits_and_charges_act_on_the_run_and_come_back_with_the_session(volume
     assert len(found) > 50
     assert (found[:, 2] < 16).all(), "no particle crosses the barrier"
     path = tmp_path / "work.cpm"
-    volume.feature(OpenSaveFeature).document_file.save_and_wait(path)
+    volume.get_feature(OpenSaveFeature).document_file.save_and_wait(path)
     document = volume.session.document
     volume.session.edit("clear", lambda known: type(known)(known.image))
     volume.open_image(str(path))

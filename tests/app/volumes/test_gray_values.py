@@ -34,12 +34,12 @@ def layer(window):
 
 
 def in_space(window):
-    return window.feature(SpaceFeature).panel
+    return window.get_feature(SpaceFeature).panel
 
 
 def widgets(window):
     """Everything that shows the volume."""
-    sides = window.feature(SlicesFeature).sides
+    sides = window.get_feature(SlicesFeature).sides
     return [window.canvas_area.canvas.viewport(), sides[0].viewport(), in_space(window).view]
 
 
@@ -51,7 +51,7 @@ def test_a_drag_in_any_view_changes_the_window_of_all(volume, hand, which) -> No
     window = layer(volume).window
     assert window[1] - window[0] == pytest.approx(180.0 * 0.75)
     assert window == pytest.approx((20.0 + 22.5 - 18.0, 200.0 - 22.5 - 18.0))
-    assert all(view.layers.image.window == window for view in volume.feature(SlicesFeature).sides)
+    assert all(view.layers.image.window == window for view in volume.get_feature(SlicesFeature).sides)
     shaded = panel.contents.shaded
     assert (shaded.window.low, shaded.window.high) == window
     assert panel.view.camera == camera, "such a drag does not move the view"

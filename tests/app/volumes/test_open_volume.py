@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import tifffile
-from cpm_app.views.features.offers import StackFeature
+from cpm_app.views.features.offers import FilePartsFeature
 from cpm_app.views.features.volumes import SlicesFeature
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
@@ -21,7 +21,7 @@ MIDDLE = tuple(side // 2 for side in SHAPE)
 
 
 def bar(window):
-    return window.feature(SlicesFeature).bar
+    return window.get_feature(SlicesFeature).bar
 
 
 def shown(window):
@@ -89,7 +89,7 @@ def test_a_stack_opens_at_its_first_page_and_as_one_volume_on_request(window, ha
     hand.wait(lambda: window.session.image.ndim == 3 and window.session.idle)
     np.testing.assert_array_equal(window.session.image.values, pages)
     window.actions_by_name["parts"].trigger()
-    dialog = window.feature(StackFeature).dialog
+    dialog = window.get_feature(FilePartsFeature).dialog
     hand.qtbot.keyClick(dialog.kind, Qt.Key.Key_Down)
     hand.qtbot.mouseClick(dialog.open_button, Qt.MouseButton.LeftButton)
     hand.wait(lambda: window.session.image.ndim == 2 and window.session.idle)

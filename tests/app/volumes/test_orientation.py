@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cpm_app.model.volume.slices import Slices, slice_directions, find_edge_labels, find_front_axis
-from cpm_app.views.features.offers import StackFeature
+from cpm_app.views.features.offers import FilePartsFeature
 from cpm_app.views.features.volumes import SlicesFeature
 from hypothesis import given
 from hypothesis import strategies as st
@@ -42,7 +42,7 @@ def patient(window, hand, tmp_path):
 
 
 def test_each_slice_has_the_letters_of_its_edges(patient, hand) -> None:
-    slices = patient.feature(SlicesFeature)
+    slices = patient.get_feature(SlicesFeature)
     canvas = patient.canvas_area.canvas
     assert shown(canvas) == ("A", "P", "R", "L")
     assert [shown(view) for view in slices.sides] == [("S", "I", "R", "L"), ("S", "I", "A", "P")]
@@ -53,7 +53,7 @@ def test_each_slice_has_the_letters_of_its_edges(patient, hand) -> None:
 
 
 def test_what_is_superior_is_above_and_keys_lead_where_they_point(patient, hand) -> None:
-    patient.feature(SlicesFeature).bar.axes[1].click()
+    patient.get_feature(SlicesFeature).bar.axes[1].click()
     canvas = patient.canvas_area.canvas
     foot, head = canvas.map_from_image((4.0, 10.0)), canvas.map_from_image((20.0, 10.0))
     assert head.y() < foot.y()
@@ -68,7 +68,7 @@ def test_what_is_superior_is_above_and_keys_lead_where_they_point(patient, hand)
     canvas.pan_by(0.0, 30.0)
     assert canvas.map_from_image((4.0, 10.0)).y() == pytest.approx(before.y() - 30.0, abs=1.0)
     canvas.pan_by(0.0, -30.0)
-    patient.feature(SlicesFeature).bar.axes[0].click()
+    patient.get_feature(SlicesFeature).bar.axes[0].click()
 
 
 @given(st.permutations(range(3)), st.tuples(*[st.sampled_from((1, -1))] * 3))
@@ -91,7 +91,7 @@ def test_a_patient_is_never_mirrored(order, signs) -> None:
 @pytest.mark.own_window
 def test_a_plain_image_has_no_letters_and_a_plane_of_a_patient_has(patient, hand, image_file) -> None:
     patient.actions_by_name["parts"].trigger()
-    dialog = patient.feature(StackFeature).dialog
+    dialog = patient.get_feature(FilePartsFeature).dialog
     hand.qtbot.keyClick(dialog.kind, Qt.Key.Key_Down)
     hand.qtbot.mouseClick(dialog.open_button, Qt.MouseButton.LeftButton)
     hand.wait(lambda: patient.session.image.ndim == 2 and patient.session.idle)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import tifffile
 from cpm_app.views.features.files import OpenSaveFeature
-from cpm_app.views.features.offers import StackFeature
+from cpm_app.views.features.offers import FilePartsFeature
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel
 
@@ -28,8 +28,8 @@ def hyperstack(tmp_path):
     return path
 
 
-def feature(window) -> StackFeature:
-    return window.feature(StackFeature)
+def feature(window) -> FilePartsFeature:
+    return window.get_feature(FilePartsFeature)
 
 
 def ask(window, hand):
@@ -93,7 +93,7 @@ def test_sessions_and_recent_files_keep_the_part(window, hand, hyperstack, image
     open_file(window, hand, hyperstack)
     choose(window, hand, ask(window, hand), page=4, channel=3, time=2)
     values = window.session.image.values
-    files = window.feature(OpenSaveFeature)
+    files = window.get_feature(OpenSaveFeature)
     assert files.document_file.save_and_wait(tmp_path / "cells.cpm")
     kept = json.loads((tmp_path / "cells.cpm").read_text())["image"]["reading"]
     assert kept == {"page": 4, "channel": 3, "time": 2}

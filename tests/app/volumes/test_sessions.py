@@ -19,7 +19,7 @@ KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 
 
 def test_a_session_brings_back_drawing_run_and_slice(volume, hand, tmp_path, image_file) -> None:
-    path, file = tmp_path / "work.cpm", volume.feature(OpenSaveFeature).document_file
+    path, file = tmp_path / "work.cpm", volume.get_feature(OpenSaveFeature).document_file
     hand.drag((14, 16), (14, 18), (14, 20))
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")

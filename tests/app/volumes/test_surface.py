@@ -57,7 +57,7 @@ def test_the_panel_tells_what_makes_the_surface_worth_trust(found) -> None:
     assert [label.text() for label in status.findChildren(ElidedLabel) if label.accessibleName() == "Surface"] == [
         "1 part"
     ]
-    assert found.feature(RunControlFeature)
+    assert found.get_feature(RunControlFeature)
 
 
 def test_an_image_has_no_figures_of_a_surface(window) -> None:

@@ -61,8 +61,8 @@ def test_overlap_and_distances_are_those_of_geometry(compared) -> None:
     assert agreed.dice == pytest.approx(2 * common / both, abs=0.04)
     assert agreed.hausdorff > 10.0  # the ball in the corner is missed
     assert (agreed.objects.found, agreed.objects.missed) == (1, 1)
-    assert panel.words.text().endswith(" voxels.")
-    assert panel.table.column("name") == ["Shown now", "labels.npy"]
+    assert panel.summary.text().endswith(" voxels.")
+    assert panel.table.column_texts("name") == ["Shown now", "labels.npy"]
     assert not panel.holes.isVisible()
 
 
@@ -107,7 +107,7 @@ def test_keys_lead_to_the_differences_one_after_the_other(compared, hand) -> Non
 
 
 def test_space_shows_the_true_surface_while_its_layer_is_shown(compared, hand) -> None:
-    panel = compared.feature(SpaceFeature).panel
+    panel = compared.get_feature(SpaceFeature).panel
     hand.wait(lambda: panel.contents is not None and len(panel.contents.truth) == 1)
     (shown,) = panel.contents.truth
     assert shown.mesh.surface.vertices.shape == compared.session.scene.truth.surface.vertices.shape

@@ -19,21 +19,21 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 
 
 def label(window):
-    return window.feature(SlicesFeature).bar.voxel
+    return window.get_feature(SlicesFeature).bar.voxel
 
 
 def size(window):
     """The size of a voxel by all that tell it: image, document and view in space."""
     image, reference = window.session.image, window.session.document.image
     assert (image.spacing, image.unit) == (reference.spacing, reference.unit)
-    assert window.feature(SpaceFeature).panel.contents.image is image
+    assert window.get_feature(SpaceFeature).panel.contents.image is image
     return image.spacing, image.unit
 
 
 def choose(window, hand, sizes, unit) -> None:
     """Type a size in the dialog that a click on the label opens, and use it."""
     hand.qtbot.mouseClick(label(window), Qt.MouseButton.LeftButton)
-    dialog = window.feature(PixelSizeFeature).dialog
+    dialog = window.get_feature(PixelSizeFeature).dialog
     for field, number in zip(dialog.sides, sizes, strict=True):
         field.selectAll()
         hand.qtbot.keyClicks(field, str(number))
@@ -74,7 +74,7 @@ def test_a_run_takes_the_size_and_one_before_it_is_out_of_date(volume, hand) -> 
 
 def test_a_session_keeps_the_size_and_another_program_reads_it(volume, hand, tmp_path, volume_file) -> None:
     choose(volume, hand, (2.0, 0.5, 0.5), "mm")
-    files = volume.feature(OpenSaveFeature)
+    files = volume.get_feature(OpenSaveFeature)
     assert files.document_file.save_and_wait(tmp_path / "ball.cpm")
     kept = json.loads((tmp_path / "ball.cpm").read_text())["image"]["reading"]
     assert kept == {"spacing": [2.0, 0.5, 0.5], "unit": "mm"}
@@ -84,6 +84,6 @@ def test_a_session_keeps_the_size_and_another_program_reads_it(volume, hand, tmp
     hand.wait(lambda: volume.session.image.unit == "mm" and volume.session.idle)
     assert size(volume) == ((2.0, 0.5, 0.5), "mm")
     hand.qtbot.mouseClick(label(volume), Qt.MouseButton.LeftButton)
-    dialog = volume.feature(PixelSizeFeature).dialog
+    dialog = volume.get_feature(PixelSizeFeature).dialog
     hand.qtbot.mouseClick(dialog.reset_button, Qt.MouseButton.LeftButton)
     assert size(volume) == ((1.0, 1.0, 1.0), None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.views.window.menus import THINGS
+from cpm_app.views.window.menus import CONTEXT_MENU_ACTIONS
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
@@ -55,7 +55,7 @@ def run(window, hand) -> None:
 def test_a_right_click_on_the_image_opens_its_menu_with_the_keys(window, hand, menus) -> None:
     right_click(hand, 10, 10)
     assert menus.menu.isVisible()
-    assert names(window, menus.menu) == [name for name in THINGS["image"] if name]
+    assert names(window, menus.menu) == [name for name in CONTEXT_MENU_ACTIONS["image"] if name]
     fit = window.actions_by_name["fit"]
     assert fit in menus.menu.actions()
     assert fit.shortcut().toString() == "F"
@@ -81,7 +81,7 @@ def test_a_right_click_on_a_shape_selects_it(window, hand, menus, shape, thing) 
     window.session.edit("draw", lambda document: edits.add_shape(document, shape))
     right_click(hand, 32, 42)
     assert window.session.selected_shape == 0
-    assert names(window, menus.menu) == [name for name in THINGS[thing] if name]
+    assert names(window, menus.menu) == [name for name in CONTEXT_MENU_ACTIONS[thing] if name]
     window.actions_by_name["enlarge"].trigger()
     assert window.session.document.shapes == (shape.resized_by(1.0),)
 
@@ -89,14 +89,14 @@ def test_a_right_click_on_a_shape_selects_it(window, hand, menus, shape, thing) 
 def test_the_menu_of_a_table_row_selects_the_row_and_is_that_of_the_canvas(ready, hand, menus) -> None:
     run(ready, hand)
     ready.resize(1400, 900)
-    ready.docks.enter("objects")
+    ready.docks.enter_panel("objects")
     table = ready.panels["objects"].table
     hand.wait(table.isVisible)
     row = table.visualRect(table.model().index(0, 0)).center()
     hand.wait(lambda: table.viewport().visibleRegion().contains(row))
     ask(table.viewport(), row)
     assert len(ready.workspace.object_list.selected_keys) == 1
-    assert names(ready, menus.menu) == [n for n in THINGS["object"] if n in ready.actions_by_name]
+    assert names(ready, menus.menu) == [n for n in CONTEXT_MENU_ACTIONS["object"] if n in ready.actions_by_name]
     menus.menu.close()
     header = table.horizontalHeader()
     ask(header.viewport(), QPoint(header.sectionViewportPosition(1) + 4, 4))
@@ -113,8 +113,8 @@ def test_the_timeline_shows_the_step_under_the_pointer_and_opens_its_menu(ready,
     run(ready, hand)
     view, navigation = ready.panels["timeline"].view, ready.workspace.navigation
     branch, last = navigation.current_step
-    hand.wait(lambda: view.visibleRegion().contains(view.point(branch, last // 2).toPoint()))
-    ask(view, view.point(branch, last // 2).toPoint())
+    hand.wait(lambda: view.visibleRegion().contains(view.step_position(branch, last // 2).toPoint()))
+    ask(view, view.step_position(branch, last // 2).toPoint())
     hand.wait(lambda: abs(navigation.current_step[1] - last // 2) <= 2)  # as exact as a pixel
     assert texts(menus.menu)[0] == "Rename the branch…"
     assert "timeline_parameters" in names(ready, menus.menu)
@@ -135,7 +135,7 @@ def test_a_slider_offers_its_default_its_value_and_its_explanation(window, hand,
 
 
 def test_layers_and_headings_have_menus(ready, hand, menus) -> None:
-    ready.docks.reveal("layers")
+    ready.docks.reveal_panel("layers")
     row = ready.panels["layers"].rows["contours"]
     row.layer.set_opacity(0.5)
     ask(row, row.rect().center())
@@ -154,7 +154,7 @@ def test_a_key_opens_the_menu_of_what_is_chosen(ready, hand, menus, keys) -> Non
     hand.canvas.setFocus()
     hand.key(KEY.Key_N)
     hand.key(*keys)
-    assert names(ready, menus.menu) == [name for name in THINGS["shape"] if name]
+    assert names(ready, menus.menu) == [name for name in CONTEXT_MENU_ACTIONS["shape"] if name]
     menus.menu.close()
     hand.key(KEY.Key_Q)
     hand.key(*keys)

@@ -11,13 +11,13 @@ import pytest
 from cpm_app.model.document.samples import find_sample_named
 from cpm_app.model.text.assets import find_asset, read_guide_page
 from cpm_app.views.features.help import HelpFeature
-from cpm_app.views.window.guide import KEYS, PAGES, Guide
+from cpm_app.views.window.guide import KEYS_PAGE, GUIDE_PAGES, Guide
 from PySide6.QtCore import Qt, QUrl
 from PySide6.QtGui import QKeySequence
 
 pytestmark = pytest.mark.shared_window
 
-TEXTS = {name: [block.text for block in read_guide_page(name)] for name in PAGES}
+TEXTS = {name: [block.text for block in read_guide_page(name)] for name in GUIDE_PAGES}
 NAMED = sorted({name for texts in TEXTS.values() for text in texts for name in re.findall(r"\{(\w+)\}", text)})
 LINKS = sorted({link for texts in TEXTS.values() for text in texts for link in re.findall(r"href='([^']+)'", text)})
 
@@ -28,13 +28,13 @@ COMING_FROM = (Path(__file__).parents[3] / "docs" / "coming_from.md").read_text(
 @pytest.fixture
 def guide(window, hand) -> Guide:
     hand.key(Qt.Key.Key_F1)
-    return window.feature(HelpFeature).guide
+    return window.get_feature(HelpFeature).guide
 
 
 def test_every_action_that_is_named_exists(window, guide) -> None:
     for name in NAMED:
-        assert name in window.shortcuts.names()
-    for name in PAGES:
+        assert name in window.shortcuts.describe_actions()
+    for name in GUIDE_PAGES:
         guide.turn_to(name)
         assert "{" not in guide.text.toPlainText()
         assert TEXTS[name][0] in guide.text.toPlainText()
@@ -58,8 +58,8 @@ def test_every_link_has_a_target_and_every_picture_exists(window, guide) -> None
     for link in LINKS:
         kind, _, name = link.partition(":")
         assert kind in ("page", "sample")
-        assert name in PAGES if kind == "page" else find_sample_named(name) is not None
-    for page in PAGES:
+        assert name in GUIDE_PAGES if kind == "page" else find_sample_named(name) is not None
+    for page in GUIDE_PAGES:
         for block in read_guide_page(page):
             if block.picture:
                 with PIL.Image.open(find_asset(f"guide/{block.picture}")) as picture:
@@ -76,11 +76,11 @@ def test_a_link_opens_a_sample_and_another_a_page(window, hand, guide) -> None:
 
 def test_the_guide_is_one_window_that_can_be_closed_and_opened_again(window, hand, guide) -> None:
     hand.key(Qt.Key.Key_F1)
-    assert window.feature(HelpFeature).guide is guide
+    assert window.get_feature(HelpFeature).guide is guide
     guide.close()
-    hand.wait(lambda: window.feature(HelpFeature).guide is None)
-    window.feature(HelpFeature).show_guide(KEYS)
-    assert window.feature(HelpFeature).guide.page == KEYS
+    hand.wait(lambda: window.get_feature(HelpFeature).guide is None)
+    window.get_feature(HelpFeature).show_guide(KEYS_PAGE)
+    assert window.get_feature(HelpFeature).guide.page == KEYS_PAGE
 
 
 def test_the_narrow_place_of_the_artery_stands_out_in_its_skeleton(window, hand) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.views.tools import TOOLS
-from cpm_app.views.window.keyboard import sliders_of
+from cpm_app.views.window.keyboard import find_sliders
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QToolButton
 
@@ -157,7 +157,7 @@ def test_f6_goes_around_the_areas_that_are_seen_both_ways(board, hand) -> None:
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.canvas.setFocus()
-    slider, timeline = sliders_of(board.panels["run"])[0], board.panels["timeline"].view
+    slider, timeline = find_sliders(board.panels["run"])[0], board.panels["timeline"].view
     around = [slider, timeline, hand.canvas]
     for widget in around:
         hand.key(KEY.Key_F6)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from cpm_app.model.text.keys import ActionName, use_action_names, insert_keys
 from cpm_app.views.features.help import HelpFeature
-from cpm_app.views.widgets.actions import native
+from cpm_app.views.widgets.actions import native_key_text
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QAbstractButton, QLabel, QTableView, QWidget
 
@@ -72,8 +72,8 @@ def renamed(window) -> dict[str, str]:
     actions = sorted({name for said in sentences() for name in NAMED.findall(said)})
     keys = {name: f"Ctrl+Alt+Shift+F{number}" for number, name in enumerate(actions, start=1)}
     for name, key in keys.items():
-        window.shortcuts.choose(name, key)
-    yield {name: native(key) for name, key in keys.items()}
+        window.shortcuts.assign_key(name, key)
+    yield {name: native_key_text(key) for name, key in keys.items()}
     window.shortcuts.reset()
 
 
@@ -118,17 +118,17 @@ def test_changed_keys_are_in_every_sentence_of_the_window(window, renamed) -> No
 
 
 def test_the_guide_follows_changed_keys_while_it_is_open(window, hand) -> None:
-    feature = window.feature(HelpFeature)
+    feature = window.get_feature(HelpFeature)
     feature.show_guide("canvas")
-    window.shortcuts.choose("run", "Ctrl+F7")
-    assert native("Ctrl+F7") in feature.guide.text.toPlainText()
+    window.shortcuts.assign_key("run", "Ctrl+F7")
+    assert native_key_text("Ctrl+F7") in feature.guide.text.toPlainText()
     feature.guide.close()
     hand.wait(lambda: feature.guide is None)
-    window.shortcuts.choose("keys", "Ctrl+F8")
+    window.shortcuts.assign_key("keys", "Ctrl+F8")
     window.actions_by_name["keys"].trigger()
     keys = feature.guide
-    assert native("Ctrl+F7") in keys.text.toPlainText()
-    assert native("Ctrl+F8") in keys.text.toPlainText()
+    assert native_key_text("Ctrl+F7") in keys.text.toPlainText()
+    assert native_key_text("Ctrl+F8") in keys.text.toPlainText()
     hand.wait(keys.isActiveWindow)
     hand.qtbot.keyClick(keys, Qt.Key.Key_F8, Qt.KeyboardModifier.ControlModifier)
     hand.wait(lambda: feature.guide is None)

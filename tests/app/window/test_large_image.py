@@ -50,7 +50,7 @@ def test_an_image_of_common_size_after_it_offers_nothing(window, hand, bar, imag
 
 
 def test_of_two_offers_the_second_waits_until_the_first_is_answered(window, hand, bar):
-    bar.offer("Something else?", ("Yes", lambda: None))
+    bar.add_offer("Something else?", ("Yes", lambda: None))
     assert "4 scales" in bar.text
     hand.qtbot.mouseClick(bar.cross, Qt.MouseButton.LeftButton)
     assert (bar.text, [button.text() for button in bar.buttons]) == ("Something else?", ["Yes"])

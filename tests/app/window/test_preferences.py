@@ -18,7 +18,7 @@ from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.features.files import RecoveryFeature
 from cpm_app.views.features.help import HelpFeature, PreferencesFeature
 from cpm_app.views.theme import theme
-from cpm_app.views.theme.theme import look
+from cpm_app.views.theme.theme import get_canvas_style
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QColor, QKeySequence
 from PySide6.QtWidgets import QPushButton
@@ -31,7 +31,7 @@ CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModi
 
 @pytest.fixture
 def dialog(window, hand):
-    made = window.feature(PreferencesFeature).show()
+    made = window.get_feature(PreferencesFeature).open_preferences()
     yield made
     made.reject()
 
@@ -62,38 +62,38 @@ def test_the_dialog_fits_a_small_screen_and_every_page_opens(dialog) -> None:
     for name in PAGE_TITLES:
         dialog.turn_to(name)
         shown = [row for row in dialog.rows.values() if row.isVisible()]
-        assert bool(shown) != dialog.page("shortcuts").isVisible()
+        assert bool(shown) != dialog.get_page("shortcuts").isVisible()
 
 
 def test_lines_of_shapes_get_wider_at_once(window, dialog, hand) -> None:
     barrier = Barrier(((5.0, 50.0), (60.0, 50.0)))
     window.session.edit("draw barrier", lambda document: edits.add_shape(document, barrier))
-    before = across(window, theme.BARRIER)
+    before = across(window, theme.BARRIER_COLOR)
     dialog.turn_to("appearance")
     type_into(hand, dialog.rows[SHAPE_WIDTH.label], "4.2")
     assert window.preferences.read_preference(SHAPE_WIDTH) == 4.2
-    assert across(window, theme.BARRIER) > 2 * before > 0
+    assert across(window, theme.BARRIER_COLOR) > 2 * before > 0
 
 
 def test_reset_of_a_page_restores_its_defaults_and_no_others(window, dialog, hand) -> None:
     preferences = window.preferences
     preferences.store_preference(CONTOUR_WIDTH, 4.0)
     preferences.store_preference(INK_PREFERENCES["contour"], "#123456")
-    assert look().color(theme.CONTOUR) == "#123456"
+    assert get_canvas_style().resolve_color(theme.CONTOUR_COLOR) == "#123456"
     dialog.turn_to("appearance")
     button = next(b for b in dialog.findChildren(QPushButton) if b.text() == "Reset this page")
     hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert preferences.read_preference(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
-    assert look().color(theme.CONTOUR) == INK_PREFERENCES["contour"].default
-    assert look().contours == 1.0
+    assert get_canvas_style().resolve_color(theme.CONTOUR_COLOR) == INK_PREFERENCES["contour"].default
+    assert get_canvas_style().contours == 1.0
 
 
 def test_without_autosave_there_is_no_journal(ready, hand) -> None:
-    journal = ready.feature(RecoveryFeature).journal
+    journal = ready.get_feature(RecoveryFeature).journal
     journal.write()
     journal.flush()
     assert journal.path.exists()
-    dialog = ready.feature(PreferencesFeature).show()
+    dialog = ready.get_feature(PreferencesFeature).open_preferences()
     dialog.turn_to("files")
     hand.qtbot.mouseClick(
         dialog.rows[AUTOSAVE_PREFERENCE.label], Qt.MouseButton.LeftButton, pos=dialog.rows[AUTOSAVE_PREFERENCE.label].rect().topLeft()
@@ -107,21 +107,21 @@ def test_without_autosave_there_is_no_journal(ready, hand) -> None:
 
 def press_as_new_key(hand, dialog, action: str, key: Qt.Key, modifier=Qt.KeyboardModifier.NoModifier) -> None:
     dialog.turn_to("shortcuts")
-    dialog.page("shortcuts").choose(action)
-    dialog.page("shortcuts").keys.setFocus()
-    hand.qtbot.keyClick(dialog.page("shortcuts").keys, key, modifier)
+    dialog.get_page("shortcuts").select_action(action)
+    dialog.get_page("shortcuts").keys.setFocus()
+    hand.qtbot.keyClick(dialog.get_page("shortcuts").keys, key, modifier)
 
 
 def test_a_new_key_acts_and_is_shown_everywhere(ready, hand) -> None:
-    dialog = ready.feature(PreferencesFeature).show()
+    dialog = ready.get_feature(PreferencesFeature).open_preferences()
     press_as_new_key(hand, dialog, "run", KEY.Key_F4)
     dialog.reject()
     action = ready.actions_by_name["run"]
     assert action.shortcut() == QKeySequence("F4")
     assert "(F4)" in action.toolTip()
     hand.key(Qt.Key.Key_Question)
-    assert "F4" in ready.feature(HelpFeature).guide.text.toPlainText()
-    ready.feature(HelpFeature).guide.close()
+    assert "F4" in ready.get_feature(HelpFeature).guide.text.toPlainText()
+    ready.get_feature(HelpFeature).guide.close()
     ready.canvas_area.canvas.setFocus()
     hand.key(KEY.Key_F4)
     assert ready.session.status.phase != "ready"
@@ -129,7 +129,7 @@ def test_a_new_key_acts_and_is_shown_everywhere(ready, hand) -> None:
 
 
 def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, hand) -> None:
-    page = dialog.page("shortcuts")
+    page = dialog.get_page("shortcuts")
     press_as_new_key(hand, dialog, "run", KEY.Key_O, CTRL)
     assert "Open" in page.message.text()
     assert window.actions_by_name["run"].shortcut() == QKeySequence("Space")
@@ -143,7 +143,7 @@ def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, h
 
 
 def test_panels_have_keys_too_and_actions_are_found_by_typing(window, dialog, hand) -> None:
-    page = dialog.page("shortcuts")
+    page = dialog.get_page("shortcuts")
     press_as_new_key(hand, dialog, "panel_timeline", KEY.Key_F9, CTRL | SHIFT)
     assert window.findChild(QAction, "panel_timeline").shortcut() == QKeySequence("Ctrl+Shift+F9")
     page.search.setFocus()

@@ -30,7 +30,7 @@ def test_each_piece_has_a_turn_of_its_own_and_its_place_in_the_order(qtbot) -> N
 
     def first() -> None:
         done.append(("first", beat.count))
-        turns.ask(last)
+        turns.schedule_work(last)
 
     def second() -> None:
         done.append(("second", beat.count))
@@ -39,7 +39,7 @@ def test_each_piece_has_a_turn_of_its_own_and_its_place_in_the_order(qtbot) -> N
         done.append(("last", beat.count))
 
     for piece in (first, second, first):
-        turns.ask(piece)
+        turns.schedule_work(piece)
     assert not done
     qtbot.waitUntil(lambda: turns.is_idle)
     assert [name for name, _ in done] == ["first", "second", "last"]
@@ -49,7 +49,7 @@ def test_each_piece_has_a_turn_of_its_own_and_its_place_in_the_order(qtbot) -> N
 def test_what_waits_is_forgotten_when_it_is_stopped(qtbot) -> None:
     parent, done = QObject(), []
     turns = Turns(parent)
-    turns.ask(lambda: done.append(1))
+    turns.schedule_work(lambda: done.append(1))
     turns.stop()
     qtbot.wait(5)
     assert turns.is_idle
@@ -67,5 +67,5 @@ def test_the_views_of_a_volume_are_made_one_in_a_turn(window, hand, volume_file,
     window.session.image_changed.connect(lambda: shown.append(beat.count))
     open_file(window, hand, volume_file)
     assert len({*shown, *made}) == 3
-    assert all(view.isVisible() for view in window.feature(SlicesFeature).sides)
+    assert all(view.isVisible() for view in window.get_feature(SlicesFeature).sides)
     assert window.panels["space"].view.isVisible()

@@ -56,7 +56,7 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
     window.panels["objects"].table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
     window.panels["objects"].shown.setCurrentIndex(0)
     window.docks.column.show()
-    window.docks.bring("run")
+    window.docks.bring_to_front("run")
     for tool in window.canvas_area._tools.values():
         tool.used = False
         if isinstance(tool, RingTool):
@@ -112,7 +112,7 @@ class Kept:
         self.spoiled = False
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(dialogs, "ask_about_unsaved", lambda parent, name, lost: "discard")
-            patch.setattr(StartFeature, "_keep_picture", lambda feature: None)
+            patch.setattr(StartFeature, "_store_picture", lambda feature: None)
             if window is not None:
                 close_window(window)
             if workspace is not None:

@@ -38,7 +38,7 @@ def trials(folder: Path, seconds: float, every: int, seed: int) -> tuple[int, li
     until(lambda: window.session.status.step > 0 and window.session.idle)
     end, count, failures = time.monotonic() + seconds, 0, []
     for work in (_save, _export, _journal):
-        if not window.feature(OpenSaveFeature).document_file.unsaved:
+        if not window.get_feature(OpenSaveFeature).document_file.unsaved:
             _change(window)
         with injected(Faults(folder)) as known:
             work(window, folder)
@@ -74,7 +74,7 @@ def _tried(window: MainWindow, folder: Path, work: Callable[[MainWindow, Path], 
         target = work(window, folder)
     said = window.canvas_area.messages.text
     assert "unexpected" not in said.lower(), said
-    document_file = window.feature(OpenSaveFeature).document_file
+    document_file = window.get_feature(OpenSaveFeature).document_file
     if work is _journal:
         assert not target.exists() or load_session(target)
         kept = _shapes(work(window, folder)) if document_file.unsaved else 0
@@ -106,7 +106,7 @@ def _change(window: MainWindow) -> None:
 
 def _save(window: MainWindow, folder: Path) -> Path:
     target = folder / "work" / "work.cpm"
-    document_file = window.feature(OpenSaveFeature).document_file
+    document_file = window.get_feature(OpenSaveFeature).document_file
     document_file.save(target)
     until(lambda: not window.session.tasks.current and window.session.idle)
     return target
@@ -127,7 +127,7 @@ def _journal(window: MainWindow, folder: Path) -> Path:
 
 
 def _journal_of(window: MainWindow) -> Journal:
-    journal = window.feature(RecoveryFeature).journal
+    journal = window.get_feature(RecoveryFeature).journal
     assert journal is not None
     return journal
 

@@ -31,7 +31,7 @@ _KEY = "kills/number"
 def work(folder: Path) -> None:
     """Draw circles, each of which is in the journal before the next, and save now and then."""
     window = opened(folder)
-    document_file, journal = window.feature(OpenSaveFeature).document_file, window.feature(RecoveryFeature).journal
+    document_file, journal = window.get_feature(OpenSaveFeature).document_file, window.get_feature(RecoveryFeature).journal
     assert journal is not None
     noted = os.open(folder / "noted", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     for number in range(1, _CIRCLES + 1):
@@ -52,7 +52,7 @@ def work(folder: Path) -> None:
 def next_start(folder: Path) -> tuple[int, int]:
     """Open a window as after a crash and restore what it offers: the circles that it has then, and the preference."""
     window = opened(folder)
-    box = window.feature(RecoveryFeature).box
+    box = window.get_feature(RecoveryFeature).box
     if box is not None:
         next(button for button in box.buttons() if "Restore" in button.text().replace("&", "")).click()
         until(lambda: bool(window.session.document.shapes) and window.session.idle)

@@ -49,7 +49,7 @@ def run_values(window: MainWindow, folder: Path) -> None:
 
 def write_film(window: MainWindow, folder: Path) -> None:
     steps = tuple(range(4))
-    window.feature(AnimationFeature).write(1, AnimationPlan(steps, (160, 160), 10), folder / "film.gif")
+    window.get_feature(AnimationFeature).export_animation(1, AnimationPlan(steps, (160, 160), 10), folder / "film.gif")
 
 
 def export(window: MainWindow, folder: Path) -> None:
@@ -57,11 +57,11 @@ def export(window: MainWindow, folder: Path) -> None:
 
 
 def save(window: MainWindow, folder: Path) -> None:
-    window.feature(OpenSaveFeature).document_file.save(folder / "work.cpm")
+    window.get_feature(OpenSaveFeature).document_file.save(folder / "work.cpm")
 
 
 def write_journal(window: MainWindow, folder: Path) -> None:
-    journal = window.feature(RecoveryFeature).journal
+    journal = window.get_feature(RecoveryFeature).journal
     assert journal is not None
     journal.write()
 

@@ -21,7 +21,7 @@ from cpm_app.views.canvas.pointed import ItemPicker, rectangle_around, selected_
 from cpm_app.views.layers.image_layer import LevelDrag
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.select import SelectTool
-from cpm_app.views.widgets.containers import ENTER, OfferBar, arrange
+from cpm_app.views.widgets.containers import ENTER_KEYS, OfferBar, fill_layout
 from cpm_core.numerics import Place
 from cpm_core.shapes import Circle, Sphere
 
@@ -39,7 +39,7 @@ _ARROW_DIRECTIONS = {
 _RESIZE_KEYS = {Qt.Key.Key_BracketLeft: -1.0, Qt.Key.Key_BracketRight: 1.0}
 """Keys that make the selected shape or the tool smaller and larger."""
 
-_DRAFT_KEYS = (*ENTER, Qt.Key.Key_Backspace)
+_DRAFT_KEYS = (*ENTER_KEYS, Qt.Key.Key_Backspace)
 """Keys that finish a draft or shorten it."""
 
 _PAN_STEP = 40.0
@@ -68,7 +68,7 @@ class CanvasArea(QWidget):
         """Bar above the canvas, bars below it, and views next to it; features add their contents."""
         self.views.setSpacing(2)
         self.views.addWidget(self.canvas, 0, 0)
-        column = arrange(QVBoxLayout(self), self.offers, self.views, self.controls, self.strip, spacing=0)
+        column = fill_layout(QVBoxLayout(self), self.offers, self.views, self.controls, self.strip, spacing=0)
         column.setStretchFactor(self.views, 1)
         self.crosshair = Crosshair(self.canvas, self.update_hint)
         tool_arguments = workspace, self.canvas.layers.drawing, self.update_hint
@@ -198,7 +198,7 @@ class CanvasArea(QWidget):
         key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected_shape
         tool, keyed, objects = self.canvas.dispatcher.tool, self.crosshair.position is not None, self._workspace.object_list
         given, self._has_focus_from_field = self._has_focus_from_field, False
-        accepts = key in ENTER and not keyed and (objects.pending_rows or objects.selected_keys)
+        accepts = key in ENTER_KEYS and not keyed and (objects.pending_rows or objects.selected_keys)
         if given and accepts:
             self._session.show_message(tr("The value is set. Enter accepts the proposal."))
             return True
@@ -208,7 +208,7 @@ class CanvasArea(QWidget):
         elif accepts:
             if objects.pending_rows:  # objects are accepted already
                 objects.accept_pending()
-        elif key in ENTER:
+        elif key in ENTER_KEYS:
             self.canvas.dispatcher.set_modifiers(held)
             (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()
         elif key in _ARROW_DIRECTIONS:

@@ -39,7 +39,7 @@ class Crosshair:
             Markers(
                 _CROSSHAIR_Z, size=_CROSSHAIR_SIZE, symbol="crosshair", brush=None, pen=pg.mkPen(color, width=width)
             )
-            for color, width in ((theme.HALO, 4.0), (theme.CHOSEN, 1.6))
+            for color, width in ((theme.CANVAS_HALO_COLOR, 4.0), (theme.SELECTED_COLOR, 1.6))
         ]
         for marks in self._marks:
             canvas.view.addItem(marks, ignoreBounds=True)

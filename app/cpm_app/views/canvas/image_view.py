@@ -46,7 +46,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     """
 
     def __init__(self, requests: WorkerRequests | None = None, original: ImageView | None = None) -> None:
-        super().__init__(background=theme.CANVAS)
+        super().__init__(background=theme.CANVAS_COLOR)
         self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, enableMouse=False, defaultPadding=0.0)
         self.view.disableAutoRange()
         # The view fills its own background; else Qt would draw the window and its panels below it in every frame.

@@ -12,8 +12,8 @@ from cpm_app.model.text.language import tr, localize_number
 from cpm_app.views.canvas.message_line import MessageLine
 from cpm_app.views.layers.layer import LegendEntry
 from cpm_app.views.theme import theme
-from cpm_app.views.theme.theme import look
-from cpm_app.views.widgets.containers import ElidedLabel, arrange
+from cpm_app.views.theme.theme import get_canvas_style
+from cpm_app.views.widgets.containers import ElidedLabel, fill_layout
 
 _LEGEND_INTERVAL = 150
 """Minimum time between two updates [ms]; the number of particles changes in every frame."""
@@ -51,7 +51,7 @@ class Legend(QWidget):
         self.button.setText(tr("Legend"))
         self.button.setToolTip(tr("Show or hide what the lines and dots mean."))
         self.button.clicked.connect(lambda: self.set_folded(not self.is_folded))
-        arrange(QHBoxLayout(self), self._label, self.button, margins=(6, 0, 6, 0))
+        fill_layout(QHBoxLayout(self), self._label, self.button, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self._timer = QTimer(self, singleShot=True, interval=_LEGEND_INTERVAL)
         self._timer.timeout.connect(self.update_now)
@@ -95,7 +95,7 @@ class Legend(QWidget):
     def _format_entries(self, *, short: bool) -> str:
         """Format the entries as rich text, each sign on the background color of the canvas."""
         return "&nbsp; ".join(
-            f"<span style='color:{look().color(entry.color)}; background-color:{theme.CANVAS}'>"
+            f"<span style='color:{get_canvas_style().resolve_color(entry.color)}; background-color:{theme.CANVAS_COLOR}'>"
             f"&nbsp;{_SIGN_CHARACTERS[entry.sign]}&nbsp;</span>&nbsp;{localize_number(f'{entry.count:,}')}"
             + ("" if short else f"&nbsp;{entry.text.replace(' ', '&nbsp;')}")
             for entry in self.entries
@@ -114,7 +114,7 @@ class CanvasStrip(QFrame):
         self.hint.setContentsMargins(_STRIP_PADDING, 0, 0, 0)
         self.legend = Legend(entries)
         self.setFixedHeight(self.fontMetrics().height() + _STRIP_PADDING)
-        row = arrange(QHBoxLayout(self), self.messages, self.hint, self.legend, spacing=8, wide=self.messages)
+        row = fill_layout(QHBoxLayout(self), self.messages, self.hint, self.legend, spacing=8, wide=self.messages)
         row.setStretchFactor(self.hint, 1)
         self.messages.shown_changed.connect(self._share_width)
         self.legend.width_changed.connect(self._share_width)

@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout
 from cpm_app.model.state.messages import Message, Messages
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
-from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.containers import ElidedLabel, arrange, flat_button
+from cpm_app.views.widgets.containers import ElidedLabel, fill_layout, create_flat_button
 
 _MESSAGE_DURATION = 6000
 """Time after which a message that is not an error disappears [ms]."""
@@ -29,11 +29,11 @@ class MessageLine(QFrame):
         super().__init__()
         self._messages = Messages()
         self._label = ElidedLabel()
-        self.details = flat_button(tr("Details"), tr("Read the whole message."), self._show_details)
+        self.details = create_flat_button(tr("Details"), tr("Read the whole message."), self._show_details)
         self._label.fits_changed.connect(lambda: self.details.setVisible(not self._label.fits))
-        self._button = flat_button("", tr("Dismiss message"), self.dismiss_message)
+        self._button = create_flat_button("", tr("Dismiss message"), self.dismiss_message)
         parts = self._label, self.details, self._button
-        arrange(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)
+        fill_layout(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)
         self._timer = QTimer(self, singleShot=True, interval=_MESSAGE_DURATION)
         self._timer.timeout.connect(lambda: self._set_messages(self._messages.without_news()))
         self._theme: Theme | None = None
@@ -119,4 +119,4 @@ class MessageLine(QFrame):
 
     def _tint_icon(self) -> None:
         if self._theme is not None:
-            self._button.setIcon(icon("close", self._theme.error_text if self.is_error else self._theme.message_text))
+            self._button.setIcon(load_icon("close", self._theme.error_text if self.is_error else self._theme.message_text))

@@ -28,7 +28,7 @@ class SliceCross:
     """Two lines where the two other slices cut a view."""
 
     def __init__(self, view: ImageView) -> None:
-        self._lines = [pg.InfiniteLine(angle=angle, pen=line_pen(theme.CHOSEN, 1.0)) for angle in (0, 90)]
+        self._lines = [pg.InfiniteLine(angle=angle, pen=line_pen(theme.SELECTED_COLOR, 1.0)) for angle in (0, 90)]
         for line in self._lines:
             line.setZValue(_SLICE_CROSS_Z)
             line.setOpacity(0.6)

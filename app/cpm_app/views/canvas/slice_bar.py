@@ -9,7 +9,7 @@ from cpm_app.model.display.lengths import format_pixel_size
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import AXIS_NAMES, Slices, name_slices
-from cpm_app.views.widgets.containers import arrange, flat_button
+from cpm_app.views.widgets.containers import fill_layout, create_flat_button
 from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core import Image
 
@@ -43,10 +43,10 @@ class SliceBar(PlaceBar):
             group.addButton(button, axis)
         group.idClicked.connect(self.axis_wanted)
         tip = tr("Voxel size: plane × row × column. Click to change it.")
-        self.voxel = flat_button("", tip, self.size_wanted.emit)
+        self.voxel = create_flat_button("", tip, self.size_wanted.emit)
         self.voxel.setObjectName("dim")
-        parts = *self.axes, self.slider, self.number, self.of, self.voxel
-        row = arrange(QHBoxLayout(self), *parts, margins=(10, 3, 10, 3), spacing=4, wide=self.slider)
+        parts = *self.axes, self.slider, self.number, self.total_label, self.voxel
+        row = fill_layout(QHBoxLayout(self), *parts, margins=(10, 3, 10, 3), spacing=4, wide=self.slider)
         row.insertSpacing(len(self.axes), 8)
 
     def show_keys(self) -> None:
@@ -59,7 +59,7 @@ class SliceBar(PlaceBar):
         self.setVisible(slices is not None)
         if slices is None or image is None:
             return
-        self.show_place(slices.current.index, 0, slices.count - 1)
+        self.show_position(slices.current.index, 0, slices.count - 1)
         for button, name in zip(self.axes, name_slices(image), strict=True):
             button.setText(name[:1].upper() + name[1:])
         self.axes[slices.axis].setChecked(True)

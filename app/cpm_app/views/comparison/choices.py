@@ -36,7 +36,7 @@ from cpm_app.model.document.modes import find_effective_controls
 from cpm_app.model.parameters.controls import Control, build_controls
 from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.session.session import Session
-from cpm_app.views.widgets.containers import arrange, wrapped
+from cpm_app.views.widgets.containers import fill_layout, create_wrapped_label
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import CONTOUR_METHODS
 from cpm_core.objects.methods import MethodComparison, Settings
@@ -54,18 +54,18 @@ class ParameterChoice(QWidget):
         layout.setAlignment(Qt.AlignmentFlag.AlignTop)
         for row, first in zip((self.down, self.across), FIRST_AXES, strict=True):
             layout.addWidget(row)
-            row.choice.currentIndexChanged.connect(lambda _, row=row: self._suggest(row))
+            row.choice.currentIndexChanged.connect(lambda _, row=row: self._suggest_values(row))
             row.choice.setCurrentIndex([control.name for control in offered].index(first))
-            self._suggest(row)
+            self._suggest_values(row)
 
-    def trials(self) -> tuple[Trial, ...]:
+    def build_trials(self) -> tuple[Trial, ...]:
         """Return the runs to compare; raise ValueError for invalid values."""
-        axes = [axis for axis in (self.down.axis(), self.across.axis()) if axis is not None]
+        axes = [axis for axis in (self.down.read_axis(), self.across.read_axis()) if axis is not None]
         return plan_parameter_trials(self._session.document.parameters, axes)
 
-    def _suggest(self, row: AxisRow) -> None:
+    def _suggest_values(self, row: AxisRow) -> None:
         """Suggest values around the current one."""
-        document, control = self._session.document, row.control
+        document, control = self._session.document, row.selected_control
         contrast = document.image.contrast if document.image else 255.0
         values = () if control is None else propose_values(control, document.parameters, contrast)
         row.values.setText(", ".join(map(format_short_number, values)))
@@ -83,17 +83,17 @@ class AxisRow(QWidget):
         self.choice.setAccessibleName(title)
         self.values.setAccessibleName(tr("Values"))
         self.values.setToolTip(tr("Values of the parameter, separated by commas."))
-        arrange(QVBoxLayout(self), QLabel(title), self.choice, self.values)
+        fill_layout(QVBoxLayout(self), QLabel(title), self.choice, self.values)
 
     @property
-    def control(self) -> Control | None:
+    def selected_control(self) -> Control | None:
         """Selected parameter, if any."""
         chosen: Control | None = self.choice.currentData()
         return chosen
 
-    def axis(self) -> TrialAxis | None:
+    def read_axis(self) -> TrialAxis | None:
         """Return the selected parameter with its values; raise ValueError for invalid values."""
-        return None if self.control is None else TrialAxis(self.control, parse_values(self.control, self.values.text()))
+        return None if self.selected_control is None else TrialAxis(self.selected_control, parse_values(self.selected_control, self.values.text()))
 
 
 class MethodChoice(QWidget):
@@ -105,7 +105,7 @@ class MethodChoice(QWidget):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
-        self.list, self.about, self.around = QListWidget(), wrapped(), QCheckBox(tr("The start lies around the object"))
+        self.list, self.about, self.around = QListWidget(), create_wrapped_label(), QCheckBox(tr("The start lies around the object"))
         self.fields: dict[str, QDoubleSpinBox] = {}
         self._shown: tuple[str, Settings] | None = None
         for name, method in CONTOUR_METHODS.items():
@@ -119,41 +119,41 @@ class MethodChoice(QWidget):
         self.about.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._area = QScrollArea(widgetResizable=True)
         layout = QVBoxLayout(self)
-        note = wrapped(
+        note = create_wrapped_label(
             tr("They start from circles, ellipses and polygons; only particles respond to other shapes."), dim=True
         )
         for widget in (self.list, self.around, note, self.about):
             layout.addWidget(widget)
         layout.addWidget(self._area, 1)
-        self.list.itemChanged.connect(self._choose)
-        self.list.currentRowChanged.connect(self._show_marked)
-        self.around.toggled.connect(lambda on: self._change(lambda compared: replace(compared, around=on)))
-        session.document_changed.connect(self._follow)
-        self._follow()
+        self.list.itemChanged.connect(self._on_item_changed)
+        self.list.currentRowChanged.connect(self._show_current_method)
+        self.around.toggled.connect(lambda on: self._edit_comparison(lambda compared: replace(compared, around=on)))
+        session.document_changed.connect(self._on_document_changed)
+        self._on_document_changed()
         self.list.setCurrentRow(0)
 
     @property
-    def marked(self) -> str:
+    def current_method(self) -> str:
         """Name of the method whose settings are shown."""
         return str(self.list.currentItem().data(Qt.ItemDataRole.UserRole))
 
-    def trials(self) -> tuple[Trial, ...]:
+    def build_trials(self) -> tuple[Trial, ...]:
         """Return the runs to compare; raise ValueError if no method is selected."""
         document = self._session.document
         return plan_method_trials(document.comparison, document.parameters)
 
-    def _change(self, change: Callable[[MethodComparison], MethodComparison], gesture: str = "") -> None:
+    def _edit_comparison(self, change: Callable[[MethodComparison], MethodComparison], gesture: str = "") -> None:
         self._session.edit(
             tr("compare methods"), lambda document: replace(document, comparison=change(document.comparison)), gesture
         )
 
-    def _choose(self) -> None:
+    def _on_item_changed(self) -> None:
         items = map(self.list.item, range(self.list.count()))
         chosen = tuple(item.data(Qt.ItemDataRole.UserRole) for item in items
                        if item.checkState() == Qt.CheckState.Checked)  # fmt: skip
-        self._change(lambda compared: replace(compared, methods=chosen))
+        self._edit_comparison(lambda compared: replace(compared, methods=chosen))
 
-    def _follow(self) -> None:
+    def _on_document_changed(self) -> None:
         compared = self._session.document.comparison
         with QSignalBlocker(self.around), QSignalBlocker(self.list):
             self.around.setChecked(compared.around)
@@ -161,10 +161,10 @@ class MethodChoice(QWidget):
                 on = Qt.CheckState.Checked if name in compared.methods else Qt.CheckState.Unchecked
                 self.list.item(row).setCheckState(on)
         if self.list.currentItem() is not None:
-            self._show_marked()
+            self._show_current_method()
 
-    def _show_marked(self) -> None:
-        name = self.marked
+    def _show_current_method(self) -> None:
+        name = self.current_method
         method, settings = CONTOUR_METHODS[name], self._session.document.comparison.settings_of(name)
         if self._shown == (name, settings):
             return
@@ -173,7 +173,7 @@ class MethodChoice(QWidget):
         body, self.fields = QWidget(), {}
         form = QFormLayout(body, rowWrapPolicy=QFormLayout.RowWrapPolicy.WrapAllRows)
         if method.of_particles:
-            form.addRow(wrapped(tr("These are the parameters of the window: change them there and run again.")))
+            form.addRow(create_wrapped_label(tr("These are the parameters of the window: change them there and run again.")))
         else:
             for field_name, info in settings.describe_parameters().items():
                 decimals = max(0, -math.floor(math.log10(info.step)))
@@ -182,14 +182,14 @@ class MethodChoice(QWidget):
                 field.setValue(getattr(settings, field_name))
                 field.setToolTip(f"{translate_core_text(info.meaning)} {translate_core_text(info.effect_of_larger)}")
                 field.setAccessibleName(translate_core_text(info.title))
-                field.valueChanged.connect(partial(self._set, field_name))
+                field.valueChanged.connect(partial(self._on_setting_changed, field_name))
                 form.addRow(f"{translate_core_text(info.title)}  {info.symbol}", field)
         self._area.setWidget(body)
 
-    def _set(self, field_name: str, value: float) -> None:
-        name = self.marked
+    def _on_setting_changed(self, field_name: str, value: float) -> None:
+        name = self.current_method
         before = self._session.document.comparison.settings_of(name)
         whole = isinstance(getattr(type(before), field_name), int)
         settings = replace(before, **{field_name: int(value) if whole else value})
         self._shown = name, settings  # so that the field with the keyboard focus is not replaced
-        self._change(lambda compared: compared.with_settings(name, settings), f"settings of {name}")
+        self._edit_comparison(lambda compared: compared.with_settings(name, settings), f"settings of {name}")

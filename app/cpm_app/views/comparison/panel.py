@@ -28,9 +28,9 @@ from cpm_app.session.features.comparison import CURRENT_KEY, ComparedResults, Co
 from cpm_app.session.features.timeline import TimelineNavigation
 from cpm_app.session.session import Session
 from cpm_app.views.comparison.choices import MethodChoice, ParameterChoice
-from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel, menu_button, wide_button
-from cpm_app.views.widgets.actions import add_choice
-from cpm_app.views.widgets.containers import Scrolled, Section, arrange, wrapped
+from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel, create_menu_button, create_wide_button
+from cpm_app.views.widgets.actions import add_menu_action
+from cpm_app.views.widgets.containers import VerticalScrollArea, FoldableSection, fill_layout, create_wrapped_label
 from cpm_app.views.widgets.fields import MarkedSlider
 from cpm_core.contours import DEFAULT_TOLERANCE
 from cpm_core.numerics.types import Callback
@@ -39,7 +39,7 @@ _MIN_CHOICE_HEIGHT = 120
 """Smallest height of the choice of methods and of parameters [px]."""
 
 
-def _columns(compared: ComparedResults) -> tuple[Column[ComparisonRow], ...]:
+def _build_columns(compared: ComparedResults) -> tuple[Column[ComparisonRow], ...]:
     """Build the columns in the order shown."""
 
     def agreement_of(name: str) -> Callable[[ComparisonRow], float | None]:
@@ -51,49 +51,49 @@ def _columns(compared: ComparedResults) -> tuple[Column[ComparisonRow], ...]:
         Column("name", tr("Result"), tr("The results; the reference, with which the others are compared, is bold."),
                lambda row: f"{row.title} ({row.state})" if row.state else row.title, "Run 1"),
         Column("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint."),
-               agreement_of("dice"), "0.000", form=".3f"),
+               agreement_of("dice"), "0.000", number_format=".3f"),
         Column("mean", tr("Mean [{unit}]"), tr("Mean distance between the boundaries."),
-               agreement_of("mean_boundary_distance"), "00.00", 1, form=".2f"),
+               agreement_of("mean_boundary_distance"), "00.00", 1, number_format=".2f"),
         Column("largest", tr("Largest [{unit}]"),
                tr("Largest distance from a point on one boundary to the other boundary (Hausdorff)."),
-               agreement_of("hausdorff"), "000.0", 1, form=".1f"),
+               agreement_of("hausdorff"), "000.0", 1, number_format=".1f"),
         Column("count", tr("Found"), tr("Number of objects, or of contours if there are none."),
-               lambda row: row.count, "000", form=".0f"),
+               lambda row: row.count, "000", number_format=".0f"),
         Column("seconds", tr("Time [s]"), tr("Time of a run that was started for this comparison."),
-               lambda row: row.seconds, "00.0", form=".2f"),
-        Column("f", tr("F"), tr("Harmonic mean of recall and precision."), agreement_of("f"), "0.000", form=".3f"),
+               lambda row: row.seconds, "00.0", number_format=".2f"),
+        Column("f", tr("F"), tr("Harmonic mean of recall and precision."), agreement_of("f"), "0.000", number_format=".3f"),
         Column("recall", tr("Recall"),
                tr("Fraction of the boundary of the reference that is found within the tolerance."),
-               agreement_of("recall"), "0.000", form=".3f"),
+               agreement_of("recall"), "0.000", number_format=".3f"),
         Column("precision", tr("Precision"),
                tr("Fraction of the found boundary that lies within the tolerance of the reference."),
-               agreement_of("precision"), "0.000", form=".3f"),
+               agreement_of("precision"), "0.000", number_format=".3f"),
         Column("jaccard", tr("Jaccard"), tr("Intersection of the areas divided by their union."),
-               agreement_of("jaccard"), "0.000", form=".3f"),
+               agreement_of("jaccard"), "0.000", number_format=".3f"),
         Column("hausdorff95", tr("95 % [{unit}]"), tr("The 95th percentile of the distances between the boundaries."),
-               agreement_of("hausdorff95"), "000.0", 1, form=".1f"),
+               agreement_of("hausdorff95"), "000.0", 1, number_format=".1f"),
         Column("missed", tr("Missed"), tr("Objects of the reference that share less than half of their area with one."),
-               agreement_of("objects.missed"), "000", form=".0f"),
+               agreement_of("objects.missed"), "000", number_format=".0f"),
         Column("extra", tr("Extra"), tr("Closed contours that match no object of the reference."),
-               agreement_of("objects.extra"), "000", form=".0f"),
+               agreement_of("objects.extra"), "000", number_format=".0f"),
         Column("merged", tr("Merged"), tr("Contours that contain more than half of two or more objects."),
-               agreement_of("objects.merged"), "000", form=".0f"),
+               agreement_of("objects.merged"), "000", number_format=".0f"),
         Column("ap", "AP@0.5", tr("Found objects divided by all that are found, missed or extra."),
-               agreement_of("objects.average_precision"), "0.000", form=".3f"),
+               agreement_of("objects.average_precision"), "0.000", number_format=".3f"),
     )  # fmt: skip
 
 
 class ResultTable(ItemTable):
     """Table of the results in the order in which they were added; one of them is selected."""
 
-    item = "result"
+    menu_name = "result"
 
     def __init__(self, session: Session, compared: ComparedResults) -> None:
         self._session, self._compared = session, compared
         bold = QFont()
         bold.setBold(True)
         rows = TableModel[ComparisonRow](
-            _columns(compared),
+            _build_columns(compared),
             lambda row: row.key,
             lambda row, role, _: bold if role == Role.FontRole and row.key == compared.reference else None,
         )
@@ -110,26 +110,26 @@ class ResultTable(ItemTable):
             self._compared.use_row(self._compared.selected)
 
     @property
-    def chosen(self) -> set[int]:
+    def selected_keys(self) -> set[int]:
         """Key of the selected result."""
         return {self._compared.selected}
 
-    def choose(self, keys: Sequence[int]) -> None:
+    def select_keys(self, keys: Sequence[int]) -> None:
         """Select a result, or what is shown now."""
         self._compared.select_row(next(iter(keys), CURRENT_KEY))
 
-    def remove(self) -> None:
+    def remove_selected(self) -> None:
         """Remove the selected result."""
         self._compared.remove_row(self._compared.selected)
 
-    def refresh(self) -> None:
+    def update_rows(self) -> None:
         """Show the results with lengths in the unit of the image, or in px or voxels."""
         compared, image = self._compared, self._session.image
         size = PixelSize((1.0, 1.0), "px")
         if image is not None and compared.in_volume:
             known = preferred_pixel_size(image.spacing, image.unit)
             size = known if known.unit else PixelSize(known.spacing, tr("voxels"), known.factor)
-        self.rows.update(compared.rows.values(), size)
+        self.rows.update_items(compared.rows.values(), size)
 
 
 class ComparePanel(QWidget):
@@ -147,23 +147,23 @@ class ComparePanel(QWidget):
         super().__init__()
         self._session, self._compared, self._navigation = session, compared, navigation
         self._load, self._jump = load, jump
-        self._seen: tuple[tuple[Difference, ...], int] = ((), 0)
-        self.table, self.words = ResultTable(session, compared), wrapped(dim=True)
+        self._last_shown: tuple[tuple[Difference, ...], int] = ((), 0)
+        self.table, self.summary = ResultTable(session, compared), create_wrapped_label(dim=True)
         self.methods, self.values = MethodChoice(session), ParameterChoice(session)
         self.setFocusProxy(self.table)
         self.acts = {
-            "use": self._act(tr("Use this"), lambda: compared.use_row(compared.selected),
+            "use": self._add_result_action(tr("Use this"), lambda: compared.use_row(compared.selected),
                              tr("Use these parameters, this run, or these contours as objects.")),
-            "refer": self._act(tr("Set as reference"), lambda: compared.set_reference(compared.selected),
+            "refer": self._add_result_action(tr("Set as reference"), lambda: compared.set_reference(compared.selected),
                                tr("Compare all others with this result.")),
-            "next": self._act(tr("Next difference"), self.jump_to_next,
+            "next": self._add_result_action(tr("Next difference"), self.jump_to_next,
                               tr("Show the differences one after the other, the largest first.")),
-            "remove": self._act(tr("Remove"), lambda: compared.remove_row(compared.selected), tr("Remove this result.")),
+            "remove": self._add_result_action(tr("Remove"), lambda: compared.remove_row(compared.selected), tr("Remove this result.")),
         }  # fmt: skip
-        self.add = menu_button(tr("Add…"), self._fill)
-        self.keep = wide_button(tr("Keep this result"), compared.keep_current)
+        self.add = create_menu_button(tr("Add…"), self._fill_add_menu)
+        self.keep = create_wide_button(tr("Keep this result"), compared.keep_current)
         self.keep.setToolTip(tr("Keep what is found now, to compare later results with it."))
-        self.export = wide_button(tr("Export table…"), export)
+        self.export = create_wide_button(tr("Export table…"), export)
         self.holes = QCheckBox(tr("Inner contours are holes"))
         self.holes.setToolTip(tr("Otherwise everything inside a contour belongs to the object."))
         self.holes.toggled.connect(compared.set_holes)
@@ -171,23 +171,23 @@ class ComparePanel(QWidget):
         self.tolerance = MarkedSlider(0.25, 10.0, 0.25, DEFAULT_TOLERANCE)
         self.tolerance.setAccessibleName(tr("Tolerance"))
         self.tolerance.moved_to.connect(compared.set_tolerance)
-        self.tolerance.moved_to.connect(self._show)
+        self.tolerance.moved_to.connect(self._show_comparison)
         self.tolerance.restored.connect(lambda: self.tolerance.move_to(DEFAULT_TOLERANCE))
         self.pages = QStackedWidget()
-        for page in (self._results(), self._choosing(self.methods), self._choosing(self.values)):
+        for page in (self._create_results_page(), self._create_choice_page(self.methods), self._create_choice_page(self.values)):
             self.pages.addWidget(page)
-        arrange(QVBoxLayout(self), self.pages)
-        compared.changed.connect(self._show)
-        compared.selection_changed.connect(self._show)
+        fill_layout(QVBoxLayout(self), self.pages)
+        compared.changed.connect(self._show_comparison)
+        compared.selection_changed.connect(self._show_comparison)
         session.image_changed.connect(lambda: self.pages.setCurrentIndex(0))
-        self._show()
+        self._show_comparison()
 
     def sizeHint(self) -> QSize:
         """Return a size as wide as the other panels."""
         return QSize(320, 380)
 
     @property
-    def figures(self) -> list[dict[str, float | str | None]]:
+    def result_records(self) -> list[dict[str, float | str | None]]:
         """All values of all results, by the names of the columns."""
         table = self.table.rows
         return [{column.name: column.value(row) for column in table.columns} for row in table.items]
@@ -195,49 +195,49 @@ class ComparePanel(QWidget):
     def jump_to_next(self) -> None:
         """Show the next difference; after the last one, the largest again."""
         found = self._session.scene.differences
-        known, place = self._seen
+        known, place = self._last_shown
         place = place if known is found else 0
         if found:
             self._jump(found[place % len(found)])
-            self._seen = found, place + 1
+            self._last_shown = found, place + 1
 
     # Internal
 
-    def _act(self, text: str, do: Callback, tip: str) -> QAction:
+    def _add_result_action(self, text: str, do: Callback, tip: str) -> QAction:
         """Add an action on the selected result to the menu of the table."""
-        return add_choice(self.table, text, do, tip)
+        return add_menu_action(self.table, text, do, tip)
 
-    def _button(self, name: str) -> QToolButton:
-        button = wide_button("")
+    def _create_action_button(self, name: str) -> QToolButton:
+        button = create_wide_button("")
         button.setDefaultAction(self.acts[name])
         return button
 
-    def _results(self) -> QWidget:
+    def _create_results_page(self) -> QWidget:
         page, how = QWidget(), QWidget()
-        arrange(QVBoxLayout(how), self._tolerance, self.tolerance, self.holes, spacing=6)
-        arrange(
+        fill_layout(QVBoxLayout(how), self._tolerance, self.tolerance, self.holes, spacing=6)
+        fill_layout(
             QVBoxLayout(page),
-            arrange(QHBoxLayout(), self.add, self.keep, spacing=6),
+            fill_layout(QHBoxLayout(), self.add, self.keep, spacing=6),
             self.table,
-            self.words,
-            arrange(QHBoxLayout(), self._button("use"), self._button("refer"), spacing=6),
-            arrange(QHBoxLayout(), self._button("next"), self.export, spacing=6),
-            Section(tr("How it is compared"), how),
+            self.summary,
+            fill_layout(QHBoxLayout(), self._create_action_button("use"), self._create_action_button("refer"), spacing=6),
+            fill_layout(QHBoxLayout(), self._create_action_button("next"), self.export, spacing=6),
+            FoldableSection(tr("How it is compared"), how),
             margins=(12, 8, 12, 8),
             spacing=7,
             wide=self.table,
         )
         return page
 
-    def _choosing(self, choice: MethodChoice | ParameterChoice) -> QWidget:
+    def _create_choice_page(self, choice: MethodChoice | ParameterChoice) -> QWidget:
         """Create a page on which runs are selected."""
         page, run, back = QWidget(), QPushButton(tr("Run")), QPushButton(tr("Back"))
-        error_label, scrolled = wrapped(), Scrolled(choice, _MIN_CHOICE_HEIGHT)
+        error_label, scrolled = create_wrapped_label(), VerticalScrollArea(choice, _MIN_CHOICE_HEIGHT)
 
         def start_runs() -> None:
             error_label.clear()
             try:
-                self._compared.start_trials(choice.trials())
+                self._compared.start_trials(choice.build_trials())
             except ValueError as error:
                 error_label.setText(explain_error(error))
             else:
@@ -245,28 +245,28 @@ class ComparePanel(QWidget):
 
         run.clicked.connect(start_runs)
         back.clicked.connect(lambda: self.pages.setCurrentIndex(0))
-        buttons = arrange(QHBoxLayout(), None, back, run, spacing=6)
-        arrange(QVBoxLayout(page), scrolled, error_label, buttons, margins=(12, 8, 12, 8), spacing=7, wide=scrolled)
+        buttons = fill_layout(QHBoxLayout(), None, back, run, spacing=6)
+        fill_layout(QVBoxLayout(page), scrolled, error_label, buttons, margins=(12, 8, 12, 8), spacing=7, wide=scrolled)
         return page
 
-    def _fill(self, menu: QMenu) -> None:
+    def _fill_add_menu(self, menu: QMenu) -> None:
         """Fill the menu with what can be added."""
-        add_choice(menu, tr("&Keep this result"), self._compared.keep_current)
+        add_menu_action(menu, tr("&Keep this result"), self._compared.keep_current)
         here = self._navigation.current_step[0]
         branches = [branch for branch in self._navigation.branches if branch.identity != here]
         if branches:
             inner = menu.addMenu(tr("&Run or branch"))
             for branch in branches:
                 add = partial(self._compared.add_branch, branch.identity)
-                add_choice(inner, branch.name.replace("&", "&&"), add)
+                add_menu_action(inner, branch.name.replace("&", "&&"), add)
         if not self._compared.in_volume:
-            add_choice(menu, tr("&Methods…"), partial(self.pages.setCurrentIndex, 1),
+            add_menu_action(menu, tr("&Methods…"), partial(self.pages.setCurrentIndex, 1),
                        tr("Run snakes, level sets and others from the same start."))  # fmt: skip
-            add_choice(menu, tr("&Parameter values…"), partial(self.pages.setCurrentIndex, 2),
+            add_menu_action(menu, tr("&Parameter values…"), partial(self.pages.setCurrentIndex, 2),
                        tr("Run with several values of one or two parameters."))  # fmt: skip
-        add_choice(menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference."))
+        add_menu_action(menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference."))
 
-    def _show(self) -> None:
+    def _show_comparison(self) -> None:
         compared, has_image = self._compared, self._session.image is not None
         row, different = compared.rows[compared.selected], self._session.scene.differences
         for widget in (self.add, self.keep):
@@ -282,9 +282,9 @@ class ComparePanel(QWidget):
         self.holes.setVisible(not compared.in_volume)
         with QSignalBlocker(self.holes):
             self.holes.setChecked(compared.holes)
-        self.words.setText(row.state or self._summary())
+        self.summary.setText(row.state or self._describe_selected_result())
 
-    def _summary(self) -> str:
+    def _describe_selected_result(self) -> str:
         """Describe how the selected result differs from the reference, or what the user can do."""
         compared, different = self._compared, self._session.scene.differences
         subject = compared.rows[compared.subject]

@@ -39,8 +39,8 @@ from cpm_app.model.export import (
 from cpm_app.model.text.language import tr, localize_number
 from cpm_app.session.session import Session
 from cpm_app.session.storage.preferences import Preferences
-from cpm_app.views.export.frames import NARROWEST, WIDEST, AnimationPlan, every, frame_size
-from cpm_app.views.widgets.containers import AcceptButtons, arrange, wrapped
+from cpm_app.views.export.frames import MIN_FRAME_WIDTH, MAX_FRAME_WIDTH, AnimationPlan, sample_steps, frame_size
+from cpm_app.views.widgets.containers import AcceptButtons, fill_layout, create_wrapped_label
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Skeleton
@@ -51,7 +51,7 @@ from cpm_core.numerics.types import JsonDict, frozen
 _EXPORT_KEY_PREFIX = "export/"
 """Start of the preferences of this dialog."""
 
-FORMATS = _EXPORT_KEY_PREFIX + "formats"
+CHECKED_FORMATS_KEY = _EXPORT_KEY_PREFIX + "formats"
 """Preference: the checked formats, each as kind and suffix."""
 
 _DEFAULT_FORMATS = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
@@ -77,17 +77,17 @@ class Exportable:
 
     objects: frozenset[int]
     contours: frozenset[int]
-    pages: int
+    page_count: int
     last_step: int
-    in_space: bool
-    part: Callable[[], QRectF]
-    written: Container[Path]
+    has_space_view: bool
+    visible_part: Callable[[], QRectF]
+    written_paths: Container[Path]
 
 
 class ExportDialog(QDialog):
     """Dialog that lists what can be written and in which formats, with the names of the files."""
 
-    ordered = Signal(object, object)
+    export_requested = Signal(object, object)
     """The user exports: the order, and the settings of the animation of the run."""
 
     def __init__(
@@ -95,13 +95,13 @@ class ExportDialog(QDialog):
     ) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self._session, self._preferences, self._files, self._there = session, preferences, files, exportable
+        self._session, self._preferences, self._files, self._exportable = session, preferences, files, exportable
         image, scene = session.image, session.scene
         assert image is not None
         self._image = image
         self._volume = scene.slices is not None
-        self._found = scene.skeleton or scene.contours.result or getattr(scene.reconstruction, "result", None)
-        self.folder = files.begin("export")
+        self._result = scene.skeleton or scene.contours.result or getattr(scene.reconstruction, "result", None)
+        self.folder = files.find_starting_folder("export")
         self.list = QTreeWidget()
         self.list.setColumnCount(2)
         self.list.setHeaderLabels([tr("What"), tr("File")])
@@ -113,11 +113,11 @@ class ExportDialog(QDialog):
         self.tolerance, self._vertices, self._size = DecimalField(0.0, 10.0, 0.1, 1, " px"), QLabel(), QLabel()
         self.tolerance.setValue(0.5)
         self.tolerance.setAccessibleName(tr("Simplify"))
-        self.first = _number(tr("First step"), 0, exportable.last_step, 0)
-        self.last = _number(tr("Last step"), 0, exportable.last_step, exportable.last_step)
-        self.stride = _number(tr("Steps per frame"), 1, max(exportable.last_step, 1), 1)
-        self.width_field = _number(tr("Width"), NARROWEST, WIDEST, 640, " px")
-        self.speed = _number(tr("Speed"), 1, 50, 15, tr(" per second"))
+        self.first = _create_number_field(tr("First step"), 0, exportable.last_step, 0)
+        self.last = _create_number_field(tr("Last step"), 0, exportable.last_step, exportable.last_step)
+        self.stride = _create_number_field(tr("Steps per frame"), 1, max(exportable.last_step, 1), 1)
+        self.width_field = _create_number_field(tr("Width"), MIN_FRAME_WIDTH, MAX_FRAME_WIDTH, 640, " px")
+        self.speed = _create_number_field(tr("Speed"), 1, 50, 15, tr(" per second"))
         self._boxes = {"everywhere": self.everywhere, "units": self.units}
         self._numbers: JsonDict = {
             "tolerance": self.tolerance, "every": self.stride, "width": self.width_field, "speed": self.speed
@@ -125,17 +125,17 @@ class ExportDialog(QDialog):
         self.rows: dict[tuple[ExportKind, str], QTreeWidgetItem] = {}
         """Rows of the list by kind and suffix."""
         stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
-        self.base, self._place = QLineEdit(stem), QPushButton()
-        self.summary = wrapped()
+        self.base, self._folder_button = QLineEdit(stem), QPushButton()
+        self.summary = create_wrapped_label()
         self.summary.setMinimumHeight(2 * self.summary.fontMetrics().lineSpacing())
         self.classes: dict[int, QLineEdit] = {}
         self._lay_out()
-        self._restore()
-        self._fill()
-        self._follow()
+        self._restore_settings()
+        self._fill_format_tree()
+        self._on_settings_changed()
 
     @property
-    def files(self) -> tuple[ExportFile, ...]:
+    def checked_files(self) -> tuple[ExportFile, ...]:
         """Files whose formats are checked."""
         return tuple(
             ExportFile(self.folder / row.text(1), what, suffix)
@@ -144,13 +144,13 @@ class ExportDialog(QDialog):
         )
 
     @property
-    def order(self) -> ExportOrder:
+    def export_order(self) -> ExportOrder:
         """Files and settings that the user has selected."""
         only = self.only.isChecked()
         return ExportOrder(
-            self.files,
-            self._there.objects if only else None,
-            self._there.contours if only else None,
+            self.checked_files,
+            self._exportable.objects if only else None,
+            self._exportable.contours if only else None,
             self.tolerance.value(),
             self.everywhere.isChecked(),
             self.space.currentData(),
@@ -158,33 +158,33 @@ class ExportDialog(QDialog):
         )
 
     @property
-    def animation(self) -> AnimationPlan:
+    def animation_plan(self) -> AnimationPlan:
         """Settings of the animation of the run."""
         return AnimationPlan(
-            every(self.first.value(), max(self.last.value(), self.first.value()), self.stride.value()),
-            frame_size(self._there.part(), self.width_field.value()),
+            sample_steps(self.first.value(), max(self.last.value(), self.first.value()), self.stride.value()),
+            frame_size(self._exportable.visible_part(), self.width_field.value()),
             self.speed.value(),
         )
 
     def accept(self) -> None:
         """Name the classes, remember the settings and request the export, after a question about existing files."""
-        order, written_before = self.order, self._there.written
+        order, written_before = self.export_order, self._exportable.written_paths
         asked = [file.path.name for file in order.files if file.path.exists() and file.path not in written_before]
         more = tr("{name} and {count} more").format(name=asked[0], count=len(asked) - 1) if len(asked) > 1 else ""
         if not order.files or (asked and not ask_to_replace(self, more or asked[0])):
             return
         named = {number: field.text() for number, field in self.classes.items() if field.text()}
-        self._session.edit(tr("name classes"), partial(_named, names=named))
+        self._session.edit(tr("name classes"), partial(_name_classes, names=named))
         put = self._preferences.store_key
         shown = set(map(":".join, self.rows))
-        before = self._preferences.read_key(FORMATS, _DEFAULT_FORMATS)
+        before = self._preferences.read_key(CHECKED_FORMATS_KEY, _DEFAULT_FORMATS)
         checked = [f"{file.kind}:{file.suffix}" for file in order.files]
-        put(FORMATS, [*(key for key in before if key not in shown), *checked])
+        put(CHECKED_FORMATS_KEY, [*(key for key in before if key not in shown), *checked])
         for name, box in self._boxes.items():
             put(_EXPORT_KEY_PREFIX + name, box.isChecked())
         for name, number in self._numbers.items():
             put(_EXPORT_KEY_PREFIX + name, number.value())
-        self.ordered.emit(order, self.animation)
+        self.export_requested.emit(order, self.animation_plan)
         super().accept()
 
     # Internal
@@ -197,9 +197,9 @@ class ExportDialog(QDialog):
             folder = self._files.ask_for_folder(tr("Folder of the files"), "export", self)
             if folder:
                 self.folder = Path(folder)
-                self._follow()
+                self._on_settings_changed()
 
-        self._place.clicked.connect(select_folder)
+        self._folder_button.clicked.connect(select_folder)
         self._form = form = QFormLayout()
         found = self._session.document.objects
         for category in sorted({item.category for item in found.items if not item.hidden}):
@@ -207,9 +207,9 @@ class ExportDialog(QDialog):
             field.setPlaceholderText(tr("Name of the class"))
             field.setAccessibleName(tr("Class {number}").format(number=category))
             form.addRow(field.accessibleName(), field)
-        self._thin = _row(self.tolerance, self.everywhere, self._vertices)
-        self._steps = _row(self.first, QLabel(tr("to")), self.last, QLabel(tr("every")), self.stride)
-        self._frames = _row(self.width_field, self.speed)
+        self._thin = _create_row(self.tolerance, self.everywhere, self._vertices)
+        self._steps = _create_row(self.first, QLabel(tr("to")), self.last, QLabel(tr("every")), self.stride)
+        self._frames = _create_row(self.width_field, self.speed)
         for title, part in (
             ("", self.only),
             (tr("Simplify"), self._thin),
@@ -219,7 +219,7 @@ class ExportDialog(QDialog):
             (tr("Frames"), self._frames),
             ("", self._size),
             (tr("Name"), self.base),
-            (tr("Folder"), self._place),
+            (tr("Folder"), self._folder_button),
             ("", self.summary),
         ):
             form.addRow(title, part)
@@ -230,7 +230,7 @@ class ExportDialog(QDialog):
             self.base.textChanged,
             self.list.itemChanged,
         ):
-            changed.connect(self._follow)
+            changed.connect(self._on_settings_changed)
         layout = QVBoxLayout(self)
         layout.addWidget(self.list, 1)
         layout.addLayout(form)
@@ -239,7 +239,7 @@ class ExportDialog(QDialog):
             True
         )  # only once it is in the dialog; earlier, Tab would make another button the default
 
-    def _restore(self) -> None:
+    def _restore_settings(self) -> None:
         """Restore the settings of the last export."""
         get = self._preferences.read_key
         for name, number in self._numbers.items():
@@ -249,12 +249,12 @@ class ExportDialog(QDialog):
         for space in CONVENTIONS:
             self.space.addItem(_SPACE_TITLES[space], space)
 
-    def _fill(self) -> None:
+    def _fill_format_tree(self) -> None:
         """List what can be exported, with the formats of the last export checked."""
         moving = ("run:", "turntable:")  # these take long and are never written unasked
-        checked = [key for key in self._preferences.read_key(FORMATS, _DEFAULT_FORMATS) if not key.startswith(moving)]
+        checked = [key for key in self._preferences.read_key(CHECKED_FORMATS_KEY, _DEFAULT_FORMATS) if not key.startswith(moving)]
         self.list.blockSignals(True)  # the summary is updated once, after the last row
-        for what, count in self._counts().items():
+        for what, count in self._count_items().items():
             group = QTreeWidgetItem([f"{EXPORT_TITLES[what][0]} ({count})" if count > 1 else EXPORT_TITLES[what][0]])
             self.list.addTopLevelItem(group)
             group.setExpanded(self.list.topLevelItemCount() == 1)
@@ -267,25 +267,25 @@ class ExportDialog(QDialog):
         self.list.blockSignals(False)
         self.list.resizeColumnToContents(0)
 
-    def _counts(self) -> dict[ExportKind, int]:
+    def _count_items(self) -> dict[ExportKind, int]:
         """Count the items of each kind that can be exported."""
-        scene, exportable = self._session.scene, self._there
+        scene, exportable = self._session.scene, self._exportable
         counts: dict[ExportKind, int] = {"objects": sum(not item.hidden for item in scene.document.objects.items)}
-        if isinstance(self._found, Skeleton):
+        if isinstance(self._result, Skeleton):
             counts["lines" if self._volume else "skeleton"] = 1
-        elif self._found is not None and self._found.surface is not None:
+        elif self._result is not None and self._result.surface is not None:
             counts["surface"] = 1
-        elif self._found is not None and not self._volume:
-            counts["contours"] = len(prepare_export(self._found, scene.document, ExportOrder(), "contours").contours)
+        elif self._result is not None and not self._volume:
+            counts["contours"] = len(prepare_export(self._result, scene.document, ExportOrder(), "contours").contours)
         counts |= {
-            "pages": exportable.pages,
-            "space": exportable.in_space,
-            "turntable": exportable.in_space,
+            "pages": exportable.page_count,
+            "space": exportable.has_space_view,
+            "turntable": exportable.has_space_view,
             "run": exportable.last_step > 0,
         }
         return {what: count for what, count in counts.items() if count}
 
-    def _follow(self, *_: object) -> None:
+    def _on_settings_changed(self, *_: object) -> None:
         """Show the names of the files, the fields that matter for the selection, and the summary."""
         base, first = self.base.text().strip(), next(iter(self.rows), ("", ""))[0]
         self.list.blockSignals(True)
@@ -293,25 +293,25 @@ class ExportDialog(QDialog):
             row.setText(1, export_file_name(base, what, suffix, what == first))
         self.list.blockSignals(False)
         folder = str(self.folder)
-        self._place.setText(self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _LIST_WIDTH - 60))
-        self._place.setToolTip(folder)
-        order = self.order
+        self._folder_button.setText(self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _LIST_WIDTH - 60))
+        self._folder_button.setToolTip(folder)
+        order = self.export_order
         whats = {file.kind for file in order.files}
         suffixes = {file.suffix for file in order.files if file.kind in ("objects", "contours", "surface", "lines")}
         drawn = bool(whats & {"objects", "contours"}) and not self._volume
         show = self._form.setRowVisible
         for field in self.classes.values():
             show(field, "objects" in whats)
-        show(self.only, bool(self._there.objects or self._there.contours))
+        show(self.only, bool(self._exportable.objects or self._exportable.contours))
         show(self._thin, drawn)
         show(self.units, bool(self._image.unit))
         show(self.space, self._image.geometry is not None and bool(suffixes & SURFACE_SUFFIXES) and self._volume)
         for part in (self._steps, self._frames, self._size):
             show(part, "run" in whats)
         self.setWindowTitle(EXPORT_TITLES[next(iter(whats))][1] if len(whats) == 1 else tr("Export"))
-        self._show(order)
+        self._show_summary(order)
 
-    def _show(self, order: ExportOrder) -> None:
+    def _show_summary(self, order: ExportOrder) -> None:
         """Describe what will be written."""
         document, parts, vertices = self._session.document, list[str](), [0, 0]
         problem = "" if order.files else tr("Choose what to export.")
@@ -320,7 +320,7 @@ class ExportDialog(QDialog):
             if what in _PICTURE_KINDS:
                 parts.append(EXPORT_TITLES[what][0])
                 continue
-            result = prepare_export(self._found, document, order, what, self._image)
+            result = prepare_export(self._result, document, order, what, self._image)
             parts.append(describe_export(result, what, suffixes[0]))
             if not self._volume and all(count_left_out(result, suffix) == len(result.contours) for suffix in suffixes):
                 problem = tr("Nothing can be exported: {what}.").format(what=parts[-1])
@@ -329,7 +329,7 @@ class ExportDialog(QDialog):
                 vertices[1] += sum(len(contour.points) for contour in simplify_result(result, order.tolerance).contours)
         few, many = (localize_number(f"{count:,}") for count in reversed(vertices))
         self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if vertices[1] else "")
-        plan = self.animation
+        plan = self.animation_plan
         frames = tr("{count} frames of {width} × {height} px")
         self._size.setText(frames.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1]))
         if not self.base.text().strip():
@@ -340,19 +340,19 @@ class ExportDialog(QDialog):
         self.resize(self.size().expandedTo(self.sizeHint()))
 
 
-def _named(document: Document, names: dict[int, str]) -> Document:
+def _name_classes(document: Document, names: dict[int, str]) -> Document:
     for number, name in names.items():
         document = objects.name_class(document, number, name)
     return document
 
 
-def _row(*parts: QWidget) -> QWidget:
+def _create_row(*parts: QWidget) -> QWidget:
     row = QWidget()
-    arrange(QHBoxLayout(row), *parts)
+    fill_layout(QHBoxLayout(row), *parts)
     return row
 
 
-def _number(title: str, low: int, high: int, value: int, suffix: str = "") -> QSpinBox:
+def _create_number_field(title: str, low: int, high: int, value: int, suffix: str = "") -> QSpinBox:
     field = QSpinBox()
     field.setAccessibleName(title)
     field.setRange(low, high)

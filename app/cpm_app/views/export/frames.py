@@ -23,10 +23,10 @@ from cpm_core.numerics.types import Integers, frozen
 _CANCEL_CHECK_INTERVAL = 0.05
 """Time between two checks for cancellation [s]."""
 
-NARROWEST = 64
+MIN_FRAME_WIDTH = 64
 """Smallest width of a frame [px]."""
 
-WIDEST = 3840
+MAX_FRAME_WIDTH = 3840
 """Largest width of a frame [px]."""
 
 
@@ -39,7 +39,7 @@ class AnimationPlan:
     frames_per_second: int
 
 
-def every(first: int, last: int, stride: int) -> Integers:
+def sample_steps(first: int, last: int, stride: int) -> Integers:
     """Return every `stride`-th step from the first, and always the last."""
     steps = list(range(first, last + 1, max(stride, 1)))
     return tuple(steps if steps and steps[-1] == last else [*steps, last])
@@ -48,7 +48,7 @@ def every(first: int, last: int, stride: int) -> Integers:
 def frame_size(part: QRectF, width: int) -> tuple[int, int]:
     """Compute width and height of a frame [px], both even as video formats require."""
     height = width * part.height() / max(part.width(), 1e-9)
-    return max(2 * round(width / 2), 2), min(max(2 * round(height / 2), 2), 2 * WIDEST)
+    return max(2 * round(width / 2), 2), min(max(2 * round(height / 2), 2), 2 * MAX_FRAME_WIDTH)
 
 
 class FrameRenderer:
@@ -84,7 +84,7 @@ class FrameRenderer:
         self._view.view.setRange(part, padding=0.0)
         self.shows_contours = canvas.layers["contours"].shown
 
-    def draw(self, taken: FrameTaken) -> Pixels:
+    def render_frame(self, taken: FrameTaken) -> Pixels:
         """Draw a step of the run; return RGB values of shape (H, W, 3) and dtype uint8."""
         tracked = taken.contours.tracked if taken.contours is not None else None
         contours = ReviewedContours.from_tracked(tracked, self._scene.document.marks)
@@ -94,7 +94,7 @@ class FrameRenderer:
         self._view.finish_drawing()
         self._view.render(painter)
         painter.end()
-        return to_array(picture)
+        return read_rgb_pixels(picture)
 
     def close(self) -> None:
         """Delete the view."""
@@ -102,15 +102,15 @@ class FrameRenderer:
         self._view.deleteLater()
 
 
-def to_array(picture: QImage) -> Pixels:
+def read_rgb_pixels(picture: QImage) -> Pixels:
     """Return the RGB values of a picture, shape (H, W, 3), dtype uint8."""
     plain = picture.convertToFormat(QImage.Format.Format_RGB888)
     rows = np.frombuffer(plain.constBits(), np.uint8).reshape(plain.height(), plain.bytesPerLine())
     return rows[:, : 3 * plain.width()].reshape(plain.height(), plain.width(), 3).copy()
 
 
-def recorded(
-    session: Session, renderer: FrameRenderer, places: Sequence[tuple[int, int]]
+def create_frame_source(
+    session: Session, renderer: FrameRenderer, branch_steps: Sequence[tuple[int, int]]
 ) -> Callable[[BackgroundTask], Iterator[Pixels]]:
     """Create the function from which the thread that writes an animation gets its frames.
 
@@ -143,7 +143,7 @@ def recorded(
                 if taken.snapshot is None:
                     gone = tr("The run of the animation no longer exists, so nothing was written.")
                     raise ValueError(taken.message or gone)
-                found.set_result(renderer.draw(taken))
+                found.set_result(renderer.render_frame(taken))
             except Exception as error:  # reported by the thread that waits for the frame
                 found.set_exception(error)
 
@@ -151,8 +151,8 @@ def recorded(
         return found
 
     def produce_frames(task: BackgroundTask) -> Iterator[Pixels]:
-        due = request_frame(task, places[0])
-        for place in (*places[1:], None):
+        due = request_frame(task, branch_steps[0])
+        for place in (*branch_steps[1:], None):
             while not due.done():
                 task.check_cancelled()
                 wait([due], _CANCEL_CHECK_INTERVAL)

@@ -9,7 +9,7 @@ from cpm_app.views.features.exchange import BatchFeature, ClipboardFeature, Expo
 from cpm_app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from cpm_app.views.features.help import HelpFeature, PreferencesFeature
 from cpm_app.views.features.objects import ObjectsFeature
-from cpm_app.views.features.offers import BeginningFeature, PixelSizeFeature, StackFeature
+from cpm_app.views.features.offers import InitialSettingsFeature, PixelSizeFeature, FilePartsFeature
 from cpm_app.views.features.run import (
     RunControlFeature,
     TasksFeature,
@@ -19,7 +19,7 @@ from cpm_app.views.features.view import KeyboardFeature, LayersFeature
 from cpm_app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
 from cpm_app.views.window.window import Feature
 
-FEATURES: tuple[type[Feature], ...] = (
+WINDOW_FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
     StartFeature,
     FolderFeature,
@@ -35,8 +35,8 @@ FEATURES: tuple[type[Feature], ...] = (
     TimelineFeature,
     TasksFeature,
     ModesFeature,
-    BeginningFeature,
-    StackFeature,
+    InitialSettingsFeature,
+    FilePartsFeature,
     PixelSizeFeature,
     ObjectsFeature,
     LayersFeature,

@@ -14,7 +14,7 @@ from cpm_app.session.exchange.messages import CommandFailed, FilesExported, Repo
 from cpm_app.session.session import Session
 from cpm_app.session.signals import FILMING_CATEGORY
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_app.views.export.frames import AnimationPlan, FrameRenderer, recorded
+from cpm_app.views.export.frames import AnimationPlan, FrameRenderer, create_frame_source
 from cpm_app.views.items.item import image_rectangle
 from cpm_app.views.window.window import Feature
 from cpm_core import METHODS, write_animation
@@ -23,7 +23,7 @@ from cpm_core.numerics import Pixels
 from cpm_core.parameters import Provenance, select_parameters
 
 
-def comment_on(session: Session) -> str:
+def provenance_comment(session: Session) -> str:
     """Return the comment that states in a file how its pictures came about; empty without an image."""
     document, image = session.document, session.document.image
     if image is None:
@@ -35,24 +35,24 @@ def comment_on(session: Session) -> str:
     return dump_provenance(describe_image_provenance(image.name, made))
 
 
-def begin_writing(session: Session, path: Path, work: Callable[[BackgroundTask], Report]) -> BackgroundTask:
+def start_writing_task(session: Session, path: Path, write_file: Callable[[BackgroundTask], Report]) -> BackgroundTask:
     """Start the task that writes a file on another thread."""
     doing, done = tr("Writing {name}…", name=path.name), tr("writing {name}", name=path.name)
-    return session.tasks.start_task(doing, work, done, partial(CommandFailed, topic=FILMING_CATEGORY))
+    return session.tasks.start_task(doing, write_file, done, partial(CommandFailed, topic=FILMING_CATEGORY))
 
 
-def begin_animation(
+def start_animation_task(
     session: Session, path: Path, frames: Callable[[BackgroundTask], Iterator[Pixels]], count: int, frames_per_second: float
 ) -> BackgroundTask:
     """Start the task that writes an animation of `count` frames, which `frames` yields, on another thread."""
-    comment = comment_on(session)
+    comment = provenance_comment(session)
 
     def write_frames(task: BackgroundTask) -> Report:
         advance: Callable[[int], None] = lambda written: task.advance(written / count)  # noqa: E731
         write_animation(frames(task), path, frames_per_second, advance, comment=comment)
         return FilesExported(path)
 
-    return begin_writing(session, path, write_frames)
+    return start_writing_task(session, path, write_frames)
 
 
 class AnimationFeature(Feature):
@@ -60,17 +60,17 @@ class AnimationFeature(Feature):
 
     def set_up(self) -> None:
         """Listen for the end of tasks."""
-        self._filming: dict[BackgroundTask, FrameRenderer] = {}
-        self.session.tasks.changed.connect(self._look)
+        self._renderers: dict[BackgroundTask, FrameRenderer] = {}
+        self.session.tasks.changed.connect(self._on_tasks_changed)
 
     def close(self) -> bool:
         """Cancel the animations that are being written and delete their renderers."""
-        for task in self._filming:
+        for task in self._renderers:
             task.cancel()
-        self._look()
+        self._on_tasks_changed()
         return True
 
-    def write(self, branch: int, plan: AnimationPlan, path: Path) -> BackgroundTask | None:
+    def export_animation(self, branch: int, plan: AnimationPlan, path: Path) -> BackgroundTask | None:
         """Write an animation; None if it cannot be written, which is reported."""
         session, canvas = self.session, self.canvas
         session.clear_messages(FILMING_CATEGORY)
@@ -79,20 +79,20 @@ class AnimationFeature(Feature):
         except ValueError as error:
             session.show_message(explain_error(error), True, FILMING_CATEGORY)
             return None
-        renderer = FrameRenderer(session.scene, canvas, self.part(), plan.size)
-        frames = recorded(session, renderer, [(branch, step) for step in plan.steps])
-        task = begin_animation(session, path, frames, len(plan.steps), plan.frames_per_second)
-        self._filming[task] = renderer
+        renderer = FrameRenderer(session.scene, canvas, self.visible_part(), plan.size)
+        frames = create_frame_source(session, renderer, [(branch, step) for step in plan.steps])
+        task = start_animation_task(session, path, frames, len(plan.steps), plan.frames_per_second)
+        self._renderers[task] = renderer
         return task
 
-    def part(self) -> QRectF:
+    def visible_part(self) -> QRectF:
         """Return the part of the image that frames show: the visible one."""
         canvas = self.canvas
         whole = image_rectangle(canvas.shape or (1, 1))
         part = canvas.view.viewRect().intersected(whole)
         return whole if part.isEmpty() else part
 
-    def _look(self) -> None:
+    def _on_tasks_changed(self) -> None:
         """Delete the renderers of finished tasks."""
-        for task in [task for task in self._filming if task.is_over]:
-            self._filming.pop(task).close()
+        for task in [task for task in self._renderers if task.is_over]:
+            self._renderers.pop(task).close()

@@ -10,9 +10,9 @@ from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.comparison.divider import Wipe
 from cpm_app.views.comparison.panel import ComparePanel
-from cpm_app.views.features.animation import begin_writing
+from cpm_app.views.features.animation import start_writing_task
 from cpm_app.views.widgets.actions import ActionSpec
-from cpm_app.views.window.dialogs import ALL_FILES, Files
+from cpm_app.views.window.dialogs import ALL_FILES, FileKind
 from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, IMAGES_READABLE, SURFACES_READABLE, TABLE_SUFFIX, write_together
@@ -35,28 +35,28 @@ class CompareFeature(Feature):
             kinds = {TABLE_SUFFIX: tr("Table of all results")}
             path = window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
             if path is not None:
-                rows: list[dict[str, object]] = [{**row, "name": escape_cell(str(row["name"]))} for row in self.panel.figures]
+                rows: list[dict[str, object]] = [{**row, "name": escape_cell(str(row["name"]))} for row in self.panel.result_records]
 
                 def write_table(_: BackgroundTask) -> Report:
                     write_together([(path, encode_csv_rows(rows))])
                     return FilesExported(path)
 
-                begin_writing(self.session, path, write_table)
+                start_writing_task(self.session, path, write_table)
 
         self.panel = ComparePanel(
-            self.session, compared, window.workspace.navigation, self._load, export_table, self._jump
+            self.session, compared, window.workspace.navigation, self._ask_for_truth, export_table, self._show_difference
         )
-        self.panels = (Panel("compare", "Compare", self.panel, "F12", shown=False),)
+        self.panels = (Panel("compare", "Compare", self.panel, "F12", shown_at_start=False),)
         self.panel.table.zoom_wanted.connect(self.panel.jump_to_next)
         self.wipe = Wipe(self.canvas)
         self.wipe.ended.connect(lambda: compared.select_row(CURRENT_KEY))
         compared.selection_changed.connect(self._show_divider)
-        compared.changed.connect(window.refresh)
-        self.session.scene_changed.connect(self._draw)
+        compared.changed.connect(window.refresh_actions)
+        self.session.scene_changed.connect(self._draw_right_side)
         self.actions = (
             ActionSpec("compare", "Run", "Com&pare…",
                        "Compare what is shown with other runs, methods, values of parameters or a ground truth.",
-                       lambda: window.docks.enter("compare"), "Ctrl+D", gap=True, when=has_image),
+                       lambda: window.docks.enter_panel("compare"), "Ctrl+D", gap=True, when=has_image),
             ActionSpec("next_difference", ">" + tr("Compare"), "Show next &difference",
                        "Show the differences from the reference one after the other, the largest first.",
                        self.panel.jump_to_next, "Shift+W", when=lambda _: bool(self.session.scene.differences)),
@@ -64,24 +64,24 @@ class CompareFeature(Feature):
 
     def _show_divider(self) -> None:
         if self._compared.selected == CURRENT_KEY:
-            self.wipe.end()
+            self.wipe.end_comparison()
         else:
             rows = self._compared.rows
-            self.wipe.begin(rows[CURRENT_KEY].title, rows[self._compared.selected].title)
-            self._draw()
+            self.wipe.start_comparison(rows[CURRENT_KEY].title, rows[self._compared.selected].title)
+            self._draw_right_side()
 
-    def _draw(self) -> None:
+    def _draw_right_side(self) -> None:
         if self._compared.selected != CURRENT_KEY:
-            self.wipe.draw(self._compared.scene_beyond_divider())
+            self.wipe.draw_right_scene(self._compared.scene_beyond_divider())
 
-    def _load(self) -> None:
+    def _ask_for_truth(self) -> None:
         kinds = (
-            (Files(tr("Label volumes and surfaces"), (*IMAGES_READABLE, *SURFACES_READABLE)), ALL_FILES)
+            (FileKind(tr("Label volumes and surfaces"), (*IMAGES_READABLE, *SURFACES_READABLE)), ALL_FILES)
             if self._compared.in_volume
             else (
-                Files(tr("Masks and contours"), tuple(dict.fromkeys((*IMAGES_READABLE, *CONTOURS_READABLE)))),
-                Files(tr("Masks"), tuple(IMAGES_READABLE)),
-                Files(tr("Contours"), tuple(CONTOURS_READABLE)),
+                FileKind(tr("Masks and contours"), tuple(dict.fromkeys((*IMAGES_READABLE, *CONTOURS_READABLE)))),
+                FileKind(tr("Masks"), tuple(IMAGES_READABLE)),
+                FileKind(tr("Contours"), tuple(CONTOURS_READABLE)),
                 ALL_FILES,
             )
         )
@@ -89,7 +89,7 @@ class CompareFeature(Feature):
         if chosen is not None:
             self._compared.load_truth_file(str(chosen))
 
-    def _jump(self, difference: Difference) -> None:
+    def _show_difference(self, difference: Difference) -> None:
         slices = self.window.workspace.slices
         slices.go_through(difference.place)
         points = difference.points if slices.current is None else slices.current.current.project_points(difference.points)

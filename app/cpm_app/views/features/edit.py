@@ -31,11 +31,11 @@ class DrawFeature(Feature):
         ]  # fmt: skip
         self.actions = (
             *tools,
-            self._start("grid", tr("Every&where"), "Ctrl+G",
+            self._create_start_action("grid", tr("Every&where"), "Ctrl+G",
                         tr("Start on a grid over the whole image; choose again to remove it.")),
-            self._start("gradient", tr("Stron&g edges"), "Ctrl+Shift+G",
+            self._create_start_action("gradient", tr("Stron&g edges"), "Ctrl+Shift+G",
                         tr("Start where the gradient is large; choose again to remove it."), tr("Edges")),
-            self._start("centers", tr("Ce&nters"), "Ctrl+Shift+C",
+            self._create_start_action("centers", tr("Ce&nters"), "Ctrl+Shift+C",
                         tr("Start at the centers of regions enclosed by edges; choose again to remove it.")),
             ActionSpec("add_circle", ">" + tr("Tools"), "Add circle in the &middle",
                        "Add a circle in the middle of the visible part.", area.add_circle, "Ctrl+K",
@@ -46,7 +46,7 @@ class DrawFeature(Feature):
                        area.crosshair.toggle_visibility, gap=True, when=has_image),
         )  # fmt: skip
 
-    def _start(self, kind: SeedingKind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
+    def _create_start_action(self, kind: SeedingKind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
         """Create the action that adds or removes a start that needs no drawing."""
         start, session = Everywhere(kind), self.session
 
@@ -56,11 +56,11 @@ class DrawFeature(Feature):
                 name = tr("remove {start}", start=name)
             session.edit(name, lambda document: edits.toggle_everywhere(document, kind))
             # The action must show the state of the document even if it has not changed.
-            self.window.refresh()
+            self.window.refresh_actions()
 
         return ActionSpec(f"start_{kind}", "Tools", text, tip, toggle_start, keys, icon=kind, gap=kind == "grid",
                           short=short, when=has_image,
-                          holds=lambda now: start in now.document.shapes)  # fmt: skip
+                          checked_when=lambda now: start in now.document.shapes)  # fmt: skip
 
 
 _MODE_KEYS = {"shape": "Ctrl+F1", "automatic": "Ctrl+F2", "skeleton": "Ctrl+F3"}
@@ -72,19 +72,19 @@ class ModesFeature(Feature):
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
-        self.actions = [self._choice(mode) for mode in MODES]
+        self.actions = [self._create_mode_action(mode) for mode in MODES]
 
-    def _choice(self, mode: Mode) -> ActionSpec:
+    def _create_mode_action(self, mode: Mode) -> ActionSpec:
         info, session = MODES[mode], self.session
 
         def select_mode() -> None:
             session.set_mode(mode)
             # The action must show the state of the document even if it has not changed.
-            self.window.refresh()
+            self.window.refresh_actions()
 
         return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, select_mode, _MODE_KEYS[mode],
                           icon=f"mode_{mode}",
-                          holds=lambda now: now.document.mode == mode, gap=mode == "shape",
+                          checked_when=lambda now: now.document.mode == mode, gap=mode == "shape",
                           short=info.short)  # fmt: skip
 
 
@@ -101,10 +101,10 @@ class UndoSelectionFeature(Feature):
 
         self.actions = (
             ActionSpec("undo", "Edit", "Undo", "Undo the last change.", session.undo, "Ctrl+Z", short=tr("Undo"),
-                       icon="undo", when=lambda now: bool(now.undo_name), worded=lambda now: resolve_texts(now).undo_text),
+                       icon="undo", when=lambda now: bool(now.undo_name), text_for=lambda now: resolve_texts(now).undo_text),
             ActionSpec("redo", "Edit", "Redo", "Redo the last undone change.", session.redo, "Ctrl+Shift+Z Ctrl+Y",
                        short=tr("Redo"), icon="redo", when=lambda now: bool(now.redo_name),
-                       worded=lambda situation: resolve_texts(situation).redo_text),
+                       text_for=lambda situation: resolve_texts(situation).redo_text),
             ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next_shape, "N",
                        gap=True, when=has_shapes),
             ActionSpec("escape", ">" + tr("Edit"), "Cance&l",

@@ -26,12 +26,12 @@ from cpm_app.session.features.import_contours import (
 )
 from cpm_app.session.signals import EXPORTING_CATEGORY, OPENING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK
-from cpm_app.views.export.dialog import FORMATS, Exportable, ExportDialog
+from cpm_app.views.export.dialog import CHECKED_FORMATS_KEY, Exportable, ExportDialog
 from cpm_app.views.export.frames import AnimationPlan
 from cpm_app.views.features.animation import AnimationFeature
 from cpm_app.views.features.volumes import SpaceFeature
 from cpm_app.views.widgets.actions import ActionSpec
-from cpm_app.views.window.dialogs import ALL_FILES, Button, Files, Question
+from cpm_app.views.window.dialogs import ALL_FILES, AnswerButton, FileKind, QuestionDialog
 from cpm_app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, CENTERLINES_WRITABLE, IMAGES_READABLE, SURFACES_READABLE
 from cpm_core.shapes import Points
@@ -48,55 +48,55 @@ class ExportFeature(Feature):
         self.session.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("export", "File", "&Export…", "Export objects, contours, surfaces, pictures and animations.",
-                       self.export, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export", gap=True,
+                       self.open_export_dialog, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export", gap=True,
                        when=_can_export),
             ActionSpec("export_again", "File", "Export a&gain", "Export the same files again, without a dialog.",
                        self.export_again, "Ctrl+Shift+E", when=_can_export),
         )  # fmt: skip
 
-    def export(self) -> None:
+    def open_export_dialog(self) -> None:
         """Ask the user what to export."""
         if self.dialog is None:
-            self.dialog = self._made()
-            self.dialog.finished.connect(self._end)
+            self.dialog = self._create_dialog()
+            self.dialog.finished.connect(self._on_dialog_finished)
             self.dialog.open()
 
     def export_again(self) -> None:
         """Write the last files again; for another image, files in the same formats."""
         if self._last is not None:
-            self._write(*self._last)
-        elif self.window.preferences.read_key(FORMATS, [""]) != [""]:
-            self._made().accept()
+            self._write_files(*self._last)
+        elif self.window.preferences.read_key(CHECKED_FORMATS_KEY, [""]) != [""]:
+            self._create_dialog().accept()
         else:
-            self.export()
+            self.open_export_dialog()
 
-    def _made(self) -> ExportDialog:
+    def _create_dialog(self) -> ExportDialog:
         window, workspace = self.window, self.window.workspace
-        navigation, space, pages = workspace.navigation, window.feature(SpaceFeature), workspace.pages.result
+        navigation, space, pages = workspace.navigation, window.get_feature(SpaceFeature), workspace.pages.result
         exportable = Exportable(
             self.session.scene.objects.selected,
             frozenset(item.measures.number for item in workspace.review.selected_items),
             0 if pages is None else len(pages.results),
             navigation.last_step(navigation.current_step[0]) if has_particles(self.session.situation) else 0,
             space.panel.contents is not None,
-            window.feature(AnimationFeature).part,
+            window.get_feature(AnimationFeature).visible_part,
             self._written,
         )
         dialog = ExportDialog(window, self.session, window.preferences, window.files, exportable)
-        dialog.ordered.connect(self._write)
+        dialog.export_requested.connect(self._write_files)
         return dialog
 
-    def _write(self, order: ExportOrder, animation: AnimationPlan) -> None:
+    def _write_files(self, order: ExportOrder, animation: AnimationPlan) -> None:
         self._last = order, animation
-        workspace, space = self.window.workspace, self.window.feature(SpaceFeature)
-        self.window.files.remember("export", order.files[0].path)
+        workspace, space = self.window.workspace, self.window.get_feature(SpaceFeature)
+        self.window.files.remember_path("export", order.files[0].path)
         found, paths = list[ExportFile](), list[Path]()
         for file in order.files:
             self._written.add(file.path)
             if file.kind == "run":
-                self.window.feature(AnimationFeature).write(workspace.navigation.current_step[0], animation, file.path)
+                self.window.get_feature(AnimationFeature).export_animation(workspace.navigation.current_step[0], animation, file.path)
             elif file.kind in ("space", "turntable"):
-                space.write(file.path, file.kind == "turntable")
+                space.write_view(file.path, file.kind == "turntable")
             elif file.kind == "pages":
                 paths.append(file.path)
             else:
@@ -106,7 +106,7 @@ class ExportFeature(Feature):
         if found:
             self.session.export_files(replace(order, files=tuple(found)))
 
-    def _end(self) -> None:
+    def _on_dialog_finished(self) -> None:
         self.dialog = None
 
     def _on_image_opened(self, _: ImageOpened) -> None:
@@ -136,14 +136,14 @@ class ClipboardFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         self.actions = (
             ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
-                       self.copy, "Ctrl+C", gap=True,
+                       self.copy_selection, "Ctrl+C", gap=True,
                        when=lambda now: has_contours(now) or (has_objects_to_export(now.document) and not has_volume(now))),
             ActionSpec("copy_view", "Edit", "Copy &view as image",
                        "Copy the visible part of the image with its overlays to the clipboard.", self.copy_view,
                        "Ctrl+Shift+P", when=has_image),
         )  # fmt: skip
 
-    def copy(self) -> None:
+    def copy_selection(self) -> None:
         """Copy the selection, else all objects, else all contours; other programs take the format that suits them."""
         session = self.session
         chosen = session.scene.objects.selected
@@ -151,14 +151,14 @@ class ClipboardFeature(Feature):
         what: ExportKind = "objects" if chosen or (has_objects_to_export(session.document) and not contours) else "contours"
         suffixes = (".svg", ".geojson", ".table.csv" if what == "objects" else ".measures.csv")
         files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in suffixes)
-        session.export_files(ExportOrder(files, chosen or None, contours or None), self._put)
+        session.export_files(ExportOrder(files, chosen or None, contours or None), self._put_on_clipboard)
 
     def copy_view(self) -> None:
         """Copy the view of the canvas as a picture."""
         QApplication.clipboard().setImage(self.canvas.grab().toImage())
         self.session.show_message(tr("The view was copied."), topic=EXPORTING_CATEGORY)
 
-    def _put(self, contents: tuple[bytes, ...]) -> None:
+    def _put_on_clipboard(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
         for kind, content in zip(_CLIPBOARD_MIME_TYPES, contents, strict=True):
             data.setData(kind, content)
@@ -167,10 +167,10 @@ class ClipboardFeature(Feature):
         self.session.show_message(tr("Copied as a drawing and a table."), topic=EXPORTING_CATEGORY)
 
 
-IN_VOLUMES = frozenset((*SURFACES_READABLE, *CENTERLINES_WRITABLE))
+VOLUME_ONLY_SUFFIXES = frozenset((*SURFACES_READABLE, *CENTERLINES_WRITABLE))
 """Suffixes of files that can be imported only into a volume."""
 
-_VOLUME_IMPORT_FILES = Files(
+_VOLUME_IMPORT_FILES = FileKind(
     tr("Surfaces, labels and center lines"), (*SURFACES_READABLE, *CENTERLINES_WRITABLE, *IMAGES_READABLE, ".points.csv")
 )
 """Kinds of files that can be imported into a volume."""
@@ -190,22 +190,22 @@ class ImportFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         self.actions = (
             ActionSpec("import_contours", "File", "&Import contours…",
-                       "Import contours from another program as a start, as objects or as ground truth.", self._choose,
+                       "Import contours from another program as a start, as objects or as ground truth.", self._ask_for_contours,
                        when=has_image),
             ActionSpec("paste", "Edit", "&Paste", "Open the picture on the clipboard, or use the contours on it.",
                        self.paste, "Ctrl+V"),
         )  # fmt: skip
 
-    def take(self, path: Path) -> None:
+    def import_file(self, path: Path) -> None:
         """Read contours and ask how to use them."""
         session = self.session
         if session.document.image is None:
             message = tr("Open an image first; then {name} can be drawn.")
-        elif session.scene.slices is None and path.suffix.lower() in IN_VOLUMES:
+        elif session.scene.slices is None and path.suffix.lower() in VOLUME_ONLY_SUFFIXES:
             message = tr("{name} belongs to a volume, but an image is open.")
         else:
             session.clear_messages(OPENING_CATEGORY)
-            read_contour_file(session, path, partial(self._use, path))
+            read_contour_file(session, path, partial(self._on_file_read, path))
             return
         session.show_message(message.format(name=path.name), True, OPENING_CATEGORY)
 
@@ -218,9 +218,9 @@ class ImportFeature(Feature):
         content = bytes(data.data(kind).data()) if kind else text.encode()
         picture = data.imageData() if data.hasImage() else None
         if data.hasUrls():
-            self.window.dropped.emit(data.urls())
+            self.window.urls_dropped.emit(data.urls())
         elif content and session.document.image is not None and session.scene.slices is None:
-            read_pasted(session, content, partial(self._use, None))
+            read_pasted(session, content, partial(self._on_file_read, None))
         elif isinstance(picture, QImage) and not picture.isNull():
             save_pasted_picture(session, picture, self.window.open_image)
         else:
@@ -232,15 +232,15 @@ class ImportFeature(Feature):
                 message = tr("Open an image first; then the contours on the clipboard can be used.")
             session.show_message(message, True, OPENING_CATEGORY)
 
-    def _choose(self) -> None:
+    def _ask_for_contours(self) -> None:
         in_volume = self.session.scene.slices is not None
-        kinds = (_VOLUME_IMPORT_FILES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), ALL_FILES)
+        kinds = (_VOLUME_IMPORT_FILES if in_volume else FileKind(tr("Contours"), tuple(CONTOURS_READABLE)), ALL_FILES)
         title = tr("Import surface") if in_volume else tr("Import contours")
         chosen = self.window.files.ask_for_file("truth", title, kinds)
         if chosen is not None:
-            self.take(chosen)
+            self.import_file(chosen)
 
-    def _use(self, path: Path | None, found: ImportedDrawing) -> None:
+    def _on_file_read(self, path: Path | None, found: ImportedDrawing) -> None:
         """Draw points, or ask how to use contours; `path` is None if they come from the clipboard."""
         session = self.session
         if isinstance(found, Points):
@@ -249,9 +249,9 @@ class ImportFeature(Feature):
             return
         whole = found.kind == "center lines" or not found.count
         question = tr("Use {name} as a start?") if whole else tr("What should {name} be used for?")
-        buttons = _buttons(found, path is not None)
+        buttons = _create_answer_buttons(found, path is not None)
         text = question.format(name=found.name)
-        answer = Question(self.window, _QUESTION_TITLES[found.kind], text, _explained(found), buttons).ask()
+        answer = QuestionDialog(self.window, _QUESTION_TITLES[found.kind], text, _explain_choices(found), buttons).wait_for_answer()
         if answer == "start":
             name = tr("start from {name}", name=found.name)
             session.edit(name, lambda document: edits.set_shapes(document, (*document.shapes, *found.starts)))
@@ -259,11 +259,11 @@ class ImportFeature(Feature):
             name = tr("add objects from {name}", name=found.name)
             session.edit(name, lambda document: imported.add_objects(document, found.objects, found.classes))
         elif answer == "truth" and path is not None:
-            self.window.docks.reveal("compare")
+            self.window.docks.reveal_panel("compare")
             self.window.workspace.comparison.load_truth_file(path)
 
 
-def _explained(found: ImportedContent) -> str:
+def _explain_choices(found: ImportedContent) -> str:
     sentences = [tr("Particles flow from a start to the edges; objects stay as they are.")]
     if found.kind == "surface" and not found.objects:
         sentences.append(tr("The surface is not closed, so it encloses no object."))
@@ -272,14 +272,14 @@ def _explained(found: ImportedContent) -> str:
     return " ".join([*sentences, *map(translate_core_text, found.notes)])
 
 
-def _buttons(found: ImportedContent, of_file: bool) -> Sequence[Button]:
-    buttons = [Button("start", tr("&Start"), "accept")]
+def _create_answer_buttons(found: ImportedContent, of_file: bool) -> Sequence[AnswerButton]:
+    buttons = [AnswerButton("start", tr("&Start"), "accept")]
     if found.objects:
-        buttons.append(Button("objects", tr("&Objects"), "accept"))
+        buttons.append(AnswerButton("objects", tr("&Objects"), "accept"))
     enclosing = found.kind != "surface" or bool(found.objects)
     if found.count and of_file and found.kind != "center lines" and enclosing:
-        buttons.append(Button("truth", tr("Ground &truth"), "accept"))
-    return [*buttons, Button("cancel", tr("Cancel"), "cancel")]
+        buttons.append(AnswerButton("truth", tr("Ground &truth"), "accept"))
+    return [*buttons, AnswerButton("cancel", tr("Cancel"), "cancel")]
 
 
 class BatchFeature(Feature):
@@ -292,20 +292,20 @@ class BatchFeature(Feature):
             ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",
                        "Run every image in a folder with the current starts and settings, and export the "
                        "contours.",
-                       self._apply, "Ctrl+Alt+E",
+                       self._apply_session, "Ctrl+Alt+E",
                        when=lambda situation: has_image(situation) and self._task.is_over),
         )  # fmt: skip
 
-    def _apply(self) -> None:
+    def _apply_session(self) -> None:
         folder = self.window.files.ask_for_folder(tr("Folder of the images"))
         if folder:
-            self._task = apply_to_folder(self.session, Path(folder), self._report)
-            self.window.refresh()
+            self._task = apply_to_folder(self.session, Path(folder), self._on_batch_done)
+            self.window.refresh_actions()
 
-    def _report(self, done: BatchDone) -> None:
+    def _on_batch_done(self, done: BatchDone) -> None:
         text = tr("{done} of {count} images finished.", done=done.images - done.failed, count=done.images)
         more = tr("{failed} could not be used.", failed=done.failed)
         table = tr("The table is in {path}.", path=done.table)
         words = " ".join((text, more, table) if done.failed else (text, table))
         self.session.show_message(words, done.failed > 0, BATCH_CATEGORY)
-        self.window.refresh()
+        self.window.refresh_actions()

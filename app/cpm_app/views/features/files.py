@@ -22,15 +22,15 @@ from cpm_app.session.storage.recovery import Journal, Leftover, journals_folder,
 from cpm_app.session.storage.session_file import SessionWritten
 from cpm_app.views.features.exchange import ImportFeature
 from cpm_app.views.files.recent_files import RecentFiles
-from cpm_app.views.files.start_screen import Entry, StartScreen
+from cpm_app.views.files.start_screen import StartEntry, StartScreen
 from cpm_app.views.widgets.actions import Actions, ActionSpec, Submenu
-from cpm_app.views.widgets.containers import arrange, dim_label
+from cpm_app.views.widgets.containers import fill_layout, create_dim_label
 from cpm_app.views.window import dialogs
-from cpm_app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
+from cpm_app.views.window.dialogs import ALL_FILES, SESSION_FILES, AnswerButton, FileKind, QuestionDialog
 from cpm_app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, CENTERLINES_WRITABLE, IMAGES_READABLE, SESSION_SUFFIX, SURFACES_READABLE, Reading
 
-CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *CENTERLINES_WRITABLE)) - frozenset(IMAGES_READABLE)
+CONTOUR_SUFFIXES = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *CENTERLINES_WRITABLE)) - frozenset(IMAGES_READABLE)
 """Suffixes of files that hold contours or points for the open document rather than a document."""
 
 _SEGMENTATION_ENDINGS = (".seg.nrrd", ".seg.dcm")
@@ -45,23 +45,23 @@ class OpenSaveFeature(Feature):
         window = self.window
         self.document_file = window.document_file
         self.recent = RecentFiles(window.preferences, window.open_image)
-        self._left: tuple[Document, int] | None = None
+        self._confirmed_work: tuple[Document, int] | None = None
         """Document and generation that the user has agreed to close."""
         session = self.session
-        session.can_replace_image = self._may_replace
-        window.files_wanted.connect(self.take)
-        window.dropped.connect(self.take_dropped)
-        self.document_file.changed.connect(self._name_window)
+        session.can_replace_image = self._confirm_replacement
+        window.files_wanted.connect(self.open_files)
+        window.urls_dropped.connect(self.open_dropped)
+        self.document_file.changed.connect(self._update_title)
         self.document_file.restored.connect(window.workspace.slices.use_view_state)
         self.document_file.restored.connect(self.canvas.use_view_state)  # in the slice that has just been restored
-        session.document_changed.connect(lambda _: self._name_window())
+        session.document_changed.connect(lambda _: self._update_title())
         session.add_listener(ImageOpened, self._on_image_opened)
-        session.add_listener(SessionWritten, lambda written: self._remember(written.path))
-        self._name_window()
+        session.add_listener(SessionWritten, lambda written: self._remember_path(written.path))
+        self._update_title()
         self.actions = (
-            ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_file, "Ctrl+O",
+            ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_document, "Ctrl+O",
                        short=tr("Open"), icon="open"),
-            Submenu("recent", "File", "Open &recent", self.recent.fill),
+            Submenu("recent", "File", "Open &recent", self.recent.fill_menu),
             ActionSpec("save", "File", "&Save session", "Save everything: drawing, runs, contours, objects and view.",
                        self.save, "Ctrl+S", short=tr("Save"), icon="save", gap=True, when=has_image),
             ActionSpec("save_as", "File", "Save session &as…",
@@ -70,7 +70,7 @@ class OpenSaveFeature(Feature):
             ActionSpec("quit", "File", "&Quit", "Quit the program.", window.close, "Ctrl+Q", gap=True),
         )  # fmt: skip
 
-    def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
+    def open_files(self, paths: Sequence[Path], resumes: bool = False) -> None:
         """Open files by their kind: images, sessions, contours and points.
 
         Contours and points are used in the image that is open.
@@ -82,38 +82,38 @@ class OpenSaveFeature(Feature):
         documents = []
         for path in paths:
             segments = path.name.lower().endswith(_SEGMENTATION_ENDINGS) and self.session.scene.slices is not None
-            if path.suffix.lower() in CONTOURS or segments:
-                self.window.feature(ImportFeature).take(path)
+            if path.suffix.lower() in CONTOUR_SUFFIXES or segments:
+                self.window.get_feature(ImportFeature).import_file(path)
             else:
                 documents.append(path)
-        if documents and self._may_open():
-            as_volume, reading = self.recent.part_of(documents[0])
+        if documents and self._confirm_opening():
+            as_volume, reading = self.recent.find_part(documents[0])
             self.session.open_file(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
                 self.session.show_message(message.format(count=len(documents), name=documents[0].name), topic=OPENING_CATEGORY)
 
-    def take_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
+    def open_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
         """Open a part of a file as a volume or as an image."""
         self.window.canvas_area.messages.keep_categories(*PROGRAM_CATEGORIES)
-        if self._may_open():
+        if self._confirm_opening():
             self.session.open_file(path, as_volume=as_volume, reading=reading)
 
-    def take_dropped(self, urls: Sequence[QUrl]) -> None:
+    def open_dropped(self, urls: Sequence[QUrl]) -> None:
         """Open files that were dropped on the window."""
         elsewhere = [url for url in urls if not url.isLocalFile()]
-        self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
+        self.open_files([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
         if elsewhere:
             place = elsewhere[0].toDisplayString()
             message = tr("{place} is not a file on this computer. Save it first, then open it.", place=place)
             self.session.show_message(message, True, OPENING_CATEGORY)
 
-    def ask_for_file(self) -> None:
+    def ask_for_document(self) -> None:
         """Ask for an image or a session and open it."""
-        both, images = Files(tr("Images and sessions"), (*IMAGES_READABLE, SESSION_SUFFIX)), Files(tr("Images"), tuple(IMAGES_READABLE))
-        chosen = self.window.files.ask_for_file("open", tr("Open"), (both, images, SESSIONS, ALL_FILES))
+        both, images = FileKind(tr("Images and sessions"), (*IMAGES_READABLE, SESSION_SUFFIX)), FileKind(tr("Images"), tuple(IMAGES_READABLE))
+        chosen = self.window.files.ask_for_file("open", tr("Open"), (both, images, SESSION_FILES, ALL_FILES))
         if chosen is not None:
-            self.take([chosen])
+            self.open_files([chosen])
 
     def save(self) -> None:
         """Save to the current file, or ask for one."""
@@ -124,7 +124,7 @@ class OpenSaveFeature(Feature):
 
     def save_as(self) -> None:
         """Ask for a file and save to it."""
-        path = self._ask_where()
+        path = self._ask_session_path()
         if path is not None:
             self.document_file.save(path)
 
@@ -136,34 +136,34 @@ class OpenSaveFeature(Feature):
         answer = dialogs.ask_about_unsaved(self.window, self.document_file.name, self.document_file.unsaved_parts)
         if answer != "save":
             return answer == "discard"
-        path = self.document_file.path or self._ask_where()
+        path = self.document_file.path or self._ask_session_path()
         return path is not None and self.document_file.save_and_wait(path)
 
     # Internal
 
     @property
-    def _work(self) -> tuple[Document, int]:
+    def _work_at_risk(self) -> tuple[Document, int]:
         """Document and generation that would be lost."""
         return self.session.document, self.session.generation
 
-    def _may_open(self) -> bool:
+    def _confirm_opening(self) -> bool:
         """Return whether another image may be opened.
 
         The user is not asked again while one is being opened and nothing has changed.
         """
-        if not (self.session.opening_name and self._left == self._work):
+        if not (self.session.opening_name and self._confirmed_work == self._work_at_risk):
             if not self.close():
                 return False
-            self._left = self._work
+            self._confirmed_work = self._work_at_risk
         return True
 
-    def _may_replace(self, opened: ImageOpened) -> bool:
+    def _confirm_replacement(self, opened: ImageOpened) -> bool:
         """Return whether a loaded image may replace this one; ask about work done in the meantime.
 
         Turning a page loses nothing and needs no question.
         """
         turned = opened.saved is not None and opened.saved.is_other_page
-        if turned or not self.document_file.unsaved or self._left == self._work:
+        if turned or not self.document_file.unsaved or self._confirmed_work == self._work_at_risk:
             return True
 
         def confirm_again() -> None:
@@ -175,25 +175,25 @@ class OpenSaveFeature(Feature):
         QTimer.singleShot(0, self.window, confirm_again)
         return False
 
-    def _ask_where(self) -> Path | None:
+    def _ask_session_path(self) -> Path | None:
         path, name = self.document_file.path, self.document_file.name
         folder = path.parent if path is not None else None
-        return self.window.files.ask_where_to_save("session", tr("Save session"), name, [SESSIONS], folder)
+        return self.window.files.ask_where_to_save("session", tr("Save session"), name, [SESSION_FILES], folder)
 
     def _on_image_opened(self, opened: ImageOpened) -> None:
-        self._left = None
+        self._confirmed_work = None
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
         if opened.saved is not None and opened.saved.file.truth is not None:
             self.window.workspace.comparison.restore_truth(opened.saved.file.truth, path.absolute().parent)
         if find_sample_at(opened.path) is None or opened.saved:
-            self._remember(path)
-            self.recent.keep_part(opened)
+            self._remember_path(path)
+            self.recent.remember_part(opened)
 
-    def _remember(self, path: Path) -> None:
-        self.recent.add(path)
-        self.window.files.remember("open", path)
+    def _remember_path(self, path: Path) -> None:
+        self.recent.add_path(path)
+        self.window.files.remember_path("open", path)
 
-    def _name_window(self) -> None:
+    def _update_title(self) -> None:
         image = self.session.document.image
         name = self.document_file.path.name if self.document_file.path else image.name if image else ""
         title = f"{name}[*] – CPM" if name else "CPM"
@@ -210,80 +210,80 @@ class StartFeature(Feature):
         window = self.window
         self.pictures = ThumbnailStore(thumbnails_folder())
         self.screen = StartScreen(window.canvas_area)
-        self._recent = window.feature(OpenSaveFeature).recent
+        self._recent = window.get_feature(OpenSaveFeature).recent
         self._recent.cleared.append(self.pictures.clear)
-        self.screen.asked.connect(window.feature(OpenSaveFeature).ask_for_file)
-        self.screen.chosen.connect(window.open_image)
-        self.screen.left.connect(self.leave)
+        self.screen.open_requested.connect(window.get_feature(OpenSaveFeature).ask_for_document)
+        self.screen.file_selected.connect(window.open_image)
+        self.screen.back_requested.connect(self.show_image)
         session = self.session
-        session.image_changed.connect(self.leave)
-        session.add_listener(ImageReady, lambda _: self._keep_picture())
-        session.add_listener(SessionWritten, lambda _: self._keep_picture())
-        session.add_listener(OpeningFailed, self._stay)
+        session.image_changed.connect(self.show_image)
+        session.add_listener(ImageReady, lambda _: self._store_picture())
+        session.add_listener(SessionWritten, lambda _: self._store_picture())
+        session.add_listener(OpeningFailed, self._on_not_opened)
         self.actions = (
             ActionSpec("start", "File", "Sa&mples and recent files", "Show samples and recent files as pictures.",
-                       self.toggle, "Alt+Home", short=tr("Start"), icon="home"),
+                       self.toggle_start_screen, "Alt+Home", short=tr("Start"), icon="home"),
         )  # fmt: skip
 
     def close(self) -> bool:
         """Store a picture of the open image."""
-        self._keep_picture()
+        self._store_picture()
         return True
 
-    def show(self, error: str = "") -> None:
+    def show_start_screen(self, error: str = "") -> None:
         """Show the start screen in place of the image, with the `error` of a file that could not be opened."""
         shown = [
-            Entry(sample.path, crop_middle(QImage(str(sample.picture)), THUMBNAIL_SIZE), sample.title, "", sample.about)
+            StartEntry(sample.path, crop_middle(QImage(str(sample.picture)), THUMBNAIL_SIZE), sample.title, "", sample.about)
             for sample in load_samples()
         ]
         recent = []
-        for path in self._paths:
+        for path in self._recent_paths:
             changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
             below = f"{path.parent.name} · {QLocale().toString(changed, QLocale.FormatType.ShortFormat)}"
-            recent.append(Entry(path, self.pictures.load_thumbnail(path), path.name, below, str(path)))
+            recent.append(StartEntry(path, self.pictures.load_thumbnail(path), path.name, below, str(path)))
         self.screen.show_entries(recent, shown, self.session.document.image is not None, error)
 
-    def leave(self) -> None:
+    def show_image(self) -> None:
         """Show the image, if there is one."""
         if self.screen.isVisible() and self.session.document.image is not None:
             self.screen.hide()
             self.canvas.setFocus()
 
-    def toggle(self) -> None:
+    def toggle_start_screen(self) -> None:
         """Show the start screen, or the image again."""
         if self.screen.isVisible():
-            self.leave()
+            self.show_image()
         else:
-            self.show()
+            self.show_start_screen()
 
-    def welcome(self) -> None:
+    def offer_recent_work(self) -> None:
         """Offer the newest work when the program starts with a sample."""
         session = self.session
 
         def on_opened(opened: ImageOpened) -> None:
             session.remove_listener(ImageOpened, on_opened)
-            newest = next(iter(self._paths), None)
+            newest = next(iter(self._recent_paths), None)
             if newest is not None and opened.saved is None:
-                self.window.offers.offer(
+                self.window.offers.add_offer(
                     tr("Continue with {name}?", name=newest.name),
                     (tr("Open {name}", name=newest.name), partial(self.window.open_image, newest, True)),
-                    (tr("Recent work"), self.show),
+                    (tr("Recent work"), self.show_start_screen),
                 )
 
         session.add_listener(ImageOpened, on_opened)
 
     @property
-    def _paths(self) -> list[Path]:
+    def _recent_paths(self) -> list[Path]:
         """Recent files that still exist."""
         return [path for path in self._recent.paths if path.is_file()]
 
-    def _stay(self, refused: OpeningFailed) -> None:
+    def _on_not_opened(self, refused: OpeningFailed) -> None:
         """Show the start screen unless there is work: an untouched sample would be mistaken for the file."""
         image = self.session.document.image
         if image is None or (find_sample_at(Path(image.path)) and not self.window.document_file.unsaved):
-            self.show(refused.message)
+            self.show_start_screen(refused.message)
 
-    def _keep_picture(self) -> None:
+    def _store_picture(self) -> None:
         """Store the view of the canvas as the picture of the image, and of its session if there is one."""
         image = self.session.document.image
         if image is None:
@@ -299,12 +299,12 @@ class FolderBar(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.back, self.forward, self._place = QToolButton(), QToolButton(), dim_label()
+        self.back, self.forward, self._place = QToolButton(), QToolButton(), create_dim_label()
         for button in (self.back, self.forward):
             button.setObjectName("quiet")
             button.setAutoRaise(True)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
-        arrange(QHBoxLayout(self), self.back, self._place, self.forward, margins=(6, 0, 6, 0), spacing=2)
+        fill_layout(QHBoxLayout(self), self.back, self._place, self.forward, margins=(6, 0, 6, 0), spacing=2)
         self.hide()
 
     def use_actions(self, actions: Actions) -> None:
@@ -312,7 +312,7 @@ class FolderBar(QWidget):
         self.back.setDefaultAction(actions["previous_image"])
         self.forward.setDefaultAction(actions["next_image"])
 
-    def show_place(self, index: int, count: int, folder: str) -> None:
+    def show_folder_position(self, index: int, count: int, folder: str) -> None:
         """Show the position of an image in its folder; the first one has index 0."""
         self._place.setText(tr("{number} of {count}", number=index + 1, count=count))
         self._place.setToolTip(tr("Images in {folder}", folder=folder))
@@ -329,28 +329,28 @@ class FolderFeature(Feature):
         window.shortcuts.changed.connect(lambda: self.bar.use_actions(window.actions_by_name))
         window.statusBar().addPermanentWidget(self.bar)
         self._images: tuple[Path, ...] = ()
-        self._here = self._ahead = 0
-        self.session.add_listener(ImageOpened, self._take)
-        self.session.add_listener(OpeningFailed, self._stay)
+        self._index = self._next_index = 0
+        self.session.add_listener(ImageOpened, self._on_image_opened)
+        self.session.add_listener(OpeningFailed, self._on_not_opened)
         self.actions = (
             ActionSpec("previous_image", "File", "Pre&vious image in the folder",
-                       "Open the previous image in the folder, with its session.", partial(self.go, -1),
-                       "Alt+Left", "back", gap=True, when=lambda _: self._here > 0),
+                       "Open the previous image in the folder, with its session.", partial(self.open_neighbor, -1),
+                       "Alt+Left", "back", gap=True, when=lambda _: self._index > 0),
             ActionSpec("next_image", "File", "Ne&xt image in the folder",
-                       "Open the next image in the folder, with its session.", partial(self.go, 1),
-                       "Alt+Right", "forward", when=lambda _: self._here + 1 < len(self._images)),
+                       "Open the next image in the folder, with its session.", partial(self.open_neighbor, 1),
+                       "Alt+Right", "forward", when=lambda _: self._index + 1 < len(self._images)),
         )  # fmt: skip
 
-    def go(self, by: int) -> None:
+    def open_neighbor(self, by: int) -> None:
         """Open the next image (1) or the previous one (-1) that still exists."""
-        begin = self._ahead if self.session.opening_name else self._here
+        begin = self._next_index if self.session.opening_name else self._index
         ahead = range(begin + by, len(self._images) if by > 0 else -1, by)
         place = next((place for place in ahead if self._images[place].is_file()), None)
-        if place is not None and self._saved():
-            self._ahead = place
+        if place is not None and self._save_silently():
+            self._next_index = place
             self.window.open_image(self._images[place], True)
 
-    def _saved(self) -> bool:
+    def _save_silently(self) -> bool:
         """Save without a question if the user prefers that and no file is overwritten; return False on failure."""
         file, image = self.window.document_file, self.session.document.image
         if image is None or not file.unsaved or not self.window.preferences.read_preference(SAVE_IN_FOLDER):
@@ -360,15 +360,15 @@ class FolderFeature(Feature):
             return True  # the usual question follows
         return file.save_and_wait(file.path or default_path)
 
-    def _take(self, opened: ImageOpened) -> None:
+    def _on_image_opened(self, opened: ImageOpened) -> None:
         known = opened.path in opened.folder_images and find_sample_at(opened.path) is None
         self._images = opened.folder_images if known else ()
-        self._here = self._ahead = opened.folder_images.index(opened.path) if known else 0
-        self.bar.show_place(self._here, len(self._images), opened.path.parent.name)
-        self.window.refresh()
+        self._index = self._next_index = opened.folder_images.index(opened.path) if known else 0
+        self.bar.show_folder_position(self._index, len(self._images), opened.path.parent.name)
+        self.window.refresh_actions()
 
-    def _stay(self, _: OpeningFailed) -> None:
-        self._ahead = self._here
+    def _on_not_opened(self, _: OpeningFailed) -> None:
+        self._next_index = self._index
 
 
 _MAX_SHOWN_PATH = 300
@@ -383,17 +383,17 @@ class RecoveryFeature(Feature):
         self._folder = journals_folder()
         self.journal = Journal(self.window.document_file, self._folder, self.window.preferences)
         self.journal.write_ended.connect(lambda error: self.session.set_error(error, JOURNAL_CATEGORY))
-        self.box: Question | None = None
+        self.box: QuestionDialog | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
         self.session.add_listener(ImageOpened, self._on_image_opened)
 
-    def offer(self) -> None:
+    def offer_recovery(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and report what cannot be read."""
         self._waiting, troubles = find_leftovers(self._folder)
         if troubles:
             self.session.show_message(" ".join(troubles), True, RECOVERY_CATEGORY)
-        self._ask()
+        self._ask_next()
 
     def close(self) -> bool:
         """Remove the journal of this window; keep work that the user has not decided on."""
@@ -407,22 +407,22 @@ class RecoveryFeature(Feature):
         self.journal.close()
         return True
 
-    def _ask(self) -> None:
+    def _ask_next(self) -> None:
         if not self._waiting:
             return
         leftover = self._waiting[0]
         buttons = (
-            Button("restore", tr("&Restore"), "accept"),
-            Button("discard", tr("&Discard this work"), "discard"),
-            Button("later", tr("Ask me &later"), "cancel"),
+            AnswerButton("restore", tr("&Restore"), "accept"),
+            AnswerButton("discard", tr("&Discard this work"), "discard"),
+            AnswerButton("later", tr("Ask me &later"), "cancel"),
         )
         text = tr("CPM ended unexpectedly. Restore “{name}”?", name=elide_middle(leftover.name, _MAX_SHOWN_PATH))
-        details = "\n".join(_details(leftover))
-        self.box = box = Question(self.window, tr("Restore unsaved work"), text, details, buttons)
-        box.buttonClicked.connect(lambda _: self._act_on(box.given()))
+        details = "\n".join(_describe_leftover(leftover))
+        self.box = box = QuestionDialog(self.window, tr("Restore unsaved work"), text, details, buttons)
+        box.buttonClicked.connect(lambda _: self._on_answer(box.read_answer()))
         box.open()
 
-    def _act_on(self, answer: str) -> None:
+    def _on_answer(self, answer: str) -> None:
         if answer == "restore":
             if self._restoring is not None:  # its image was not found: keep it for another time
                 self._restoring.keep_for_later()
@@ -430,7 +430,7 @@ class RecoveryFeature(Feature):
             self.session.begin_opening(self._restoring.open_request)
         elif answer == "discard":
             self._waiting.pop(0).discard()
-            self._ask()
+            self._ask_next()
 
     def _on_image_opened(self, opened: ImageOpened) -> None:
         """Write a restored document to the new journal, and delete the old one only once that is on the disk."""
@@ -442,7 +442,7 @@ class RecoveryFeature(Feature):
                 self._restoring = None
 
 
-def _details(leftover: Leftover) -> Sequence[str]:
+def _describe_leftover(leftover: Leftover) -> Sequence[str]:
     when = QLocale().toString(
         QDateTime.fromSecsSinceEpoch(int(leftover.when.timestamp())), QLocale.FormatType.ShortFormat
     )

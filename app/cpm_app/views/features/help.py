@@ -12,14 +12,14 @@ from cpm_app.model.text.about import LICENSE_SENTENCE, PAPER_CITATION, PROGRAM_P
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import ImageOpened
-from cpm_app.views.theme.icons import program_icon
+from cpm_app.views.theme.icons import load_program_icon
 from cpm_app.views.widgets.actions import ActionSpec
-from cpm_app.views.window.guide import KEYS, Guide
+from cpm_app.views.window.guide import KEYS_PAGE, Guide
 from cpm_app.views.window.preferences import PreferencesDialog
 from cpm_app.views.window.window import Feature
 from cpm_core import __version__
 
-SEEN = "guide/seen"
+GUIDE_SEEN_KEY = "guide/seen"
 """Preference: whether the guide has been shown."""
 
 
@@ -31,7 +31,7 @@ class HelpFeature(Feature):
         self.guide: Guide | None = None
         """The guide, while it is open."""
         self.actions = (
-            ActionSpec(KEYS, "Help", "&Keys", "Show all keys.", self._show_keys, "?"),
+            ActionSpec(KEYS_PAGE, "Help", "&Keys", "Show all keys.", self._show_keys, "?"),
             ActionSpec("guide", "Help", "&Guide", "First steps, examples step by step, and the use of the canvas.",
                        self.show_guide, "F1", icon="guide"),
             ActionSpec("about", "Help", "&About CPM",
@@ -39,17 +39,17 @@ class HelpFeature(Feature):
                        self._show_about, gap=True),
         )  # fmt: skip
 
-    def welcome(self) -> None:
+    def offer_guide(self) -> None:
         """Offer the guide with the first image, when the program is started for the first time."""
-        if self.window.preferences.read_key(SEEN, False):
+        if self.window.preferences.read_key(GUIDE_SEEN_KEY, False):
             return
-        self.window.preferences.store_key(SEEN, True)
+        self.window.preferences.store_key(GUIDE_SEEN_KEY, True)
         session = self.session
 
         def on_opened(_: ImageOpened) -> None:
             session.remove_listener(ImageOpened, on_opened)
             question = tr("New here? The guide ({key:guide}) has four examples, step by step.")
-            self.window.offers.offer(insert_keys(question), (tr("&Guide"), self.show_guide))
+            self.window.offers.add_offer(insert_keys(question), (tr("&Guide"), self.show_guide))
 
         session.add_listener(ImageOpened, on_opened)
 
@@ -71,10 +71,10 @@ class HelpFeature(Feature):
         return True
 
     def _show_keys(self) -> None:
-        if self.guide is not None and self.guide.page == KEYS:
+        if self.guide is not None and self.guide.page == KEYS_PAGE:
             self.guide.close()
         else:
-            self.show_guide(KEYS)
+            self.show_guide(KEYS_PAGE)
 
     def _show_about(self) -> None:
         """Show versions, license and paper; a button copies them."""
@@ -82,7 +82,7 @@ class HelpFeature(Feature):
         text = "".join(f"<p>{html.escape(text)}</p>" for text in (PROGRAM_PURPOSE, PAPER_CITATION, LICENSE_SENTENCE))
         box = QMessageBox(
             self.window,
-            iconPixmap=program_icon().pixmap(64, 64),
+            iconPixmap=load_program_icon().pixmap(64, 64),
             text=" ".join(list_versions()[0]),
             informativeText=f"{text}<table>{rows}</table>",
             textInteractionFlags=Qt.TextInteractionFlag.TextBrowserInteraction,
@@ -110,11 +110,11 @@ class PreferencesFeature(Feature):
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
         self.actions = (
-            ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.show,
+            ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.open_preferences,
                        "Ctrl+,", gap=True),
         )  # fmt: skip
 
-    def show(self) -> PreferencesDialog:
+    def open_preferences(self) -> PreferencesDialog:
         """Open the dialog, and leave the window usable."""
         window = self.window
         dialog = PreferencesDialog(window, window.preferences, window.shortcuts)

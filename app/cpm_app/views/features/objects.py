@@ -15,11 +15,11 @@ from cpm_app.model.state.situation import Situation, has_contours, has_image, ha
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import RowKey, RowKind
 from cpm_app.views.panels.objects import ObjectPanel
-from cpm_app.views.theme.icons import fill_colors, swatch
-from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_choice
+from cpm_app.views.theme.icons import fill_colors, create_swatch
+from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_menu_action
 from cpm_app.views.widgets.containers import DELETE_KEYS
 from cpm_app.views.window.docks import Panel
-from cpm_app.views.window.keyboard import Keys
+from cpm_app.views.window.keyboard import KeyFilter
 from cpm_app.views.window.window import Feature, MainWindow
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.polyline import as_line
@@ -34,21 +34,21 @@ class ObjectsFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         area, session = window.canvas_area, window.session
-        self._list = objects = window.workspace.object_list
+        self._object_list = objects = window.workspace.object_list
         self._selection = selection = window.workspace.object_selection
         self._editing = editing = window.workspace.hand_editing
         layer = area.canvas.layers.contours
         self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.table.show_items)
-        Keys(area.canvas, self.take_key)
-        area.canvas.pointer.double_clicked.connect(self._open)
+        KeyFilter(area.canvas, self.handle_key)
+        area.canvas.pointer.double_clicked.connect(self._on_double_clicked)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.dispatcher.tool.name == "mend"))
         area.canvas.pointer_moved.connect(lambda at: objects.set_hovered_row(None) if at is None else None)
         for changed in (objects.selection_changed, objects.brush_changed):
-            changed.connect(lambda *_: window.refresh())
-        selection.changed.connect(window.refresh)
+            changed.connect(lambda *_: window.refresh_actions())
+        selection.changed.connect(window.refresh_actions)
 
         def has_selected(*kinds: RowKind, least: int = 1) -> bool:
             return sum(row.kind in kinds for row in objects.selected_rows) >= least
@@ -74,7 +74,7 @@ class ObjectsFeature(Feature):
             else:
                 editing.join_selected(closing=False)
 
-        objects.class_begun.connect(self.ask_name)
+        objects.class_begun.connect(self.ask_for_name)
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals and closed contours as objects, and keep open contours; Enter "
@@ -87,7 +87,7 @@ class ObjectsFeature(Feature):
                        "proposed again.",
                        objects.reject_selected, "X", when=lambda _: bool(objects.selected_keys or selection.proposals)),
             ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
-                       self.ask_name, "F2", gap=True, when=has_selection),
+                       self.ask_for_name, "F2", gap=True, when=has_selection),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
             ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",
                        ask_color, when=lambda _: has_selected("object", "closed", "open")),
@@ -100,21 +100,21 @@ class ObjectsFeature(Feature):
                        when=lambda _: any(not item.contour.closed for item in window.workspace.review.selected_items)),
             ActionSpec("fill_between", "Objects", "Fill &between slices",
                        "Fill the slices between those in which the selected object has been painted.",
-                       objects.fill_between_slices, "Shift+I", short=tr("Fill gaps"), there=has_volume,
+                       objects.fill_between_slices, "Shift+I", short=tr("Fill gaps"), visible_when=has_volume,
                        when=lambda _: len(objects.selected_objects) == 1 and not objects.selected_objects[0].frozen),
             ActionSpec("paint_in_space", "Objects", "&Paint in space",
                        "Paint balls through all slices with the brush, or disks in one slice.",
-                       partial(objects.toggle_brush_option, "ball"), "Shift+J", short=tr("In space"), there=has_volume,
-                       holds=lambda _: objects.ball),
+                       partial(objects.toggle_brush_option, "ball"), "Shift+J", short=tr("In space"), visible_when=has_volume,
+                       checked_when=lambda _: objects.ball),
             ActionSpec("paint_over", "Objects", "Paint &over others",
                        "Take what the brush goes over from other objects that are not frozen, or leave it to them.",
-                       partial(objects.toggle_brush_option, "over_others"), short=tr("Over others"), there=has_volume,
-                       holds=lambda _: objects.over_others),
+                       partial(objects.toggle_brush_option, "over_others"), short=tr("Over others"), visible_when=has_volume,
+                       checked_when=lambda _: objects.over_others),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_similar(objects.selected_objects[0].number), "Ctrl+L",
                        when=lambda _: len(objects.selected_objects) == 1),
             ActionSpec("change_object", "Objects", "Change by &clicks",
-                       "Select the object again, beginning with what it is.", self._change,
+                       "Select the object again, beginning with what it is.", self._change_by_clicks,
                        when=lambda _: len(objects.selected_objects) == 1),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the objects again by their own clicks, on the contours of the last run.",
@@ -123,10 +123,10 @@ class ObjectsFeature(Feature):
             ActionSpec("freeze_object", "Objects", "&Freeze",
                        "Keep the objects as they are, and keep particles from crossing their boundaries.",
                        partial(objects.toggle_state, "frozen"), gap=True, when=has_objects,
-                       worded=lambda _: tr("Unfreeze") if all_are("frozen") else tr("&Freeze")),
+                       text_for=lambda _: tr("Unfreeze") if all_are("frozen") else tr("&Freeze")),
             ActionSpec("hide_object", "Objects", "&Hide", "Hide the objects, or show them again.",
                        partial(objects.toggle_state, "hidden"), when=has_objects,
-                       worded=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
+                       text_for=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
             Submenu("use_as", "Objects", "&Use as", self._fill_uses),
             ActionSpec("skeleton", "Objects", "Ske&leton",
                        "Find the center lines of the selected objects or closed contours, or of all closed "
@@ -136,10 +136,10 @@ class ObjectsFeature(Feature):
             ActionSpec("delete_object", "Objects", "&Delete", "Remove the selection; the key Delete does the same.",
                        objects.delete_selected, gap=True, when=has_selection),
             ActionSpec("all_objects", "Objects", "Select &all", "Select all rows of the table that are not rejected.",
-                       lambda: objects.select_rows(self._shown()), "Ctrl+A", gap=True, when=has_image),
+                       lambda: objects.select_rows(self._list_shown_keys()), "Ctrl+A", gap=True, when=has_image),
             ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection",
                        "Select everything that is not selected.",
-                       lambda: objects.select_rows(self._shown() - objects.selected_keys), "Ctrl+I",
+                       lambda: objects.select_rows(self._list_shown_keys() - objects.selected_keys), "Ctrl+I",
                        when=has_image),
             ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
                        "Select one row of the table after the other.",
@@ -147,66 +147,66 @@ class ObjectsFeature(Feature):
             ActionSpec("show_rejected", "Objects", "&Show rejected",
                        "Show rejected objects and contours faintly, or hide them.",
                        lambda: layer.set_option("rejected", not layer.option_values["rejected"]), gap=True,
-                       holds=lambda _: bool(layer.option_values["rejected"])),
+                       checked_when=lambda _: bool(layer.option_values["rejected"])),
             ActionSpec("drop_missed_edits", "Objects", "Remove outdated edits",
                        "Remove manual edits that no longer match a contour, with their lines.",
                        lambda: editing.remove_edits(editing.unmatched_edits), when=lambda _: bool(editing.unmatched_edits)),
             ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
                        "Find center lines in the image again, not only in objects or closed contours.",
-                       lambda: self._skeletonize(tr("skeleton of the image"), SkeletonTarget()),
+                       lambda: self._run_skeleton(tr("skeleton of the image"), SkeletonTarget()),
                        when=lambda now: bool(now.document.outlines or now.document.outlined_surfaces)),
         )  # fmt: skip
 
     def select_next(self) -> None:
         """Select the row after the selected ones."""
-        keys = [row.key for row in self.panel.table.listed]
-        at = max((keys.index(key) for key in self._list.selected_keys if key in keys), default=-1)
+        keys = [row.key for row in self.panel.table.listed_rows]
+        at = max((keys.index(key) for key in self._object_list.selected_keys if key in keys), default=-1)
         if keys:
-            self._list.select_rows((keys[(at + 1) % len(keys)],))
+            self._object_list.select_rows((keys[(at + 1) % len(keys)],))
 
-    def ask_name(self, category: int = 0) -> None:
+    def ask_for_name(self, category: int = 0) -> None:
         """Ask for the name of the selected row, or of a class."""
-        self.window.docks.reveal("objects")
-        self.panel.ask_name(category)
+        self.window.docks.reveal_panel("objects")
+        self.panel.ask_for_name(category)
 
-    def take_key(self, event: QKeyEvent) -> bool:
+    def handle_key(self, event: QKeyEvent) -> bool:
         """Handle the keys that act on the selection on the canvas; return whether the key was one of them."""
         tool = self.window.canvas_area.canvas.dispatcher.tool
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
         key, selecting = event.key(), tool.name in _SELECTION_TOOLS
-        if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
-            self._list.classify_selected(key - Qt.Key.Key_0)
+        if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._object_list.objects.classes):
+            self._object_list.classify_selected(key - Qt.Key.Key_0)
         elif key in DELETE_KEYS and len(self._editing.marked_places) == 2:
             self._editing.delete_stretch()
-        elif selecting and key in DELETE_KEYS and self._list.selected_keys and not tool.has_draft:
-            self._list.delete_selected()
+        elif selecting and key in DELETE_KEYS and self._object_list.selected_keys and not tool.has_draft:
+            self._object_list.delete_selected()
         else:
             return False
         return True
 
-    def _shown(self) -> frozenset[RowKey]:
+    def _list_shown_keys(self) -> frozenset[RowKey]:
         """Return the keys of the rows in the table, without rejected rows unless there are no others."""
-        listed = self.panel.table.listed
+        listed = self.panel.table.listed_rows
         return frozenset(row.key for row in [row for row in listed if row.kind != "rejected"] or listed)
 
-    def _open(self) -> None:
+    def _on_double_clicked(self) -> None:
         """Rename the item that was double-clicked with the selection tool."""
-        if self.window.canvas_area.canvas.dispatcher.tool.name == "select" and len(self._list.selected_keys) == 1:
-            self.ask_name()
+        if self.window.canvas_area.canvas.dispatcher.tool.name == "select" and len(self._object_list.selected_keys) == 1:
+            self.ask_for_name()
 
-    def _change(self) -> None:
+    def _change_by_clicks(self) -> None:
         self.window.canvas_area.use_tool("objects")
-        self._selection.correct_object(self._list.selected_objects[0].number)
+        self._selection.correct_object(self._object_list.selected_objects[0].number)
 
     def _fill_classes(self, menu: QMenu) -> None:
-        objects = self._list.objects
+        objects = self._object_list.objects
         for category in list_classes(objects):
             text = f"{class_title(objects, category)}\t{category}"
-            action = add_choice(
-                menu, text, partial(self._list.classify_selected, category), checked=category == objects.category
+            action = add_menu_action(
+                menu, text, partial(self._object_list.classify_selected, category), checked=category == objects.category
             )
-            action.setIcon(swatch(objects.classes[category - 1].color))
+            action.setIcon(create_swatch(objects.classes[category - 1].color))
 
     def _fill_uses(self, menu: QMenu) -> None:
         for text, words, edit in (
@@ -214,22 +214,22 @@ class ObjectsFeature(Feature):
             (tr("Region of &interest"), tr("region of interest of {what}"), add_objects_as_regions),
             (tr("&Barrier"), tr("barrier around {what}"), add_objects_as_barriers),
         ):
-            add_choice(menu, text, partial(self._list.edit_selected, words, edit)).setEnabled(bool(self._list.selected_numbers))
+            add_menu_action(menu, text, partial(self._object_list.edit_selected, words, edit)).setEnabled(bool(self._object_list.selected_numbers))
 
     def _find_skeleton(self) -> None:
         """Find the skeleton of the selected objects, else of the selected closed contours, else of all not rejected."""
-        chosen, review = self._list.selected_numbers, self.window.workspace.review
+        chosen, review = self._object_list.selected_numbers, self.window.workspace.review
         if chosen:
-            self._skeletonize(tr("skeleton of objects"), SkeletonTarget(objects=tuple(sorted(chosen))))
+            self._run_skeleton(tr("skeleton of objects"), SkeletonTarget(objects=tuple(sorted(chosen))))
             return
         items = review.selected_items or [item for item in review.items if not item.reviewed.rejected]
         lines = tuple(as_line(item.contour.points) for item in items if item.contour.closed)
         if lines:
-            self._skeletonize(tr("skeleton of contours"), SkeletonTarget(contours=lines))
+            self._run_skeleton(tr("skeleton of contours"), SkeletonTarget(contours=lines))
         else:
             self.window.session.show_message(tr("There is no closed contour to find a skeleton in."))
 
-    def _skeletonize(self, name: str, outlined: SkeletonTarget) -> None:
+    def _run_skeleton(self, name: str, outlined: SkeletonTarget) -> None:
         """Find center lines in outlined regions, or in the whole image."""
         session = self.window.session
         session.edit(name, lambda document: switch_to_skeleton(document, outlined))

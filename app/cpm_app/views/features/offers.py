@@ -30,34 +30,34 @@ from cpm_core.numerics.types import Sides
 from cpm_core.segmentation import LargeImageSettings, large_image_settings
 
 
-class BeginningFeature(Feature):
+class InitialSettingsFeature(Feature):
     """Initial parameters of an image, and offers of earlier work and of settings that suit it."""
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
-        self.session.add_listener(ImageOpened, self._look)
-        self.window.preferences.call_on_change(KEEP_PARAMETERS, self._use)
+        self.session.add_listener(ImageOpened, self._on_image_opened)
+        self.window.preferences.call_on_change(KEEP_PARAMETERS, self._on_preference_changed)
 
-    def _look(self, opened: ImageOpened) -> None:
+    def _on_image_opened(self, opened: ImageOpened) -> None:
         """Find out which settings suit the image, which is shown in the meantime."""
 
         def inspect_image(context: CommandContext) -> None:
             kind, settings, image = None, None, opened.image
             if image.ndim == 2:
                 kind, settings = guess_kind(image.values), large_image_settings(image.values)
-            context.report(WorkFinished(partial(self._offer, opened, kind, settings)))
+            context.report(WorkFinished(partial(self._offer_settings, opened, kind, settings)))
 
         if opened.saved is None:
             self.session.post_command(WorkerCommand(inspect_image, tr("looking at the image"), "kind"))
 
-    def _offer(self, opened: ImageOpened, kind: ImageKind | None, settings: LargeImageSettings | None) -> None:
+    def _offer_settings(self, opened: ImageOpened, kind: ImageKind | None, settings: LargeImageSettings | None) -> None:
         session, offers, session_path = self.session, self.window.offers, opened.adjacent_session
         if session.image is not opened.image or session.status.started:
             return
         of_sample = find_copied_sample(opened.path) is not None
         if session_path is not None and not of_sample:
             earlier = tr("{name} contains earlier work on this image. Continue it?", name=session_path.name)
-            offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, session_path)))
+            offers.add_offer(earlier, (tr("Open session"), partial(self.window.open_image, session_path)))
         elif (
             kind is not None
             and kind in PRESET_OFFERS
@@ -69,51 +69,51 @@ class BeginningFeature(Feature):
             use_settings = partial(
                 session.edit, words, lambda document: edits.apply_preset(switch_mode(document, "automatic"), preset)
             )
-            offers.offer(PRESET_OFFERS[kind], (tr("Use these settings"), use_settings))
+            offers.add_offer(PRESET_OFFERS[kind], (tr("Use these settings"), use_settings))
         document = session.document
-        if settings is not None and _with_settings(document, settings) != document:
+        if settings is not None and _apply_large_image_settings(document, settings) != document:
             sentence = tr(
                 "This image is large: {scales} scales and smoothing {smoothing} find its objects more "
                 "reliably. Use them?",
                 scales=settings.scales,
                 smoothing=localize_number(f"{settings.smoothing:g}"),
             )
-            enlarge = partial(_with_settings, settings=settings)
-            offers.offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
+            enlarge = partial(_apply_large_image_settings, settings=settings)
+            offers.add_offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
 
-    def _use(self) -> None:
+    def _on_preference_changed(self) -> None:
         self.session.keeps_parameters = self.window.preferences.read_preference(KEEP_PARAMETERS)
 
 
-def _with_settings(document: Document, settings: LargeImageSettings) -> Document:
+def _apply_large_image_settings(document: Document, settings: LargeImageSettings) -> Document:
     """Return the document with settings for a large image; neither scales nor smoothing decrease."""
     now = document.parameters
     smoothing = now.smoothing if now.smoothing == "auto" else max(now.smoothing, settings.smoothing)
     return edits.set_parameters(document, replace(now, scales=max(now.scales, settings.scales), smoothing=smoothing))
 
 
-class StackFeature(Feature):
+class FilePartsFeature(Feature):
     """Offer and dialog of the other parts of a file of which one part is open."""
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
         self.dialog: PartDialog | None = None
         self._opened: ImageOpened | None = None
-        self._looking = LatestOnlyWorker(self.session, "cpm-parts", tr("inspecting the file"))
-        self.session.add_listener(ImageOpened, self._offer)
+        self._part_reader = LatestOnlyWorker(self.session, "cpm-parts", tr("inspecting the file"))
+        self.session.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("parts", "File", "&Parts of the file…",
-                       "Open all pages as a volume or one as an image, another channel, time or series.", self.ask,
+                       "Open all pages as a volume or one as an image, another channel, time or series.", self.ask_for_part,
                        when=lambda _: self._parts is not None
                        and (self._parts.has_choice or self._parts.series_around is not None)),
         )  # fmt: skip
 
     def close(self) -> bool:
         """Stop the thread that inspects files."""
-        self._looking.close()
+        self._part_reader.close()
         return True
 
-    def ask(self) -> None:
+    def ask_for_part(self) -> None:
         """Ask which part to open."""
         opened, parts = self._opened, self._parts
         if opened is None or parts is None:
@@ -125,15 +125,15 @@ class StackFeature(Feature):
         )
 
         def inspect_series(series: int) -> None:
-            self._looking.submit(lambda: inspect_file(opened.path, Reading(series=series))[0], show_found_parts)
+            self._part_reader.submit(lambda: inspect_file(opened.path, Reading(series=series))[0], show_found_parts)
 
         def show_found_parts(found: object) -> None:
             if isinstance(found, FileParts):
                 dialog.show_parts(found)
 
-        dialog.asked.connect(inspect_series)
-        dialog.chosen.connect(self._open)
-        dialog.finished.connect(self._looking.drop_waiting)
+        dialog.series_requested.connect(inspect_series)
+        dialog.part_selected.connect(self._open_part)
+        dialog.finished.connect(self._part_reader.drop_waiting)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
 
@@ -143,28 +143,28 @@ class StackFeature(Feature):
     def _parts(self) -> FileParts | None:
         return None if self._opened is None else self._opened.parts
 
-    def _offer(self, opened: ImageOpened) -> None:
+    def _on_image_opened(self, opened: ImageOpened) -> None:
         """Describe the contents of the file, and offer other parts of it."""
         self._opened, parts = opened, opened.parts
         if parts is None or opened.saved is not None:
             return
-        offer, volume = self.window.offers.offer, opened.image.ndim == 3
-        answers = [(tr("Choose…"), self.ask)]
+        offer, volume = self.window.offers.add_offer, opened.image.ndim == 3
+        answers = [(tr("Choose…"), self.ask_for_part)]
         if parts.series_around is not None:
             sentence = tr(
                 "{name} seems to be one slice of a series in the folder {folder}.",
                 name=opened.path.name,
                 folder=parts.series_around.name,
             )
-            offer(sentence, (tr("Open the series"), partial(self._open, None, opened.reading)))
+            offer(sentence, (tr("Open the series"), partial(self._open_part, None, opened.reading)))
         elif parts.doubts and (volume or not parts.can_be_volume):
             # Doubts about a volume are reported only until somebody has worked on it.
             if parts.volume_planes == parts.pages:  # all were read, and only their distance is in doubt
-                answers.insert(0, (tr("Voxel size…"), partial(self.window.do, "pixel_size")))
+                answers.insert(0, (tr("Voxel size…"), partial(self.window.trigger_action, "pixel_size")))
             offer(f"{opened.path.name}: {' '.join(map(translate_core_text, parts.doubts))}", *answers)
         elif parts.has_volume_choice or (parts.has_choice and not volume):
             if parts.can_be_volume and not volume:
-                answers.insert(0, (tr("Open as volume"), partial(self._open, True, replace(opened.reading, page=None))))
+                answers.insert(0, (tr("Open as volume"), partial(self._open_part, True, replace(opened.reading, page=None))))
             sentence = tr(
                 "{name} contains {parts}. Open now: {open}.",
                 name=opened.path.name,
@@ -173,7 +173,7 @@ class StackFeature(Feature):
             )
             offer(sentence, *answers)
 
-    def _open(self, as_volume: bool | None, reading: Reading) -> None:
+    def _open_part(self, as_volume: bool | None, reading: Reading) -> None:
         """Open a part as a volume or as an image, or, for None, the series in the folder."""
         if self._opened is None or self._parts is None:
             return
@@ -182,7 +182,7 @@ class StackFeature(Feature):
             return
         if as_volume != (self._opened.image.ndim == 3):  # a size entered by hand has one number per axis
             reading = replace(reading, spacing=None, unit=None)
-        self.window.feature(OpenSaveFeature).take_part(self._opened.path, as_volume, reading)
+        self.window.get_feature(OpenSaveFeature).open_part(self._opened.path, as_volume, reading)
 
 
 class PixelSizeFeature(Feature):
@@ -191,39 +191,39 @@ class PixelSizeFeature(Feature):
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
         self.dialog: PixelSizeDialog | None = None
-        self._told: tuple[tuple[float, ...], str | None] | None = None
-        self.session.add_listener(ImageOpened, self._offer)
+        self._stated_size: tuple[tuple[float, ...], str | None] | None = None
+        self.session.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("pixel_size", "Edit", "P&ixel size…",
-                       "Set the distance between rows, columns and planes, and its unit.", self.ask,
+                       "Set the distance between rows, columns and planes, and its unit.", self.ask_for_size,
                        gap=True, when=has_image,
-                       worded=lambda situation: tr("Vo&xel size…") if has_volume(situation)
+                       text_for=lambda situation: tr("Vo&xel size…") if has_volume(situation)
                        else tr("P&ixel size…")),
         )  # fmt: skip
 
-    def _offer(self, opened: ImageOpened) -> None:
+    def _on_image_opened(self, opened: ImageOpened) -> None:
         """Offer to set the size if a volume has none: its voxels are then assumed to be cubes."""
         parts, ndim = opened.parts, opened.image.ndim
-        self._told = None if parts is None else (parts.spacing[-ndim:], parts.unit)
+        self._stated_size = None if parts is None else (parts.spacing[-ndim:], parts.unit)
         if ndim == 3 and opened.image.unit is None and opened.saved is None:
             name = opened.path.name
             sentence = tr("{name} contains no voxel size: its voxels are assumed to be cubes. Set the size?", name=name)
-            self.window.offers.offer(sentence, (tr("Set the size…"), self.ask))
+            self.window.offers.add_offer(sentence, (tr("Set the size…"), self.ask_for_size))
 
-    def ask(self) -> None:
+    def ask_for_size(self) -> None:
         """Ask for the pixel size."""
         image = self.session.document.image
         if image is None:
             return
-        stated = "" if self._told is None or self._told[1] is None else format_pixel_size(*self._told)
+        stated = "" if self._stated_size is None or self._stated_size[1] is None else format_pixel_size(*self._stated_size)
         self.dialog = PixelSizeDialog(self.window, image.spacing, image.unit, stated)
-        self.dialog.reset_button.setEnabled(self._told is not None and image.reading.spacing is not None)
-        self.dialog.chosen.connect(self._use)
-        self.dialog.reset.connect(lambda: self._use(*self._told, by_hand=False) if self._told else None)
+        self.dialog.reset_button.setEnabled(self._stated_size is not None and image.reading.spacing is not None)
+        self.dialog.size_selected.connect(self._set_pixel_size)
+        self.dialog.reset_requested.connect(lambda: self._set_pixel_size(*self._stated_size, by_hand=False) if self._stated_size else None)
         self.dialog.finished.connect(self.dialog.deleteLater)
         self.dialog.open()
 
-    def _use(self, spacing: Sides, unit: str | None, by_hand: bool = True) -> None:
+    def _set_pixel_size(self, spacing: Sides, unit: str | None, by_hand: bool = True) -> None:
         name = tr("voxel size") if len(spacing) == 3 else tr("pixel size")
         self.session.edit(
             name if by_hand else tr("size in the file"),

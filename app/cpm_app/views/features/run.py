@@ -17,13 +17,13 @@ from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
 from cpm_app.session.worker.commands import call_run
 from cpm_app.session.worker.run import Run
 from cpm_app.views.panels.parameters import ParametersPanel
-from cpm_app.views.panels.presets import Presets
+from cpm_app.views.panels.presets import PresetButton
 from cpm_app.views.panels.run import RunPanel
 from cpm_app.views.panels.timeline import TimelinePanel
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.bars import TaskBar
 from cpm_app.views.window.docks import Panel
-from cpm_app.views.window.keyboard import Keys
+from cpm_app.views.window.keyboard import KeyFilter
 from cpm_app.views.window.window import Feature
 
 _NUMBERS_INTERVAL = 250
@@ -40,27 +40,27 @@ class RunControlFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         window = self.window
         session, speed = window.session, window.speed
-        self.presets = Presets(window, PresetStore(parent=window))
+        self.presets = PresetButton(window, PresetStore(parent=window))
         parameters = ParametersPanel(session, self.presets)
         self.panel = RunPanel(parameters)
         self.panels = (Panel("run", "Run", self.panel, "F5"),)
-        self.panel.unfold(window.preferences.read_key(_UNFOLDED_SECTIONS_KEY, []))
-        self.panel.folded.connect(self._keep_unfolded)
+        self.panel.unfold_sections(window.preferences.read_key(_UNFOLDED_SECTIONS_KEY, []))
+        self.panel.section_toggled.connect(self._keep_unfolded)
         self._keep_unfolded()
         self._timer = QTimer(self.panel, interval=_NUMBERS_INTERVAL)
         self._timer.timeout.connect(self._show_values)
-        session.status_changed.connect(self._show)
-        window.preferences.call_on_change(UNIT_PREFERENCE, self._show)
+        session.status_changed.connect(self._on_status_changed)
+        window.preferences.call_on_change(UNIT_PREFERENCE, self._on_status_changed)
         self.actions = (
             ActionSpec("run", "Run", "Run", "Start or pause the run.", session.toggle_run, "Space", icon="run",
-                       when=has_image, worded=lambda situation: resolve_texts(situation).run_text,
-                       pictured=lambda situation: "pause" if is_running(situation) else "run"),
+                       when=has_image, text_for=lambda situation: resolve_texts(situation).run_text,
+                       icon_for=lambda situation: "pause" if is_running(situation) else "run"),
             ActionSpec("step", "Run", "&Step", "Take a single step.", session.step, ".", short=tr("Step"), icon="step",
                        when=can_step),
             ActionSpec("reset", "Run", "&Reset", "Go back to the start; the run stays on the timeline.",
                        session.reset, "R", short=tr("Reset"), icon="reset", when=is_started),
-            ActionSpec("faster", "Run", "&Faster", "Allow more steps per second.", speed.faster, "Ctrl+]", gap=True),
-            ActionSpec("slower", "Run", "S&lower", "Allow fewer steps per second.", speed.slower, "Ctrl+["),
+            ActionSpec("faster", "Run", "&Faster", "Allow more steps per second.", speed.speed_up, "Ctrl+]", gap=True),
+            ActionSpec("slower", "Run", "S&lower", "Allow fewer steps per second.", speed.slow_down, "Ctrl+["),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -69,9 +69,9 @@ class RunControlFeature(Feature):
         return True
 
     def _keep_unfolded(self) -> None:
-        self.window.preferences.store_key(_UNFOLDED_SECTIONS_KEY, self.panel.unfolded)
+        self.window.preferences.store_key(_UNFOLDED_SECTIONS_KEY, self.panel.unfolded_sections)
 
-    def _show(self) -> None:
+    def _on_status_changed(self) -> None:
         running = is_running(self.session.situation)
         if running != self._timer.isActive():
             (self._timer.start if running else self._timer.stop)()
@@ -99,7 +99,7 @@ class TimelineFeature(Feature):
         window = self.window
         self.navigation = to = window.workspace.navigation
         self.panel = TimelinePanel(to, lambda: self.session.status)
-        self.panels = (Panel("timeline", "Timeline", self.panel, "F9", below=True),)
+        self.panels = (Panel("timeline", "Timeline", self.panel, "F9", below_canvas=True),)
         self.session.status_changed.connect(lambda: self.panel.setVisible(self.session.status.started))
 
         def go_to_end(event: QKeyEvent) -> bool:
@@ -109,12 +109,12 @@ class TimelineFeature(Feature):
                 ends[Qt.Key(event.key())]()
             return event.key() in ends
 
-        Keys(self.canvas, go_to_end)
+        KeyFilter(self.canvas, go_to_end)
         self.session.document_changed.connect(lambda _: self.panel.show_parameters())
         window.shortcuts.changed.connect(lambda: self.panel.use_actions(window.actions_by_name))
         self._shown = False
-        to.changed.connect(self._follow)
-        window.preferences.call_on_change(TIMELINE_MEMORY, self.use_memory)
+        to.changed.connect(self._on_timeline_changed)
+        window.preferences.call_on_change(TIMELINE_MEMORY, self.apply_memory_limit)
 
         def has_recorded_run(_: Situation) -> bool:
             return bool(to.branches)
@@ -144,14 +144,14 @@ class TimelineFeature(Feature):
                        when=lambda _: bool(to.current_step[0]) and len(to.timeline_state.branches) > 1),
         )  # fmt: skip
 
-    def _follow(self) -> None:
+    def _on_timeline_changed(self) -> None:
         """Update the actions when the first run is recorded or the last one is gone."""
         shown = bool(self.navigation.branches)
         if shown != self._shown:
             self._shown = shown
-            self.window.refresh()
+            self.window.refresh_actions()
 
-    def use_memory(self) -> None:
+    def apply_memory_limit(self) -> None:
         """Give the timeline the memory that the preferences allow."""
         megabytes = int(self.window.preferences.read_preference(TIMELINE_MEMORY))
         self.session.post_command(call_run(None, Run.set_timeline_budget, megabytes * BYTES_PER_MEGABYTE))

@@ -13,7 +13,7 @@ from cpm_app.views.canvas.canvas import WHEEL_ZOOM_FACTOR
 from cpm_app.views.layers.image_layer import AUTOMATIC_RANGE, WHOLE_RANGE, format_window
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.panels.layer_list import LayersPanel
-from cpm_app.views.widgets.actions import LAYER, ActionSpec
+from cpm_app.views.widgets.actions import LAYER_ACTION_PREFIX, ActionSpec
 from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.window import Feature
 
@@ -43,7 +43,7 @@ class LayersFeature(Feature):
         canvas.pointer_moved.connect(layers.forces.set_pointer)
         for layer in layers:
             layer.use_view_state(window.preferences.read_json(_LAYER_SETTINGS_KEY.format(layer=layer.name)))
-            layer.changed.connect(window.refresh)
+            layer.changed.connect(window.refresh_actions)
 
         def show_range() -> None:
             low, high = layers.image.window
@@ -51,19 +51,19 @@ class LayersFeature(Feature):
             area.strip.show_hint(f"{text}: {format_window((low, high))}")
 
         area.level_drag.moved.connect(show_range)
-        area.level_drag.ended.connect(window.refresh)
+        area.level_drag.ended.connect(window.refresh_actions)
         legend.set_folded(bool(window.preferences.read_key(_LEGEND_FOLDED_KEY, False)))
         legend.folded_changed.connect(lambda folded: window.preferences.store_key(_LEGEND_FOLDED_KEY, folded))
-        legend.folded_changed.connect(window.refresh)
+        legend.folded_changed.connect(window.refresh_actions)
         window.shortcuts.changed.connect(lambda: panel.use_actions(window.actions_by_name))
-        workspace.review.selection_changed.connect(window.refresh)
-        workspace.object_list.selection_changed.connect(window.refresh)
+        workspace.review.selection_changed.connect(window.refresh_actions)
+        workspace.object_list.selection_changed.connect(window.refresh_actions)
 
         def create_layer_action(layer: Layer) -> ActionSpec:
             tip = tr("Show or hide: {layer}", layer=layer.tip)
-            return ActionSpec(f"{LAYER}{layer.name}", _LAYERS_GROUP, layer.title, tip,
+            return ActionSpec(f"{LAYER_ACTION_PREFIX}{layer.name}", _LAYERS_GROUP, layer.title, tip,
                               lambda: layer.set_shown(not layer.shown), layer.shortcut,
-                              holds=lambda _: layer.shown)  # fmt: skip
+                              checked_when=lambda _: layer.shown)  # fmt: skip
 
         self.actions = (
             ActionSpec("fit", "View", "&Fit to window", "Show the whole image.", canvas.fit_image, "F Ctrl+0",
@@ -78,17 +78,17 @@ class LayersFeature(Feature):
             ActionSpec("zoom_out", "View", "Zoom &out", "Zoom out.", partial(canvas.zoom_by, 1.0 / WHEEL_ZOOM_FACTOR), "- Ctrl+-"),
             ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",
                        lambda: legend.set_folded(not legend.is_folded), "Alt+L", gap=True,
-                       holds=lambda _: not legend.is_folded),
+                       checked_when=lambda _: not legend.is_folded),
             *map(create_layer_action, layers),
             ActionSpec("levels_full", _LAYERS_GROUP, "&All gray values",
                        "Show all gray values, from the smallest (black) to the largest (white).",
-                       partial(self._choose_range, WHOLE_RANGE), "Alt+Shift+W", when=has_image,
-                       holds=lambda _: layers.image.get_choice("range") == WHOLE_RANGE),
+                       partial(self._select_range, WHOLE_RANGE), "Alt+Shift+W", when=has_image,
+                       checked_when=lambda _: layers.image.get_choice("range") == WHOLE_RANGE),
             ActionSpec("levels_auto", _LAYERS_GROUP, "A&utomatic range",
                        "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
                        "button to change the range.",
-                       partial(self._choose_range, AUTOMATIC_RANGE), "Alt+W", when=has_image,
-                       holds=lambda _: layers.image.get_choice("range") == AUTOMATIC_RANGE),
+                       partial(self._select_range, AUTOMATIC_RANGE), "Alt+W", when=has_image,
+                       checked_when=lambda _: layers.image.get_choice("range") == AUTOMATIC_RANGE),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -99,9 +99,9 @@ class LayersFeature(Feature):
                 self.window.preferences.store_key(_LAYER_SETTINGS_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
 
-    def _choose_range(self, value: str) -> None:
+    def _select_range(self, value: str) -> None:
         self.canvas.layers.image.set_option("range", value)
-        self.window.refresh()
+        self.window.refresh_actions()
 
 
 class KeyboardFeature(Feature):
@@ -113,13 +113,13 @@ class KeyboardFeature(Feature):
         self.actions = (
             ActionSpec("go_to_sliders", _PANELS_GROUP, "&Go to the sliders",
                        "Move the keyboard focus to the sliders; Enter or Esc returns it to the image.",
-                       lambda: window.docks.enter("run"), "Q"),
+                       lambda: window.docks.enter_panel("run"), "Q"),
             ActionSpec("next_area", _PANELS_GROUP, "Go to the ne&xt area",
                        "Move the keyboard focus to the image, the panel and the timeline in turn.",
-                       lambda: window.docks.go_on(1), "F6"),
+                       lambda: window.docks.focus_next_area(1), "F6"),
             ActionSpec("previous_area", _PANELS_GROUP, "Go to the pre&vious area", "The same in the other direction.",
-                       lambda: window.docks.go_on(-1), "Shift+F6"),
+                       lambda: window.docks.focus_next_area(-1), "Shift+F6"),
             ActionSpec("open_menu", _PANELS_GROUP, "Context &menu",
                        "Open the menu of a right click.",
-                       lambda: window.context_menus.open_at(QApplication.focusWidget()), "Shift+F10 Menu"),
+                       lambda: window.context_menus.open_menu_at(QApplication.focusWidget()), "Shift+F10 Menu"),
         )  # fmt: skip

@@ -19,7 +19,7 @@ from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.canvas.side_view import SliceCross, SideView
 from cpm_app.views.canvas.slice_bar import SliceBar
-from cpm_app.views.features.animation import begin_animation, begin_writing, comment_on
+from cpm_app.views.features.animation import start_animation_task, start_writing_task, provenance_comment
 from cpm_app.views.panels.pages import PageBar, PagePanel
 from cpm_app.views.volume.seen_in_space import SpaceViewBuilder
 from cpm_app.views.volume.space_clicks import draw_shape_at, select_body_at
@@ -53,19 +53,19 @@ class SlicesFeature(Feature):
         pages = window.workspace.pages
         self.bar.moved.connect(slices.go_to)
         self.bar.axis_wanted.connect(slices.set_axis)
-        self.bar.size_wanted.connect(partial(window.do, "pixel_size"))
+        self.bar.size_wanted.connect(partial(window.trigger_action, "pixel_size"))
         area.controls.addWidget(self.bar)
         self.sides: tuple[SideView, ...] = ()
         """Views of the slices across the other axes, created when they are first shown."""
         self.space: QWidget | None = None
         """View in space, which is shown together with them."""
-        self._wanted = bool(window.preferences.read_key(_SIDES_SHOWN_KEY, True))
+        self._sides_wanted = bool(window.preferences.read_key(_SIDES_SHOWN_KEY, True))
         self._cross = SliceCross(area.canvas)
-        self._later: list[AsyncCache] = []
-        self._draw_later(area.canvas)
+        self._slice_caches: list[AsyncCache] = []
+        self._attach_background_cache(area.canvas)
         area.canvas.slice_step_wanted.connect(slices.go_by)
-        area.flow.changed.connect(self._show)
-        window.preferences.call_on_change(UNIT_PREFERENCE, self.show_place)
+        area.flow.changed.connect(self._show_scene)
+        window.preferences.call_on_change(UNIT_PREFERENCE, self.show_slice_position)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def has_several_slices(situation: Situation) -> bool:
@@ -76,43 +76,43 @@ class SlicesFeature(Feature):
 
         def turn_to_axis(axis: int) -> None:
             slices.set_axis(axis)
-            window.refresh()
+            window.refresh_actions()
 
         def create_axis_action(axis: int) -> ActionSpec:
             name = AXIS_NAMES[axis]
             return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}").format(axis=name),
                               tr("Show slices across this axis: {axis}.").format(axis=name),
-                              partial(turn_to_axis, axis), f"Ctrl+Shift+{axis + 1}", there=has_volume,
-                              holds=lambda _: slices.current is not None and slices.current.axis == axis)  # fmt: skip
+                              partial(turn_to_axis, axis), f"Ctrl+Shift+{axis + 1}", visible_when=has_volume,
+                              checked_when=lambda _: slices.current is not None and slices.current.axis == axis)  # fmt: skip
 
         self.actions = (
             ActionSpec("previous_slice", _SLICES_GROUP, "&Previous slice or page",
-                       "Show the slice or page before this one.", move_by(-1), "PgUp", there=has_several_slices),
+                       "Show the slice or page before this one.", move_by(-1), "PgUp", visible_when=has_several_slices),
             ActionSpec("next_slice", _SLICES_GROUP, "&Next slice or page",
-                       "Show the slice or page after this one.", move_by(1), "PgDown", there=has_several_slices),
+                       "Show the slice or page after this one.", move_by(1), "PgDown", visible_when=has_several_slices),
             ActionSpec("slices_back", _SLICES_GROUP, "Ten &back", "Show the slice or page ten before this one.",
-                       move_by(-PLACE_JUMP), "Shift+PgUp", there=has_several_slices),
+                       move_by(-PLACE_JUMP), "Shift+PgUp", visible_when=has_several_slices),
             ActionSpec("slices_on", _SLICES_GROUP, "Ten &on", "Show the slice or page ten after this one.",
-                       move_by(PLACE_JUMP), "Shift+PgDown", there=has_several_slices),
+                       move_by(PLACE_JUMP), "Shift+PgDown", visible_when=has_several_slices),
             *map(create_axis_action, range(3)),
             ActionSpec("three_slices", "View", "&Three slices and space",
                        "Show the slices across the other axes and the view in space, or one slice alone.",
                        self.toggle_sides,
-                       "Shift+Q", gap=True, there=has_volume, holds=lambda _: self._wanted),
+                       "Shift+Q", gap=True, visible_when=has_volume, checked_when=lambda _: self._sides_wanted),
         )  # fmt: skip
 
     def close(self) -> bool:
         """Stop the threads that compute slices."""
-        for later in self._later:
+        for later in self._slice_caches:
             later.close()
         return True
 
-    def _draw_later(self, view: ImageView) -> None:
+    def _attach_background_cache(self, view: ImageView) -> None:
         """Compute the slow parts of the slices of a view on another thread, and draw them when they are ready."""
         view.sections.later = later = AsyncCache(self.window.session)
         later.completed.connect(view.redraw_scene)
         later.completed.connect(self.window.canvas_area.strip.legend.schedule_update)
-        self._later.append(later)
+        self._slice_caches.append(later)
 
     def _open_menu(self, point: QPoint) -> None:
         """Open the menu of the item at a point of the screen, if there is one."""
@@ -123,30 +123,30 @@ class SlicesFeature(Feature):
 
     def toggle_sides(self) -> None:
         """Show or hide the slices across the other axes, and the view in space."""
-        self._wanted = not self._wanted
-        self.window.preferences.store_key(_SIDES_SHOWN_KEY, self._wanted)
-        self._show()
-        self.window.refresh()
+        self._sides_wanted = not self._sides_wanted
+        self.window.preferences.store_key(_SIDES_SHOWN_KEY, self._sides_wanted)
+        self._show_scene()
+        self.window.refresh_actions()
 
-    def _show(self) -> None:
+    def _show_scene(self) -> None:
         scene = self.window.canvas_area.flow.scene
         self._show_sides(scene)
         if (scene.slices, scene.full_image) != self._shown:
             self._shown = scene.slices, scene.full_image
-            self.show_place()
+            self.show_slice_position()
             self.window.canvas_area.canvas.report_resting_pointer()
 
-    def show_place(self) -> None:
+    def show_slice_position(self) -> None:
         """Show the position of the slice in the preferred unit."""
         self.bar.show_slices(*self._shown)
 
     def _show_sides(self, scene: Scene) -> None:
         """Draw the other two slices and the lines where all three meet."""
-        shown = scene.slices is not None and self._wanted
+        shown = scene.slices is not None and self._sides_wanted
         self._cross.show_slices(scene.slices if shown else None)
         if len(self.sides) < 2:
             if shown:
-                self.window.turns.ask(self._make_side)
+                self.window.turns.schedule_work(self._create_side_view)
             return
         if self.sides[0].isVisibleTo(self.window.canvas_area) != shown:
             grid = self.window.canvas_area.views
@@ -161,19 +161,19 @@ class SlicesFeature(Feature):
             for view, axis in zip(self.sides, others, strict=True):
                 view.show_slice(scene, axis)
 
-    def _make_side(self) -> None:
+    def _create_side_view(self) -> None:
         """Create the view of another slice, the second one below the first."""
         area, row = self.window.canvas_area, len(self.sides)
         view = SideView(area.canvas, area)
         view.hide()
         area.level_drag.watch_widget(view.viewport())
         area.views.addWidget(view, row, 1)
-        self._draw_later(view)
+        self._attach_background_cache(view)
         view.pointer.menu_wanted.connect(self._open_menu)
         view.place_wanted.connect(self._slices.go_through)
         view.slice_step_wanted.connect(self._slices.step_along)
         self.sides += (view,)
-        self.window.turns.ask(self._show)
+        self.window.turns.schedule_work(self._show_scene)
 
 
 class PagesFeature(Feature):
@@ -185,15 +185,15 @@ class PagesFeature(Feature):
         followed = window.workspace.followed_objects
         self.bar = PageBar()
         self.panel = PagePanel(pages, pages.show_row)
-        self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown=False),)
+        self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown_at_start=False),)
         self.bar.moved.connect(pages.open_page)
-        self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run_all())
-        self.bar.followed.connect(self._follow)
-        self.panel.export.clicked.connect(partial(window.do, "export"))
+        self.bar.run_requested.connect(lambda: pages.cancel() if pages.running else pages.run_all())
+        self.bar.following_toggled.connect(self._set_following)
+        self.panel.export.clicked.connect(partial(window.trigger_action, "export"))
         window.canvas_area.controls.addWidget(self.bar)
         pages.set_session_file(window.document_file)
-        pages.changed.connect(self._show)
-        pages.results_changed.connect(window.refresh)
+        pages.changed.connect(self._on_pages_changed)
+        pages.results_changed.connect(window.refresh_actions)
         window.session.document_changed.connect(lambda _: self._show_bar())
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)
@@ -207,30 +207,30 @@ class PagesFeature(Feature):
         self.actions = (
             ActionSpec("run_pages", "Run", "Run all &pages",
                        "Run every page of the stack, one after the other, in the background.", pages.run_all,
-                       "Ctrl+Shift+Return", gap=True, when=can_run, there=is_stack),
+                       "Ctrl+Shift+Return", gap=True, when=can_run, visible_when=is_stack),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all pages after it, one after the other, in the background.",
-                       lambda: pages.run_all(pages.number), when=can_run, there=is_stack),
+                       lambda: pages.run_all(pages.number), when=can_run, visible_when=is_stack),
             ActionSpec("follow_pages", "Run", "&Follow from page to page",
                        "Start each page from the contours of the previous one.",
-                       lambda: self._follow(not pages.following), there=is_stack,
-                       holds=lambda _: pages.following),
+                       lambda: self._set_following(not pages.following), visible_when=is_stack,
+                       checked_when=lambda _: pages.following),
             ActionSpec("follow_objects", "Objects", "Follow on all &pages",
                        "Find the accepted objects again on all pages after this one, in the background; pages with "
-                       "objects stay as they are.", followed.follow_all_pages, "Ctrl+Shift+F", gap=True, there=is_stack,
+                       "objects stay as they are.", followed.follow_all_pages, "Ctrl+Shift+F", gap=True, visible_when=is_stack,
                        when=lambda now: not followed.running and bool(now.document.objects.items)),
         )  # fmt: skip
 
     # Internal
 
-    def _follow(self, following: bool) -> None:
+    def _set_following(self, following: bool) -> None:
         self._pages.following = following
-        self._show()
+        self._on_pages_changed()
 
-    def _show(self) -> None:
+    def _on_pages_changed(self) -> None:
         self._show_bar()
-        self.window.docks.offer("pages", self._pages.count > 1)
-        self.window.refresh()
+        self.window.docks.set_tab_available("pages", self._pages.count > 1)
+        self.window.refresh_actions()
 
     def _show_bar(self) -> None:
         pages, document = self._pages, self.window.session.document
@@ -246,20 +246,20 @@ class SpaceFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.panel = SpacePanel(window.session)
-        self.panels = (Panel("space", "In space", self.panel, "Shift+F9", shown=False),)
+        self.panels = (Panel("space", "In space", self.panel, "Shift+F9", shown_at_start=False),)
         self._seen, self._objects = SpaceViewBuilder(), window.workspace.object_list
         self.panel.view.hide()
-        window.feature(SlicesFeature).space = self.panel.view
+        window.get_feature(SlicesFeature).space = self.panel.view
         window.canvas_area.views.addWidget(self.panel.view, 1, 0)
         self._layers = layers = window.canvas_area.canvas.layers
-        window.canvas_area.flow.changed.connect(self._show)
-        window.workspace.object_list.changed.connect(self._show)
-        window.session.image_changed.connect(self.reveal)
-        self.panel.view.picked.connect(self._pick)
-        self.panel.bar.changed.connect(window.refresh)
+        window.canvas_area.flow.changed.connect(self._show_space)
+        window.workspace.object_list.changed.connect(self._show_space)
+        window.session.image_changed.connect(self.update_tab)
+        self.panel.view.picked.connect(self._on_place_picked)
+        self.panel.bar.changed.connect(window.refresh_actions)
         window.canvas_area.level_drag.watch_widget(self.panel.view)
         for layer in (layers.particles, layers.image, layers.drawing, layers["objects"], layers["truth"]):
-            layer.changed.connect(self._show)
+            layer.changed.connect(self._show_space)
         self.actions = tuple(space_action_specs(self.panel, window.session))
 
     def close(self) -> bool:
@@ -267,13 +267,13 @@ class SpaceFeature(Feature):
         self.panel.view.close_thread()
         return True
 
-    def write(self, path: Path, turning: bool) -> None:
+    def write_view(self, path: Path, turning: bool) -> None:
         """Write the view as a picture, or as an animation of a full turn."""
         room, seen, camera = self.panel.view.picture_size, self.panel.contents, self.panel.view.camera
         if seen is None or camera is None:
             return
         session, size = self.window.session, animation_size(room)
-        comment = comment_on(session)
+        comment = provenance_comment(session)
 
         def write_view_picture(_: BackgroundTask) -> Report:
             write_picture(render_picture(seen, camera, room), path, comment)
@@ -281,13 +281,13 @@ class SpaceFeature(Feature):
 
         if turning:
             frames = render_turn(seen, camera.enlarged(size[0] / room[0]), size)
-            begin_animation(session, path, lambda _: frames, TURN_FRAMES, FRAMES_PER_SECOND)
+            start_animation_task(session, path, lambda _: frames, TURN_FRAMES, FRAMES_PER_SECOND)
         else:
-            begin_writing(session, path, write_view_picture)
+            start_writing_task(session, path, write_view_picture)
 
     # Internal
 
-    def _pick(self, place: Place) -> None:
+    def _on_place_picked(self, place: Place) -> None:
         """Move the slices to a place, and apply the tool in use there if it works without a slice."""
         self.window.workspace.slices.go_through(place)
         tool = self.window.canvas_area.canvas.dispatcher.tool
@@ -297,9 +297,9 @@ class SpaceFeature(Feature):
         elif tool is not None:
             draw_shape_at(self.window.session, tool.name, place)
 
-    def reveal(self) -> None:
+    def update_tab(self) -> None:
         """Show the tab for volumes only."""
-        self.window.docks.offer("space", self.window.session.scene.slices is not None)
+        self.window.docks.set_tab_available("space", self.window.session.scene.slices is not None)
 
-    def _show(self, *_: object) -> None:
+    def _show_space(self, *_: object) -> None:
         self.panel.show_contents(self._seen.build_view(self.window.canvas_area.flow.scene, self._layers, self._objects.bodies))

@@ -45,9 +45,9 @@ class PartDialog(QDialog):
         Whether the file has colors.
     """
 
-    asked = Signal(int)
+    series_requested = Signal(int)
     """The user asks for the contents of another series: its number, from 1."""
-    chosen = Signal(object, object)
+    part_selected = Signal(object, object)
     """The user has selected a part: whether to open a volume, or None for the series in the folder; the reading."""
 
     def __init__(
@@ -84,9 +84,9 @@ class PartDialog(QDialog):
         self.page.setValue(reading.page or parts.default_page)
         self.channel.setValue(reading.channel or 1)
         self.time.setValue(reading.time or 1)
-        self.accepted.connect(lambda: self.chosen.emit(self.kind.currentData(), self.reading))
-        self.series.currentIndexChanged.connect(self._ask)
-        self.kind.currentIndexChanged.connect(self._enable)
+        self.accepted.connect(lambda: self.part_selected.emit(self.kind.currentData(), self.reading))
+        self.series.currentIndexChanged.connect(self._on_series_changed)
+        self.kind.currentIndexChanged.connect(self._on_kind_changed)
 
     def show_parts(self, parts: FileParts) -> None:
         """Show the contents of a series."""
@@ -106,7 +106,7 @@ class PartDialog(QDialog):
         self.kind.setCurrentIndex(0 if self._as_volume else self.kind.findData(False))
         self._form.setRowVisible(self.kind, self.kind.count() > 1)
         self.open_button.setEnabled(True)
-        self._enable()
+        self._on_kind_changed()
 
     @property
     def as_volume(self) -> bool:
@@ -127,12 +127,12 @@ class PartDialog(QDialog):
             color=self.color.currentData() if as_volume else COLOR_CHOICES[0],
         )
 
-    def _ask(self, index: int) -> None:
+    def _on_series_changed(self, index: int) -> None:
         """Ask for the contents of another series, and wait for them."""
         self.open_button.setEnabled(False)
-        self.asked.emit(index + 1)
+        self.series_requested.emit(index + 1)
 
-    def _enable(self) -> None:
+    def _on_kind_changed(self) -> None:
         """Enable the page for images only, and show the reading of colors for volumes only.
 
         An image keeps its colors, and a parameter selects the channel.

@@ -17,7 +17,7 @@ from cpm_app.views.widgets.containers import AcceptButtons, lay_out_form
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core.numerics.types import Sides
 
-UNITS = ("nm", "µm", "mm", "cm", "m")
+LENGTH_UNITS = ("nm", "µm", "mm", "cm", "m")
 """Units of length that can be selected."""
 
 _SIDE_LABELS = (tr("Distance between planes"), tr("Distance between rows"), tr("Distance between columns"))
@@ -45,19 +45,19 @@ class PixelSizeDialog(QDialog):
         Size in the file as text; empty if it has none.
     """
 
-    chosen = Signal(object, str)
+    size_selected = Signal(object, str)
     """The user has entered a size along each axis and the unit."""
-    reset = Signal()
+    reset_requested = Signal()
     """The user asks for the size in the file."""
 
     def __init__(self, parent: QWidget, spacing: Sides, unit: str | None, stated: str) -> None:
         super().__init__(parent)
         volume = len(spacing) == 3
         self.setWindowTitle(tr("Voxel size") if volume else tr("Pixel size"))
-        self.sides = tuple(_field(side) for side in spacing)
+        self.sides = tuple(_create_size_field(side) for side in spacing)
         self.unit = QComboBox()
-        self.unit.addItems(UNITS)
-        self.unit.setCurrentText(unit if unit in UNITS else "mm" if volume else "µm")
+        self.unit.addItems(LENGTH_UNITS)
+        self.unit.setCurrentText(unit if unit in LENGTH_UNITS else "mm" if volume else "µm")
         form = QFormLayout()
         for label, field in zip(_SIDE_LABELS[-len(spacing) :], self.sides, strict=True):
             form.addRow(label, field)
@@ -65,16 +65,16 @@ class PixelSizeDialog(QDialog):
         buttons = AcceptButtons(self, tr("Use"))
         self.use_button = buttons.accept_button
         self.reset_button = buttons.addButton(tr("As in the file"), QDialogButtonBox.ButtonRole.ResetRole)
-        self.reset_button.clicked.connect(self.reset)
+        self.reset_button.clicked.connect(self.reset_requested)
         self.reset_button.clicked.connect(self.reject)
         self.accepted.connect(
-            lambda: self.chosen.emit(tuple(field.value() for field in self.sides), self.unit.currentText())
+            lambda: self.size_selected.emit(tuple(field.value() for field in self.sides), self.unit.currentText())
         )
         text = tr("Size in the file: {size}.", size=stated) if stated else tr("The file does not contain the size.")
         lay_out_form(self, text, form, buttons)
 
 
-def _field(size: float) -> QDoubleSpinBox:
+def _create_size_field(size: float) -> QDoubleSpinBox:
     field = DecimalField(_MIN_SIDE, _MAX_SIDE, decimals=6)
     field.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
     field.setValue(size)

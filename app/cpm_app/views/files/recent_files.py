@@ -12,12 +12,12 @@ from PySide6.QtWidgets import QMenu
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import ImageOpened
 from cpm_app.session.storage.preferences import Preferences
-from cpm_app.views.widgets.actions import add_choice
+from cpm_app.views.widgets.actions import add_menu_action
 from cpm_core.formats import Reading, from_json
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.numerics.types import Callback
 
-MOST = 12
+MAX_RECENT_FILES = 12
 """Largest number of files in the list."""
 
 _RECENT_FILES_KEY = "files/recent"
@@ -46,13 +46,13 @@ class RecentFiles:
             Path(path) for path in self._preferences.read_key(_RECENT_FILES_KEY, [""]) if 0 < len(path) <= _MAX_PATH_LENGTH
         ]
 
-    def add(self, path: Path) -> None:
+    def add_path(self, path: Path) -> None:
         """Put a file that was opened or saved first."""
         path = path.absolute()
         others = [other for other in self.paths if other != path]
-        self._preferences.store_key(_RECENT_FILES_KEY, [str(each) for each in (path, *others)][:MOST])
+        self._preferences.store_key(_RECENT_FILES_KEY, [str(each) for each in (path, *others)][:MAX_RECENT_FILES])
 
-    def keep_part(self, opened: ImageOpened) -> None:
+    def remember_part(self, opened: ImageOpened) -> None:
         """Remember which part of a file was opened, if it holds several."""
         if opened.saved is not None or opened.parts is None or not opened.parts.has_choice:
             return
@@ -62,7 +62,7 @@ class RecentFiles:
             _FILE_PARTS_KEY, json.dumps({path: parts[path] for path in map(str, self.paths) if path in parts})
         )
 
-    def part_of(self, path: Path) -> tuple[bool | None, Reading]:
+    def find_part(self, path: Path) -> tuple[bool | None, Reading]:
         """Return whether a file was last opened as a volume, or None if unknown, and its reading."""
         try:
             as_volume, reading = self._preferences.read_json(_FILE_PARTS_KEY)[str(path.absolute())]
@@ -70,7 +70,7 @@ class RecentFiles:
         except (KeyError, TypeError, ValueError):
             return None, DEFAULT_READING
 
-    def fill(self, menu: QMenu) -> None:
+    def fill_menu(self, menu: QMenu) -> None:
         """Fill a menu with the files; missing ones are disabled."""
         paths = self.paths
         for number, path in enumerate(paths, start=1):
@@ -78,9 +78,9 @@ class RecentFiles:
             key = f"&{number} " if number < 10 else f"{number} "
             exists = path.is_file()
             tip = str(path) if exists else tr("{path} no longer exists.", path=path)
-            add_choice(menu, f"{key}{name}", partial(self._open_file, path), tip).setEnabled(exists)
+            add_menu_action(menu, f"{key}{name}", partial(self._open_file, path), tip).setEnabled(exists)
         menu.addSeparator()
-        add_choice(menu, tr("&Clear this list"), self.clear).setEnabled(bool(paths))
+        add_menu_action(menu, tr("&Clear this list"), self.clear).setEnabled(bool(paths))
 
     def clear(self) -> None:
         """Forget all files."""

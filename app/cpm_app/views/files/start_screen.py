@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton,
 
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.containers import PictureGrid, Scrolled, arrange, dim_label, keep_escape, wrapped
+from cpm_app.views.widgets.containers import PictureGrid, VerticalScrollArea, fill_layout, create_dim_label, mark_own_escape, create_wrapped_label
 from cpm_core.numerics.types import record
 
 _PICTURE_SIZE = QSize(192, 120)
@@ -25,24 +25,24 @@ _SCREEN_MARGIN = 32
 
 
 @record
-class Entry:
+class StartEntry:
     """A file that can be opened: picture, which may be null, name, a line below it, and a description."""
 
     path: Path
     picture: QImage
     name: str
-    below: str
-    about: str
+    subtitle: str
+    tooltip: str
 
 
 class StartScreen(QWidget):
     """Pictures of recent work and samples that cover `parent`."""
 
-    chosen = Signal(Path)
+    file_selected = Signal(Path)
     """The user has selected a file."""
-    asked = Signal()
+    open_requested = Signal()
     """The user asks for another file."""
-    left = Signal()
+    back_requested = Signal()
     """The user returns to the image."""
 
     def __init__(self, parent: QWidget) -> None:
@@ -50,38 +50,38 @@ class StartScreen(QWidget):
         self.setObjectName("start")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self._covered = parent
-        keep_escape(self)
+        mark_own_escape(self)
         self.open_button, self.back_button = QPushButton(tr("&Open…")), QPushButton(tr("&Back to the image"))
-        self.open_button.clicked.connect(self.asked)
-        self.back_button.clicked.connect(self.left)
+        self.open_button.clicked.connect(self.open_requested)
+        self.back_button.clicked.connect(self.back_requested)
         self.recent, self.samples = (
             PictureGrid(_PICTURE_SIZE, _GRID_CELL_SIZE),
             PictureGrid(_PICTURE_SIZE, _GRID_CELL_SIZE),
         )
         self.recent.setAccessibleName(tr("Recent work"))
         self.samples.setAccessibleName(tr("Samples"))
-        self.trouble = wrapped()
-        self._nothing = dim_label(tr("Files that you open or save appear here."))
+        self.error_label = create_wrapped_label()
+        self._nothing = create_dim_label(tr("Files that you open or save appear here."))
         self._lay_out()
         for grid in (self.recent, self.samples):
             grid.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
             grid.setTextElideMode(Qt.TextElideMode.ElideMiddle)
-            grid.chosen.connect(self._choose)
+            grid.picture_selected.connect(self._on_picture_selected)
         parent.installEventFilter(self)
         self.hide()
 
-    def show_entries(self, recent: Sequence[Entry], samples: Sequence[Entry], leaves: bool, error: str = "") -> None:
+    def show_entries(self, recent: Sequence[StartEntry], samples: Sequence[StartEntry], can_go_back: bool, error: str = "") -> None:
         """Show files in place of the image, below an `error`; `can_go_back` offers to return to the image."""
-        self.trouble.setText(error)
-        self.trouble.setVisible(bool(error))
+        self.error_label.setText(error)
+        self.error_label.setVisible(bool(error))
         for grid, entries in ((self.recent, recent), (self.samples, samples)):
             grid.clear()
             for entry in entries:
-                grid.add(_shown(entry.picture), f"{entry.name}\n{entry.below}", entry.path, entry.about)
+                grid.add_picture(_create_grid_picture(entry.picture), f"{entry.name}\n{entry.subtitle}", entry.path, entry.tooltip)
             grid.setVisible(bool(entries))
         self._nothing.setVisible(not recent)
-        self.back_button.setVisible(leaves)
-        self._cover()
+        self.back_button.setVisible(can_go_back)
+        self._cover_parent()
         self.show()
         self.raise_()
         first = self.recent if recent else self.samples
@@ -103,50 +103,50 @@ class StartScreen(QWidget):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Leave on Esc."""
         if event.key() == Qt.Key.Key_Escape:
-            self.left.emit()
+            self.back_requested.emit()
         else:
             super().keyPressEvent(event)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Adapt to the size of the parent."""
         if event.type() == QEvent.Type.Resize and self.isVisible():
-            self._cover()
+            self._cover_parent()
         return super().eventFilter(watched, event)
 
     def _lay_out(self) -> None:
         content = QWidget()
-        arrange(
+        fill_layout(
             QVBoxLayout(content),
-            self.trouble,
-            arrange(QHBoxLayout(), _heading(tr("Recent work")), None, self.back_button, self.open_button, spacing=6),
+            self.error_label,
+            fill_layout(QHBoxLayout(), _create_heading(tr("Recent work")), None, self.back_button, self.open_button, spacing=6),
             self._nothing,
             self.recent,
-            _heading(tr("Samples")),
+            _create_heading(tr("Samples")),
             self.samples,
             None,
             margins=(_SCREEN_MARGIN, _SCREEN_MARGIN // 2, _SCREEN_MARGIN, _SCREEN_MARGIN // 2),
             spacing=10,
         )
-        arrange(QVBoxLayout(self), Scrolled(content, _SCREEN_MARGIN))
+        fill_layout(QVBoxLayout(self), VerticalScrollArea(content, _SCREEN_MARGIN))
 
-    def _cover(self) -> None:
+    def _cover_parent(self) -> None:
         """Take the size of the parent, and give each grid the height of all its rows."""
         self.setGeometry(self._covered.rect())
         columns = max(1, (self.width() - 2 * _SCREEN_MARGIN - 20) // _GRID_CELL_SIZE.width())
         for grid in (self.recent, self.samples):
             grid.setFixedHeight(-(-grid.count() // columns) * _GRID_CELL_SIZE.height() + 4)
 
-    def _choose(self, item: QListWidgetItem) -> None:
-        self.chosen.emit(item.data(Qt.ItemDataRole.UserRole))
+    def _on_picture_selected(self, item: QListWidgetItem) -> None:
+        self.file_selected.emit(item.data(Qt.ItemDataRole.UserRole))
 
 
-def _heading(text: str) -> QLabel:
+def _create_heading(text: str) -> QLabel:
     label = QLabel(text)
     label.setObjectName("heading")
     return label
 
 
-def _shown(picture: QImage) -> QPixmap:
+def _create_grid_picture(picture: QImage) -> QPixmap:
     """Return a picture in the size of the grid; a black one if there is none."""
     if picture.isNull():
         blank = QPixmap(_PICTURE_SIZE)

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from cpm_app.views.items.item import ImageOverlay, enable_caching, line_pen
 from cpm_app.views.theme import theme
-from cpm_app.views.theme.theme import Kind, look
+from cpm_app.views.theme.theme import LineKind, get_canvas_style
 from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics import Array, Mask, drop_flat_corners
 
@@ -99,7 +99,7 @@ class MultiPartItem(ImageOverlay):
             self.update(QRectF(left, top, right - left, bottom - top).adjusted(-rim, -rim, rim, rim))
         if self._changed.size:
             turns = self.scene().findChild(Turns) or Turns(self.scene())
-            turns.ask(self.draw_next_parts)
+            turns.schedule_work(self.draw_next_parts)
 
     def find_visible_parts(self, painter: QPainter, option: QStyleOptionGraphicsItem) -> tuple[list[int], Array]:
         """Return the indices of the parts to draw, and the exposed box (top, left, bottom, right), shape (4,)."""
@@ -137,7 +137,7 @@ class Curves(MultiPartItem):
         width: float = 2.0,
         halo: float = 3.6,
         dashed: bool | tuple[float, float] = False,
-        kind: Kind = "contours",
+        kind: LineKind = "contours",
     ) -> None:
         super().__init__(z)
         self._color, self._width, self._kind = color, width, kind
@@ -153,7 +153,7 @@ class Curves(MultiPartItem):
     @property
     def overhang(self) -> float:  # type: ignore[override]  # the width is a preference
         """Distance that lines, halos and caps reach beyond the corners [px of the screen]."""
-        return 2.0 + self._width * look().width(self._kind) + self._rim_of_halo
+        return 2.0 + self._width * get_canvas_style().width_factor(self._kind) + self._rim_of_halo
 
     def show_paths(self, paths: Sequence[Array], colors: Sequence[str] = ()) -> None:
         """Show curves, each of shape (K, 2), (row, col) [px], in the given colors or the default one."""
@@ -176,7 +176,7 @@ class Curves(MultiPartItem):
         seen = [(line, color) for ((_, line), color), is_seen in zip(near, visible.tolist(), strict=True) if is_seen]
         if self._rim_of_halo:
             # The rim of the halo is equally wide beside lines of any width.
-            painter.setPen(line_pen(theme.HALO, self._width * look().width(self._kind) + self._rim_of_halo))
+            painter.setPen(line_pen(theme.CANVAS_HALO_COLOR, self._width * get_canvas_style().width_factor(self._kind) + self._rim_of_halo))
             for line, _ in seen:
                 painter.drawPolyline(line)
         pens = {color: line_pen(color, self._width, self._kind) for color in set(self.colors)}
@@ -270,7 +270,7 @@ class Fills(MultiPartItem):
                 self._paths[key] = path = QPainterPath()  # filled by the even-odd rule
                 for curve in curves:
                     path.addPolygon(_build_polygon(curve))
-            tint = QColor(look().color(color))
+            tint = QColor(get_canvas_style().resolve_color(color))
             tint.setAlphaF(opacity)
             brush = QBrush(tint, self._pattern)
             brush.setTransform(inverse)  # keeps the hatch equally dense at any zoom

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from cpm_app.model.display.stamps import STAMP_LANES, Colors, stamp_pictures
 from cpm_app.views.items.item import ImageOverlay, to_xy
-from cpm_app.views.theme.theme import look
+from cpm_app.views.theme.theme import get_canvas_style
 from cpm_core.numerics import Array
 
 _MIN_DISC_DIAMETER = 2.4
@@ -133,9 +133,9 @@ class Discs(ImageOverlay):
     def _stamp_for(self, ratio: float, zoom: float) -> QImage:
         """Draw the discs of all colors side by side, for `ratio` device pixels per point, at magnification `zoom`."""
         diameter = round(
-            ratio * self._size_factor * look().points * min(self._diameter, max(_MIN_DISC_DIAMETER, _DISC_SPAN * zoom)), 1
+            ratio * self._size_factor * get_canvas_style().points * min(self._diameter, max(_MIN_DISC_DIAMETER, _DISC_SPAN * zoom)), 1
         )
-        colors = tuple(look().color(color) for color in self._colors)
+        colors = tuple(get_canvas_style().resolve_color(color) for color in self._colors)
         if self._stamped != (diameter, ratio, colors):
             self._stamped = (diameter, ratio, colors)
             side = math.ceil(diameter + 2.0 * ratio)

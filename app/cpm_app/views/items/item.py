@@ -14,7 +14,7 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
 from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from cpm_app.views.theme import theme
-from cpm_app.views.theme.theme import Kind, look
+from cpm_app.views.theme.theme import LineKind, get_canvas_style
 from cpm_core.numerics import Array, Place, Position
 from cpm_core.numerics.types import Extent
 
@@ -35,9 +35,9 @@ def image_rectangle(shape: Extent) -> QRectF:
     return QRectF(-0.5, -0.5, cols, rows)
 
 
-def line_pen(color: str, width: float, kind: Kind = "fixed") -> QPen:
+def line_pen(color: str, width: float, kind: LineKind = "fixed") -> QPen:
     """Create a pen of constant width at any zoom; the preferences scale its width and adapt its color."""
-    pen = QPen(QColor(look().color(color)), width * look().width(kind))
+    pen = QPen(QColor(get_canvas_style().resolve_color(color)), width * get_canvas_style().width_factor(kind))
     pen.setCosmetic(True)
     return pen
 
@@ -152,7 +152,7 @@ class TextLabels(ImageOverlay):
             width, height = metrics.horizontalAdvance(text) + 2 * _NAME_PAD, metrics.height() + _NAME_PAD
             top = at.y() - (height + _NAME_PAD if self._above else height / 2)
             room = QRectF(at.x() - width / 2, top, width, height)
-            background = QColor(theme.HALO)
+            background = QColor(theme.CANVAS_HALO_COLOR)
             background.setAlpha(205)
             painter.setPen(Qt.PenStyle.NoPen)
             painter.setBrush(background)

@@ -25,11 +25,11 @@ _SHORT_OPACITY = 0.6
 
 _CONTOUR_KINDS: tuple[tuple[str, str, str, Sign], ...] = (
     (tr("found"), tr("Lines that particles have found, closed and open ones; short open ones are pale."),
-     theme.CONTOUR, "line"),
-    (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.CONTOUR, "dashed"),
-    (tr("by hand"), tr("Segments drawn by hand."), theme.BY_HAND, "dashed"),
-    (tr("kept"), tr("Contours that are kept through all slider changes and runs."), theme.CONTOUR, "check"),
-    (tr("rejected"), tr("Contours that are not exported."), theme.REJECTED, "dashed"),
+     theme.CONTOUR_COLOR, "line"),
+    (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.CONTOUR_COLOR, "dashed"),
+    (tr("by hand"), tr("Segments drawn by hand."), theme.BY_HAND_COLOR, "dashed"),
+    (tr("kept"), tr("Contours that are kept through all slider changes and runs."), theme.CONTOUR_COLOR, "check"),
+    (tr("rejected"), tr("Contours that are not exported."), theme.REJECTED_COLOR, "dashed"),
 )  # fmt: skip
 """Text, tip, color and sign of each kind of contour in the legend."""
 
@@ -46,7 +46,7 @@ class ContourLayer(Layer):
     tip = tr("Closed, open, and drawn by hand.")
     shortcut = "Alt+4"
     shown_in_slices = True
-    colors = (theme.CONTOUR, theme.BY_HAND)
+    colors = (theme.CONTOUR_COLOR, theme.BY_HAND_COLOR)
     options = (
         SwitchOption("rejected", tr("Rejected ones, dashed"), True, tr("Show rejected contours, faint and dashed.")),
         SwitchOption("names", tr("Names"), True, tr("Show the names of contours.")),
@@ -55,15 +55,15 @@ class ContourLayer(Layer):
 
     def create_items(self) -> None:
         """Create the items of the layer."""
-        self._hovered = Curves(theme.HOVERED, 3.7, width=7.0, halo=0.0)
-        self._selected = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
-        self.rejected = Curves(theme.REJECTED, 3.9, width=1.2, halo=0.0, dashed=True)
-        self.short = Curves(theme.CONTOUR, 3.95, width=1.0, halo=0.0)
-        self._curves, self._colored = Curves(theme.CONTOUR, 4.1, width=1.5, halo=3.2), Curves(theme.CONTOUR, 4.12)
-        self.bridges = Curves(theme.HALO, 4.2, width=1.5, halo=0.0, dashed=True)
-        self.by_hand = Curves(theme.BY_HAND, 4.25, halo=0.0, dashed=True)
+        self._hovered = Curves(theme.HOVERED_COLOR, 3.7, width=7.0, halo=0.0)
+        self._selected = Curves(theme.SELECTED_COLOR, 3.8, width=6.5, halo=8.5)
+        self.rejected = Curves(theme.REJECTED_COLOR, 3.9, width=1.2, halo=0.0, dashed=True)
+        self.short = Curves(theme.CONTOUR_COLOR, 3.95, width=1.0, halo=0.0)
+        self._curves, self._colored = Curves(theme.CONTOUR_COLOR, 4.1, width=1.5, halo=3.2), Curves(theme.CONTOUR_COLOR, 4.12)
+        self.bridges = Curves(theme.CANVAS_HALO_COLOR, 4.2, width=1.5, halo=0.0, dashed=True)
+        self.by_hand = Curves(theme.BY_HAND_COLOR, 4.25, halo=0.0, dashed=True)
         self._names = TextLabels(5.7)
-        self.junctions = Markers(5.5, size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
+        self.junctions = Markers(5.5, size=8.0, symbol="d", pen=pg.mkPen(theme.CANVAS_HALO_COLOR), brush=pg.mkBrush(theme.JUNCTION_COLOR))
         self.add_items(self._hovered, self._selected, self.short, self._curves, self._colored, self.bridges, self.by_hand)
         self.add_items(self.rejected, switch="rejected")
         self.add_items(self._names, switch="names")
@@ -106,7 +106,7 @@ class ContourLayer(Layer):
         for curves in (self.short, self._curves):
             curves.show_paths(_contour_paths([item for item in counting if self._curves_for(item) is curves]))
         other = [item for item in counting if self._curves_for(item) is self._colored]
-        self._colored.show_paths(_contour_paths(other), [item.contour.color or theme.CONTOUR for item in other])
+        self._colored.show_paths(_contour_paths(other), [item.contour.color or theme.CONTOUR_COLOR for item in other])
         result = self.scene.contours.result
         self.bridges.show_paths([bridge.points for bridge in result.bridges] if result is not None else [])
         self.by_hand.show_paths([stretch for item in counting for stretch in item.contour.by_hand])
@@ -142,13 +142,13 @@ class TruthLayer(Layer):
     title = tr("Ground truth")
     tip = tr("True boundaries; missing contours dashed, wrong contours wide.")
     shown_in_slices = True
-    colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
+    colors = (theme.TRUTH_COLOR, theme.MISSING_COLOR, theme.WRONG_COLOR)
 
     def create_items(self) -> None:
         """Create the items of the layer."""
-        self._boundary = Curves(theme.TRUTH, 3.95, width=1.6, halo=0.0)
-        self._missing = Curves(theme.MISSING, 4.3, width=3.4, halo=5.0, dashed=True)
-        self._wrong = Curves(theme.WRONG, 4.4, width=5.0, halo=7.0)
+        self._boundary = Curves(theme.TRUTH_COLOR, 3.95, width=1.6, halo=0.0)
+        self._missing = Curves(theme.MISSING_COLOR, 4.3, width=3.4, halo=5.0, dashed=True)
+        self._wrong = Curves(theme.WRONG_COLOR, 4.4, width=5.0, halo=7.0)
         self.add_items(self._boundary, self._missing, self._wrong)
 
     @property
@@ -160,9 +160,9 @@ class TruthLayer(Layer):
         """Return the entries of boundaries and differences."""
         true, missing, wrong = self.counts
         return (
-            LegendEntry(true, tr("true"), tr("Boundaries of the ground truth."), theme.TRUTH),
-            LegendEntry(missing, tr("missing"), tr("True boundaries without a contour."), theme.MISSING, "dashed"),
-            LegendEntry(wrong, tr("wrong"), tr("Contours away from true boundaries."), theme.WRONG),
+            LegendEntry(true, tr("true"), tr("Boundaries of the ground truth."), theme.TRUTH_COLOR),
+            LegendEntry(missing, tr("missing"), tr("True boundaries without a contour."), theme.MISSING_COLOR, "dashed"),
+            LegendEntry(wrong, tr("wrong"), tr("Contours away from true boundaries."), theme.WRONG_COLOR),
         )
 
     def show_scene(self, before: Scene) -> None:

@@ -110,7 +110,7 @@ class RegionVeil(ImageOverlay):
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the veil."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.fillPath(self._veil, QColor(theme.DIMMED))
+        painter.fillPath(self._veil, QColor(theme.DIMMED_COLOR))
 
 
 class DraftItems:
@@ -118,7 +118,7 @@ class DraftItems:
 
     def __init__(self, view: pg.ViewBox) -> None:
         self.path, self._closing, self._ring = (pg.PlotCurveItem(antialias=True) for _ in range(3))
-        self._corners = Markers(_DRAFT_Z + 0.5, size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
+        self._corners = Markers(_DRAFT_Z + 0.5, size=6.0, symbol="s", pen=pg.mkPen(theme.CANVAS_HALO_COLOR), brush=pg.mkBrush("w"))
         for item in (self.path, self._closing, self._ring):
             item.setZValue(_DRAFT_Z)
             item.hide()
@@ -143,7 +143,7 @@ class DraftItems:
 def _draw_path(item: pg.PlotCurveItem, path: Array, color: str, width: float, halo: float) -> None:
     """Draw a path, shape (K, 2), with a halo."""
     item.setPen(line_pen(color, width, "shapes"))
-    item.setShadowPen(line_pen(theme.HALO, halo, "shapes"))
+    item.setShadowPen(line_pen(theme.CANVAS_HALO_COLOR, halo, "shapes"))
     item.setData(*to_xy(path))
     item.setVisible(len(path) > 0)
 
@@ -164,27 +164,27 @@ class DrawingLayer(Layer):
     """Another draft is shown: the arguments of `show_draft`."""
     ring_shown = Signal(object, float, str, object)
     """Another ring is shown: the arguments of `show_ring`."""
-    colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
+    colors = (theme.DRAWING_COLOR, theme.REGION_COLOR, theme.BARRIER_COLOR, theme.ATTRACTING_COLOR, theme.REPELLING_COLOR)
 
     def create_items(self) -> None:
         """Create the items of the layer."""
-        self._lines = _create_shape_curves(theme.DRAWING, _START_Z, 1.4)
-        self._selected_lines = _create_shape_curves(theme.CHOSEN, _START_Z + 0.1, 2.2)
-        self._areas = _create_shape_curves(theme.DRAWING, _START_Z, 1.2, dashed=True)
+        self._lines = _create_shape_curves(theme.DRAWING_COLOR, _START_Z, 1.4)
+        self._selected_lines = _create_shape_curves(theme.SELECTED_COLOR, _START_Z + 0.1, 2.2)
+        self._areas = _create_shape_curves(theme.DRAWING_COLOR, _START_Z, 1.2, dashed=True)
         self.computed = {
-            kind: Discs(theme.MOVING, diameter, _START_Z + 0.2) for kind, diameter in _SEED_DIAMETERS.items()
+            kind: Discs(theme.MOVING_COLOR, diameter, _START_Z + 0.2) for kind, diameter in _SEED_DIAMETERS.items()
         }
-        self._seeds = Discs(theme.MOVING, 6.0, _START_Z + 0.6)
-        self._selected_points = Discs(theme.CHOSEN, 9.0, _START_Z + 0.7)
+        self._seeds = Discs(theme.MOVING_COLOR, 6.0, _START_Z + 0.6)
+        self._selected_points = Discs(theme.SELECTED_COLOR, 9.0, _START_Z + 0.7)
         self._handles = Markers(
-            _START_Z + 0.8, size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
+            _START_Z + 0.8, size=10.0, symbol="s", pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2), brush=pg.mkBrush(theme.SELECTED_COLOR)
         )
         self._starts = (self._lines, self._areas, self._seeds, self._selected_points)
         self._dim = RegionVeil()
-        self._regions = _create_shape_curves(theme.REGION, _LIMIT_Z, 1.8)
-        self._barriers = _create_shape_curves(theme.BARRIER, _LIMIT_Z + 0.1, 3.6, halo=5.6)
-        self._rings = _create_shape_curves(theme.ATTRACTING, _CHARGE_Z - 0.2, 1.8)
-        self._reach = _create_shape_curves(theme.CHOSEN, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
+        self._regions = _create_shape_curves(theme.REGION_COLOR, _LIMIT_Z, 1.8)
+        self._barriers = _create_shape_curves(theme.BARRIER_COLOR, _LIMIT_Z + 0.1, 3.6, halo=5.6)
+        self._rings = _create_shape_curves(theme.ATTRACTING_COLOR, _CHARGE_Z - 0.2, 1.8)
+        self._reach = _create_shape_curves(theme.SELECTED_COLOR, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
         self._charges = Markers(_CHARGE_Z, size=_CHARGE_DIAMETER)
         self._signs = Markers(_CHARGE_Z + 0.1, size=_CHARGE_SIGN_SIZE, pen=None, brush=pg.mkBrush("w"))
         self.add_items(self._lines, self._areas, self._selected_lines, *self.computed.values(), self._seeds, self._selected_points)
@@ -224,7 +224,7 @@ class DrawingLayer(Layer):
         self,
         corners: Sequence[Place] = (),
         path: Sequence[Place] | Array = (),
-        color: str = theme.DRAWING,
+        color: str = theme.DRAWING_COLOR,
         closed: bool = False,
     ) -> None:
         """Show the draft of a path; without arguments, hide it.
@@ -247,7 +247,7 @@ class DrawingLayer(Layer):
         self,
         center: Place | None = None,
         radius: float = 0.0,
-        color: str = theme.DRAWING,
+        color: str = theme.DRAWING_COLOR,
         axis: int | None = None,
     ) -> None:
         """Show the ring of a tool, or hide it if `center` is None.
@@ -311,7 +311,7 @@ class DrawingLayer(Layer):
         charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
         places = [charge.position for charge in charges]
         rims = [
-            _cached_pen(theme.CHOSEN, width=2.6) if each is selected else _cached_pen(theme.HALO, width=1.4)
+            _cached_pen(theme.SELECTED_COLOR, width=2.6) if each is selected else _cached_pen(theme.CANVAS_HALO_COLOR, width=1.4)
             for each in charges
         ]
         self._charges.show_markers(
@@ -354,7 +354,7 @@ def _charge_ring(charge: _AnyCharge, radius: float) -> Array:
 
 
 def _charge_color(charge: _AnyCharge) -> str:
-    return theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING
+    return theme.ATTRACTING_COLOR if charge.strength > 0.0 else theme.REPELLING_COLOR
 
 
 def _shape_seeds(shapes: Sequence[_Line | Points | Grid]) -> Array:

@@ -27,7 +27,7 @@ _POTENTIAL_OPACITY = 0.75
 
 
 def _create_map_option(names: Sequence[str], tip: str) -> ChoiceOption:
-    return ChoiceOption("map", tr("Colors"), {name: color_maps.MAPS[name] for name in names}, names[0], tip)
+    return ChoiceOption("map", tr("Colors"), {name: color_maps.COLOR_MAPS[name] for name in names}, names[0], tip)
 
 
 class ScalarOverlay(Layer):
@@ -88,7 +88,7 @@ class EdgeMapLayer(ScalarOverlay):
     colors = ("#f98c0a",)
     options = (
         _create_map_option(
-            ("inferno", "magma", "plasma", "viridis", "cividis", color_maps.GRAY),
+            ("inferno", "magma", "plasma", "viridis", "cividis", color_maps.GRAY_MAP),
             tr("Colors from weak to strong edges."),
         ),
     )
@@ -109,7 +109,7 @@ class PotentialLayer(ScalarOverlay):
     colors = ("#7c7b78",)
     options = (
         _create_map_option(
-            ("cividis", "viridis", "magma", "plasma", color_maps.GRAY),
+            ("cividis", "viridis", "magma", "plasma", color_maps.GRAY_MAP),
             tr("Colors from low to high potential."),
         ),
     )
@@ -133,11 +133,11 @@ class FieldLayer(Layer):
     shortcut = "Alt+9"
     initially_shown = False
     shown_in_slices = True
-    colors = (theme.FIELD,)
+    colors = (theme.FIELD_COLOR,)
 
     def create_items(self) -> None:
         """Create the items of the layer."""
-        self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD, 1.0), antialias=True, connect="pairs")
+        self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD_COLOR, 1.0), antialias=True, connect="pairs")
         self._item.setZValue(2)
         enable_caching(self._item)
         self.add_items(self._item)

@@ -17,12 +17,12 @@ from cpm_app.views.theme import theme
 from cpm_core.numerics import Position
 
 FORCE_KINDS = {
-    "coulomb": (tr("Coulomb"), theme.COULOMB),
-    "lorentz": (tr("Lorentz"), theme.LORENTZ),
-    "placed": (tr("Placed charges"), theme.REGION),
-    "friction": (tr("Friction"), theme.JUNCTION),
-    "damping": (tr("Damping"), theme.DAMPING),
-    "total": (tr("Total"), theme.CHOSEN),
+    "coulomb": (tr("Coulomb"), theme.COULOMB_COLOR),
+    "lorentz": (tr("Lorentz"), theme.LORENTZ_COLOR),
+    "placed": (tr("Placed charges"), theme.REGION_COLOR),
+    "friction": (tr("Friction"), theme.JUNCTION_COLOR),
+    "damping": (tr("Damping"), theme.DAMPING_COLOR),
+    "total": (tr("Total"), theme.SELECTED_COLOR),
 }
 """Names and colors of the forces, in the order of the legend."""
 
@@ -54,13 +54,13 @@ class ForceLayer(Layer):
     shortcut = "Alt+3"
     initially_shown = False
     shown_in_slices = True
-    colors = (theme.COULOMB, theme.LORENTZ, theme.DAMPING)
+    colors = (theme.COULOMB_COLOR, theme.LORENTZ_COLOR, theme.DAMPING_COLOR)
     options = (AmountOption("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
 
     def create_items(self) -> None:
         """Create the items of the layer."""
-        self._ring = Markers(_FORCE_Z, size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
-        halo = line_pen(theme.HALO, 4.6)
+        self._ring = Markers(_FORCE_Z, size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.SELECTED_COLOR, width=1.6))
+        halo = line_pen(theme.CANVAS_HALO_COLOR, 4.6)
         self._arrows = {
             name: pg.PlotCurveItem(pen=line_pen(color, 2.2), shadowPen=halo, antialias=True, connect="pairs")
             for name, (_, color) in FORCE_KINDS.items()

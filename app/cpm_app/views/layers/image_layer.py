@@ -75,7 +75,7 @@ class ImageLayer(Layer):
             _SHOW_COLORS,
             tr("A color image in its colors, or the channel in which a run finds edges."),
         ),
-        ChoiceOption("map", tr("Colors"), color_maps.MAPS, color_maps.GRAY, tr("Colors from dark to bright.")),
+        ChoiceOption("map", tr("Colors"), color_maps.COLOR_MAPS, color_maps.GRAY_MAP, tr("Colors from dark to bright.")),
         ChoiceOption(
             "range",
             tr("Range"),
@@ -130,7 +130,7 @@ class ImageLayer(Layer):
         """Change colors or window."""
         if name == "map":
             name = self.get_choice("map")
-            self._item.set_color_table(None if name == color_maps.GRAY else color_maps.color_table(name))
+            self._item.set_color_table(None if name == color_maps.GRAY_MAP else color_maps.color_table(name))
         elif name == "range":
             self._apply_range()
         else:  # what is shown, or gamma

@@ -26,7 +26,7 @@ from cpm_app.model.text.language import tr, localize_number
 from cpm_app.views.layers.image_layer import CT_WINDOWS, ImageLayer, format_window, window_from_level
 from cpm_app.views.layers.layer import ChoiceOption, Layer, Option, SwitchOption
 from cpm_app.views.theme import color_maps
-from cpm_app.views.widgets.containers import arrange, dim_label
+from cpm_app.views.widgets.containers import fill_layout, create_dim_label
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Image
 
@@ -53,7 +53,7 @@ class LayerForm(QWidget):
             if isinstance(field, QCheckBox):
                 self.rows.addRow(field)
             else:
-                self.rows.addRow(dim_label(option.title, option.tip), field)
+                self.rows.addRow(create_dim_label(option.title, option.tip), field)
         layer.changed.connect(self.show_option_values)
         self.show_option_values()
 
@@ -89,8 +89,8 @@ class LayerForm(QWidget):
             box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
             box.setIconSize(QSize(36, 12))
             for index, name in enumerate(option.choices):
-                box.setItemIcon(index, color_maps.icon(name) if name in color_maps.MAPS else QIcon())
-            box.chosen.connect(set_option)
+                box.setItemIcon(index, color_maps.create_map_icon(name) if name in color_maps.COLOR_MAPS else QIcon())
+            box.value_selected.connect(set_option)
             return box, box.show_value
         slider = MarkedSlider(option.low, option.high, option.step, option.default)
         slider.moved_to.connect(set_option)
@@ -99,7 +99,7 @@ class LayerForm(QWidget):
         figure.setMinimumWidth(figure.fontMetrics().horizontalAdvance("0.000"))
         both = QWidget()
         both.setFocusProxy(slider)
-        arrange(QHBoxLayout(both), slider, figure, wide=slider)
+        fill_layout(QHBoxLayout(both), slider, figure, wide=slider)
 
         def show_amount(value: float) -> None:
             slider.show_value(value)
@@ -171,17 +171,17 @@ class LevelsEditor(QWidget):
         self.low, self.high = DecimalField(*ends, step, decimals), DecimalField(*ends, step, decimals)
         self.low.valueChanged.connect(lambda value: self.moved.emit(value, max(value, self.high.value())))
         self.high.valueChanged.connect(lambda value: self.moved.emit(min(value, self.low.value()), value))
-        row = arrange(QHBoxLayout(), spacing=6)
+        row = fill_layout(QHBoxLayout(), spacing=6)
         for title, tip, field in (
             (tr("Black"), tr("Gray value shown as black."), self.low),
             (tr("White"), tr("Gray value shown as white."), self.high),
         ):
             field.setAccessibleName(title)
             field.setToolTip(tip)
-            row.addWidget(dim_label(title))
+            row.addWidget(create_dim_label(title))
             row.addWidget(field, 1)
         tip = tr("Width and level of the range: white minus black, and the middle between them.")
-        self.figures = dim_label(tip=tip)
+        self.figures = create_dim_label(tip=tip)
         usual = {name: f"{name}  {format_window(window_from_level(window))}" for name, window in CT_WINDOWS.items()}
         self.usual = ChoiceBox(usual)
         self.usual.setPlaceholderText(tr("CT window"))
@@ -189,10 +189,10 @@ class LevelsEditor(QWidget):
         self.usual.setMinimumContentsLength(10)
         self.usual.setAccessibleName(tr("CT window"))
         self.usual.setToolTip(tr("The usual windows of CT, in Hounsfield units."))
-        self.usual.chosen.connect(lambda name: self.moved.emit(*window_from_level(CT_WINDOWS[name])))
+        self.usual.value_selected.connect(lambda name: self.moved.emit(*window_from_level(CT_WINDOWS[name])))
         self.usual.setVisible(image.is_ct)
-        below = arrange(QHBoxLayout(), self.figures, self.usual, wide=self.usual)
-        arrange(QVBoxLayout(self), self.histogram, row, below, spacing=4)
+        below = fill_layout(QHBoxLayout(), self.figures, self.usual, wide=self.usual)
+        fill_layout(QVBoxLayout(self), self.histogram, row, below, spacing=4)
 
     def show_window(self, low: float, high: float) -> None:
         """Show a window without emitting a signal; leave the lines and their axis alone while a line is dragged."""

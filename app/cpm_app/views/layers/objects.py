@@ -52,7 +52,7 @@ class ObjectLayer(Layer):
     tip = tr("Accepted objects by class, and proposals, dashed.")
     shortcut = "Alt+5"
     shown_in_slices = True
-    colors = (DEFAULT_CLASSES[0].color, theme.PROPOSAL)
+    colors = (DEFAULT_CLASSES[0].color, theme.PROPOSAL_COLOR)
     options = (
         AmountOption("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),
         SwitchOption("names", tr("Names"), True, tr("Show the names of objects.")),
@@ -61,14 +61,14 @@ class ObjectLayer(Layer):
     def create_items(self) -> None:
         """Create the items of the layer."""
         self.fills = Fills(3.0)
-        self._outlines = Curves(theme.CHOSEN, 4.3)
-        self._gaps = Curves(theme.HALO, 4.35, halo=0.0, dashed=True)
-        self._selected = Curves(theme.CHOSEN, 4.25, width=5.0, halo=7.0)
-        self._hovered = Curves(theme.HOVERED, 4.24, width=5.0, halo=0.0)
-        self.proposal_fill, self._proposal_outlines = Fills(4.4), Curves(theme.PROPOSAL, 4.55, width=2.2, halo=4.0, dashed=True)
-        self._doubtful = Curves(theme.PROPOSAL, 4.5, width=1.4, halo=2.8, dashed=_DOUBTFUL_DASHES)
+        self._outlines = Curves(theme.SELECTED_COLOR, 4.3)
+        self._gaps = Curves(theme.CANVAS_HALO_COLOR, 4.35, halo=0.0, dashed=True)
+        self._selected = Curves(theme.SELECTED_COLOR, 4.25, width=5.0, halo=7.0)
+        self._hovered = Curves(theme.HOVERED_COLOR, 4.24, width=5.0, halo=0.0)
+        self.proposal_fill, self._proposal_outlines = Fills(4.4), Curves(theme.PROPOSAL_COLOR, 4.55, width=2.2, halo=4.0, dashed=True)
+        self._doubtful = Curves(theme.PROPOSAL_COLOR, 4.5, width=1.4, halo=2.8, dashed=_DOUBTFUL_DASHES)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
-        self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.HALO, width=1.2))
+        self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2))
         self._paths: dict[int, tuple[tuple[Line, ...], list[Array]]] = {}
         """Boundaries of the shown objects by object number, with the closed paths drawn for them."""
         self._names, self._probabilities = TextLabels(5.8), TextLabels(5.85, above=True)
@@ -79,12 +79,12 @@ class ObjectLayer(Layer):
     def legend_entries(self) -> Sequence[LegendEntry]:
         """Return the entries of accepted objects and proposals."""
         offered, objects = self._proposals, self.scene.document.objects
-        color = objects.color_of(objects.items[0]) if objects.items else theme.PROPOSAL
+        color = objects.color_of(objects.items[0]) if objects.items else theme.PROPOSAL_COLOR
         return (
             LegendEntry(
                 len(objects.items), tr("accepted"), tr("Objects, in the colors of their classes."), color, "area"
             ),
-            LegendEntry(len(offered), tr("proposed"), tr("Objects that can be accepted."), theme.PROPOSAL, "dashed"),
+            LegendEntry(len(offered), tr("proposed"), tr("Objects that can be accepted."), theme.PROPOSAL_COLOR, "dashed"),
         )
 
     def apply_option(self, name: str) -> None:
@@ -149,8 +149,8 @@ class ObjectLayer(Layer):
         found = [selection for _, selection in self._proposals]
         sure = [each for each in found if each.confidence >= MIN_SURE_CONFIDENCE]
         doubtful = [each for each in found if each.confidence < MIN_SURE_CONFIDENCE]
-        areas = [(_selection_curves(each), theme.PROPOSAL, _PROPOSAL_OPACITY) for each in sure]
-        self.proposal_fill.show_areas([*areas, *((_selection_curves(each), theme.PROPOSAL, _DOUBTFUL_OPACITY) for each in doubtful)])
+        areas = [(_selection_curves(each), theme.PROPOSAL_COLOR, _PROPOSAL_OPACITY) for each in sure]
+        self.proposal_fill.show_areas([*areas, *((_selection_curves(each), theme.PROPOSAL_COLOR, _DOUBTFUL_OPACITY) for each in doubtful)])
         self._proposal_outlines.show_paths(_selection_outlines(sure))
         self._doubtful.show_paths(_selection_outlines(doubtful))
 
@@ -175,7 +175,7 @@ class ObjectLayer(Layer):
             curves = _selection_curves(preview.after)
             if isinstance(preview.before, Selection):
                 curves += _selection_curves(preview.before)
-            color, opacity = (theme.PROPOSAL, _PREVIEW_OPACITY) if preview.adds else (theme.REMOVED, 1.0)
+            color, opacity = (theme.PROPOSAL_COLOR, _PREVIEW_OPACITY) if preview.adds else (theme.REMOVED_COLOR, 1.0)
             changed = [(curves, color, opacity)] if curves else []  # empty in a slice that misses the object
         adds = preview is not None and preview.adds
         self.added.show_areas(changed if adds else [])
@@ -187,7 +187,7 @@ class ObjectLayer(Layer):
         marks = [
             (at, each.inside) for each in clicks for at in each.places[:: 1 + len(each.places) // _MAX_CLICK_MARKS]
         ]
-        brushes = {True: pg.mkBrush(theme.RESTING), False: pg.mkBrush(theme.BARRIER)}
+        brushes = {True: pg.mkBrush(theme.RESTING_COLOR), False: pg.mkBrush(theme.BARRIER_COLOR)}
         self._clicks.show_markers(
             [at for at, _ in marks],
             symbol=["o" if inside else "x" for _, inside in marks],

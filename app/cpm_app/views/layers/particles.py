@@ -22,7 +22,7 @@ from cpm_core.numerics import Array
 DARK_MAP_FRACTION = 0.18
 """Fraction of the color maps that is too dark to stand out from a dark image."""
 
-UNKNOWN_COLOR = theme.JUNCTION
+UNKNOWN_COLOR = theme.JUNCTION_COLOR
 """Color of particles whose quantity is not known yet; no color map contains it."""
 
 _LEGEND_WIDTH = 154
@@ -81,7 +81,7 @@ class ParticleLayer(Layer):
     tip = tr("Moving, and nearly at rest.")
     shortcut = "Alt+1"
     shown_in_slices = True
-    colors = (theme.MOVING, theme.RESTING)
+    colors = (theme.MOVING_COLOR, theme.RESTING_COLOR)
     color_choices: ClassVar = {_BY_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
     """Names and titles of the quantities that the color can show."""
     options = (
@@ -89,7 +89,7 @@ class ParticleLayer(Layer):
         ChoiceOption(
             "map",
             tr("Colors"),
-            {name: color_maps.MAPS[name] for name in _QUANTITY_MAPS},
+            {name: color_maps.COLOR_MAPS[name] for name in _QUANTITY_MAPS},
             "viridis",
             tr("Colors from low to high."),
         ),
@@ -109,8 +109,8 @@ class ParticleLayer(Layer):
     def create_items(self) -> None:
         """Create the items of the layer."""
         # Contours lie above the particles at rest and below those that still move.
-        self._resting = MovingDiscs(theme.RESTING, 7.0, 3.0)
-        self._moving = MovingDiscs(theme.MOVING, 6.0, _RUNNING_Z)
+        self._resting = MovingDiscs(theme.RESTING_COLOR, 7.0, 3.0)
+        self._moving = MovingDiscs(theme.MOVING_COLOR, 6.0, _RUNNING_Z)
         self.legend = PinnedText(self.view, (1.0, 1.0))
         self._discs = (self._resting, self._moving)
         self.add_items(*self._discs, self.legend)
@@ -140,8 +140,8 @@ class ParticleLayer(Layer):
         if self.get_choice("colour") != _BY_STATE or (snapshot is not None and snapshot.state.stop_reason):
             return ()
         kinds = (
-            (self._moving, tr("moving"), tr("Particles that move."), theme.MOVING),
-            (self._resting, tr("at rest"), tr("Particles that hardly move."), theme.RESTING),
+            (self._moving, tr("moving"), tr("Particles that move."), theme.MOVING_COLOR),
+            (self._resting, tr("at rest"), tr("Particles that hardly move."), theme.RESTING_COLOR),
         )
         return [LegendEntry(discs.count, text, tip, color, "dot") for discs, text, tip, color in kinds]
 
@@ -170,7 +170,7 @@ class ParticleLayer(Layer):
         if self.get_choice("colour") != _BY_STATE:
             palette, strip = (
                 _build_quantity_palette(name := self.get_choice("map")),
-                color_maps.strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, DARK_MAP_FRACTION),
+                color_maps.draw_color_strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, DARK_MAP_FRACTION),
             )
             self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
         for discs in self._discs:

@@ -33,12 +33,12 @@ class SkeletonLayer(Layer):
     title = tr("Skeleton")
     tip = tr("Center lines, colored from thin to thick, and inscribed disks.")
     shown_in_slices = True
-    colors = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
+    colors = (theme.THICKNESS_COLORS[0], theme.THICKNESS_COLORS[-1])
 
     def create_items(self) -> None:
         """Create the items of the layer."""
-        self.branches = Curves(theme.THICKNESSES[0], 4.6, width=2.6, halo=4.4)
-        self.disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
+        self.branches = Curves(theme.THICKNESS_COLORS[0], 4.6, width=2.6, halo=4.4)
+        self.disks = Curves(theme.DISK_COLOR, 4.5, width=1.0, halo=0.0)
         self.add_items(self.disks, self.branches)
 
     def show_scene(self, before: Scene) -> None:
@@ -49,11 +49,11 @@ class SkeletonLayer(Layer):
         pieces: list[tuple[int, Array]] = []
         circles: list[Array] = []
         if found is not None and found.contours:
-            pieces += split_skeleton_by_thickness(found, len(theme.THICKNESSES))
+            pieces += split_skeleton_by_thickness(found, len(theme.THICKNESS_COLORS))
             for contour, radii in zip(found.contours, found.radii, strict=True):
                 along = np.append(radii, radii[0]) if contour.closed else radii
                 circles += inscribed_disks(contour.path, along, _pixel_sides(self.scene))
-        self.branches.show_paths([piece for _, piece in pieces], [theme.THICKNESSES[band] for band, _ in pieces])
+        self.branches.show_paths([piece for _, piece in pieces], [theme.THICKNESS_COLORS[band] for band, _ in pieces])
         self.disks.show_paths(circles)
 
 

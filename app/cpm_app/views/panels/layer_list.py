@@ -11,10 +11,10 @@ from cpm_app.model.text.language import tr
 from cpm_app.views.layers import Layers
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.layers.layer_form import LayerForm
-from cpm_app.views.theme.icons import swatch
+from cpm_app.views.theme.icons import create_swatch
 from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.actions import LAYER, Actions, add_choice
-from cpm_app.views.widgets.containers import Fold, Scrolled, arrange
+from cpm_app.views.widgets.actions import LAYER_ACTION_PREFIX, Actions, add_menu_action
+from cpm_app.views.widgets.containers import FoldButton, VerticalScrollArea, fill_layout
 from cpm_app.views.widgets.fields import MarkedSlider
 
 _FOLD_BUTTON_WIDTH = 18
@@ -30,14 +30,14 @@ _OPACITY_STEP = 0.05
 """Increment of the opacity."""
 
 
-class LayersPanel(Scrolled):
+class LayersPanel(VerticalScrollArea):
     """Panel with one row per layer."""
 
     def __init__(self, layers: Layers) -> None:
         self.rows = {layer.name: LayerRow(layer) for layer in layers}
         self.boxes: dict[str, QCheckBox] = {name: row.box for name, row in self.rows.items()}
         content = QWidget()
-        arrange(QVBoxLayout(content), *self.rows.values(), None, margins=(6, 8, 8, 4), spacing=2)
+        fill_layout(QVBoxLayout(content), *self.rows.values(), None, margins=(6, 8, 8, 4), spacing=2)
         super().__init__(content, _MIN_LAYERS_HEIGHT)
         self.setFocusProxy(next(iter(self.boxes.values())))
         for row in self.rows.values():
@@ -54,7 +54,7 @@ class LayersPanel(Scrolled):
     def use_actions(self, actions: Actions) -> None:
         """Give the rows the tooltips of the actions that show or hide layers, with their keys."""
         for name, box in self.boxes.items():
-            box.setToolTip(actions[f"{LAYER}{name}"].toolTip())
+            box.setToolTip(actions[f"{LAYER_ACTION_PREFIX}{name}"].toolTip())
 
 
 class LayerRow(QWidget):
@@ -68,37 +68,37 @@ class LayerRow(QWidget):
         self.box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.box.toggled.connect(layer.set_shown)
         self.show_color()
-        self.fold = Fold()
+        self.fold = FoldButton()
         self.fold.setFixedWidth(_FOLD_BUTTON_WIDTH)
         self.fold.setAccessibleName(tr("Settings: {layer}", layer=layer.title))
         self.fold.setToolTip(tr("Settings of this layer."))
-        self.fold.toggled.connect(self._unfold)
+        self.fold.toggled.connect(self._on_fold_toggled)
         self.opacity = MarkedSlider(_MIN_OPACITY, 1.0, _OPACITY_STEP)
         self.opacity.setAccessibleName(tr("Opacity: {layer}", layer=layer.title))
         self.opacity.setToolTip(tr("Opacity; double-click to restore."))
         self.opacity.moved_to.connect(layer.set_opacity)
         self.opacity.restored.connect(partial(layer.set_opacity, 1.0))
         self.settings: QWidget | None = None
-        head = arrange(QHBoxLayout(), self.fold, self.box, spacing=2, wide=self.box)
-        self._column = arrange(QVBoxLayout(self), head, spacing=2)
-        add_choice(self, tr("Restore the &opacity"), partial(layer.set_opacity, 1.0))
-        layer.changed.connect(self._show)
-        self._show()
+        head = fill_layout(QHBoxLayout(), self.fold, self.box, spacing=2, wide=self.box)
+        self._column = fill_layout(QVBoxLayout(self), head, spacing=2)
+        add_menu_action(self, tr("Restore the &opacity"), partial(layer.set_opacity, 1.0))
+        layer.changed.connect(self._on_layer_changed)
+        self._on_layer_changed()
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """Return the layer. See `MenuOwner`."""
-        return f"{LAYER}{self.layer.name}", point if point is not None else self.box.geometry().center()
+        return f"{LAYER_ACTION_PREFIX}{self.layer.name}", point if point is not None else self.box.geometry().center()
 
     def show_color(self) -> None:
         """Show the current colors."""
         if self.layer.colors:
-            self.box.setIcon(swatch(*self.layer.colors))
+            self.box.setIcon(create_swatch(*self.layer.colors))
 
-    def _show(self) -> None:
+    def _on_layer_changed(self) -> None:
         self.box.setChecked(self.layer.shown)
         self.opacity.show_value(self.layer.opacity)
 
-    def _unfold(self, unfolded: bool) -> None:
+    def _on_fold_toggled(self, unfolded: bool) -> None:
         if unfolded and self.settings is None:
             self.settings = LayerForm(self.layer)
             self.settings.setContentsMargins(_FOLD_BUTTON_WIDTH + 4, 0, 0, 8)

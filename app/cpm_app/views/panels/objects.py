@@ -40,15 +40,15 @@ from cpm_app.session.features.object_list import BRUSH_RADIUS_RANGE, ROW_KINDS, 
 from cpm_app.session.session import Session
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
 from cpm_app.views.theme import theme
-from cpm_app.views.theme.icons import fill_colors, swatch
-from cpm_app.views.widgets.containers import arrange, wrapped
+from cpm_app.views.theme.icons import fill_colors, create_swatch
+from cpm_app.views.widgets.containers import fill_layout, create_wrapped_label
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import Image
 from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers, Sides
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 
-REACHED: Mapping[str, str] = {
+REACHED_WORDS: Mapping[str, str] = {
     "flight": tr("in free flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
     "launched": tr("inserted elsewhere"), "": "–",
 }  # fmt: skip
@@ -61,24 +61,24 @@ _KIND_NAMES: Mapping[RowKind, str] = {
 """Names of the kinds of rows."""
 
 
-def _figure(get: Callable[[ObjectFigures], float | None]) -> Callable[[ObjectRow], float | None]:
+def _object_figure_getter(get: Callable[[ObjectFigures], float | None]) -> Callable[[ObjectRow], float | None]:
     """Return a function from a row to a figure of its object, or None while it is unknown."""
     return lambda row: None if row.figures is None else get(row.figures)
 
 
-def _measure(get: Callable[[Measures], float | str | None]) -> Callable[[ObjectRow], float | str | None]:
+def _contour_measure_getter(get: Callable[[Measures], float | str | None]) -> Callable[[ObjectRow], float | str | None]:
     """Return a function from a row to a measure of its contour, or None for an object."""
     return lambda row: None if row.contour is None else get(row.contour.measures)
 
 
-def _of(
+def _object_or_contour_getter(
     item: Callable[[SegmentedObject], float | None], measures: Callable[[Measures], float | None]
 ) -> Callable[[ObjectRow], float | str | None]:
     """Return a function from a row to a value of its object, or else of its contour."""
-    return lambda row: item(row.item) if row.item is not None else _measure(measures)(row)
+    return lambda row: item(row.item) if row.item is not None else _contour_measure_getter(measures)(row)
 
 
-def _state(row: ObjectRow) -> str | None:
+def _describe_state(row: ObjectRow) -> str | None:
     """Describe whether the item of a row is frozen, hidden or kept."""
     if row.item is None:
         return tr("kept") if row.contour is not None and row.contour.reviewed.verdict == "kept" else None
@@ -86,11 +86,11 @@ def _state(row: ObjectRow) -> str | None:
     return ", ".join(word for holds, word in words if holds) or None
 
 
-CONFIDENCE = tr("Confidence: the estimated probability that the object covers most of the true one and little else.")
+CONFIDENCE_TIP = tr("Confidence: the estimated probability that the object covers most of the true one and little else.")
 """Tooltip of the confidence."""
 
 
-def columns_of(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[Column[ObjectRow], ...]:
+def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[Column[ObjectRow], ...]:
     """Build the columns, the most important first, for the classes of the objects and a pixel size."""
     pixel = float(np.prod(spacing))
     solid = len(spacing) == 3
@@ -106,66 +106,66 @@ def columns_of(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[
 
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
-               row_number, "000", form=".0f", key=lambda row: ROW_KINDS.index(row.kind) * 1e7 + (row_number(row) or 0)),
+               row_number, "000", number_format=".0f", sort_by=lambda row: ROW_KINDS.index(row.kind) * 1e7 + (row_number(row) or 0)),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
                                         "row is."), describe_class,
                "proposal",
-               key=lambda row: 10 * ROW_KINDS.index(row.kind) + (row.item.category if row.item else 0)),
-        Column("area", tr("Volume"), tr("Volume without hollows."), _figure(lambda found: found.volume),
+               sort_by=lambda row: 10 * ROW_KINDS.index(row.kind) + (row.item.category if row.item else 0)),
+        Column("area", tr("Volume"), tr("Volume without hollows."), _object_figure_getter(lambda found: found.volume),
                "00,000", 3)
         if solid else
         Column("area", tr("Area"), tr("Area without holes."),
-               _of(lambda item: item.area * pixel, lambda found: found.net_area_in_units if found.closed else None),
+               _object_or_contour_getter(lambda item: item.area * pixel, lambda found: found.net_area_in_units if found.closed else None),
                "00,000", 2),
-        Column("confidence", tr("%"), CONFIDENCE,
+        Column("confidence", tr("%"), CONFIDENCE_TIP,
                lambda row: row.item.confidence * 100 if row.item is not None and row.item.confidence else None,
-               "00 %", form=".0f", suffix=" %"),
+               "00 %", number_format=".0f", suffix=" %"),
         Column("length", tr("Area"), tr("Area of the surface, including hollows."),
-               _figure(lambda found: found.area), "00,000", 2)
+               _object_figure_getter(lambda found: found.area), "00,000", 2)
         if solid else
         Column("length", tr("Length"),
                tr("Length of the boundary including holes, or of the contour."),
-               _of(lambda item: item.measure_perimeter(spacing), lambda found: found.length_in_units), "0,000", 1),
-        Column("gray", tr("Mean gray"), tr("Mean gray value inside."), _figure(lambda found: found.gray), "000.0"),
+               _object_or_contour_getter(lambda item: item.measure_perimeter(spacing), lambda found: found.length_in_units), "0,000", 1),
+        Column("gray", tr("Mean gray"), tr("Mean gray value inside."), _object_figure_getter(lambda found: found.gray), "000.0"),
         Column("strength", tr("Strength"), tr("Mean edge strength along the boundary or contour [gray levels/px]."),
-               _of(lambda item: item.strength or None, lambda found: found.strength), "000.0"),
+               _object_or_contour_getter(lambda item: item.strength or None, lambda found: found.strength), "000.0"),
         Column("state", tr("State"), tr("Frozen objects stop particles and are not found again; kept "
-                                        "contours stay through slider changes and runs."), _state, "frozen"),
+                                        "contours stay through slider changes and runs."), _describe_state, "frozen"),
         Column("gaps", tr("Surfaces"), tr("Number of closed surfaces that bound it: one more for each hollow."),
-               _figure(lambda found: found.parts), "0,000", form=".0f")
+               _object_figure_getter(lambda found: found.parts), "0,000", number_format=".0f")
         if solid else
         Column("gaps", tr("Bridged"), tr("Length of the boundary that follows no contour; dashed."),
                lambda row: row.item.measure_gap_length(spacing) if row.item is not None and row.item.gaps else None, "0,000", 1),
         Column("euler", tr("Euler number"),
                tr("Euler characteristic of its surface: 2 for a sphere, 2 less for each handle."),
-               _figure(lambda found: found.euler if solid else None), "000", form=".0f"),
+               _object_figure_getter(lambda found: found.euler if solid else None), "000", number_format=".0f"),
         Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
-               _measure(lambda found: found.inside or None), "0000", form=".0f"),
+               _contour_measure_getter(lambda found: found.inside or None), "0000", number_format=".0f"),
         Column("junctions", tr("Junctions"), tr("Number of ends at which it meets other contours."),
-               _measure(lambda found: None if found.closed else found.junctions), "0", form=".0f"),
+               _contour_measure_getter(lambda found: None if found.closed else found.junctions), "0", number_format=".0f"),
         Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
-               _measure(lambda found: found.contrast), "0.00", form=".2f"),
+               _contour_measure_getter(lambda found: found.contrast), "0.00", number_format=".2f"),
         Column("by_hand", tr("By hand"), tr("Length that was drawn by hand."),
-               _measure(lambda found: found.by_hand * found.length_in_units / found.length if found.by_hand else None),
+               _contour_measure_getter(lambda found: found.by_hand * found.length_in_units / found.length if found.by_hand else None),
                "000.0", 1),
         Column("reached", tr("Reached"), tr("How particles reached it: in free flight from the start, "
                                             "beyond a weak edge, along edges over a junction, or by "
                                             "insertion elsewhere."),
-               _measure(lambda found: REACHED[found.reached]), "beyond a weak edge"),
+               _contour_measure_getter(lambda found: REACHED_WORDS[found.reached]), "beyond a weak edge"),
     )  # fmt: skip
 
 
 class ObjectTable(ItemTable):
     """Table of objects, proposals and contours, in which they are selected, named, classified and removed."""
 
-    item = "object"
+    menu_name = "object"
 
     def __init__(self, session: Session, object_list: ObjectList) -> None:
-        self._session, self._list = session, object_list
+        self._session, self._object_list = session, object_list
         self._kinds: tuple[RowKind, ...] = ()
-        rows = TableModel[ObjectRow](columns_of(object_list.objects), lambda row: row.key, self._look,
+        rows = TableModel[ObjectRow](build_object_columns(object_list.objects), lambda row: row.key, self._get_cell_look,
                                object_list.rename_row)  # fmt: skip
         super().__init__(rows, tr("Objects and contours"))
         object_list.changed.connect(self.show_items)
@@ -174,51 +174,51 @@ class ObjectTable(ItemTable):
         self.show_items()
 
     @property
-    def chosen(self) -> frozenset[RowKey]:
+    def selected_keys(self) -> frozenset[RowKey]:
         """Keys of the selected rows."""
-        return self._list.selected_keys
+        return self._object_list.selected_keys
 
-    def choose(self, keys: Sequence[RowKey]) -> None:
+    def select_keys(self, keys: Sequence[RowKey]) -> None:
         """Select rows."""
-        self._list.select_rows(keys)
+        self._object_list.select_rows(keys)
 
-    def remove(self) -> None:
+    def remove_selected(self) -> None:
         """Delete the selected rows."""
-        self._list.delete_selected()
+        self._object_list.delete_selected()
 
-    def hover(self, key: RowKey | None) -> None:
+    def hover_item(self, key: RowKey | None) -> None:
         """Highlight a row, or none."""
-        self._list.set_hovered_row(key)
+        self._object_list.set_hovered_row(key)
 
-    def show_only(self, kinds: tuple[RowKind, ...]) -> None:
+    def show_kinds(self, kinds: tuple[RowKind, ...]) -> None:
         """Show only rows of these kinds, or all rows if there are none."""
         self._kinds = kinds
         self.show_items()
 
     @property
-    def listed(self) -> list[ObjectRow]:
+    def listed_rows(self) -> list[ObjectRow]:
         """Rows that the table shows."""
-        return [row for row in self._list.rows if not self._kinds or row.kind in self._kinds]
+        return [row for row in self._object_list.rows if not self._kinds or row.kind in self._kinds]
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Set the class by a digit."""
         digit = event.key() - Qt.Key.Key_0
-        if 1 <= digit <= len(self._list.objects.classes):
-            self._list.classify_selected(digit)
+        if 1 <= digit <= len(self._object_list.objects.classes):
+            self._object_list.classify_selected(digit)
         else:
             super().keyPressEvent(event)
 
-    def refresh(self) -> None:
+    def update_rows(self) -> None:
         """Show the rows with lengths in the unit of the image."""
         image = self._session.image
         spacing, unit = (image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)
-        self.rows.update(self.listed, preferred_pixel_size(spacing, unit), columns_of(self._list.objects, spacing))
+        self.rows.update_items(self.listed_rows, preferred_pixel_size(spacing, unit), build_object_columns(self._object_list.objects, spacing))
 
-    def _look(self, row: ObjectRow, role: int, of_name: bool) -> Any:
+    def _get_cell_look(self, row: ObjectRow, role: int, of_name: bool) -> Any:
         """Return the swatch next to a name; hidden and rejected rows are pale, rejected names struck out."""
         match role:
             case Role.DecorationRole if of_name:
-                return swatch(color_of(self._list, row))
+                return create_swatch(row_color(self._object_list, row))
             case Role.ForegroundRole if row.kind == "rejected" or (row.item is not None and row.item.hidden):
                 return QColor(QGuiApplication.palette().color(QPalette.ColorRole.PlaceholderText))
             case Role.FontRole if row.kind == "rejected":
@@ -228,16 +228,16 @@ class ObjectTable(ItemTable):
         return None
 
 
-def color_of(object_list: ObjectList, row: ObjectRow) -> str:
+def row_color(object_list: ObjectList, row: ObjectRow) -> str:
     """Return the color of a row: its own, or else that of the class of the object."""
     if row.item is not None:
-        return theme.PROPOSAL if row.kind == "proposal" else object_list.objects.color_of(row.item)
+        return theme.PROPOSAL_COLOR if row.kind == "proposal" else object_list.objects.color_of(row.item)
     assert row.contour is not None
     contour = row.contour.contour
-    return contour.color or theme.CONTOUR
+    return contour.color or theme.CONTOUR_COLOR
 
 
-class Histogram(QWidget):
+class GrayHistogram(QWidget):
     """Gray values inside an object in front of those of the whole image, each scaled to its own maximum."""
 
     def __init__(self) -> None:
@@ -281,7 +281,7 @@ class ClassRow(QWidget):
 
     def __init__(self, object_list: ObjectList, number: int) -> None:
         super().__init__()
-        self._list, self._number = object_list, number
+        self._object_list, self._number = object_list, number
         instant = QToolButton.ToolButtonPopupMode.InstantPopup
         self.color, self.digit = QToolButton(autoRaise=True, popupMode=instant), QToolButton()
         self.name = QLineEdit(frame=False)
@@ -296,23 +296,23 @@ class ClassRow(QWidget):
         )
         self.digit.clicked.connect(partial(object_list.classify_selected, number))
         self.name.setAccessibleName(tr("Name of class {number}").format(number=number))
-        self.name.editingFinished.connect(self._rename)
-        arrange(QHBoxLayout(self), self.color, self.digit, self.name, spacing=4, wide=self.name)
+        self.name.editingFinished.connect(self._on_name_edited)
+        fill_layout(QHBoxLayout(self), self.color, self.digit, self.name, spacing=4, wide=self.name)
 
     def show_class(self) -> None:
         """Show the current color, digit and name."""
-        objects = self._list.objects
+        objects = self._object_list.objects
         known = objects.classes[self._number - 1]
-        self.color.setIcon(swatch(known.color))
+        self.color.setIcon(create_swatch(known.color))
         self.digit.setChecked(objects.category == self._number)
         self.name.setPlaceholderText(class_title(objects, self._number))
         if not self.name.isModified():
             self.name.setText(known.name)
 
-    def _rename(self) -> None:
+    def _on_name_edited(self) -> None:
         if self.name.isModified():
             self.name.setModified(False)
-            self._list.name_class(self._number, self.name.text())
+            self._object_list.name_class(self._number, self.name.text())
 
 
 _ROW_FILTERS: tuple[tuple[str, tuple[RowKind, ...]], ...] = (
@@ -324,7 +324,7 @@ _ROW_FILTERS: tuple[tuple[str, tuple[RowKind, ...]], ...] = (
 )
 """Title and kinds of rows of each restriction of the table; no kinds stand for all."""
 
-BUTTONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike", "freeze_object", "fill_between",
+BUTTON_ACTIONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike", "freeze_object", "fill_between",
            "paint_in_space", "paint_over")  # fmt: skip
 """Actions that have a button wherever the action is available."""
 
@@ -334,14 +334,14 @@ class ObjectPanel(QWidget):
 
     def __init__(self, session: Session, object_list: ObjectList, action: Callable[[str], QAction | None]) -> None:
         super().__init__()
-        self._session, self._list, self._action = session, object_list, action
+        self._session, self._object_list, self._action = session, object_list, action
         self.table = ObjectTable(session, object_list)
         self.setFocusProxy(self.table)
         self.name = QLineEdit()
         self.name.setAccessibleName(tr("Name"))
-        self.name.editingFinished.connect(self._rename)
-        self.figures, self.histogram = wrapped(), Histogram()
-        self.figures.setToolTip(CONFIDENCE)
+        self.name.editingFinished.connect(self._on_name_edited)
+        self.figures, self.histogram = create_wrapped_label(), GrayHistogram()
+        self.figures.setToolTip(CONFIDENCE_TIP)
         self.classes: dict[int, ClassRow] = {}
         self._classes = QVBoxLayout()
         self._classes.setSpacing(0)
@@ -358,36 +358,36 @@ class ObjectPanel(QWidget):
         self.shown.setAccessibleName(tr("Rows in the table"))
         self.shown.setToolTip(tr("Which rows the table shows."))
         self.shown.addItems([text for text, _ in _ROW_FILTERS])
-        self.shown.currentIndexChanged.connect(lambda place: self.table.show_only(_ROW_FILTERS[place][1]))
-        self.summary = wrapped(dim=True)
-        row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
-        arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
+        self.shown.currentIndexChanged.connect(lambda place: self.table.show_kinds(_ROW_FILTERS[place][1]))
+        self.summary = create_wrapped_label(dim=True)
+        row = fill_layout(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
+        fill_layout(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
                 self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         session.image_changed.connect(
             lambda: self.name.setModified(False)
         )  # a typed name does not belong to the next image
-        self._later = QTimer(self, singleShot=True, interval=0)  # deferred, so that several changes are shown at once
-        self._later.timeout.connect(self.show_chosen)
+        self._update_timer = QTimer(self, singleShot=True, interval=0)  # deferred, so that several changes are shown at once
+        self._update_timer.timeout.connect(self.show_selected)
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
-            changed.connect(self._later.start)
-        self.show_chosen()
+            changed.connect(self._update_timer.start)
+        self.show_selected()
 
-    def show_chosen(self) -> None:
+    def show_selected(self) -> None:
         """Show the selected row, or else the only proposal, the classes, and the number of rows."""
         if not self.isVisible():
             return
-        row = self._row
+        row = self._shown_row
         self.name.setVisible(row is not None)
         self.figures.setVisible(row is not None)
         self.name.setPlaceholderText(row.title if row else "")
         if row is not None and not self.name.isModified():
             self.name.setText(row.name)
-        self.figures.setText(self._said(row) if row else "")
+        self.figures.setText(self._describe_row(row) if row else "")
         counts = row.figures.counts if row is not None and row.figures is not None else ()
-        self.histogram.show_counts(self._session.image, counts, color_of(self._list, row) if row else "")
-        self.brush.show_value(self._list.brush_radius)
+        self.histogram.show_counts(self._session.image, counts, row_color(self._object_list, row) if row else "")
+        self.brush.show_value(self._object_list.brush_radius)
         self._show_classes()
-        found = Counter(each.kind for each in self._list.rows)
+        found = Counter(each.kind for each in self._object_list.rows)
         words: tuple[tuple[RowKind, str, str], ...] = (
             ("object", tr("1 object"), tr("{count} objects")), ("proposal", tr("1 proposal"), tr("{count} proposals")),
             ("closed", tr("1 closed contour"), tr("{count} closed contours")),
@@ -400,14 +400,14 @@ class ObjectPanel(QWidget):
         nothing = insert_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
         self.summary.setText(", ".join(parts) or nothing)
 
-    def ask_name(self, category: int) -> None:
+    def ask_for_name(self, category: int) -> None:
         """Ask for the name of a class, or of the selected row for 0.
 
         The name is edited in the table if several rows are selected or the table has the focus.
         """
-        self.show_chosen()
+        self.show_selected()
         field = self.classes[category].name if category else self.name
-        if not category and (self._row is None or self.table.hasFocus()):
+        if not category and (self._shown_row is None or self.table.hasFocus()):
             for index in self.table.selectionModel().selectedRows()[:1]:
                 self.table.edit_name(index.row())
         else:
@@ -417,7 +417,7 @@ class ObjectPanel(QWidget):
     def showEvent(self, event: QShowEvent) -> None:
         """Create the buttons when the actions exist, and show what changed while the panel was hidden."""
         super().showEvent(event)
-        for name in BUTTONS if not self.buttons else ():
+        for name in BUTTON_ACTIONS if not self.buttons else ():
             action = self._action(name)
             if action is not None:
                 button = self.buttons[name] = QToolButton(self)
@@ -426,7 +426,7 @@ class ObjectPanel(QWidget):
                 button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
                 action.visibleChanged.connect(self._arrange_buttons)
         self._arrange_buttons()
-        self.show_chosen()
+        self.show_selected()
 
     def sizeHint(self) -> QSize:
         """Return a size as narrow as the other panels."""
@@ -442,32 +442,32 @@ class ObjectPanel(QWidget):
             self._grid.addWidget(button, *divmod(place, 3))
 
     def _show_classes(self) -> None:
-        listed = list_classes(self._list.objects)
+        listed = list_classes(self._object_list.objects)
         for number in [*self.classes]:
             if number not in listed:
                 self.classes.pop(number).deleteLater()
         for place, number in enumerate(listed):
             if number not in self.classes:
-                self.classes[number] = ClassRow(self._list, number)
+                self.classes[number] = ClassRow(self._object_list, number)
                 self._classes.insertWidget(place, self.classes[number])
             self.classes[number].show_class()
 
-    def _said(self, row: ObjectRow) -> str:
+    def _describe_row(self, row: ObjectRow) -> str:
         """Describe the class, area, length and confidence of a row."""
         columns = {column.name: column for column in self.table.rows.columns}
-        parts = [columns["class"].text(row, 1.0), *(self.table.said(row, columns[name]) for name in ("area", "length"))]
+        parts = [columns["class"].format_cell(row, 1.0), *(self.table.describe_cell(row, columns[name]) for name in ("area", "length"))]
         if row.item is not None and row.item.confidence:
-            parts.append(tr("Confidence: {share}").format(share=columns["confidence"].text(row, 1.0)))
+            parts.append(tr("Confidence: {share}").format(share=columns["confidence"].format_cell(row, 1.0)))
         return " · ".join(filter(None, parts))
 
     @property
-    def _row(self) -> ObjectRow | None:
+    def _shown_row(self) -> ObjectRow | None:
         """Selected row, or else the only proposal; None for several."""
-        rows = self._list.selected_rows or [row for row in self._list.rows if row.kind == "proposal"]
+        rows = self._object_list.selected_rows or [row for row in self._object_list.rows if row.kind == "proposal"]
         return rows[0] if len(rows) == 1 else None
 
-    def _rename(self) -> None:
-        row = self._row
+    def _on_name_edited(self) -> None:
+        row = self._shown_row
         if self.name.isModified() and row is not None:
             self.name.setModified(False)
-            self._list.rename_row(row.key, self.name.text())
+            self._object_list.rename_row(row.key, self.name.text())

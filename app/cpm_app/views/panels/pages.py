@@ -24,40 +24,40 @@ from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.views.panels.run import Chart
-from cpm_app.views.panels.tables import Column, Index, Table, TableModel
-from cpm_app.views.widgets.containers import ENTER, arrange, wrapped
+from cpm_app.views.panels.tables import Column, CellIndex, SortableTable, TableModel
+from cpm_app.views.widgets.containers import ENTER_KEYS, fill_layout, create_wrapped_label
 from cpm_app.views.widgets.fields import PLACE_JUMP, PlaceBar
 from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers
 
 
-def _measured(get: Callable[[Measures], float | None]) -> Callable[[PageRow], float | None]:
+def _page_measure_getter(get: Callable[[Measures], float | None]) -> Callable[[PageRow], float | None]:
     """Return a function from a row to a measure of its contour, or None without a contour."""
     return lambda row: None if row.measures is None else get(row.measures)
 
 
-COLUMNS: tuple[Column[PageRow], ...] = (
+PAGE_COLUMNS: tuple[Column[PageRow], ...] = (
     Column("page", tr("Page"), tr("Page of the stack; a click opens it."), lambda row: row.page, "0000",
-           form=".0f"),
+           number_format=".0f"),
     Column("track", tr("Track"), tr("Number of the object, which it keeps from page to page."),
-           lambda row: row.track or None, "0000", form=".0f"),
+           lambda row: row.track or None, "0000", number_format=".0f"),
     Column("happens", tr("What happens"), tr("What happens to the object here, or why the page could not be used."),
            lambda row: row.event, "splits off track 12"),
     Column("area", tr("Area [{unit}²]"), tr("Gross area, including contours inside."),
-           _measured(lambda found: found.area_in_units if found.closed else None), "00,000,000", 2),
+           _page_measure_getter(lambda found: found.area_in_units if found.closed else None), "00,000,000", 2),
     Column("gray", tr("Mean gray"), tr("Mean gray value inside."), lambda row: row.gray, "000.0"),
     Column("length", tr("Length [{unit}]"), tr("Length along the contour: the perimeter of a closed one."),
-           _measured(lambda found: found.length_in_units), "000,000", 1),
+           _page_measure_getter(lambda found: found.length_in_units), "000,000", 1),
     Column("row", tr("Row [px]"), tr("Row of its center of area; of an open contour, that of its length."),
-           lambda row: None if row.measures is None else row.row, "0000.0", form=".1f"),
+           lambda row: None if row.measures is None else row.row, "0000.0", number_format=".1f"),
     Column("col", tr("Column [px]"), tr("Column of its center of area; of an open contour, that of its length."),
-           lambda row: None if row.measures is None else row.col, "0000.0", form=".1f"),
+           lambda row: None if row.measures is None else row.col, "0000.0", number_format=".1f"),
     Column("net", tr("Net area [{unit}²]"), tr("Area without the closed contours inside, as in label stacks."),
-           _measured(lambda found: found.net_area_in_units if found.closed else None), "00,000,000", 2),
+           _page_measure_getter(lambda found: found.net_area_in_units if found.closed else None), "00,000,000", 2),
     Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
-           _measured(lambda found: found.strength), "000.0"),
+           _page_measure_getter(lambda found: found.strength), "000.0"),
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1."),
-           _measured(lambda found: found.contrast), "0.00"),
+           _page_measure_getter(lambda found: found.contrast), "0.00"),
     Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
            lambda row: None if row.measures is None else tr("closed") if row.measures.closed else tr("open"),
            "closed"),
@@ -65,41 +65,41 @@ COLUMNS: tuple[Column[PageRow], ...] = (
 """Columns in the order shown."""
 
 
-class PageTable(Table):
+class PageTable(SortableTable):
     """Table of all pages; a click or Enter goes to the object or contour of a row that alone is selected."""
 
-    wanted = Signal(object)
+    row_requested = Signal(object)
     """The user asks to see the object or contour of a PageRow."""
-    selected = Signal()
+    selection_changed = Signal()
     """The user has selected other rows."""
 
     def __init__(self) -> None:
-        rows = TableModel[PageRow](COLUMNS, key=lambda row: (row.page, row.track, row.row, row.col))
+        rows = TableModel[PageRow](PAGE_COLUMNS, key=lambda row: (row.page, row.track, row.row, row.col))
         super().__init__(rows, "happens", tr("Contours on all pages"))
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.clicked.connect(self._go)
+        self.clicked.connect(self._request_row)
 
     @property
-    def chosen(self) -> tuple[PageRow, ...]:
+    def selected_rows(self) -> tuple[PageRow, ...]:
         """Selected rows."""
         return tuple(self.rows.items[index.row()] for index in self.selectionModel().selectedRows())
 
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
         """Report the selection of other rows."""
         super().selectionChanged(selected, deselected)
-        self.selected.emit()
+        self.selection_changed.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Go to the object or contour of the current row on Enter."""
-        if event.key() in ENTER and self.currentIndex().isValid():
-            self._go(self.currentIndex())
+        if event.key() in ENTER_KEYS and self.currentIndex().isValid():
+            self._request_row(self.currentIndex())
         else:
             super().keyPressEvent(event)
 
-    def _go(self, index: Index) -> None:
-        if len(self.chosen) < 2:
-            self.wanted.emit(self.rows.items[index.row()])
+    def _request_row(self, index: CellIndex) -> None:
+        if len(self.selected_rows) < 2:
+            self.row_requested.emit(self.rows.items[index.row()])
 
 
 class PagePanel(QWidget):
@@ -109,15 +109,15 @@ class PagePanel(QWidget):
         super().__init__()
         self._pages = pages
         self._plotted: tuple[Integers, str] = ((), "")
-        self.table, self.summary, self.export = PageTable(), wrapped(dim=True), QPushButton(tr("Export all pages…"))
+        self.table, self.summary, self.export = PageTable(), create_wrapped_label(dim=True), QPushButton(tr("Export all pages…"))
         self.kind, self.chart = QComboBox(), Chart((), tr("Plot over the pages"))
         for name, title in (("objects", tr("Objects")), ("contours", tr("Contours"))):
             self.kind.addItem(title, name)
         self.setFocusProxy(self.table)
         parts = self.summary, self.kind, self.export, self.table, self.chart
-        arrange(QVBoxLayout(self), *parts, margins=(4, 6, 4, 6), wide=self.table)
-        self.table.wanted.connect(show)
-        self.table.selected.connect(self.show_plots)
+        fill_layout(QVBoxLayout(self), *parts, margins=(4, 6, 4, 6), wide=self.table)
+        self.table.row_requested.connect(show)
+        self.table.selection_changed.connect(self.show_plots)
         self.chart.clicked.connect(lambda place: pages.open_page(round(place)))
         self.kind.activated.connect(lambda _: pages.show_kind(self.kind.currentData()))
         pages.results_changed.connect(self.show_rows)
@@ -129,7 +129,7 @@ class PagePanel(QWidget):
         found = self._pages.result
         first = None if found is None or not found.results else found.results[0][1]
         size = preferred_pixel_size((1.0, 1.0), None) if first is None else preferred_pixel_size(first.spacing, first.unit)
-        self.table.rows.update(self._pages.table[1], size)
+        self.table.rows.update_items(self._pages.table[1], size)
         self.export.setEnabled(first is not None)
         self.kind.setVisible(len(self._pages.tables) > 1)
         self.show_plots()
@@ -145,7 +145,7 @@ class PagePanel(QWidget):
     def show_plots(self) -> None:
         """Plot the selected objects, or the first ones, over the pages."""
         pages, (found, rows), size = self._pages, self._pages.table, self.table.rows
-        tracks = select_plotted_tracks(rows, {row.track for row in self.table.chosen if row.track})
+        tracks = select_plotted_tracks(rows, {row.track for row in self.table.selected_rows if row.track})
         area = tr("Area [{unit}²]").format(unit=size.unit)
         if (tracks, area) != self._plotted:
             self._plotted = tracks, area
@@ -158,9 +158,9 @@ class PagePanel(QWidget):
 class PageBar(PlaceBar):
     """Slider and number of the page, a check box for following objects, and a button that runs all pages."""
 
-    asked = Signal()
+    run_requested = Signal()
     """The user starts or stops the run of all pages."""
-    followed = Signal(bool)
+    following_toggled = Signal(bool)
     """The user has switched whether each page starts from the contours of the previous one."""
 
     def __init__(self) -> None:
@@ -172,10 +172,10 @@ class PageBar(PlaceBar):
         )
         self.follow.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.run.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        fields = (QLabel(tr("Page")), self.slider, self.number, self.of, self.follow, self.run)
-        arrange(QHBoxLayout(self), *fields, margins=(10, 3, 10, 3), spacing=4, wide=self.slider).insertSpacing(4, 8)
-        self.follow.toggled.connect(self.followed)
-        self.run.clicked.connect(self.asked)
+        fields = (QLabel(tr("Page")), self.slider, self.number, self.total_label, self.follow, self.run)
+        fill_layout(QHBoxLayout(self), *fields, margins=(10, 3, 10, 3), spacing=4, wide=self.slider).insertSpacing(4, 8)
+        self.follow.toggled.connect(self.following_toggled)
+        self.run.clicked.connect(self.run_requested)
 
     def show_keys(self) -> None:
         """Name the current keys in the tooltip."""
@@ -184,7 +184,7 @@ class PageBar(PlaceBar):
     def show_pages(self, number: int, count: int, *, following: bool, running: bool, possible: bool) -> None:
         """Show which page is open; hide the bar unless there are several."""
         self.setVisible(count > 1)
-        self.show_place(number, 1, max(count, 1))
+        self.show_position(number, 1, max(count, 1))
         with QSignalBlocker(self.follow):
             self.follow.setChecked(following)
         self.run.setText(tr("Stop") if running else tr("Run all pages"))

@@ -37,10 +37,10 @@ from cpm_app.model.text.language import tr, localize_number
 from cpm_app.model.text.wording import PARAMETER_FORMULAS
 from cpm_app.session.scene import NO_CONTOURS, ReviewedContours
 from cpm_app.session.session import Session
-from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.actions import add_choice
-from cpm_app.views.widgets.containers import Section, arrange, dim_label
+from cpm_app.views.widgets.actions import add_menu_action
+from cpm_app.views.widgets.containers import FoldableSection, fill_layout, create_dim_label
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
 
@@ -51,7 +51,7 @@ _NUMBER_FIELD_WIDTH = 64
 """Width of the field of a number [px]."""
 
 
-def tip(control: Control) -> str:
+def format_control_tip(control: Control) -> str:
     """Format the tooltip of a control, as HTML."""
     place = f" ({control.equation})" if control.equation else ""
     lines = (
@@ -74,11 +74,11 @@ class ChoiceRow(QWidget):
             self.box.setItemData(index, about, Qt.ItemDataRole.ToolTipRole)
         self.box.setAccessibleName(control.title)
         self.box.setAccessibleDescription(" ".join(control.lines))
-        self.box.chosen.connect(partial(change, control.name))
+        self.box.value_selected.connect(partial(change, control.name))
         label = QLabel(control.title)
         label.setBuddy(self.box)
         self.setToolTip("".join(f"<p>{line}</p>" for line in control.lines))
-        arrange(QHBoxLayout(self), label, self.box, margins=(0, 2, 0, 2), wide=label)
+        fill_layout(QHBoxLayout(self), label, self.box, margins=(0, 2, 0, 2), wide=label)
 
 
 class ParameterRow(QWidget):
@@ -92,7 +92,7 @@ class ParameterRow(QWidget):
     def __init__(self, control: Control) -> None:
         super().__init__()
         self.control = self._general = control
-        self._label, self.effect = QLabel(control.label), dim_label()
+        self._label, self.effect = QLabel(control.label), create_dim_label()
         limits = control.low, control.high, control.step
         self.number = DecimalField(*limits, control.decimals, words=control.value_words)
         self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step)
@@ -103,11 +103,11 @@ class ParameterRow(QWidget):
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.number.setButtonSymbols(DecimalField.ButtonSymbols.NoButtons)
         self.number.setFixedWidth(_NUMBER_FIELD_WIDTH)
-        self.number.valueChanged.connect(self._report)
+        self.number.valueChanged.connect(self._on_value_changed)
         self.number.editingFinished.connect(self.released)
-        self.slider.moved_to.connect(self._report)
+        self.slider.moved_to.connect(self._on_value_changed)
         self.slider.sliderReleased.connect(self.released)
-        self.slider.restored.connect(self._reset)
+        self.slider.restored.connect(self._restore_default)
         for field in (self.number, self.slider):
             field.setAccessibleName(control.title)
             field.installEventFilter(self)
@@ -116,19 +116,19 @@ class ParameterRow(QWidget):
         self._restore.setObjectName("restore")
         self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._restore.setAccessibleName(tr("{parameter}: restore the default", parameter=control.title))
-        self._restore.clicked.connect(self._reset)
+        self._restore.clicked.connect(self._restore_default)
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             self._automatic.setToolTip(AUTOMATIC_TEXTS.get(control.name, ""))
-            self._automatic.clicked.connect(lambda on: self._finish("auto" if on else self.number.value()))
+            self._automatic.clicked.connect(lambda on: self._report_single_change("auto" if on else self.number.value()))
         self._lay_out()
-        self.adapt(control)
-        add_choice(self, tr("&Restore the default"), self._reset)
-        add_choice(self, tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}"))
-        add_choice(
+        self.set_control(control)
+        add_menu_action(self, tr("&Restore the default"), self._restore_default)
+        add_menu_action(self, tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}"))
+        add_menu_action(
             self,
             tr("&Explain"),
-            lambda: QWhatsThis.showText(self.mapToGlobal(QPoint(0, 0)), tip(self.control), self),
+            lambda: QWhatsThis.showText(self.mapToGlobal(QPoint(0, 0)), format_control_tip(self.control), self),
         )
 
     def show_value(self, value: float | str) -> None:
@@ -147,18 +147,18 @@ class ParameterRow(QWidget):
             same = not isinstance(default, str) and abs(value - default) < _DEFAULT_TOLERANCE
         self._restore.setVisible(not same)
 
-    def use(self, usual: Parameters, ndim: int, contrast: float) -> None:
+    def adapt_to_image(self, usual: Parameters, ndim: int, contrast: float) -> None:
         """Adapt range, default and explanation to an image; see `adapted`."""
-        self.adapt(adapt_control(self._general, usual, ndim, contrast))
+        self.set_control(adapt_control(self._general, usual, ndim, contrast))
 
-    def adapt(self, control: Control) -> None:
+    def set_control(self, control: Control) -> None:
         """Take range, default and explanation from a control."""
         self.control, default = control, control.default
         numeric = None if isinstance(default, str) else default
         self.slider.set_range(control.slider_low, control.slider_high, control.step, numeric)
         for field in (self.number, self.slider):
             field.setAccessibleDescription(f"{control.summary}. {control.meaning} {control.effect_of_larger}")
-        self.setToolTip(tip(control))
+        self.setToolTip(format_control_tip(control))
         restore = tr("Restore the default, {default} (or double-click the slider or its name).")
         self._restore.setToolTip(restore.format(default=default if numeric is None else localize_number(f"{numeric:.4g}")))
 
@@ -173,13 +173,13 @@ class ParameterRow(QWidget):
 
     def use_theme(self, theme: Theme) -> None:
         """Color the button."""
-        self._restore.setIcon(icon("restore", theme.accent, faded=theme.line))
+        self._restore.setIcon(load_icon("restore", theme.accent, faded=theme.line))
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """End a change when the focus leaves, and restore the default on a double click on the name."""
         if watched is self._label:
             if event.type() == QEvent.Type.MouseButtonDblClick:
-                self._reset()
+                self._restore_default()
         elif event.type() == QEvent.Type.FocusOut:
             self.released.emit()
         return False
@@ -199,13 +199,13 @@ class ParameterRow(QWidget):
         grid.setColumnStretch(0, 1)
         self.effect.hide()
 
-    def _report(self, value: float) -> None:
+    def _on_value_changed(self, value: float) -> None:
         self.changed.emit(self.control.name, int(value) if self.control.is_whole else value)
 
-    def _reset(self) -> None:
-        self._finish(self.control.default)
+    def _restore_default(self) -> None:
+        self._report_single_change(self.control.default)
 
-    def _finish(self, value: float | str) -> None:
+    def _report_single_change(self, value: float | str) -> None:
         """Report a value as one complete change."""
         self.released.emit()
         self.changed.emit(self.control.name, value)
@@ -221,20 +221,20 @@ class ParametersPanel(QWidget):
         self._contours: ReviewedContours = NO_CONTOURS
         self._length = 0.0
         """Length of all contours [px]."""
-        self._before: dict[str, int] = {}
+        self._counts_before: dict[str, int] = {}
         """Number of contours when the user pressed a slider, by parameter."""
         self.rows = {control.name: ParameterRow(control) for control in build_controls()}
-        self.choices = {control.name: ChoiceRow(control, self.change) for control in build_choice_controls()}
+        self.choices = {control.name: ChoiceRow(control, self.set_parameter) for control in build_choice_controls()}
         self.presets = presets
         self._acting: frozenset[str] = frozenset((*self.rows, *self.choices))
         self._shown: tuple[object, ...] = ()
         """Document values that the rows show."""
         self.more = self._lay_out()
         for name, row in self.rows.items():
-            row.changed.connect(self.change)
+            row.changed.connect(self.set_parameter)
             row.released.connect(session.end_gesture)
-            row.slider.sliderPressed.connect(partial(self._hold, name, True))
-            row.slider.sliderReleased.connect(partial(self._hold, name, False))
+            row.slider.sliderPressed.connect(partial(self._on_slider_held, name, True))
+            row.slider.sliderReleased.connect(partial(self._on_slider_held, name, False))
         session.status_changed.connect(self._on_status_changed)  # not with each step: new words make Qt lay out all rows
         session.document_changed.connect(self.show_document)
         self.show_document(session.document)
@@ -257,27 +257,27 @@ class ParametersPanel(QWidget):
                 row.setVisible(name in acting)
         self._acting = acting
         for name, row in self.rows.items():
-            row.use(usual, dimension, contrast)
+            row.adapt_to_image(usual, dimension, contrast)
             row.show_value(control_value(document.parameters, name))
         self._show_effects()
         for name, choice in self.choices.items():
             choice.box.show_value(str(control_value(document.parameters, name)))
 
-    def _lay_out(self) -> Section:
+    def _lay_out(self) -> FoldableSection:
         more = QWidget()
         others = (choice for name, choice in self.choices.items() if name != CHANNEL_CHOICE)
-        arrange(QVBoxLayout(more), *others, *(row for name, row in self.rows.items() if name not in MAIN_CONTROLS), spacing=0)
-        section = Section(tr("More parameters"), more)
+        fill_layout(QVBoxLayout(more), *others, *(row for name, row in self.rows.items() if name not in MAIN_CONTROLS), spacing=0)
+        section = FoldableSection(tr("More parameters"), more)
         heading = QLabel(tr("Preset"))
         heading.setObjectName("heading")
         heading.setBuddy(self.presets)
-        head = arrange(QHBoxLayout(), heading, self.presets, wide=self.presets)
+        head = fill_layout(QHBoxLayout(), heading, self.presets, wide=self.presets)
         # the channel is not folded away: it is the first thing that a color image needs
         shown = self.choices[CHANNEL_CHOICE], *(self.rows[name] for name in MAIN_CONTROLS)
-        arrange(QVBoxLayout(self), head, *shown, section, spacing=2)
+        fill_layout(QVBoxLayout(self), head, *shown, section, spacing=2)
         return section
 
-    def change(self, name: str, value: float | str) -> None:
+    def set_parameter(self, name: str, value: float | str) -> None:
         """Set a parameter of the document."""
         title = (self.rows.get(name) or self.choices[name]).control.title
         change = tr("change of {parameter}", parameter=title.lower())
@@ -303,10 +303,10 @@ class ParametersPanel(QWidget):
         rows = [item.measures for item in self._contours.items]
         for name in FILTER_MEASURES:
             value = float(getattr(self._session.document.parameters, name))
-            self.rows[name].show_effect(describe_contours_left(rows, name, value, self._before.get(name)))
+            self.rows[name].show_effect(describe_contours_left(rows, name, value, self._counts_before.get(name)))
 
-    def _hold(self, name: str, held: bool) -> None:
+    def _on_slider_held(self, name: str, held: bool) -> None:
         """Remember the number of contours while a slider is pressed."""
-        self._before = {name: len(self._contours.items)} if held else {}
+        self._counts_before = {name: len(self._contours.items)} if held else {}
         if not held:
             self._show_effects()

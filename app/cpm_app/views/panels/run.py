@@ -17,7 +17,7 @@ from cpm_app.model.state.resolve import LEADING_LABELS, WindowTexts
 from cpm_app.model.state.surface_figures import SURFACE_LABEL
 from cpm_app.model.text.language import tr
 from cpm_app.views.panels.parameters import ParametersPanel
-from cpm_app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange, dim_label
+from cpm_app.views.widgets.containers import ElidedLabel, VerticalScrollArea, FoldableSection, fill_layout, create_dim_label
 
 _WIDE_NUMBERS = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE_LABEL)
 """Names of the numbers that need a row of their own."""
@@ -28,11 +28,11 @@ _MIN_PANEL_HEIGHT = 120
 _MIN_PLOT_HEIGHT = 72
 """Smallest height of a plot [px]."""
 
-Number = tuple[str, str, str]
+NumberRow = tuple[str, str, str]
 """Name, value and explanation."""
 
 
-class Numbers(QWidget):
+class NumberGrid(QWidget):
     """Names and values in a grid, two in a row, the wide ones last; only changed texts are updated."""
 
     def __init__(self) -> None:
@@ -45,7 +45,7 @@ class Numbers(QWidget):
         self._grid.setColumnStretch(1, 3)
         self._grid.setColumnStretch(3, 2)
 
-    def show_numbers(self, numbers: Sequence[Number]) -> None:
+    def show_numbers(self, numbers: Sequence[NumberRow]) -> None:
         """Show these numbers."""
         ordered = sorted(numbers, key=lambda number: number[0] in _WIDE_NUMBERS)
         if [name for name, _, _ in ordered] != list(self._values):
@@ -54,7 +54,7 @@ class Numbers(QWidget):
             if self._values[name].text() != value:
                 self._values[name].setText(value)
 
-    def _lay_out(self, numbers: Sequence[Number]) -> None:
+    def _lay_out(self, numbers: Sequence[NumberRow]) -> None:
         for label in self.findChildren(QLabel):
             label.hide()
             self._grid.removeWidget(label)
@@ -62,7 +62,7 @@ class Numbers(QWidget):
         self._values = {}
         place = 0
         for name, _, explanation in numbers:
-            label, value = dim_label(name, explanation), ElidedLabel()
+            label, value = create_dim_label(name, explanation), ElidedLabel()
             value.setToolTip(explanation)
             value.setAccessibleName(name)
             wide = name in _WIDE_NUMBERS
@@ -90,7 +90,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         self._metrics: Metrics | None = None
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setAccessibleName(name)
-        self.scene().sigMouseClicked.connect(self._click)
+        self.scene().sigMouseClicked.connect(self._on_mouse_clicked)
         self.ci.setContentsMargins(0, 0, 0, 0)
         self.ci.setSpacing(0)
 
@@ -98,7 +98,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         """Show metrics, or none."""
         self._metrics = metrics = metrics if metrics is not None and len(metrics.step) else None
         if metrics is not None and self._plots and not self._items:
-            self._draw()
+            self._draw_plots()
             return
         for plot, series, curve in self._curves:
             if metrics is None:
@@ -114,18 +114,18 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         """Show these plots; they are drawn when they become visible for the first time."""
         self._plots = plots
         if self._items or self.isVisible():
-            self._draw()
+            self._draw_plots()
 
     def showEvent(self, event: QShowEvent) -> None:
         """Draw the plots when they become visible."""
         super().showEvent(event)
         if not self._items:
-            self._draw()
+            self._draw_plots()
 
-    def _draw(self) -> None:
+    def _draw_plots(self) -> None:
         self.clear()
         self._items, self._curves, self._marks = [], [], []
-        pale = self._color(QPalette.ColorRole.PlaceholderText)
+        pale = self._palette_color(QPalette.ColorRole.PlaceholderText)
         for row, plot in enumerate(self._plots):
             item = self.addPlot(row=row, col=0)
             item.setToolTip(plot.tip)
@@ -135,7 +135,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             item.setLogMode(y=plot.kind == "logarithmic")
             item.setDownsampling(auto=True, mode="subsample")
             for side in ("left", "bottom"):
-                item.getAxis(side).setPen(self._color(QPalette.ColorRole.Mid))
+                item.getAxis(side).setPen(self._palette_color(QPalette.ColorRole.Mid))
                 item.getAxis(side).setTextPen(pale)
             item.getAxis("left").setWidth(self.fontMetrics().horizontalAdvance("0000000"))
             item.getAxis("bottom").setStyle(showValues=plot is self._plots[-1])
@@ -152,7 +152,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             titles = []
             for series in plot.curves:
                 # the darker of two colors on a light background, the brighter on a dark one
-                color = series.colors[self._color(QPalette.ColorRole.Base).lightness() < 128]
+                color = series.colors[self._palette_color(QPalette.ColorRole.Base).lightness() < 128]
                 curve = item.plot(pen=pg.mkPen(color, width=1.4), connect="finite", symbol="o" if plot.points else None)
                 curve.setSymbolBrush(color)
                 curve.setSymbolPen(None)
@@ -161,10 +161,10 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
                 titles.append(f"<span style='color: {color}'>{series.title}</span>")
             item.setTitle(" &nbsp; ".join(titles), size="8pt")
         self.setMinimumHeight(_MIN_PLOT_HEIGHT * max(len(self._plots), 1))
-        self.setBackground(self._color(QPalette.ColorRole.Base))
+        self.setBackground(self._palette_color(QPalette.ColorRole.Base))
         self.show_metrics(self._metrics)
 
-    def _click(self, event: Any) -> None:
+    def _on_mouse_clicked(self, event: Any) -> None:
         if self._items:
             place = self._items[0].getViewBox().mapSceneToView(event.scenePos()).x()
             # later, as the receiver may redraw the plots while their scene still handles the event
@@ -175,9 +175,9 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange and self._items:
             # Later, since Qt iterates over the items of the scene while it reports another palette.
-            QTimer.singleShot(0, self, self._draw)
+            QTimer.singleShot(0, self, self._draw_plots)
 
-    def _color(self, role: QPalette.ColorRole) -> QColor:
+    def _palette_color(self, role: QPalette.ColorRole) -> QColor:
         return QColor(self.palette().color(role))
 
 
@@ -188,8 +188,8 @@ class StatusPanel(QWidget):
         super().__init__()
         self._label = ElidedLabel()
         self._label.setObjectName("state")
-        self.leading, self.others = Numbers(), Numbers()
-        arrange(QVBoxLayout(self), self._label, self.leading, spacing=4)
+        self.leading, self.others = NumberGrid(), NumberGrid()
+        fill_layout(QVBoxLayout(self), self._label, self.leading, spacing=4)
 
     def show_resolved(self, resolved: WindowTexts, frames_per_second: str) -> None:
         """Show a state and its numbers."""
@@ -209,10 +209,10 @@ class StatusPanel(QWidget):
         return self._label.accessibleName()
 
 
-class RunPanel(Scrolled):
+class RunPanel(VerticalScrollArea):
     """State, preset and sliders; more numbers and plots folded away."""
 
-    folded = Signal()
+    section_toggled = Signal()
     """The user has folded or unfolded a section."""
 
     def __init__(self, parameters: ParametersPanel) -> None:
@@ -222,23 +222,23 @@ class RunPanel(Scrolled):
             Chart(PLOTS, tr("Plot of the run over its steps")),
         )
         further = QWidget()
-        arrange(QVBoxLayout(further), self.status.others, self.plot, spacing=4, wide=self.plot)
-        self.plots = Section(tr("Numbers and plots"), further)
+        fill_layout(QVBoxLayout(further), self.status.others, self.plot, spacing=4, wide=self.plot)
+        self.plots = FoldableSection(tr("Numbers and plots"), further)
         self.sections = {"parameters": parameters.more, "plots": self.plots}
         self._metrics: RunMetrics | None = None
         content = QWidget()
         parts = self.status, parameters, self.plots, None
-        arrange(QVBoxLayout(content), *parts, margins=(8, 8, 6, 6), spacing=8)
+        fill_layout(QVBoxLayout(content), *parts, margins=(8, 8, 6, 6), spacing=8)
         super().__init__(content, _MIN_PANEL_HEIGHT)
         for section in self.sections.values():
-            section.fold.toggled.connect(partial(self._fold, section))
+            section.fold.toggled.connect(partial(self._on_section_toggled, section))
 
     @property
-    def unfolded(self) -> list[str]:
+    def unfolded_sections(self) -> list[str]:
         """Names of the unfolded sections."""
         return [name for name, section in self.sections.items() if section.fold.isChecked()]
 
-    def unfold(self, names: list[str]) -> None:
+    def unfold_sections(self, names: list[str]) -> None:
         """Unfold the sections with these names and fold the others."""
         for name, section in self.sections.items():
             section.fold.setChecked(name in names)
@@ -249,10 +249,10 @@ class RunPanel(Scrolled):
         if self.plots.fold.isChecked():
             self.plot.show_metrics(metrics)
 
-    def _fold(self, section: Section, unfolded: bool) -> None:
+    def _on_section_toggled(self, section: FoldableSection, unfolded: bool) -> None:
         """Scroll an unfolded section into view, after the layout has placed it."""
         self.show_metrics(self._metrics)
-        self.folded.emit()
+        self.section_toggled.emit()
         if unfolded and self.isVisible():
             scroll = self.verticalScrollBar().setValue
             QTimer.singleShot(0, self, lambda: scroll(section.mapTo(self._content, QPoint()).y()))

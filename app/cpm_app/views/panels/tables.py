@@ -36,12 +36,12 @@ from PySide6.QtWidgets import (
 from cpm_app.model.display.lengths import PixelSize
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr, localize_number
-from cpm_app.views.widgets.actions import add_choice
-from cpm_app.views.widgets.containers import DELETE_KEYS, ENTER, takes_key
+from cpm_app.views.widgets.actions import add_menu_action
+from cpm_app.views.widgets.containers import DELETE_KEYS, ENTER_KEYS, claim_key
 from cpm_core.numerics.types import Callback, frozen
 
 Row = TypeVar("Row")
-Index = QModelIndex | QPersistentModelIndex
+CellIndex = QModelIndex | QPersistentModelIndex
 Role = Qt.ItemDataRole
 
 _NUMBER_ALIGNMENT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
@@ -53,7 +53,7 @@ _READ_ONLY_FLAGS = Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsEnabled
 _EDITABLE_FLAGS = _READ_ONLY_FLAGS | Qt.ItemFlag.ItemIsEditable
 """Flags of a cell with a name that can be edited."""
 
-NONE = "–"
+NO_VALUE_TEXT = "–"
 """Text of a cell without a value."""
 
 _ROW_KEYS = (Qt.Key.Key_Up, Qt.Key.Key_Down)
@@ -66,7 +66,7 @@ _COLUMN_PADDING = 12
 """Space around the text of a column [px]."""
 
 
-def _blocks(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
+def _group_consecutive(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
     """Yield first and last of each group of consecutive rows, as Qt is slow with many ranges."""
     for _, block in groupby(enumerate(rows), lambda pair: pair[1] - pair[0]):
         found = [row for _, row in block]
@@ -105,31 +105,31 @@ class Column(Generic[Row]):
     value: Callable[[Row], float | str | None]
     sample: str
     power: int = 0
-    form: str = ""
+    number_format: str = ""
     suffix: str = ""
-    key: Callable[[Row], float] | None = None
+    sort_by: Callable[[Row], float] | None = None
 
     @property
-    def numeric(self) -> bool:
+    def is_numeric(self) -> bool:
         """Whether the column holds numbers, which are aligned to the right."""
         return not any(map(str.isalpha, self.sample))
 
-    def text(self, row: Row, factor: float) -> str:
+    def format_cell(self, row: Row, factor: float) -> str:
         """Format the cell of a row; lengths are multiplied by a factor."""
         value = self.value(row)
         if isinstance(value, str):
             return value
         if value is None or not math.isfinite(value):
-            return NONE
+            return NO_VALUE_TEXT
         value *= factor**self.power
-        if self.form:
-            return localize_number(format(value, self.form)) + self.suffix
+        if self.number_format:
+            return localize_number(format(value, self.number_format)) + self.suffix
         return localize_number(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
 
     def sort_key(self, row: Row) -> float | str:
         """Return the sort key of a row; rows without a number come first, those without a text last."""
-        value = self.value(row) if self.key is None else self.key(row)
-        if isinstance(value, str) or (not self.numeric and value is None):
+        value = self.value(row) if self.sort_by is None else self.sort_by(row)
+        if isinstance(value, str) or (not self.is_numeric and value is None):
             return (value or "\uffff").casefold()
         return -math.inf if value is None or math.isnan(value) else float(value)
 
@@ -164,14 +164,14 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self._key, self._look, self._rename = key, look, rename
         self._texts: dict[tuple[Hashable, int], str] = {}
         """Texts of cells that Qt has asked for since the last update."""
-        self._by, self._order = 0, Qt.SortOrder.AscendingOrder
+        self._sort_column, self._sort_order = 0, Qt.SortOrder.AscendingOrder
         self.unit, self.factor = "px", 1.0
 
-    def key(self, row: int) -> Any:
+    def item_key(self, row: int) -> Any:
         """Return the key of the item in a row."""
         return self._key(self.items[row])
 
-    def update(
+    def update_items(
         self, items: Iterable[Row], size: PixelSize | None, columns: Sequence[Column[Row]] | None = None
     ) -> None:
         """Show these items, with lengths in the unit of a pixel size."""
@@ -179,30 +179,30 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             square = set(size.spacing) == {1.0}
             self.unit, self.factor = size.unit or ("px" if square else tr("units")), size.factor
         self.columns = columns or self.columns
-        wanted = self._sorted(items)
+        wanted = self._sort_items(items)
         present = {self._key(item): item for item in wanted}
-        gone = [row for row in range(len(self.items)) if self.key(row) not in present]
-        for first, last in reversed([*_blocks(gone)]):
+        gone = [row for row in range(len(self.items)) if self.item_key(row) not in present]
+        for first, last in reversed([*_group_consecutive(gone)]):
             self.beginRemoveRows(QModelIndex(), first, last)
             del self.items[first : last + 1]
             self.endRemoveRows()
         known = {*map(self._key, self.items)}
-        self._arrange([item for item in wanted if self._key(item) in known])
+        self._reorder_items([item for item in wanted if self._key(item) in known])
         self._texts = {}
         if self.items:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self.items) - 1, len(self.columns) - 1))
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(self.columns) - 1)
-        for first, last in _blocks([row for row, item in enumerate(wanted) if self._key(item) not in known]):
+        for first, last in _group_consecutive([row for row, item in enumerate(wanted) if self._key(item) not in known]):
             self.beginInsertRows(QModelIndex(), first, last)
             self.items[first:first] = wanted[first : last + 1]
             self.endInsertRows()
 
-    def _sorted(self, items: Iterable[Row]) -> list[Row]:
-        if self._by < 0:  # in the given order
+    def _sort_items(self, items: Iterable[Row]) -> list[Row]:
+        if self._sort_column < 0:  # in the given order
             return [*items]
-        return sorted(items, key=self.columns[self._by].sort_key, reverse=self._order == Qt.SortOrder.DescendingOrder)
+        return sorted(items, key=self.columns[self._sort_column].sort_key, reverse=self._sort_order == Qt.SortOrder.DescendingOrder)
 
-    def _arrange(self, items: list[Row]) -> None:
+    def _reorder_items(self, items: list[Row]) -> None:
         """Replace the items by others with the same keys, in their order."""
         now, before = {self._key(item): row for row, item in enumerate(items)}, [*map(self._key, self.items)]
         if before == [*now]:
@@ -216,17 +216,17 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         )
         self.layoutChanged.emit()
 
-    def unit_of(self, column: Column[Row]) -> str:
+    def unit_suffix(self, column: Column[Row]) -> str:
         """Return the unit of a column with a space before it; empty for numbers without a unit."""
         return f" {self.unit}{('', '', '²', '³')[column.power]}" if column.power else ""
 
     # Qt interface
 
-    def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
+    def rowCount(self, parent: CellIndex = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
         """Return the number of items."""
         return 0 if parent.isValid() else len(self.items)
 
-    def columnCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
+    def columnCount(self, parent: CellIndex = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
         """Return the number of columns."""
         return 0 if parent.isValid() else len(self.columns)
 
@@ -237,44 +237,44 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         if role == Role.DisplayRole:
             return self.columns[section].title.format(unit=self.unit)
         column = self.columns[section]
-        return f"{insert_keys(column.tip)}{self.unit_of(column)}" if role == Role.ToolTipRole else None
+        return f"{insert_keys(column.tip)}{self.unit_suffix(column)}" if role == Role.ToolTipRole else None
 
-    def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
+    def data(self, index: CellIndex, role: int = Role.DisplayRole) -> Any:
         """Return text, alignment or look of a cell."""
         item, column = self.items[index.row()], self.columns[index.column()]
         match role:
             case Role.DisplayRole | Role.ToolTipRole:
                 cell = self._key(item), index.column()
                 if cell not in self._texts:
-                    self._texts[cell] = column.text(item, self.factor)
+                    self._texts[cell] = column.format_cell(item, self.factor)
                 return self._texts[cell]
             case Role.EditRole:
                 return column.value(item)
             case Role.TextAlignmentRole:
-                return _NUMBER_ALIGNMENT if column.numeric else None
+                return _NUMBER_ALIGNMENT if column.is_numeric else None
             case Role.DecorationRole | Role.ForegroundRole | Role.FontRole:
                 return self._look(item, role, column.name == "name")
         return None
 
     def sort(self, column: int, order: Qt.SortOrder = Qt.SortOrder.AscendingOrder) -> None:
         """Sort the rows by a column."""
-        self._by, self._order = column, order
-        self._arrange(self._sorted(self.items))
+        self._sort_column, self._sort_order = column, order
+        self._reorder_items(self._sort_items(self.items))
 
-    def setData(self, index: Index, value: Any, role: int = Role.EditRole) -> bool:
+    def setData(self, index: CellIndex, value: Any, role: int = Role.EditRole) -> bool:
         """Rename an item."""
         if self._rename is None or role != Role.EditRole:
             return False
-        self._rename(self.key(index.row()), str(value))
+        self._rename(self.item_key(index.row()), str(value))
         return True
 
-    def flags(self, index: Index) -> Qt.ItemFlag:
+    def flags(self, index: CellIndex) -> Qt.ItemFlag:
         """Return the flags of a cell; only names can be edited."""
         editable = self._rename is not None and self.columns[index.column()].name == "name"
         return _EDITABLE_FLAGS if editable else _READ_ONLY_FLAGS
 
 
-class Table(QTableView):
+class SortableTable(QTableView):
     """Table whose rows are sorted by a click on a heading.
 
     If it is too narrow for all columns, the last ones are hidden, so that nobody has to scroll sideways; the user shows
@@ -301,32 +301,32 @@ class Table(QTableView):
         header.setSelectionModel(QItemSelectionModel(rows, header))
         header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         header.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
-        header.customContextMenuRequested.connect(self._open_menu)
-        self._wide = self.number(wide)
-        header.setSectionResizeMode(self._wide, QHeaderView.ResizeMode.Stretch)
-        self._asked: dict[int, bool] = {}
+        header.customContextMenuRequested.connect(self._open_header_menu)
+        self._stretched_column = self.column_index(wide)
+        header.setSectionResizeMode(self._stretched_column, QHeaderView.ResizeMode.Stretch)
+        self._columns_set_by_user: dict[int, bool] = {}
         self._widths = [
             self.fontMetrics().horizontalAdvance(column.sample) + _COLUMN_PADDING for column in rows.columns
         ]
-        self._widths[self._wide] += _COLUMN_PADDING  # room for the color
+        self._widths[self._stretched_column] += _COLUMN_PADDING  # room for the color
 
-    def number(self, column: str) -> int:
+    def column_index(self, column: str) -> int:
         """Return the index of a column."""
         return [known.name for known in self.rows.columns].index(column)
 
-    def column(self, name: str) -> list[str]:
+    def column_texts(self, name: str) -> list[str]:
         """Return the texts of a column, from top to bottom."""
-        number = self.number(name)
+        number = self.column_index(name)
         return [str(self.rows.index(row, number).data()) for row in range(len(self.rows.items))]
 
-    def said(self, row: Any, column: Column[Any]) -> str:
+    def describe_cell(self, row: Any, column: Column[Any]) -> str:
         """Return title, text and unit of a cell; empty if it has no value."""
-        text = column.text(row, self.rows.factor)
-        return f"{column.title} {text}{self.rows.unit_of(column)}" if text != NONE else ""
+        text = column.format_cell(row, self.rows.factor)
+        return f"{column.title} {text}{self.rows.unit_suffix(column)}" if text != NO_VALUE_TEXT else ""
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Show the columns for which there is room."""
-        self._fit()
+        self._fit_columns()
         super().resizeEvent(event)
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -336,44 +336,44 @@ class Table(QTableView):
             self.setColumnHidden(index, False)
             self._widths[index] = max(width, self.horizontalHeader().sectionSizeHint(index))
             self.setColumnWidth(index, self._widths[index])
-        self._fit()
+        self._fit_columns()
 
-    def _fit(self) -> None:
+    def _fit_columns(self) -> None:
         """Show the columns for which there is room."""
-        asked = sum(self._widths[index] for index, on in self._asked.items() if on)
-        room = self.viewport().width() - self._widths[self._wide] - asked
+        asked = sum(self._widths[index] for index, on in self._columns_set_by_user.items() if on)
+        room = self.viewport().width() - self._widths[self._stretched_column] - asked
         for index, needed in enumerate(self._widths):
-            shown = self._asked.get(index, index == self._wide)
-            if not shown and index not in self._asked:
+            shown = self._columns_set_by_user.get(index, index == self._stretched_column)
+            if not shown and index not in self._columns_set_by_user:
                 room -= needed
                 shown = room >= 0
             self.setColumnHidden(index, not shown)
 
-    def _open_menu(self, point: QPoint) -> None:
+    def _open_header_menu(self, point: QPoint) -> None:
         """Open the menu of the header, which shows and hides columns."""
         menu = QMenu(self, toolTipsVisible=True)
         for index, column in enumerate(self.rows.columns):
             title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
-            shown = add_choice(menu, title, partial(self._ask, index, hidden), insert_keys(column.tip), not hidden)
-            shown.setEnabled(index != self._wide)
+            shown = add_menu_action(menu, title, partial(self._set_column_shown, index, hidden), insert_keys(column.tip), not hidden)
+            shown.setEnabled(index != self._stretched_column)
         menu.aboutToHide.connect(menu.deleteLater)
         menu.popup(self.horizontalHeader().mapToGlobal(point))
 
-    def _ask(self, index: int, shown: bool) -> None:
-        self._asked[index] = shown
-        self._fit()
+    def _set_column_shown(self, index: int, shown: bool) -> None:
+        self._columns_set_by_user[index] = shown
+        self._fit_columns()
 
 
 class _NameDelegate(QStyledItemDelegate):
     """Editor of names that updates do not disturb."""
 
-    def setEditorData(self, editor: QWidget, index: Index) -> None:
+    def setEditorData(self, editor: QWidget, index: CellIndex) -> None:
         """Start with the current name, and do not overwrite what the user has typed."""
         if not (isinstance(editor, QLineEdit) and editor.isModified()):
             super().setEditorData(editor, index)
 
 
-class ItemTable(Table):
+class ItemTable(SortableTable):
     """Table in which items are selected and named; subclasses act on the keys of the items."""
 
     zoom_wanted = Signal()
@@ -381,62 +381,62 @@ class ItemTable(Table):
 
     _showing = True  # while Qt constructs the widget
 
-    item = ""
+    menu_name = ""
     """Name of its rows in the context menus."""
 
     def __init__(self, rows: TableModel[Any], name: str) -> None:
         super().__init__(rows, "name", name)
         self._showing = False
         self._stale = False
-        self._later = QTimer(self, singleShot=True, interval=0)
-        self._later.timeout.connect(self._show_now)
+        self._update_timer = QTimer(self, singleShot=True, interval=0)
+        self._update_timer.timeout.connect(self._update_now)
         self.setItemDelegate(_NameDelegate(self))
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
         self.setMouseTracking(True)
-        self.entered.connect(lambda index: self.hover(self.rows.key(index.row())))
-        self.doubleClicked.connect(self._open)
+        self.entered.connect(lambda index: self.hover_item(self.rows.item_key(index.row())))
+        self.doubleClicked.connect(self._on_double_clicked)
 
     @property
-    def chosen(self) -> Set[Any]:
+    def selected_keys(self) -> Set[Any]:
         """Keys of the selected items."""
         raise NotImplementedError
 
-    def refresh(self) -> None:
+    def update_rows(self) -> None:
         """Update the rows of the model."""
         raise NotImplementedError
 
-    def choose(self, keys: Sequence[Any]) -> None:
+    def select_keys(self, keys: Sequence[Any]) -> None:
         """Select items."""
         raise NotImplementedError
 
-    def remove(self) -> None:
+    def remove_selected(self) -> None:
         """Remove the selected items, on the key Delete."""
         raise NotImplementedError
 
-    def hover(self, key: Any) -> None:
+    def hover_item(self, key: Any) -> None:
         """Highlight an item, or none."""
 
     def show_items(self) -> None:
         """Schedule an update of the rows; a hidden table is updated when it becomes visible."""
         self._stale = True
         if self.isVisible():
-            self._later.start()
+            self._update_timer.start()
 
-    def _show_now(self) -> None:
+    def _update_now(self) -> None:
         self._stale, self._showing = False, True
-        self.refresh()
+        self.update_rows()
         self._showing = False
         self.show_selection()
 
     def show_selection(self) -> None:
         """Show which items are selected."""
-        wanted = self.chosen
-        if self._stale or set(self._marked) == wanted:
+        wanted = self.selected_keys
+        if self._stale or set(self._selected_in_view) == wanted:
             return
-        selection, name = QItemSelection(), self.number("name")
-        rows = [row for row in range(len(self.rows.items)) if self.rows.key(row) in wanted]
-        for first, last in _blocks(rows):
+        selection, name = QItemSelection(), self.column_index("name")
+        rows = [row for row in range(len(self.rows.items)) if self.rows.item_key(row) in wanted]
+        for first, last in _group_consecutive(rows):
             selection.select(self.rows.index(first, 0), self.rows.index(last, len(self.rows.columns) - 1))
         self._showing = True
         self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
@@ -453,21 +453,21 @@ class ItemTable(Table):
         if index.isValid() and not self.selectionModel().isRowSelected(index.row(), QModelIndex()):
             self.selectRow(index.row())
         place = self.viewport().mapTo(self, self.visualRect(index).center()) if point is None else point
-        return self.item if self.chosen else "", place
+        return self.menu_name if self.selected_keys else "", place
 
     # Qt interface
 
     def event(self, event: QEvent) -> bool:
         """Handle the keys of the table before they act as shortcuts of the window."""
-        return takes_key(event, DELETE_KEYS) or super().event(event)
+        return claim_key(event, DELETE_KEYS) or super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Edit the name on Enter, remove on Delete; an arrow key first selects the current row."""
-        if event.key() in ENTER:
+        if event.key() in ENTER_KEYS:
             self.edit_name(self.currentIndex().row())
         elif event.key() in DELETE_KEYS:
-            self.remove()
-        elif event.key() in _ROW_KEYS and not self.chosen and self.currentIndex().isValid():
+            self.remove_selected()
+        elif event.key() in _ROW_KEYS and not self.selected_keys and self.currentIndex().isValid():
             self.selectRow(self.currentIndex().row())
         else:
             super().keyPressEvent(event)
@@ -476,27 +476,27 @@ class ItemTable(Table):
         """Update the table if items changed while it was hidden."""
         super().showEvent(event)
         if self._stale:
-            self._show_now()
+            self._update_now()
 
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
         """Pass on what the user has selected."""
         super().selectionChanged(selected, deselected)
         if not self._showing:
-            self.choose(self._marked)
+            self.select_keys(self._selected_in_view)
 
     def leaveEvent(self, event: QEvent) -> None:
         """Clear the highlight when the pointer leaves."""
-        self.hover(None)
+        self.hover_item(None)
         super().leaveEvent(event)
 
     @property
-    def _marked(self) -> list[Any]:
+    def _selected_in_view(self) -> list[Any]:
         """Keys of the rows selected in the view; Qt's ``selectedRows`` is slow with many ranges."""
         ranges = self.selectionModel().selection().toList()
-        return [self.rows.key(row) for one in ranges for row in range(one.top(), one.bottom() + 1)]
+        return [self.rows.item_key(row) for one in ranges for row in range(one.top(), one.bottom() + 1)]
 
-    def _open(self, index: QModelIndex) -> None:
-        if index.column() == self.number("name"):
+    def _on_double_clicked(self, index: QModelIndex) -> None:
+        if index.column() == self.column_index("name"):
             self.edit_name(index.row())
         else:
             self.zoom_wanted.emit()
@@ -504,10 +504,10 @@ class ItemTable(Table):
     def edit_name(self, row: int) -> None:
         """Edit the name in a row."""
         if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
-            self.edit(self.rows.index(row, self.number("name")))
+            self.edit(self.rows.index(row, self.column_index("name")))
 
 
-def wide_button(text: str, do: Callback | None = None) -> QToolButton:
+def create_wide_button(text: str, do: Callback | None = None) -> QToolButton:
     """Create a button that fills the available width."""
     button = QToolButton()
     button.setText(text)
@@ -517,9 +517,9 @@ def wide_button(text: str, do: Callback | None = None) -> QToolButton:
     return button
 
 
-def menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
+def create_menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
     """Create a wide button with a menu that `fill` fills whenever it opens."""
-    button = wide_button(text)
+    button = create_wide_button(text)
     menu = QMenu(button)
     menu.aboutToShow.connect(menu.clear)
     menu.aboutToShow.connect(partial(fill, menu))

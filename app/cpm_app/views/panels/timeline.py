@@ -31,10 +31,10 @@ from cpm_app.model.state.situation import RunStatus
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.timeline import TimelineNavigation
 from cpm_app.session.timeline.stored_runs import TimelineBranch
-from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.actions import Actions, add_choice
-from cpm_app.views.widgets.containers import arrange, dim_label, takes_key
+from cpm_app.views.widgets.actions import Actions, add_menu_action
+from cpm_app.views.widgets.containers import fill_layout, create_dim_label, claim_key
 from cpm_app.views.window.dialogs import ask_for_text
 
 _BRANCH_HEIGHT = 20
@@ -106,7 +106,7 @@ class TimelineView(QWidget):
         """Return the height of a number of branches [px]."""
         return _TOP_SPACE + _BRANCH_HEIGHT * max(branches, 1) + _AXIS_HEIGHT
 
-    def refresh(self) -> None:
+    def show_branches(self) -> None:
         """Show the current branches and step."""
         self.setMinimumHeight(self.sizeHint().height())
         branch, step = self._navigation.current_step
@@ -118,41 +118,41 @@ class TimelineView(QWidget):
             )
         self.update()
 
-    def point(self, branch: int, step: int) -> QPointF:
+    def step_position(self, branch: int, step: int) -> QPointF:
         """Return the position of a step of a branch."""
         rows = [known.identity for known in self._navigation.branches]
-        left, width = self._axis()
-        x = left + width * step / self._steps()
+        left, width = self._axis_range()
+        x = left + width * step / self._count_axis_steps()
         return QPointF(x, _TOP_SPACE + _BRANCH_HEIGHT * (rows.index(branch) + 0.5))
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """Return the shown step; go to the step at the point first. See `MenuOwner`."""
         branch = self._branch_at(point.y()) if point is not None else None
         if point is not None and branch is not None:
-            self._request(branch, QPointF(point))
+            self._go_to_point(branch, QPointF(point))
         shown, step = self._navigation.current_step
         if self._navigation.find_branch(shown) is None:
             return "", QPoint()
-        return "step", point if point is not None else self.point(shown, step).toPoint()
+        return "step", point if point is not None else self.step_position(shown, step).toPoint()
 
     # Positions
 
-    def _steps(self) -> int:
+    def _count_axis_steps(self) -> int:
         """Return the number of steps on the axis."""
         lasts = [self._navigation.last_step(branch.identity) for branch in self._navigation.branches]
         return max(max(lasts, default=0), _MIN_AXIS_STEPS)
 
-    def _axis(self) -> tuple[float, float]:
+    def _axis_range(self) -> tuple[float, float]:
         """Return the left end of the axis, to the right of the names, and its width [px]."""
         names = [self.fontMetrics().horizontalAdvance(branch.name) for branch in self._navigation.branches]
         left = _SIDE_SPACE + min(max(names, default=0), _MAX_NAME_WIDTH, self.width() / 3) + 14.0
         return left, max(self.width() - 2 * _SIDE_SPACE - left, 1.0)
 
     def _step_at(self, x: float) -> int:
-        left, width = self._axis()
-        return round((x - left) / width * self._steps())
+        left, width = self._axis_range()
+        return round((x - left) / width * self._count_axis_steps())
 
-    def _base(self) -> float:
+    def _axis_y(self) -> float:
         """Return the vertical position of the axis, at the bottom of the visible part [px]."""
         seen = self.visibleRegion().boundingRect()
         return float((self.rect() if seen.isEmpty() else seen).bottom() - _AXIS_HEIGHT)
@@ -160,12 +160,12 @@ class TimelineView(QWidget):
     def _branch_at(self, y: float) -> int | None:
         """Return the branch of a row; on the axis, the shown branch."""
         branches = self._navigation.branches
-        if not branches or y > self._base():
+        if not branches or y > self._axis_y():
             return self._navigation.current_step[0] if branches else None
         return branches[min(max(int((y - _TOP_SPACE) / _BRANCH_HEIGHT), 0), len(branches) - 1)].identity
 
-    def _request(self, branch: int, point: QPointF) -> None:
-        on_name = point.x() < self._axis()[0] - _SIDE_SPACE
+    def _go_to_point(self, branch: int, point: QPointF) -> None:
+        on_name = point.x() < self._axis_range()[0] - _SIDE_SPACE
         self._navigation.go_to(branch, self._navigation.matching_step(branch) if on_name else self._step_at(point.x()))
 
     # Qt interface
@@ -181,12 +181,12 @@ class TimelineView(QWidget):
             self._draw_axis(painter)
             self._draw_place(painter)
         else:
-            painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
+            painter.setPen(self._palette_color(QPalette.ColorRole.PlaceholderText))
             flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             painter.drawText(self.rect(), flags, tr("A run is recorded here, step by step."))
         if self.hasFocus():
             painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.setPen(self._color(QPalette.ColorRole.Highlight))
+            painter.setPen(self._palette_color(QPalette.ColorRole.Highlight))
             painter.drawRoundedRect(QRectF(self.visibleRegion().boundingRect()).adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
         painter.end()
 
@@ -198,7 +198,7 @@ class TimelineView(QWidget):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Scrub along the branch."""
         if self._dragged is not None and event.buttons() & Qt.MouseButton.LeftButton:
-            self._request(self._dragged, event.position())
+            self._go_to_point(self._dragged, event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Move along a branch or to the next one by arrow keys."""
@@ -218,11 +218,11 @@ class TimelineView(QWidget):
 
     def event(self, event: QEvent) -> bool:
         """Show the step under the pointer as a tooltip, and claim the keys of the timeline."""
-        if takes_key(event, _TIMELINE_KEYS):
+        if claim_key(event, _TIMELINE_KEYS):
             return True
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
             branch = self._navigation.find_branch(self._branch_at(event.pos().y()) or 0)
-            if branch is not None and event.pos().x() >= self._axis()[0]:
+            if branch is not None and event.pos().x() >= self._axis_range()[0]:
                 step = min(max(self._step_at(event.pos().x()), 0), self._navigation.last_step(branch.identity))
                 words = tr("{branch}, step {step}", branch=branch.name, step=step)
                 QToolTip.showText(event.globalPos(), words, self)
@@ -235,24 +235,24 @@ class TimelineView(QWidget):
         """Draw the name of a branch, its link to the parent, its steps, and the first step of each scale."""
         identity = branch.identity
         here = identity == self._navigation.current_step[0]
-        color = self._color(QPalette.ColorRole.Highlight if here else QPalette.ColorRole.PlaceholderText)
-        begin = self.point(identity, branch.first)
+        color = self._palette_color(QPalette.ColorRole.Highlight if here else QPalette.ColorRole.PlaceholderText)
+        begin = self.step_position(identity, branch.first)
         if branch.parent is not None:
             painter.setPen(QPen(color, 1.6))
-            painter.drawLine(self.point(branch.parent, branch.first), begin)
+            painter.drawLine(self.step_position(branch.parent, branch.first), begin)
         pen = QPen(color, 4.0 if here else 3.0)
         pen.setCapStyle(Qt.PenCapStyle.RoundCap)
         painter.setPen(pen)
-        painter.drawLine(begin, self.point(identity, self._navigation.last_step(identity)))
-        faint, text = self._color(QPalette.ColorRole.PlaceholderText), self._color(QPalette.ColorRole.WindowText)
+        painter.drawLine(begin, self.step_position(identity, self._navigation.last_step(identity)))
+        faint, text = self._palette_color(QPalette.ColorRole.PlaceholderText), self._palette_color(QPalette.ColorRole.WindowText)
         for step, scale in branch.scales:
             if step or scale:
-                at = self.point(identity, step)
+                at = self.step_position(identity, step)
                 painter.setPen(QPen(text, 1.4))
                 painter.drawLine(at - QPointF(0.0, 5.0), at + QPointF(0.0, 5.0))
                 painter.setPen(faint)
                 painter.drawText(at - QPointF(-3.0, 4.0), f"1/{2**scale}")
-        room = self._axis()[0] - _SIDE_SPACE - 10.0
+        room = self._axis_range()[0] - _SIDE_SPACE - 10.0
         name = self.fontMetrics().elidedText(branch.name, Qt.TextElideMode.ElideRight, int(room))
         painter.setPen(color if here else text)
         flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
@@ -262,14 +262,14 @@ class TimelineView(QWidget):
 
     def _draw_axis(self, painter: QPainter) -> None:
         """Draw the axis of the steps and its labels."""
-        base, (left, width) = self._base(), self._axis()
-        painter.fillRect(QRectF(0.0, base, self.width(), _AXIS_HEIGHT + 1), self._color(QPalette.ColorRole.Window))
-        painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
+        base, (left, width) = self._axis_y(), self._axis_range()
+        painter.fillRect(QRectF(0.0, base, self.width(), _AXIS_HEIGHT + 1), self._palette_color(QPalette.ColorRole.Window))
+        painter.setPen(self._palette_color(QPalette.ColorRole.PlaceholderText))
         painter.drawLine(QPointF(left, base), QPointF(left + width, base))
         half = self.fontMetrics().horizontalAdvance("0000000") / 2
-        interval = int(round_up(max(self._steps() * 2.4 * half / width, 1.0)))
-        for step in range(0, self._steps() + 1, interval):
-            x = left + width * step / self._steps()
+        interval = int(round_up(max(self._count_axis_steps() * 2.4 * half / width, 1.0)))
+        for step in range(0, self._count_axis_steps() + 1, interval):
+            x = left + width * step / self._count_axis_steps()
             painter.drawLine(QPointF(x, base), QPointF(x, base + 3.0))
             painter.drawText(
                 QRectF(x - half, base + 1.0, 2 * half, _AXIS_HEIGHT), Qt.AlignmentFlag.AlignHCenter, f"{step}"
@@ -280,14 +280,14 @@ class TimelineView(QWidget):
         branch, step = self._navigation.current_step
         if self._navigation.find_branch(branch) is None:
             return
-        at = self.point(branch, step)
-        painter.setPen(QPen(self._color(QPalette.ColorRole.WindowText), 1.4))
-        painter.drawLine(QPointF(at.x(), self.visibleRegion().boundingRect().top()), QPointF(at.x(), self._base()))
-        painter.setPen(QPen(self._color(QPalette.ColorRole.Base), 1.6))
-        painter.setBrush(self._color(QPalette.ColorRole.Highlight))
+        at = self.step_position(branch, step)
+        painter.setPen(QPen(self._palette_color(QPalette.ColorRole.WindowText), 1.4))
+        painter.drawLine(QPointF(at.x(), self.visibleRegion().boundingRect().top()), QPointF(at.x(), self._axis_y()))
+        painter.setPen(QPen(self._palette_color(QPalette.ColorRole.Base), 1.6))
+        painter.setBrush(self._palette_color(QPalette.ColorRole.Highlight))
         painter.drawEllipse(at, 5.2, 5.2)
 
-    def _color(self, role: QPalette.ColorRole) -> QColor:
+    def _palette_color(self, role: QPalette.ColorRole) -> QColor:
         return self.palette().color(role)
 
 
@@ -300,18 +300,18 @@ class TimelinePanel(QWidget):
         self._status = status
         self.view = TimelineView(navigation)
         self.setFocusProxy(self.view)
-        self.buttons = {name: _button(name) for name in ("first", "back", "forward", "last")}
+        self.buttons = {name: _create_button(name) for name in ("first", "back", "forward", "last")}
         self.step = QSpinBox()
         self.step.setKeyboardTracking(False)
         self.step.setAccessibleName(tr("Step"))
         self.step.setToolTip(tr("Shown step; type a number to go there."))
         self.step.valueChanged.connect(lambda step: navigation.go_to(navigation.current_step[0], step))
-        self._of = dim_label()
-        self.parameters = _button("parameters")
+        self._total_label = create_dim_label()
+        self.parameters = _create_button("parameters")
         self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
         self.parameters.clicked.connect(navigation.use_step_parameters)
-        self.rename = add_choice(self.view, tr("Re&name the branch…"), self._rename)
-        self.branch = _button("branch")
+        self.rename = add_menu_action(self.view, tr("Re&name the branch…"), self._rename_branch)
+        self.branch = _create_button("branch")
         self.branch.setToolTip(tr("Rename or delete the branch."))
         self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         scroll = self._scroll = QScrollArea(widgetResizable=True)
@@ -321,12 +321,12 @@ class TimelinePanel(QWidget):
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scroll.setMinimumWidth(_MIN_TRACK_WIDTH)
         scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
-        fields = self.branch, self.step, self._of, self.parameters, scroll
-        arrange(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
-        self._later = QTimer(self, singleShot=True, interval=_RUNNING_UPDATE_INTERVAL)
-        self._later.timeout.connect(self._show)
-        navigation.changed.connect(self._follow)
-        self._show()
+        fields = self.branch, self.step, self._total_label, self.parameters, scroll
+        fill_layout(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
+        self._update_timer = QTimer(self, singleShot=True, interval=_RUNNING_UPDATE_INTERVAL)
+        self._update_timer.timeout.connect(self._show_step)
+        navigation.changed.connect(self._on_timeline_changed)
+        self._show_step()
 
     def use_actions(self, actions: Actions) -> None:
         """Give the buttons the actions of the menu."""
@@ -336,8 +336,8 @@ class TimelinePanel(QWidget):
 
     def use_theme(self, theme: Theme) -> None:
         """Color the icons of the buttons without an action."""
-        self.branch.setIcon(icon("branch", theme.text, faded=theme.line))
-        self.parameters.setIcon(icon("restore", theme.text, faded=theme.line))
+        self.branch.setIcon(load_icon("branch", theme.text, faded=theme.line))
+        self.parameters.setIcon(load_icon("restore", theme.text, faded=theme.line))
 
     @property
     def _running(self) -> bool:
@@ -354,14 +354,14 @@ class TimelinePanel(QWidget):
 
     # Internal
 
-    def _follow(self) -> None:
+    def _on_timeline_changed(self) -> None:
         if not self._running:
-            self._later.stop()
-            self._show()
-        elif not self._later.isActive():
-            self._later.start()
+            self._update_timer.stop()
+            self._show_step()
+        elif not self._update_timer.isActive():
+            self._update_timer.start()
 
-    def _show(self) -> None:
+    def _show_step(self) -> None:
         navigation = self._navigation
         branch, step = navigation.current_step
         has_branch, last, count = (
@@ -373,16 +373,16 @@ class TimelinePanel(QWidget):
             self.step.setRange(0, max(last, step))
             self.step.setValue(step)
         self.step.setEnabled(has_branch)
-        self._of.setText(tr("of {last}", last=last) if has_branch else "")
+        self._total_label.setText(tr("of {last}", last=last) if has_branch else "")
         self.branch.setEnabled(count > 0)
         self.rename.setEnabled(has_branch)
         self.show_parameters()
-        self.view.refresh()
+        self.view.show_branches()
         self._scroll.setFixedHeight(self.view.height_of(min(count, _MAX_SHOWN_BRANCHES)))
         if has_branch:
-            self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _BRANCH_HEIGHT)
+            self._scroll.ensureVisible(0, round(self.view.step_position(branch, step).y()), 0, _BRANCH_HEIGHT)
 
-    def _rename(self) -> None:
+    def _rename_branch(self) -> None:
         known = self._navigation.find_branch(self._navigation.current_step[0])
         if known is not None:
             title, button = tr("Name of the branch"), tr("Use this name")
@@ -391,7 +391,7 @@ class TimelinePanel(QWidget):
                 self._navigation.rename_branch(known.identity, name)
 
 
-def _button(name: str) -> QToolButton:
+def _create_button(name: str) -> QToolButton:
     button = QToolButton(autoRaise=True)
     button.setObjectName(f"timeline_{name}")
     return button

@@ -12,17 +12,17 @@ from PySide6.QtGui import QIcon, QImage, QPixmap
 
 from cpm_app.model.text.language import tr
 
-Table = NDArray[np.uint8]
+ColorTable = NDArray[np.uint8]
 
-GRAY = "grey"
+GRAY_MAP = "grey"
 """Name of the gray map, from black to white."""
 
-INVERTED = "inverted"
+INVERTED_MAP = "inverted"
 """Name of the gray map from white to black."""
 
-MAPS: dict[str, str] = {
-    GRAY: tr("Gray"),
-    INVERTED: tr("Gray, inverted"),
+COLOR_MAPS: dict[str, str] = {
+    GRAY_MAP: tr("Gray"),
+    INVERTED_MAP: tr("Gray, inverted"),
     "viridis": tr("Viridis"),
     "cividis": tr("Cividis"),
     "magma": tr("Magma"),
@@ -33,7 +33,7 @@ MAPS: dict[str, str] = {
 
 
 @lru_cache(maxsize=32)
-def color_table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
+def color_table(name: str, entries: int = 256, begin: float = 0.0) -> ColorTable:
     """Return the colors of a map from low to high.
 
     Parameters
@@ -51,8 +51,8 @@ def color_table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
         RGB values, read-only.
     """
     at = np.linspace(begin, 1.0, entries)
-    if name in (GRAY, INVERTED):
-        ramp = np.rint(255.0 * (at if name == GRAY else 1.0 - at)).astype(np.uint8)
+    if name in (GRAY_MAP, INVERTED_MAP):
+        ramp = np.rint(255.0 * (at if name == GRAY_MAP else 1.0 - at)).astype(np.uint8)
         colors = np.repeat(ramp[:, None], 3, axis=1)
     else:
         colors = np.asarray(pg.colormap.get(name).map(at, mode="byte")[:, :3], dtype=np.uint8)
@@ -60,7 +60,7 @@ def color_table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
     return colors
 
 
-def strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:
+def draw_color_strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:
     """Draw a map as a strip of a size in px, from low on the left to high on the right."""
     row = color_table(name, 256, begin)
     image = QImage(row.tobytes(), len(row), 1, 3 * len(row), QImage.Format.Format_RGB888)
@@ -68,6 +68,6 @@ def strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:
     return QPixmap.fromImage(image.scaled(width, height, *ways))
 
 
-def icon(name: str) -> QIcon:
+def create_map_icon(name: str) -> QIcon:
     """Return the icon of a map."""
-    return QIcon(strip(name, 36, 12))
+    return QIcon(draw_color_strip(name, 36, 12))

@@ -13,17 +13,17 @@ from PySide6.QtWidgets import QColorDialog, QMenu, QWidget
 
 from cpm_app.model.text.assets import find_asset
 from cpm_app.model.text.language import tr
-from cpm_app.views.theme.theme import look
+from cpm_app.views.theme.theme import get_canvas_style
 
 _ICON_SIZES = (16, 20, 24)
 """Sizes of icons in menus, on buttons, and of pointers [device-independent px]."""
 
-RIM = "#858b93"
+SWATCH_RIM = "#858b93"
 """Color of the rim of a swatch, which sets any color off from a light and from a dark background."""
 
 
 @cache
-def icon(name: str, color: str, faded: str | None = None) -> QIcon:
+def load_icon(name: str, color: str, faded: str | None = None) -> QIcon:
     """Return an icon by its name, rendered once.
 
     Parameters
@@ -42,18 +42,18 @@ def icon(name: str, color: str, faded: str | None = None) -> QIcon:
         if tint is not None:
             renderer = QSvgRenderer(QByteArray(source.replace("currentColor", tint).encode()))
             for size in _ICON_SIZES:
-                made.addPixmap(_pixmap(renderer, math.ceil(ratio * size)), mode)
+                made.addPixmap(_render_svg(renderer, math.ceil(ratio * size)), mode)
     return made
 
 
 @cache
-def pointer(name: str) -> QCursor:
+def create_pointer(name: str) -> QCursor:
     """Create a pointer from an icon, light with a dark rim; its hot spot is the middle."""
     side = 24
     pixmap = QPixmap(side, side)
     pixmap.fill(Qt.GlobalColor.transparent)
     painter = QPainter(pixmap)
-    rim, picture = (icon(name, color).pixmap(QSize(side, side), 1.0) for color in ("#101216", "#ffffff"))
+    rim, picture = (load_icon(name, color).pixmap(QSize(side, side), 1.0) for color in ("#101216", "#ffffff"))
     for x, y in ((-1, 0), (1, 0), (0, -1), (0, 1)):
         painter.drawPixmap(x, y, rim)
     painter.drawPixmap(0, 0, picture)
@@ -62,28 +62,28 @@ def pointer(name: str) -> QCursor:
 
 
 @cache
-def program_icon() -> QIcon:
+def load_program_icon() -> QIcon:
     """Return the icon of the program itself."""
     renderer = QSvgRenderer(str(find_asset("icons/cpm.svg")))
     made = QIcon()
     for size in (*_ICON_SIZES, 32, 48, 64, 128, 256):
-        made.addPixmap(_pixmap(renderer, size))
+        made.addPixmap(_render_svg(renderer, size))
     return made
 
 
-def swatch(*colors: str) -> QIcon:
+def create_swatch(*colors: str) -> QIcon:
     """Create a legend icon: small discs side by side in the colors that the user has selected for these."""
-    return _discs(*(look().color(color) for color in colors))
+    return _draw_discs(*(get_canvas_style().resolve_color(color) for color in colors))
 
 
 @cache
-def _discs(*colors: str) -> QIcon:
+def _draw_discs(*colors: str) -> QIcon:
     side = 14
     pixmap = QPixmap(QSize((side + 2) * len(colors), side))
     pixmap.fill(Qt.GlobalColor.transparent)
     painter = QPainter(pixmap)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.setPen(QColor(RIM))
+    painter.setPen(QColor(SWATCH_RIM))
     for index, color in enumerate(colors):
         painter.setBrush(QColor(color))
         painter.drawEllipse(QRectF(index * (side + 2) + 1.5, 1.5, side - 3, side - 3))
@@ -91,7 +91,7 @@ def _discs(*colors: str) -> QIcon:
     return QIcon(pixmap)
 
 
-def _pixmap(renderer: QSvgRenderer, size: int) -> QPixmap:
+def _render_svg(renderer: QSvgRenderer, size: int) -> QPixmap:
     pixmap = QPixmap(size, size)
     pixmap.fill(Qt.GlobalColor.transparent)
     painter = QPainter(pixmap)
@@ -102,7 +102,7 @@ def _pixmap(renderer: QSvgRenderer, size: int) -> QPixmap:
     )  # a pixmap that was painted on keeps the memory of its painter, which exceeds that of its pixels
 
 
-PALETTE: tuple[tuple[str, str], ...] = (
+SWATCH_COLORS: tuple[tuple[str, str], ...] = (
     (tr("Orange"), "#e69f00"),
     (tr("Sky blue"), "#56b4e9"),
     (tr("Bluish green"), "#009e73"),
@@ -117,16 +117,16 @@ PALETTE: tuple[tuple[str, str], ...] = (
 
 def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None], enabled: bool) -> None:
     """Fill a menu with colors; `choose` is called with ``"#rrggbb"``, or with an empty text for the default."""
-    for title, color in PALETTE:
-        menu.addAction(swatch(color), title).triggered.connect(lambda _=False, color=color: choose(color))
+    for title, color in SWATCH_COLORS:
+        menu.addAction(create_swatch(color), title).triggered.connect(lambda _=False, color=color: choose(color))
     menu.addSeparator()
-    menu.addAction(tr("Other color…")).triggered.connect(lambda: _ask(parent, choose))
+    menu.addAction(tr("Other color…")).triggered.connect(lambda: _ask_for_color(parent, choose))
     menu.addAction(tr("Color of its kind")).triggered.connect(lambda: choose(""))
     for action in menu.actions():
         action.setEnabled(enabled)
 
 
-def _ask(parent: QWidget, choose: Callable[[str], None]) -> None:
+def _ask_for_color(parent: QWidget, choose: Callable[[str], None]) -> None:
     color = QColorDialog.getColor(parent=parent, title=tr("Color"))
     if color.isValid():
         choose(color.name())

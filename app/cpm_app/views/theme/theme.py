@@ -20,7 +20,7 @@ from shiboken6 import isValid
 from cpm_app.model.preferences.table import INK_PREFERENCES
 from cpm_core.numerics.types import Callback, frozen
 
-Kind = Literal["contours", "shapes", "fixed"]
+LineKind = Literal["contours", "shapes", "fixed"]
 """Kind of a line; the width of fixed lines cannot be changed."""
 
 
@@ -39,7 +39,7 @@ class Ink(str):
 
 
 @frozen
-class Look:
+class CanvasStyle:
     """Factors for the widths of lines and the size of points, and the colors that the user has changed, by name."""
 
     contours: float = 1.0
@@ -47,111 +47,111 @@ class Look:
     points: float = 1.0
     colors: Mapping[str, str] = field(default_factory=dict)
 
-    def width(self, kind: Kind) -> float:
+    def width_factor(self, kind: LineKind) -> float:
         """Return the factor for the width of lines."""
         return {"contours": self.contours, "shapes": self.shapes, "fixed": 1.0}[kind]
 
-    def color(self, color: str) -> str:
+    def resolve_color(self, color: str) -> str:
         """Return the color that the user has selected for an ink; any other color is unchanged."""
         return self.colors.get(color.name, str(color)) if isinstance(color, Ink) else color
 
 
-_canvas_style = Look()
+_canvas_style = CanvasStyle()
 """Style in use, one for all canvases."""
 
 
-def look() -> Look:
+def get_canvas_style() -> CanvasStyle:
     """Return the style in use."""
     return _canvas_style
 
 
-def use_look(style: Look) -> None:
+def set_canvas_style(style: CanvasStyle) -> None:
     """Set the style; canvases must be repainted afterwards."""
     global _canvas_style  # noqa: PLW0603  # shared by all canvases, as the style sheet is shared by all widgets
     _canvas_style = style
 
 
 # The canvas is dark in both themes, so that the image is the brightest object. Hues after Okabe and Ito.
-CANVAS = "#14161a"
+CANVAS_COLOR = "#14161a"
 """Background of the canvas."""
 
 # The preferences can change the inks. Items of the canvas and swatches resolve them; use `look` anywhere else.
-MOVING = Ink("moving", INK_PREFERENCES["moving"].default)
+MOVING_COLOR = Ink("moving", INK_PREFERENCES["moving"].default)
 """Moving particles."""
 
-RESTING = Ink("resting", INK_PREFERENCES["resting"].default)
+RESTING_COLOR = Ink("resting", INK_PREFERENCES["resting"].default)
 """Particles at rest."""
 
-CONTOUR = Ink("contour", INK_PREFERENCES["contour"].default)
+CONTOUR_COLOR = Ink("contour", INK_PREFERENCES["contour"].default)
 """Contours."""
 
-PROPOSAL = Ink("proposal", INK_PREFERENCES["proposal"].default)
+PROPOSAL_COLOR = Ink("proposal", INK_PREFERENCES["proposal"].default)
 """Proposed objects."""
 
-BY_HAND = Ink("by_hand", INK_PREFERENCES["by_hand"].default)
+BY_HAND_COLOR = Ink("by_hand", INK_PREFERENCES["by_hand"].default)
 """Stretches that were drawn by hand."""
 
-REJECTED = Ink("rejected", INK_PREFERENCES["rejected"].default)
+REJECTED_COLOR = Ink("rejected", INK_PREFERENCES["rejected"].default)
 """Rejected contours and objects."""
 
-JUNCTION = "#ff7ac6"
+JUNCTION_COLOR = "#ff7ac6"
 """Junctions of contours."""
 
-DRAWING = "#c9ced6"
+DRAWING_COLOR = "#c9ced6"
 """Shapes that the user draws."""
 
-CHOSEN = "#ffffff"
+SELECTED_COLOR = "#ffffff"
 """Selected items."""
 
-REMOVED = "#ff5a36"
+REMOVED_COLOR = "#ff5a36"
 """What an edit removes."""
 
-HOVERED = "#90ffffff"
+HOVERED_COLOR = "#90ffffff"
 """Items under the pointer."""
 
-TRUTH = "#d79bd0"
+TRUTH_COLOR = "#d79bd0"
 """Ground truth."""
 
-MISSING = "#ff5a36"
+MISSING_COLOR = "#ff5a36"
 """Parts of the reference that were not found."""
 
-WRONG = "#ffe14d"
+WRONG_COLOR = "#ffe14d"
 """Parts that are not in the reference."""
 
-REGION = "#b48cff"
+REGION_COLOR = "#b48cff"
 """Regions of interest."""
 
-BARRIER = "#f0533a"
+BARRIER_COLOR = "#f0533a"
 """Barriers."""
 
-ATTRACTING = "#0072b2"
+ATTRACTING_COLOR = "#0072b2"
 """Charges that attract particles."""
 
-REPELLING = "#d55e00"
+REPELLING_COLOR = "#d55e00"
 """Charges that repel particles."""
 
-DIMMED = "#88101216"
+DIMMED_COLOR = "#88101216"
 """Veil over the rest of the image."""
 
-HALO = "#101216"
+CANVAS_HALO_COLOR = "#101216"
 """Dark rim around lines and points."""
 
-FIELD = "#ff9ad5"
+FIELD_COLOR = "#ff9ad5"
 """Electric field."""
 
-THICKNESSES = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
+THICKNESS_COLORS = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
 """Colors from thin to thick: of increasing lightness, so that they can be told apart without red and green."""
 
-DISK = "#70ffffff"
+DISK_COLOR = "#70ffffff"
 """Largest disks inside an object."""
 
-COULOMB = "#ff9d1e"
+COULOMB_COLOR = "#ff9d1e"
 """Coulomb force."""
 
-LORENTZ = "#56b4e9"
+LORENTZ_COLOR = "#56b4e9"
 """Lorentz force."""
 
-DAMPING = "#2bd4a4"
+DAMPING_COLOR = "#2bd4a4"
 """Damping force."""
 
 
@@ -197,17 +197,17 @@ _THEME_COLORS = {
 }
 """Light and dark color of each role."""
 
-LIGHT = Theme(**{role: colors[0] for role, colors in _THEME_COLORS.items()})
+LIGHT_THEME = Theme(**{role: colors[0] for role, colors in _THEME_COLORS.items()})
 """The light theme."""
 
-DARK = Theme(**{role: colors[1] for role, colors in _THEME_COLORS.items()})
+DARK_THEME = Theme(**{role: colors[1] for role, colors in _THEME_COLORS.items()})
 """The dark theme."""
 
 
 def system_theme() -> Theme:
     """Return the theme of the desktop, or the light one if it is unknown."""
     dark = QGuiApplication.styleHints().colorScheme() == Qt.ColorScheme.Dark
-    return DARK if dark else LIGHT
+    return DARK_THEME if dark else LIGHT_THEME
 
 
 _WIDGETS_PER_TURN = 150
@@ -221,7 +221,7 @@ def apply_theme(theme: Theme, window: QWidget, later: Callable[[Callback], objec
     widget once per ancestor. It refers to roles of the palette rather than to colors and thus never changes: a new one
     would be applied to all widgets at once.
     """
-    palette = _palette(theme)
+    palette = _build_palette(theme)
     if not window.styleSheet():
         QApplication.setPalette(palette)
         names = {color: re.sub(r"\B([A-Z])", r"-\1", role.name).lower() for color, role in _PALETTE_ROLES.items()}
@@ -229,13 +229,13 @@ def apply_theme(theme: Theme, window: QWidget, later: Callable[[Callback], objec
     elif QApplication.palette() != palette:
         QApplication.setPalette(palette)
         widgets = [window, *window.findChildren(QWidget)]
-        _polish([widget for widget in widgets if widget.isVisible()])
+        _repolish_widgets([widget for widget in widgets if widget.isVisible()])
         hidden = [widget for widget in widgets if not widget.isVisible()]
         for first in range(0, len(hidden), _WIDGETS_PER_TURN):
-            later(partial(_polish, hidden[first : first + _WIDGETS_PER_TURN]))
+            later(partial(_repolish_widgets, hidden[first : first + _WIDGETS_PER_TURN]))
 
 
-def _polish(widgets: Iterable[QWidget]) -> None:
+def _repolish_widgets(widgets: Iterable[QWidget]) -> None:
     """Make the style sheet read the palette again for those widgets that still exist."""
     for widget in filter(isValid, widgets):
         style = widget.style()
@@ -264,7 +264,7 @@ _PALETTE_ROLES = {
 """Palette role by which the style sheet refers to each color."""
 
 
-def _palette(theme: Theme) -> QPalette:
+def _build_palette(theme: Theme) -> QPalette:
     palette = QPalette()
     for name, key in _PALETTE_ROLES.items():
         palette.setColor(key, QColor(getattr(theme, name)))

@@ -95,7 +95,7 @@ class SprayTool(RingTool):
     shortcut = "Y"
     group = STROKE_GROUP
     tip = tr("Drag to scatter points; [ and ] change the ring.")
-    color = theme.DRAWING
+    color = theme.DRAWING_COLOR
     guidance = tr("Drag to spray points; [ and ] make the ring smaller and larger.")
     keyboard_tip = tr("Enter begins to spray, arrow keys continue, Enter ends; [ and ] change the ring.")
 
@@ -140,7 +140,7 @@ class EraserTool(RingTool):
     shortcut = "E"
     group = SELECT_GROUP
     tip = tr("Drag to erase points, shapes and particles; [ and ] change its ring.")
-    color = theme.CHOSEN
+    color = theme.SELECTED_COLOR
     guidance = tr("Drag over points, shapes or particles to erase them; [ and ] make the ring smaller and larger.")
     keyboard_tip = tr("Enter begins to erase, arrow keys continue, Enter ends; [ and ] change the ring.")
 

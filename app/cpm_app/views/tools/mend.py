@@ -15,7 +15,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import ObjectBrush
 from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.theme import theme
-from cpm_app.views.theme.icons import pointer
+from cpm_app.views.theme.icons import create_pointer
 from cpm_app.views.tools.brush_tools import RingTool
 from cpm_app.views.tools.tool import MEND_GROUP, REMOVE_MODIFIER, Cursor
 from cpm_core.contours import HandEdit
@@ -213,8 +213,8 @@ class MendTool(RingTool):
         if self._held is None:
             return Cursor.CrossCursor
         if self._held.at_end:
-            return pointer("join")
-        return pointer("knife") if self._is_removing and self._item is None else Cursor.OpenHandCursor
+            return create_pointer("join")
+        return create_pointer("knife") if self._is_removing and self._item is None else Cursor.OpenHandCursor
 
     @property
     def _is_removing(self) -> bool:
@@ -279,11 +279,11 @@ class MendTool(RingTool):
                 path = delete_stretch(*marks).removed
             corners += [held.place] if held is not None else []
         adds = self._brush.adds if painting else not self._is_removing
-        self._drawing.show_draft(corners, path, theme.BY_HAND)
+        self._drawing.show_draft(corners, path, theme.BY_HAND_COLOR)
         self._drawing.show_ring(
             self._pointer if held is None else None,
             self.radius,
-            theme.RESTING if adds else theme.BARRIER,
+            theme.RESTING_COLOR if adds else theme.BARRIER_COLOR,
             None if self.current_slice is None or self._list.ball else self.current_slice.axis,
         )
         self._on_advice_changed()

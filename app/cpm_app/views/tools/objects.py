@@ -85,7 +85,7 @@ class ObjectTool(Tool):
         """Continue a stroke."""
         if self._path and math.dist(self._path[-1], at) >= _STROKE_SPACING:
             self._path.append(at)
-            color = theme.RESTING if self._is_positive else theme.BARRIER
+            color = theme.RESTING_COLOR if self._is_positive else theme.BARRIER_COLOR
             self._drawing.show_draft((), self._path, color)
 
     def on_release(self) -> None:

@@ -193,5 +193,5 @@ class OutlineTool(Tool):
         elif self._anchors and self._pointer is not None and self._pressed is None:
             parts.append(self._trace_piece(self._snap_anchor(self._pointer)))
         path = np.concatenate(parts) if parts else ()
-        self._drawing.show_draft([anchor.place for anchor in self._anchors], path, theme.BY_HAND)
+        self._drawing.show_draft([anchor.place for anchor in self._anchors], path, theme.BY_HAND_COLOR)
         self._on_advice_changed()

@@ -47,7 +47,7 @@ class PathTool(Tool):
     keyboard_tip = tr("Enter places a corner; Enter once more on the same place ends it.")
     shape_class: type[Stroke | Polygon | Grid | Threshold | Region | Barrier]
     """Class of the shape in an image."""
-    color = theme.DRAWING
+    color = theme.DRAWING_COLOR
     closed = True
     """Whether the last corner is joined to the first."""
     is_spatial = False
@@ -249,7 +249,7 @@ class RegionTool(PathTool):
     group = LIMIT_GROUP
     tip = tr("Drag, or click corner by corner, around the region that particles must stay in.")
     shape_class = Region
-    color = theme.REGION
+    color = theme.REGION_COLOR
 
     def build_solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """Build the box around a dragged rectangle, or the prism of another path through all slices."""
@@ -267,7 +267,7 @@ class BarrierTool(PathTool):
     group = LIMIT_GROUP
     tip = tr("Drag, or click corner by corner, to draw a line that no particle crosses.")
     shape_class = Barrier
-    color = theme.BARRIER
+    color = theme.BARRIER_COLOR
     closed = False
 
     def build_solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:

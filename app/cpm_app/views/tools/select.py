@@ -163,7 +163,7 @@ class SelectTool(ShapeTool):
         frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
         self._removes = bool(self.modifiers & _DESELECT_MODIFIER)
         self._met_keys = self._list.rows_inside(frame)
-        self._drawing.show_draft((), (*frame, corner), theme.CHOSEN)
+        self._drawing.show_draft((), (*frame, corner), theme.SELECTED_COLOR)
         self._update_selection()
 
     def _update_selection(self) -> None:

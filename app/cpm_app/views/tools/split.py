@@ -16,7 +16,7 @@ from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.model.volume.surface_section import object_contains
 from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_app.views.theme import theme
-from cpm_app.views.theme.icons import pointer
+from cpm_app.views.theme.icons import create_pointer
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MEND_GROUP, Cursor, Tool
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Halves, SegmentedObject, split_object, split_object_along
@@ -119,7 +119,7 @@ class SplitTool(Tool):
         self._reach = max(reach, 1.0)
         if self.volume is None:
             self._editing.request_edges()
-        return pointer("knife")
+        return create_pointer("knife")
 
     def _find_contact(self, at: Place) -> Contact | None:
         """Find the place of a contour in an image that a click would cut."""
@@ -175,5 +175,5 @@ class SplitTool(Tool):
             with suppress(ValueError):
                 cuts = split_object(whole, self._first, at, self._editing.edges).cuts
                 path = max(cuts, key=len, default=())
-        self._drawing.show_draft([self._first] if whole is not None else (), path, theme.BARRIER)
+        self._drawing.show_draft([self._first] if whole is not None else (), path, theme.BARRIER_COLOR)
         self._on_advice_changed()

@@ -22,7 +22,7 @@ from cpm_app.views.layers import Layers
 from cpm_app.views.layers.particles import DARK_MAP_FRACTION, UNKNOWN_COLOR
 from cpm_app.views.layers.skeleton import split_skeleton_by_thickness
 from cpm_app.views.theme import color_maps, theme
-from cpm_app.views.theme.theme import Ink, look
+from cpm_app.views.theme.theme import Ink, get_canvas_style
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
 from cpm_core.contours import PackedVoxels
 from cpm_core.numerics.types import Pixels, Sides
@@ -50,7 +50,7 @@ class SpaceViewBuilder:
             return None
         get, layer, spacing = self._parts.get, layers.particles, image.spacing
         size = 1.0 if snapshot is None else layer.diameter_factor(snapshot)
-        inks = look().color(theme.MOVING), look().color(theme.RESTING)
+        inks = get_canvas_style().resolve_color(theme.MOVING_COLOR), get_canvas_style().resolve_color(theme.RESTING_COLOR)
         objects = scene.document.objects if layers["objects"].shown else None
         drawn = scene.document.shapes if layers.drawing.shown else ()
         return get(
@@ -100,13 +100,13 @@ def _build_object_meshes(
     )  # fmt: skip
     found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.has_boundary]
     return (
-        *(_color_surface(body, spacing, look().color(color)) for body, color in shown if body is not None),
-        *(_color_surface(selection.surface, spacing, look().color(theme.PROPOSAL)) for selection in found),
+        *(_color_surface(body, spacing, get_canvas_style().resolve_color(color)) for body, color in shown if body is not None),
+        *(_color_surface(selection.surface, spacing, get_canvas_style().resolve_color(theme.PROPOSAL_COLOR)) for selection in found),
     )
 
 
 def _build_truth_mesh(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMesh, ...]:
-    return (_color_surface(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
+    return (_color_surface(truth.surface, spacing, get_canvas_style().resolve_color(theme.TRUTH_COLOR)),) if isinstance(truth, VolumeTruth) else ()
 
 
 _MESH_CACHE: WeakKeyDictionary[Surface, SurfaceMesh] = WeakKeyDictionary()
@@ -128,14 +128,14 @@ def _build_wires(
     ends = [build_shape_wires(shape, sides) for shape in shapes]
     colors = []
     for index, (shape, each) in enumerate(zip(shapes, ends, strict=True)):
-        ink: Ink | str = theme.REGION if isinstance(shape, Interest) else theme.MOVING
+        ink: Ink | str = theme.REGION_COLOR if isinstance(shape, Interest) else theme.MOVING_COLOR
         if isinstance(shape, Charge):
-            ink = theme.ATTRACTING if shape.strength > 0.0 else theme.REPELLING
+            ink = theme.ATTRACTING_COLOR if shape.strength > 0.0 else theme.REPELLING_COLOR
         elif isinstance(shape, Limit) and not isinstance(shape, Interest):
-            ink = theme.BARRIER
-        colors.append(np.tile(_to_rgb(theme.CHOSEN if index == selected else ink), (len(each), 1)))
+            ink = theme.BARRIER_COLOR
+        colors.append(np.tile(_to_rgb(theme.SELECTED_COLOR if index == selected else ink), (len(each), 1)))
     if skeleton is not None:
-        bands = [_to_rgb(color) for color in theme.THICKNESSES]
+        bands = [_to_rgb(color) for color in theme.THICKNESS_COLORS]
         for band, piece in split_skeleton_by_thickness(skeleton, len(bands)):
             ends.append(np.stack([piece[:-1], piece[1:]], axis=1))
             colors.append(np.tile(bands[band], (len(piece) - 1, 1)))
@@ -143,5 +143,5 @@ def _build_wires(
 
 
 def _to_rgb(ink: Ink | str) -> Pixels:
-    color = QColor(look().color(ink))
+    color = QColor(get_canvas_style().resolve_color(ink))
     return np.array([color.red(), color.green(), color.blue()], np.uint8)

@@ -50,7 +50,7 @@ def draw_marks(painter: QPainter, view: ViewInSpace, camera: Camera, size: QSize
     scaled = find_scale_bar(_MAX_BAR_LENGTH / camera.scale, 1.0, view.image.unit)
     length = scaled.pixels * camera.scale
     left, y = _BAR_MARGIN, size.height() - _BAR_MARGIN
-    painter.setPen(QPen(QColor(theme.DRAWING), 2.0))
+    painter.setPen(QPen(QColor(theme.DRAWING_COLOR), 2.0))
     painter.drawLine(QPointF(left, y), QPointF(left + length, y))
     for x in (left, left + length):
         painter.drawLine(QPointF(x, y - _BAR_TICK), QPointF(x, y + _BAR_TICK))

@@ -17,7 +17,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.signals import EXPORTING_CATEGORY
 from cpm_app.views.volume.space_view import SpaceView
 from cpm_app.views.widgets.actions import ActionSpec
-from cpm_app.views.widgets.containers import arrange
+from cpm_app.views.widgets.containers import fill_layout
 from cpm_app.views.widgets.fields import MarkedSlider
 
 _SHOWN_PARTS = {
@@ -57,9 +57,9 @@ class SpaceBar(QWidget):
             check.setToolTip(_SHOWN_PARTS[name][1])
             check.setChecked(getattr(self.shown, name))
             check.toggled.connect(self._on_control_changed)
-        looks = arrange(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity)
-        cut = arrange(QHBoxLayout(), self.cut, self.cut_at)
-        arrange(QVBoxLayout(self), *self.checks.values(), looks, cut, None, margins=(12, 8, 8, 6), spacing=6)
+        looks = fill_layout(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity)
+        cut = fill_layout(QHBoxLayout(), self.cut, self.cut_at)
+        fill_layout(QVBoxLayout(self), *self.checks.values(), looks, cut, None, margins=(12, 8, 8, 6), spacing=6)
         self.opacity.moved_to.connect(self._on_control_changed)
         self.cut.currentIndexChanged.connect(self._on_control_changed)
         self.cut_at.moved_to.connect(self._on_control_changed)
@@ -102,7 +102,7 @@ class SpacePanel(QWidget):
         self.bar = SpaceBar()
         self.view = SpaceView(session)
         self.bar.changed.connect(lambda: self.show_contents(self.contents))
-        arrange(QVBoxLayout(self), self.bar)
+        fill_layout(QVBoxLayout(self), self.bar)
 
     def show_contents(self, contents: ViewInSpace | None) -> None:
         """Show another volume, or newer results of a run."""
@@ -138,18 +138,18 @@ def space_action_specs(panel: SpacePanel, session: Session) -> Iterator[ActionSp
         return ActionSpec(f"space_along_{axis}", _SPACE_MENU, plain,
                           tr("Look along this axis: {axis} ({key} in the view).")
                           .format(axis=AXIS_NAMES[axis], key=axis + 1), partial(panel.view.look_along, axis),
-                          there=has_volume, worded=format_title)  # fmt: skip
+                          visible_when=has_volume, text_for=format_title)  # fmt: skip
 
     def create_part_action(name: str) -> ActionSpec:
         (title, tip), check = _SHOWN_PARTS[name], panel.bar.checks[name]
         return ActionSpec(f"space_{name}", _SPACE_MENU, title, tip, check.toggle,
-                          there=has_volume, holds=lambda _: check.isChecked())  # fmt: skip
+                          visible_when=has_volume, checked_when=lambda _: check.isChecked())  # fmt: skip
 
     yield ActionSpec("space_whole", _SPACE_MENU, "&Whole volume",
                      "Show the whole volume from the initial direction (0 in the view).", panel.view.show_all,
-                     there=has_volume)  # fmt: skip
+                     visible_when=has_volume)  # fmt: skip
     yield from map(create_axis_action, range(3))
     yield from map(create_part_action, _SHOWN_PARTS)
     yield ActionSpec("copy_space", _SPACE_MENU, "&Copy picture",
                      "Copy the view in space to the clipboard.", copy_picture,
-                     there=has_volume)  # fmt: skip
+                     visible_when=has_volume)  # fmt: skip

@@ -179,7 +179,7 @@ class SpaceView(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Show the picture that was drawn last."""
         painter, frame = QPainter(self), self._frame
-        painter.fillRect(self.rect(), theme.CANVAS)
+        painter.fillRect(self.rect(), theme.CANVAS_COLOR)
         if frame is not None and self._view is not None:
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, frame.coarseness > 1)
             colors = frame.picture.colors
@@ -187,7 +187,7 @@ class SpaceView(QWidget):
             painter.drawImage(self.rect(), QImage(colors.data, cols, rows, 3 * cols, QImage.Format.Format_RGB888))
             draw_marks(painter, self._view, frame.camera.enlarged(self.width() / cols), self.size())
         elif self._view is not None:
-            painter.setPen(QColor(theme.DRAWING))
+            painter.setPen(QColor(theme.DRAWING_COLOR))
             draw_text(painter, QPointF(self.rect().center()), tr("The picture is being prepared."))
         painter.end()
 

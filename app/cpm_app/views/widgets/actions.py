@@ -22,18 +22,18 @@ from cpm_app.model.state.situation import (
 )
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import translate_core_text
-from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics.types import Callback, Texts, frozen
 
 
-def native(key: str) -> str:
+def native_key_text(key: str) -> str:
     """Return a key as the desktop writes it."""
     return QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText)
 
 
-LAYER = "layer_"
+LAYER_ACTION_PREFIX = "layer_"
 """Start of the names of the actions that show or hide a layer."""
 
 
@@ -88,10 +88,10 @@ class ActionSpec:
     checked: bool = False
     gap: bool = False
     when: Condition = always
-    there: Condition = always
-    holds: Condition | None = None
-    worded: Callable[[Situation], str] | None = None
-    pictured: Callable[[Situation], str] | None = None
+    visible_when: Condition = always
+    checked_when: Condition | None = None
+    text_for: Callable[[Situation], str] | None = None
+    icon_for: Callable[[Situation], str] | None = None
     short: str = ""
 
     def __post_init__(self) -> None:
@@ -123,7 +123,7 @@ class Submenu:
         object.__setattr__(self, "text", translate_core_text(self.text))
 
 
-PRIMARY = "run"
+PRIMARY_ACTION = "run"
 """Name of the action whose button has the accent color."""
 
 
@@ -133,7 +133,7 @@ class Actions(dict[str, QAction]):
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec]) -> None:
         super().__init__()
         self._theme: Theme | None = None
-        self._limited = False
+        self._in_volume = False
         self._groups: dict[str, QActionGroup] = {}
         self.specs: dict[str, ActionSpec] = {}
         """Specifications by name, in the order of the features."""
@@ -141,44 +141,44 @@ class Actions(dict[str, QAction]):
         for spec in specs:
             assert spec.name not in self.specs, spec.name
             self.specs[spec.name] = spec
-            self[spec.name] = self._make(spec, parent)
+            self[spec.name] = self._create_action(spec, parent)
 
-    def show(self, situation: Situation) -> None:
+    def show_situation(self, situation: Situation) -> None:
         """Update state, text and icon of all actions."""
         volume = has_volume(situation)
-        self._show_limits(volume)
+        self._show_volume_texts(volume)
         for name, spec in self.specs.items():
             action = self[name]
-            action.setVisible(spec.there(situation) and not (volume and name in HIDDEN_IN_VOLUMES))
+            action.setVisible(spec.visible_when(situation) and not (volume and name in HIDDEN_IN_VOLUMES))
             action.setEnabled(spec.when(situation))
-            if spec.holds is not None:
-                action.setChecked(spec.holds(situation))
-            if spec.worded is not None and _plain(action.text()) != _plain(text := spec.worded(situation)):
+            if spec.checked_when is not None:
+                action.setChecked(spec.checked_when(situation))
+            if spec.text_for is not None and _without_mnemonic(action.text()) != _without_mnemonic(text := spec.text_for(situation)):
                 action.setText(text)
-                self._tell(name)
-            if spec.pictured is not None and self._icons[name] != (wanted := spec.pictured(situation)):
+                self._update_tips(name)
+            if spec.icon_for is not None and self._icons[name] != (wanted := spec.icon_for(situation)):
                 self._icons[name] = wanted
                 self._tint_icon(name)
 
-    def _show_limits(self, volume: bool) -> None:
+    def _show_volume_texts(self, volume: bool) -> None:
         """Exchange the texts and icons of the actions that do something else in volumes."""
-        if volume == self._limited:
+        if volume == self._in_volume:
             return
-        self._limited = volume
+        self._in_volume = volume
         for name, (in_volume, _) in TEXTS_IN_VOLUMES.items():
             action, text = self[name], in_volume if volume else self.specs[name].text
-            on_button = _plain(text) if action.iconText() == _plain(action.text()) else action.iconText()
+            on_button = _without_mnemonic(text) if action.iconText() == _without_mnemonic(action.text()) else action.iconText()
             action.setText(text)
             action.setIconText(on_button)
             if name in ICONS_IN_VOLUMES:
                 self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self.specs[name].icon
                 self._tint_icon(name)
-            self._tell(name)
+            self._update_tips(name)
 
     def show_keys(self) -> None:
         """Name the current keys in all tips, which may refer to other actions."""
         for name in self.specs:
-            self._tell(name)
+            self._update_tips(name)
 
     def use_theme(self, theme: Theme, turns: Turns) -> None:
         """Tint the icons in later turns, those on buttons first; a new window tints these immediately."""
@@ -191,12 +191,12 @@ class Actions(dict[str, QAction]):
             if is_new and not is_off_buttons(name):
                 self._tint_icon(name)
             else:
-                turns.ask(partial(self._tint_icon, name))
+                turns.schedule_work(partial(self._tint_icon, name))
 
-    def _make(self, spec: ActionSpec, parent: QWidget) -> QAction:
+    def _create_action(self, spec: ActionSpec, parent: QWidget) -> QAction:
         action = QAction(spec.text, parent)
         action.setShortcuts([QKeySequence(keys) for keys in spec.shortcuts])
-        if spec.group or spec.holds:
+        if spec.group or spec.checked_when:
             action.setCheckable(True)
             action.setChecked(spec.checked)
             action.setAutoRepeat(False)  # holding the key must not switch back and forth
@@ -210,27 +210,27 @@ class Actions(dict[str, QAction]):
         parent.addAction(action)
         return action
 
-    def _tell(self, name: str) -> None:
+    def _update_tips(self, name: str) -> None:
         """Set the tips of an action; some are different in volumes."""
         action, tip = self[name], self.specs[name].tip
-        if self._limited:
+        if self._in_volume:
             tip = TEXTS_IN_VOLUMES.get(name, ("", tip))[1]
         text, key = insert_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
         action.setStatusTip(text)
-        action.setToolTip(f"{_plain(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {text}")
+        action.setToolTip(f"{_without_mnemonic(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {text}")
 
     def _tint_icon(self, name: str) -> None:
         if self._theme is not None:
-            color = self._theme.accent_text if name == PRIMARY else self._theme.text
-            self[name].setIcon(icon(self._icons[name], color, faded=self._theme.line))
+            color = self._theme.accent_text if name == PRIMARY_ACTION else self._theme.text
+            self[name].setIcon(load_icon(self._icons[name], color, faded=self._theme.line))
 
 
-def _plain(text: str) -> str:
+def _without_mnemonic(text: str) -> str:
     """Return a text without its mnemonic, which Chinese and Japanese put in parentheses."""
     return re.sub(r"\(&\w\)", "", text).replace("&", "")
 
 
-def add_choice(menu: QWidget, text: str, do: Callback, tip: str = "", checked: bool | None = None) -> QAction:
+def add_menu_action(menu: QWidget, text: str, do: Callback, tip: str = "", checked: bool | None = None) -> QAction:
     """Add an action to a menu, or to the start of the context menu of a widget.
 
     It has a check mark unless `checked` is None.

@@ -27,7 +27,7 @@ from PySide6.QtWidgets import (
 )
 
 from cpm_app.model.text.language import tr
-from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
 from cpm_core.numerics.types import Callback
 
@@ -37,7 +37,7 @@ _SCROLL_BAR_GAP = 5
 """Space between the content and the scroll bar [px]."""
 
 
-def arrange(
+def fill_layout(
     layout: Layout,
     *parts: QWidget | QLayout | None,
     margins: tuple[int, int, int, int] = (0, 0, 0, 0),
@@ -58,14 +58,14 @@ def arrange(
     return layout
 
 
-def wrapped(text: str = "", dim: bool = False) -> QLabel:
+def create_wrapped_label(text: str = "", dim: bool = False) -> QLabel:
     """Create a label that breaks lines, in a pale color if `dim`."""
     label = QLabel(text, wordWrap=True)
     label.setObjectName("dim" if dim else "")
     return label
 
 
-def dim_label(text: str = "", tip: str = "") -> QLabel:
+def create_dim_label(text: str = "", tip: str = "") -> QLabel:
     """Create a label in a pale color."""
     label = QLabel(text)
     label.setObjectName("dim")
@@ -73,7 +73,7 @@ def dim_label(text: str = "", tip: str = "") -> QLabel:
     return label
 
 
-def flat_button(text: str, tip: str, do: Callback) -> QToolButton:
+def create_flat_button(text: str, tip: str, do: Callback) -> QToolButton:
     """Create a button without a frame; without a text, its tip is its accessible name."""
     button = QToolButton(autoRaise=True)
     button.setText(text)
@@ -83,7 +83,7 @@ def flat_button(text: str, tip: str, do: Callback) -> QToolButton:
     return button
 
 
-class Contents(QListWidget):
+class PageList(QListWidget):
     """List of the titles of the pages of a dialog; `name` is its accessible name."""
 
     def __init__(self, name: str, titles: Sequence[str]) -> None:
@@ -94,7 +94,7 @@ class Contents(QListWidget):
         self.setFixedWidth(self.sizeHintForColumn(0) + 40)
 
 
-ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+ENTER_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 """The Enter keys of the main block and of the keypad."""
 
 DELETE_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
@@ -121,12 +121,12 @@ def lay_out_form(dialog: QDialog, heading: str, form: QFormLayout, buttons: Acce
     layout.addWidget(buttons)
 
 
-class Scrolled(QScrollArea):
+class VerticalScrollArea(QScrollArea):
     """Area that scrolls vertically, as wide as its content and at least `min_height` high [px]."""
 
-    def __init__(self, content: QWidget, least: int) -> None:
+    def __init__(self, content: QWidget, min_height: int) -> None:
         super().__init__()
-        self._content, self._least = content, least
+        self._content, self._least = content, min_height
         self._wanted = (0, 0)
         content.setObjectName("scrolled")
         self.setWidget(content)
@@ -140,16 +140,16 @@ class Scrolled(QScrollArea):
     def sizeHint(self) -> QSize:
         """Return the size of the content, with the scroll bar if it is needed."""
         content = self._content.sizeHint()
-        return QSize(content.width() + self._bar(), content.height())
+        return QSize(content.width() + self._scroll_bar_width(), content.height())
 
     def minimumSizeHint(self) -> QSize:
         """Return the minimum width of the content and the minimum height."""
-        return QSize(self._content.minimumSizeHint().width() + self._bar(), self._least)
+        return QSize(self._content.minimumSizeHint().width() + self._scroll_bar_width(), self._least)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Make room for the scroll bar and a gap next to it, if they are needed."""
         super().resizeEvent(event)
-        gap = _SCROLL_BAR_GAP if self._bar() else 0
+        gap = _SCROLL_BAR_GAP if self._scroll_bar_width() else 0
         if self.viewportMargins().right() != gap:
             self.setViewportMargins(0, 0, gap, 0)
         if event.oldSize().height() != event.size().height():
@@ -166,37 +166,37 @@ class Scrolled(QScrollArea):
                 self.updateGeometry()
         return super().eventFilter(watched, event)
 
-    def _bar(self) -> int:
+    def _scroll_bar_width(self) -> int:
         """Return the width of the scroll bar and its gap, or 0 if it is not needed."""
         needed = self._content.minimumSizeHint().height() > self.height()
         return self.verticalScrollBar().sizeHint().width() + _SCROLL_BAR_GAP if needed else 0
 
 
-class Fold(QToolButton):
+class FoldButton(QToolButton):
     """Button that folds or unfolds something; folded at first."""
 
     def __init__(self) -> None:
         super().__init__()
         self.setObjectName("fold")
         self.setCheckable(True)
-        self.toggled.connect(self._point)
-        self._point(False)
+        self.toggled.connect(self._turn_arrow)
+        self._turn_arrow(False)
 
-    def _point(self, unfolded: bool) -> None:
+    def _turn_arrow(self, unfolded: bool) -> None:
         self.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
 
 
-class Section(QWidget):
+class FoldableSection(QWidget):
     """Heading and content that is folded away until the user unfolds it."""
 
     def __init__(self, title: str, content: QWidget) -> None:
         super().__init__()
-        self.fold = Fold()
+        self.fold = FoldButton()
         self.fold.setText(title)
         self.fold.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.fold.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.fold.toggled.connect(content.setVisible)
-        arrange(QVBoxLayout(self), self.fold, content, spacing=2)
+        fill_layout(QVBoxLayout(self), self.fold, content, spacing=2)
         content.hide()
 
 
@@ -215,7 +215,7 @@ class ElidedLabel(QLabel):
     def setText(self, text: str) -> None:
         """Show another text."""
         super().setText(text)
-        self._follow()
+        self._check_fit()
 
     def minimumSizeHint(self) -> QSize:
         """Return one line of any width."""
@@ -230,7 +230,7 @@ class ElidedLabel(QLabel):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Check whether the text still fits."""
         super().resizeEvent(event)
-        self._follow()
+        self._check_fit()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw what fits."""
@@ -242,7 +242,7 @@ class ElidedLabel(QLabel):
         painter.drawText(box, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, shown)
         painter.end()
 
-    def _follow(self) -> None:
+    def _check_fit(self) -> None:
         text, before = self.text(), self.fits
         self.fits = "\n" not in text and self.fontMetrics().horizontalAdvance(text) <= self.contentsRect().width()
         if self.fits != before:
@@ -258,10 +258,10 @@ class OfferBar(QFrame):
         self._label = QLabel(textFormat=Qt.TextFormat.PlainText, wordWrap=True)
         self._label.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.buttons: list[QPushButton] = []
-        self.cross = flat_button("", tr("No, thank you"), self.end)
+        self.cross = create_flat_button("", tr("No, thank you"), self.dismiss_offer)
         self.cross.setObjectName("quiet")
         row = QHBoxLayout(self)
-        self._row = arrange(row, self._label, self.cross, margins=(12, 4, 6, 4), spacing=8, wide=self._label)
+        self._row = fill_layout(row, self._label, self.cross, margins=(12, 4, 6, 4), spacing=8, wide=self._label)
         self._offers: list[tuple[str, tuple[tuple[str, Callback], ...]]] = []
         self.hide()
 
@@ -270,49 +270,49 @@ class OfferBar(QFrame):
         """Offer that is shown, or empty."""
         return self._offers[0][0] if self._offers else ""
 
-    def offer(self, sentence: str, *answers: tuple[str, Callback]) -> None:
+    def add_offer(self, sentence: str, *answers: tuple[str, Callback]) -> None:
         """Add an offer to the queue; each answer has a text and a function."""
         self._offers.append((sentence, answers))
-        self._show()
+        self._show_first_offer()
 
-    def end(self) -> None:
+    def dismiss_offer(self) -> None:
         """Drop the offer that is shown, and show the next one."""
         self._offers = self._offers[1:]
-        self._show()
+        self._show_first_offer()
 
     def clear(self) -> None:
         """Drop all offers."""
         self._offers = []
-        self._show()
+        self._show_first_offer()
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the cross."""
-        self.cross.setIcon(icon("close", theme.text))
+        self.cross.setIcon(load_icon("close", theme.text))
 
-    def _show(self) -> None:
+    def _show_first_offer(self) -> None:
         for button in self.buttons:
             self._row.removeWidget(button)
             button.deleteLater()
         sentence, answers = self._offers[0] if self._offers else ("", ())
         self._label.setText(sentence)
         self._label.setToolTip(sentence)
-        self.buttons = [self._button(text, do) for text, do in answers]
+        self.buttons = [self._create_answer_button(text, do) for text, do in answers]
         for place, button in enumerate(self.buttons, start=1):
             self._row.insertWidget(place, button)
         self.setVisible(bool(self._offers))
 
-    def _button(self, text: str, do: Callback) -> QPushButton:
+    def _create_answer_button(self, text: str, do: Callback) -> QPushButton:
         button = QPushButton(text, autoDefault=False)
 
         def accept_offer() -> None:
-            self.end()
+            self.dismiss_offer()
             do()
 
         button.clicked.connect(accept_offer)
         return button
 
 
-_SELECTION_KEYS = (*ENTER, Qt.Key.Key_Space)
+_SELECTION_KEYS = (*ENTER_KEYS, Qt.Key.Key_Space)
 """Keys that select the current picture."""
 
 _NO_MODIFIER = Qt.KeyboardModifier.NoModifier
@@ -322,7 +322,7 @@ _NO_MODIFIER = Qt.KeyboardModifier.NoModifier
 class PictureGrid(QListWidget):
     """Grid of pictures with names; arrow keys and the first letters of a name move through it."""
 
-    chosen = Signal(QListWidgetItem)
+    picture_selected = Signal(QListWidgetItem)
     """The user has selected a picture."""
 
     def __init__(self, picture: QSize, cell: QSize) -> None:
@@ -335,9 +335,9 @@ class PictureGrid(QListWidget):
         self.setUniformItemSizes(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.itemClicked.connect(self.chosen)
+        self.itemClicked.connect(self.picture_selected)
 
-    def add(self, picture: QPixmap, name: str, value: object, tip: str) -> None:
+    def add_picture(self, picture: QPixmap, name: str, value: object, tip: str) -> None:
         """Add a picture; its item holds `value` as user data."""
         icon = QIcon()
         # Qt would tint the picture of the current item.
@@ -362,12 +362,12 @@ class PictureGrid(QListWidget):
         """Select the current picture on Enter or Space."""
         item = self.currentItem()
         if event.key() in _SELECTION_KEYS and item is not None:
-            self.chosen.emit(item)
+            self.picture_selected.emit(item)
         else:
             super().keyPressEvent(event)
 
 
-def takes_key(event: QEvent, keys: Container[int]) -> bool:
+def claim_key(event: QEvent, keys: Container[int]) -> bool:
     """Claim an event if it is about one of a widget's own keys, so that the key is no shortcut of the window.
 
     Returns whether the event was claimed.
@@ -382,7 +382,7 @@ _OWN_ESCAPE_PROPERTY = "own_escape"
 """Qt property of widgets that handle Escape themselves."""
 
 
-def keep_escape(widget: QWidget) -> None:
+def mark_own_escape(widget: QWidget) -> None:
     """Let a widget and the widgets inside it handle Escape; text fields inside it also handle Enter."""
     widget.setProperty(_OWN_ESCAPE_PROPERTY, True)
 

@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 from cpm_app.model.state.resolve import INITIAL_PACE_INDEX, RUN_PACES, format_pace
 from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
-from cpm_app.views.widgets.containers import arrange, dim_label
+from cpm_app.views.widgets.containers import fill_layout, create_dim_label
 
 _DECIMAL_POINT = "."
 """Decimal mark that is accepted in every language."""
@@ -80,12 +80,12 @@ class DecimalField(WheelWithFocus, QDoubleSpinBox):
     @property
     def exact(self) -> float:
         """Value including the digits that are not shown."""
-        return self._exact if self._shows(self._exact) else self.value()
+        return self._exact if self._displays_value(self._exact) else self.value()
 
     def show_value(self, value: float) -> None:
         """Show a value without emitting a signal."""
         self._exact = value
-        if not self._shows(value):
+        if not self._displays_value(value):
             with QSignalBlocker(self):
                 self.setValue(value)
 
@@ -105,29 +105,29 @@ class DecimalField(WheelWithFocus, QDoubleSpinBox):
 
     def validate(self, text: str, place: int) -> tuple[QValidator.State, str, int]:
         """Return whether a text is a number or a word, or the beginning of one."""
-        if self._word(text) is not None:
+        if self._value_of_word(text) is not None:
             return QValidator.State.Acceptable, text, place
-        state, _, at = super().validate(self._as_written(text), place)
+        state, _, at = super().validate(self._localize_decimal_point(text), place)
         return state, text, at
 
     def fixup(self, text: str) -> str:
         """Complete the beginning of a number."""
-        return super().fixup(self._as_written(text))
+        return super().fixup(self._localize_decimal_point(text))
 
     def valueFromText(self, text: str) -> float:
         """Return the number that a text stands for."""
-        value = self._word(text)
-        return super().valueFromText(self._as_written(text)) if value is None else value
+        value = self._value_of_word(text)
+        return super().valueFromText(self._localize_decimal_point(text)) if value is None else value
 
-    def _shows(self, value: float) -> bool:
+    def _displays_value(self, value: float) -> bool:
         return math.isclose(self.value(), value, abs_tol=0.5 * 10.0 ** -self.decimals())
 
-    def _word(self, text: str) -> float | None:
+    def _value_of_word(self, text: str) -> float | None:
         """Return the value that a word stands for, or None."""
         word = text.removesuffix(self.suffix()).strip()
         return next((value for value, known in self._words.items() if known == word), None)
 
-    def _as_written(self, text: str) -> str:
+    def _localize_decimal_point(self, text: str) -> str:
         """Return the text with the decimal mark of the language."""
         mark = self.locale().decimalPoint()
         if mark == _DECIMAL_POINT or mark in text or text.count(_DECIMAL_POINT) != 1:
@@ -143,15 +143,15 @@ class DecimalField(WheelWithFocus, QDoubleSpinBox):
 class ChoiceBox(WheelWithFocus, QComboBox):
     """Box with alternatives; `titles` maps their names to their titles."""
 
-    chosen = Signal(str)
+    value_selected = Signal(str)
     """The user has selected an alternative, by its name."""
 
-    def __init__(self, ways: Mapping[str, str]) -> None:
+    def __init__(self, titles: Mapping[str, str]) -> None:
         super().__init__()
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        for name, title in ways.items():
+        for name, title in titles.items():
             self.addItem(title, name)
-        self.activated.connect(lambda index: self.chosen.emit(self.itemData(index)))
+        self.activated.connect(lambda index: self.value_selected.emit(self.itemData(index)))
 
     def show_value(self, name: str) -> None:
         """Show an alternative without emitting a signal; an unknown name shows nothing."""
@@ -184,7 +184,7 @@ class MarkedSlider(WheelWithFocus, QSlider):
         """Value that was set last, which may lie between two steps."""
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.set_range(low, high, step, default)
-        self.valueChanged.connect(self._report)
+        self.valueChanged.connect(self._on_value_changed)
 
     def set_range(self, low: float, high: float, step: float, default: float | None) -> None:
         """Change range, increment and the position of the mark; call `show_value` afterwards."""
@@ -236,7 +236,7 @@ class MarkedSlider(WheelWithFocus, QSlider):
         )
         painter.end()
 
-    def _report(self, value: int) -> None:
+    def _on_value_changed(self, value: int) -> None:
         self.exact = round(self._low + value * self._step, 9)
         self.moved_to.emit(self.exact)
 
@@ -253,7 +253,7 @@ class PlaceBar(QFrame):
     def __init__(self, title: str, name: str, jump: int) -> None:
         super().__init__()
         self.setObjectName("slices")
-        self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), dim_label()
+        self.slider, self.number, self.total_label = QSlider(Qt.Orientation.Horizontal), QSpinBox(), create_dim_label()
         self.slider.setAccessibleName(title)
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.slider.setPageStep(jump)
@@ -263,13 +263,13 @@ class PlaceBar(QFrame):
         self.number.valueChanged.connect(self.moved)
         self.hide()
 
-    def show_place(self, place: int, first: int, last: int) -> None:
+    def show_position(self, place: int, first: int, last: int) -> None:
         """Show the selected number and its range."""
         for field in (self.slider, self.number):
             with QSignalBlocker(field):
                 field.setRange(first, last)
                 field.setValue(place)
-        self.of.setText(tr("of {last}", last=last))
+        self.total_label.setText(tr("of {last}", last=last))
 
 
 class SpeedControl(QWidget):
@@ -288,18 +288,18 @@ class SpeedControl(QWidget):
         self.label = QLabel(format_pace(RUN_PACES[INITIAL_PACE_INDEX]))
         self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(format_pace, RUN_PACES), key=len)) + 8)
         self.setToolTip(tr("Maximum number of steps per second."))
-        arrange(QHBoxLayout(self), self.slider, self.label, margins=(6, 0, 6, 0))
+        fill_layout(QHBoxLayout(self), self.slider, self.label, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
-        self.slider.valueChanged.connect(self._change)
+        self.slider.valueChanged.connect(self._on_pace_changed)
 
-    def faster(self) -> None:
+    def speed_up(self) -> None:
         """Move the slider one notch up."""
         self.slider.setValue(self.slider.value() + 1)
 
-    def slower(self) -> None:
+    def slow_down(self) -> None:
         """Move the slider one notch down."""
         self.slider.setValue(self.slider.value() - 1)
 
-    def _change(self, index: int) -> None:
+    def _on_pace_changed(self, index: int) -> None:
         self.label.setText(format_pace(RUN_PACES[index]))
         self._session.set_pace(RUN_PACES[index])

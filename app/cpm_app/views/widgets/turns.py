@@ -17,14 +17,14 @@ class Turns(QObject):
         self._waiting: deque[Callback] = deque()
         # A timer, since Qt would run calls that are queued in one turn in this same turn.
         self._timer = QTimer(self, interval=0)
-        self._timer.timeout.connect(self._next)
+        self._timer.timeout.connect(self._do_next)
 
     @property
     def is_idle(self) -> bool:
         """Whether no work is waiting."""
         return not self._waiting
 
-    def ask(self, work: Callback) -> None:
+    def schedule_work(self, work: Callback) -> None:
         """Add a piece of work to the end of the queue, unless it is waiting already."""
         if work not in self._waiting:
             self._waiting.append(work)
@@ -33,14 +33,14 @@ class Turns(QObject):
     def finish(self) -> None:
         """Do all waiting work now."""
         while self._waiting:
-            self._next()
+            self._do_next()
 
     def stop(self) -> None:
         """Drop all waiting work."""
         self._waiting.clear()
         self._timer.stop()
 
-    def _next(self) -> None:
+    def _do_next(self) -> None:
         if not self._waiting:
             self._timer.stop()
             return

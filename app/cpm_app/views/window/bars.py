@@ -24,12 +24,12 @@ from cpm_app.model.document.modes import MODES
 from cpm_app.model.state.situation import format_remaining_time
 from cpm_app.model.text.language import tr
 from cpm_app.session.tasks.tasks import BackgroundTask, TaskManager
-from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.tool import AUTO_GROUP, TOOL_GROUPS
-from cpm_app.views.widgets.actions import PRIMARY, Actions
-from cpm_app.views.widgets.containers import Scrolled, arrange, dim_label, flat_button
+from cpm_app.views.widgets.actions import PRIMARY_ACTION, Actions
+from cpm_app.views.widgets.containers import VerticalScrollArea, fill_layout, create_dim_label, create_flat_button
 from cpm_core.shapes import SEEDING_KINDS
 
 _FIRST_BAR_ACTIONS = ("open", "save", "", "undo", "redo")
@@ -54,15 +54,15 @@ class ToolBar(QToolBar):
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self._worded: list[QToolButton] = []
-        self._words, self._needed = True, 0
-        self._add(actions, _FIRST_BAR_ACTIONS)
-        self.addWidget(_modes(actions))
-        self._add(actions, _RUN_BAR_ACTIONS)
+        self._text_buttons: list[QToolButton] = []
+        self._shows_text, self._width_with_text = True, 0
+        self._add_actions(actions, _FIRST_BAR_ACTIONS)
+        self.addWidget(_create_mode_buttons(actions))
+        self._add_actions(actions, _RUN_BAR_ACTIONS)
         self.addWidget(speed)
-        self._add(actions, _LAST_BAR_ACTIONS)
+        self._add_actions(actions, _LAST_BAR_ACTIONS)
 
-    def _add(self, actions: Actions, names: Iterable[str]) -> None:
+    def _add_actions(self, actions: Actions, names: Iterable[str]) -> None:
         for name in names:
             if not name:
                 self.addSeparator()
@@ -71,13 +71,13 @@ class ToolBar(QToolBar):
             self.addAction(action)
             button = cast("QToolButton", self.widgetForAction(action))
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            button.setObjectName("primary" if name == PRIMARY else name)
+            button.setObjectName("primary" if name == PRIMARY_ACTION else name)
             if name in _ICON_ONLY_ACTIONS:
                 button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
                 button.setAccessibleName(action.iconText())
-            elif name != PRIMARY:
-                self._worded.append(button)
-            if name == PRIMARY:
+            elif name != PRIMARY_ACTION:
+                self._text_buttons.append(button)
+            if name == PRIMARY_ACTION:
                 bold = button.font()
                 bold.setBold(True)
                 button.setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("Run again")) + 52)
@@ -85,20 +85,20 @@ class ToolBar(QToolBar):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Show the texts of the buttons if there is room for them."""
         super().resizeEvent(event)
-        if self._words:
-            self._needed = self.sizeHint().width()
-        words, style = self.width() >= self._needed, Qt.ToolButtonStyle
-        if words != self._words:
-            self._words = words
-            for button in self._worded:
+        if self._shows_text:
+            self._width_with_text = self.sizeHint().width()
+        words, style = self.width() >= self._width_with_text, Qt.ToolButtonStyle
+        if words != self._shows_text:
+            self._shows_text = words
+            for button in self._text_buttons:
                 button.setToolButtonStyle(style.ToolButtonTextBesideIcon if words else style.ToolButtonIconOnly)
 
 
-def _modes(actions: Actions) -> QWidget:
+def _create_mode_buttons(actions: Actions) -> QWidget:
     """Create the buttons of the modes, side by side as one segmented control."""
     segments = QWidget()
     segments.setObjectName("segments")
-    row = arrange(QHBoxLayout(segments), margins=(6, 0, 6, 0), spacing=0)
+    row = fill_layout(QHBoxLayout(segments), margins=(6, 0, 6, 0), spacing=0)
     for mode, place in zip(MODES, ("first", "middle", "last"), strict=True):
         name = f"mode_{mode}"
         button = QToolButton(toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextOnly)
@@ -128,8 +128,8 @@ class ToolPalette(QToolBar):
         column = QWidget()
         for button in self.buttons.values():
             button.setIconSize(self.iconSize())
-        arrange(QVBoxLayout(column), *self.buttons.values(), None, spacing=0)
-        scrolled = Scrolled(column, 100)
+        fill_layout(QVBoxLayout(column), *self.buttons.values(), None, spacing=0)
+        scrolled = VerticalScrollArea(column, 100)
         scrolled.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         self.addWidget(scrolled)
 
@@ -151,13 +151,13 @@ class ToolButton(QToolButton):
         self.setDefaultAction(actions[0])
         for action in actions:
             action.triggered.connect(partial(self.setDefaultAction, action))
-            action.visibleChanged.connect(self._follow)
+            action.visibleChanged.connect(self._on_visibility_changed)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Open the menu."""
         self.showMenu()
 
-    def _follow(self) -> None:
+    def _on_visibility_changed(self) -> None:
         """Show a visible action, or hide the button if there is none."""
         shown = [action for action in self.menu().actions() if action.isVisible()]
         self.setVisible(bool(shown))
@@ -165,7 +165,7 @@ class ToolButton(QToolButton):
             self.setDefaultAction(shown[0])
 
 
-SHOWN_AFTER = 0.3
+TASK_SHOWN_AFTER = 0.3
 """Time after which a task is shown, so that short tasks do not flicker [s]."""
 
 _PROGRESS_BAR_WIDTH = 140
@@ -183,23 +183,23 @@ class TaskBar(QWidget):
         self._tasks = tasks
         self._task: BackgroundTask | None = None
         self._name = QLabel()
-        self._left = dim_label()
+        self._remaining_label = create_dim_label()
         self._bar = QProgressBar(textVisible=False)
         self._bar.setFixedWidth(_PROGRESS_BAR_WIDTH)
         self._bar.setMaximumHeight(self.fontMetrics().height())
-        self._button = flat_button(tr("Cancel"), "", self.cancel)
-        parts = self._name, self._bar, self._left, self._button
-        arrange(QHBoxLayout(self), *parts, margins=(6, 0, 6, 0), spacing=8)
-        self._later = QTimer(self, singleShot=True)
-        self._later.timeout.connect(self._show)
-        tasks.changed.connect(self._show)
-        tasks.advanced.connect(self._show)
+        self._button = create_flat_button(tr("Cancel"), "", self.cancel)
+        parts = self._name, self._bar, self._remaining_label, self._button
+        fill_layout(QHBoxLayout(self), *parts, margins=(6, 0, 6, 0), spacing=8)
+        self._show_timer = QTimer(self, singleShot=True)
+        self._show_timer.timeout.connect(self._show_task)
+        tasks.changed.connect(self._show_task)
+        tasks.advanced.connect(self._show_task)
         self.hide()
 
     @property
     def text(self) -> str:
         """Text that is shown, or empty."""
-        return "" if self.isHidden() else f"{self._name.text()} {self._left.text()}".strip()
+        return "" if self.isHidden() else f"{self._name.text()} {self._remaining_label.text()}".strip()
 
     def cancel(self) -> None:
         """Cancel the task that is shown, or the next one that will be."""
@@ -210,21 +210,21 @@ class TaskBar(QWidget):
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the button."""
-        self._button.setIcon(icon("close", theme.text))
+        self._button.setIcon(load_icon("close", theme.text))
 
-    def _show(self) -> None:
+    def _show_task(self) -> None:
         current = self._tasks.current
-        self._task = next((task for task in current if task.seconds >= SHOWN_AFTER), None)
+        self._task = next((task for task in current if task.seconds >= TASK_SHOWN_AFTER), None)
         if self._task is None:
             self.hide()
             if current:
-                self._later.start(int(1000 * SHOWN_AFTER))
+                self._show_timer.start(int(1000 * TASK_SHOWN_AFTER))
             return
         task, others = self._task, len(current) - 1
         more = tr("{name} (and {others} more)", name=task.name, others=others)
         self._name.setText(more if others else task.name)
-        self._left.setText(format_remaining_time(task.seconds_left))
-        self._left.setVisible(bool(self._left.text()))
+        self._remaining_label.setText(format_remaining_time(task.seconds_left))
+        self._remaining_label.setVisible(bool(self._remaining_label.text()))
         self._button.setVisible(task.cancellable)
         self._button.setToolTip(tr("Cancel: {name}", name=task.name))
         self.setToolTip("\n".join(each.name for each in current))

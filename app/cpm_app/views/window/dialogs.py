@@ -15,7 +15,7 @@ from cpm_app.session.storage.preferences import Preferences
 from cpm_core.formats import SESSION_SUFFIX
 from cpm_core.numerics.types import Texts, frozen
 
-Answer = Literal["save", "discard", "cancel"]
+UnsavedAnswer = Literal["save", "discard", "cancel"]
 
 _BUTTON_ROLES = {
     "accept": QMessageBox.ButtonRole.AcceptRole,
@@ -32,7 +32,7 @@ _TITLE_BAR_SPACE = 180
 
 
 @frozen
-class Button:
+class AnswerButton:
     """Button of a question: the answer it gives, its text, and its role."""
 
     answer: str
@@ -40,14 +40,14 @@ class Button:
     role: Literal["accept", "discard", "cancel"]
 
 
-class Question(QMessageBox):
+class QuestionDialog(QMessageBox):
     """Dialog with a question and a sentence that explains it.
 
     The default is the first button that accepts, or else the one that cancels, which is also the one of Escape. There
     is no icon, as those of Qt have another style.
     """
 
-    def __init__(self, parent: QWidget, title: str, text: str, more: str, buttons: Sequence[Button]) -> None:
+    def __init__(self, parent: QWidget, title: str, text: str, more: str, buttons: Sequence[AnswerButton]) -> None:
         super().__init__(QMessageBox.Icon.NoIcon, title, text)
         self.setParent(parent, self.windowFlags())
         self.setInformativeText(more)
@@ -62,23 +62,23 @@ class Question(QMessageBox):
         if self.defaultButton() is None:
             self.setDefaultButton(cast("QPushButton", self.escapeButton()))
 
-    def given(self) -> str:
+    def read_answer(self) -> str:
         """Return the answer of the button that was pressed."""
         return self._answers[self.clickedButton() or self.escapeButton()]
 
-    def ask(self) -> str:
+    def wait_for_answer(self) -> str:
         """Show the question and wait for the answer."""
         self.exec()
         self.deleteLater()
-        return self.given()
+        return self.read_answer()
 
 
-def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer:
+def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> UnsavedAnswer:
     """Ask what to do with the unsaved work on `name`; `lost` lists what is not saved."""
     buttons = (
-        Button("save", tr("&Save"), "accept"),
-        Button("discard", tr("&Discard changes"), "discard"),
-        Button("cancel", tr("&Keep editing"), "cancel"),
+        AnswerButton("save", tr("&Save"), "accept"),
+        AnswerButton("discard", tr("&Discard changes"), "discard"),
+        AnswerButton("cancel", tr("&Keep editing"), "cancel"),
     )
     text = tr("Save the work on “{name}”?", name=name)
     parts = "".join(lost)
@@ -87,14 +87,14 @@ def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer
         parts = tr("{parts} and {last}", parts=", ".join(lost[:-1]), last=lost[-1])
         more = tr("{parts} are not saved.")
     more = more.format(parts=f"{parts[:1].upper()}{parts[1:]}")
-    return cast("Answer", Question(parent, tr("Unsaved work"), text, more, buttons).ask())
+    return cast("Answer", QuestionDialog(parent, tr("Unsaved work"), text, more, buttons).wait_for_answer())
 
 
 def ask_to_replace(parent: QWidget, name: str) -> bool:
     """Ask whether the file of this name may be replaced."""
-    buttons = Button("keep", tr("&Keep it"), "cancel"), Button("replace", tr("&Replace"), "discard")
+    buttons = AnswerButton("keep", tr("&Keep it"), "cancel"), AnswerButton("replace", tr("&Replace"), "discard")
     more = tr("A file with this name exists; its contents would be lost.")
-    return Question(parent, tr("Replace file"), tr("Replace “{name}”?", name=name), more, buttons).ask() == "replace"
+    return QuestionDialog(parent, tr("Replace file"), tr("Replace “{name}”?", name=name), more, buttons).wait_for_answer() == "replace"
 
 
 def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str) -> str | None:
@@ -116,22 +116,22 @@ _HIDE_SUFFIXES = QFileDialog.Option.HideNameFilterDetails
 
 
 @frozen
-class Files:
+class FileKind:
     """Kind of files that a dialog shows: its name and suffixes, which are empty for all files."""
 
     name: str
     suffixes: Texts
 
     @property
-    def filter(self) -> str:
+    def qt_filter(self) -> str:
         """Name filter of Qt for these files."""
         return f"{self.name} ({' '.join(f'*{suffix}' for suffix in self.suffixes) or '*'})"
 
 
-SESSIONS = Files(tr("Sessions"), (SESSION_SUFFIX,))
+SESSION_FILES = FileKind(tr("Sessions"), (SESSION_SUFFIX,))
 """Session files."""
 
-ALL_FILES = Files(tr("All files"), ())
+ALL_FILES = FileKind(tr("All files"), ())
 """Files of any kind."""
 
 
@@ -143,23 +143,23 @@ class FileDialogs:
         self._session = session
         self._preferences = preferences
 
-    def begin(self, purpose: Purpose) -> Path:
+    def find_starting_folder(self, purpose: Purpose) -> Path:
         """Return the folder in which a dialog starts."""
         return initial_folder(self._preferences, self._session.document, purpose)
 
-    def remember(self, purpose: Purpose, path: Path) -> None:
+    def remember_path(self, purpose: Purpose, path: Path) -> None:
         """Remember the folder of a selected file."""
         remember_folder(self._preferences, self._session.document, purpose, path)
 
-    def ask_for_file(self, purpose: Purpose, title: str, kinds: Iterable[Files]) -> Path | None:
+    def ask_for_file(self, purpose: Purpose, title: str, kinds: Iterable[FileKind]) -> Path | None:
         """Ask for an existing file; return None if the user cancels."""
-        filters = ";;".join(kind.filter for kind in kinds)
+        filters = ";;".join(kind.qt_filter for kind in kinds)
         chosen, _ = QFileDialog.getOpenFileName(
-            self._window, title, str(self.begin(purpose)), filters, "", _HIDE_SUFFIXES
+            self._window, title, str(self.find_starting_folder(purpose)), filters, "", _HIDE_SUFFIXES
         )
         if not chosen:
             return None
-        self.remember(purpose, Path(chosen))
+        self.remember_path(purpose, Path(chosen))
         return Path(chosen)
 
     def ask_where_to_save(
@@ -167,7 +167,7 @@ class FileDialogs:
         purpose: Purpose,
         title: str,
         name: str,
-        kinds: Sequence[Files],
+        kinds: Sequence[FileKind],
         folder: Path | None = None,
     ) -> Path | None:
         """Ask for a file to write, with a suffix of these kinds; return None if the user cancels.
@@ -177,8 +177,8 @@ class FileDialogs:
         """
         known = [known for kind in kinds for known in kind.suffixes]
         suffix = max((known for known in known if name.endswith(known)), key=len, default=Path(name).suffix)
-        first = next((kind.filter for kind in kinds if suffix in kind.suffixes), "")
-        begin, filters = str((folder or self.begin(purpose)) / name), ";;".join(kind.filter for kind in kinds)
+        first = next((kind.qt_filter for kind in kinds if suffix in kind.suffixes), "")
+        begin, filters = str((folder or self.find_starting_folder(purpose)) / name), ";;".join(kind.qt_filter for kind in kinds)
         chosen, _ = QFileDialog.getSaveFileName(self._window, title, begin, filters, first, _HIDE_SUFFIXES)
         if not chosen:
             return None
@@ -188,7 +188,7 @@ class FileDialogs:
             # The file dialog has asked only about the name as typed.
             if path.exists() and not ask_to_replace(self._window, path.name):
                 return None
-        self.remember(purpose, path)
+        self.remember_path(purpose, path)
         return path
 
     def ask_where_to_export(self, title: str, ending: str, kinds: Mapping[str, str]) -> Path | None:
@@ -197,9 +197,9 @@ class FileDialogs:
         if image is not None:
             in_volume = self._session.scene.slices is not None
             stem = image.name.partition(".")[0] if in_volume else Path(image.name).stem
-        files = [Files(name, (suffix,)) for suffix, name in kinds.items()]
+        files = [FileKind(name, (suffix,)) for suffix, name in kinds.items()]
         return self.ask_where_to_save("export", title, f"{stem}{ending}", files)
 
     def ask_for_folder(self, title: str, purpose: Purpose = "open", parent: QWidget | None = None) -> str:
         """Ask for a folder; return an empty text if the user cancels."""
-        return QFileDialog.getExistingDirectory(parent or self._window, title, str(self.begin(purpose)))
+        return QFileDialog.getExistingDirectory(parent or self._window, title, str(self.find_starting_folder(purpose)))

@@ -10,7 +10,7 @@ from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QApplication, QBoxLayout, QDockWidget, QMainWindow, QTabWidget, QWidget
 
 from cpm_app.model.text.language import translate_core_text, tr
-from cpm_app.views.window.keyboard import Keyboard, in_panel, take_keyboard
+from cpm_app.views.window.keyboard import Keyboard, find_focus_target, focus_and_reveal
 from cpm_core.numerics.types import record
 
 
@@ -38,8 +38,8 @@ class Panel:
     title: str
     widget: QWidget
     shortcut: str = ""
-    shown: bool = True
-    below: bool = False
+    shown_at_start: bool = True
+    below_canvas: bool = False
 
 
 _COLUMN_WIDTH = 300
@@ -58,7 +58,7 @@ _LAYOUT_VERSION = 2
 """Version of the stored layout."""
 
 
-def _place(panel: Panel) -> int:
+def _tab_position(panel: Panel) -> int:
     return _FIXED_TABS.index(panel.name) if panel.name in _FIXED_TABS else len(_FIXED_TABS)
 
 
@@ -68,7 +68,7 @@ class Docks(QObject):
     def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard, below: QBoxLayout) -> None:
         super().__init__(window)
         self._window, self._keyboard, self._laid_out = window, keyboard, False
-        self._panels = {panel.name: panel for panel in sorted(panels, key=_place)}
+        self._panels = {panel.name: panel for panel in sorted(panels, key=_tab_position)}
         self.tabs = QTabWidget(documentMode=True)
         self.tabs.setMinimumWidth(_MIN_COLUMN_WIDTH)
         self.tabs.tabBar().setExpanding(False)
@@ -77,15 +77,15 @@ class Docks(QObject):
         self.column.setObjectName("column")
         self.column.setTitleBarWidget(QWidget(self.column))
         self.column.setWidget(self.tabs)
-        self.actions = [self._make_action(panel) for panel in self._panels.values()]
+        self.actions = [self._create_action(panel) for panel in self._panels.values()]
         for name, panel in self._panels.items():
-            if panel.below:
+            if panel.below_canvas:
                 below.addWidget(panel.widget)
                 panel.widget.hide()
             else:
                 self.tabs.addTab(panel.widget, translate_core_text(panel.title))
-                if not panel.shown:
-                    self.offer(name, False)
+                if not panel.shown_at_start:
+                    self.set_tab_available(name, False)
         side = self.column.toggleViewAction()
         side.setText(tr("Si&de panel"))
         side.setObjectName("panel_side")
@@ -97,39 +97,39 @@ class Docks(QObject):
         window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.column)
         window.installEventFilter(self)
 
-    def bring(self, name: str) -> None:
+    def bring_to_front(self, name: str) -> None:
         """Bring a tab to the front, without opening the column."""
         self.tabs.setCurrentWidget(self._panels[name].widget)
 
-    def reveal(self, name: str) -> None:
+    def reveal_panel(self, name: str) -> None:
         """Open a panel and bring it to the front."""
-        if not self._panels[name].below:
-            self.offer(name, True)
+        if not self._panels[name].below_canvas:
+            self.set_tab_available(name, True)
             self.column.show()
-            self.bring(name)
+            self.bring_to_front(name)
 
-    def offer(self, name: str, there: bool) -> None:
+    def set_tab_available(self, name: str, available: bool) -> None:
         """Add a tab behind the one in front, or remove it."""
-        self.tabs.setTabVisible(self.tabs.indexOf(self._panels[name].widget), there)
-        self.actions[list(self._panels).index(name)].setVisible(there)
+        self.tabs.setTabVisible(self.tabs.indexOf(self._panels[name].widget), available)
+        self.actions[list(self._panels).index(name)].setVisible(available)
 
-    def enter(self, name: str) -> None:
+    def enter_panel(self, name: str) -> None:
         """Open a panel, bring it to the front and move the keyboard focus to it."""
-        self.reveal(name)
-        take_keyboard(in_panel(self._panels[name].widget))
+        self.reveal_panel(name)
+        focus_and_reveal(find_focus_target(self._panels[name].widget))
 
-    def go_on(self, by: int = 1) -> None:
+    def focus_next_area(self, by: int = 1) -> None:
         """Move the keyboard focus to the next visible area, or to the previous one for -1."""
         visible = {name: panel.widget for name, panel in self._panels.items() if panel.widget.isVisible()}
         areas, focused = ["", *visible], QApplication.focusWidget()
         here = next((name for name, widget in visible.items() if focused and widget.isAncestorOf(focused)), "")
         name = areas[(areas.index(here) + by) % len(areas)]
         if name:
-            self.enter(name)
+            self.enter_panel(name)
         else:
-            self._keyboard.give_back()
+            self._keyboard.focus_canvas()
 
-    def layout_state(self) -> QByteArray:
+    def save_layout(self) -> QByteArray:
         """Return the layout of the panels, to be stored."""
         return self._window.saveState(_LAYOUT_VERSION)
 
@@ -146,7 +146,7 @@ class Docks(QObject):
             self._window.resizeDocks([self.column], [_COLUMN_WIDTH], Qt.Orientation.Horizontal)
         return False
 
-    def _make_action(self, panel: Panel) -> QAction:
+    def _create_action(self, panel: Panel) -> QAction:
         """Create the action that moves the keyboard focus to a panel, or back from it to the canvas."""
         title = translate_core_text(panel.title)
         action = QAction(
@@ -156,13 +156,13 @@ class Docks(QObject):
             shortcut=QKeySequence(panel.shortcut),
         )
         action.setObjectName(f"panel_{panel.name}")
-        action.triggered.connect(partial(self._toggle, panel))
+        action.triggered.connect(partial(self._toggle_focus, panel))
         self._window.addAction(action)
         return action
 
-    def _toggle(self, panel: Panel) -> None:
+    def _toggle_focus(self, panel: Panel) -> None:
         focused = QApplication.focusWidget()
         if panel.widget.isVisible() and focused is not None and panel.widget.isAncestorOf(focused):
-            self._keyboard.give_back()
-        elif not panel.below or panel.widget.isVisible():
-            self.enter(panel.name)
+            self._keyboard.focus_canvas()
+        elif not panel.below_canvas or panel.widget.isVisible():
+            self.enter_panel(panel.name)

@@ -22,14 +22,14 @@ from cpm_app.model.text.assets import find_asset, read_guide_page
 from cpm_app.model.text.keys import key_or_title
 from cpm_app.model.text.language import translate_core_text, tr
 from cpm_app.model.text.wording import format_symbol
-from cpm_app.views.widgets.actions import native
-from cpm_app.views.widgets.containers import Contents, arrange
+from cpm_app.views.widgets.actions import native_key_text
+from cpm_app.views.widgets.containers import PageList, fill_layout
 from cpm_app.views.window.shortcuts import Shortcuts
 
-KEYS = "keys"
+KEYS_PAGE = "keys"
 """Name of the page that lists all keys, and of the action that opens and closes it."""
 
-PAGES = ("first", "artery", "nuclei", "hand", "vessels", "stacks", "further", "canvas", KEYS)
+GUIDE_PAGES = ("first", "artery", "nuclei", "hand", "vessels", "stacks", "further", "canvas", KEYS_PAGE)
 """Names of the pages, in the order of the table of contents."""
 
 _GUIDE_SIZE = QSize(780, 640)
@@ -54,53 +54,53 @@ class Guide(QDialog):
         self.setWindowTitle(tr("Guide"))
         self._shortcuts = shortcuts
         self._open_sample = open_sample
-        for key in shortcuts.keys(KEYS):
+        for key in shortcuts.find_keys(KEYS_PAGE):
             QShortcut(QKeySequence(key), self, self.close)
-        self.contents = Contents(tr("Pages"), [translate_core_text(read_guide_page(name)[0].text) for name in PAGES])
+        self.contents = PageList(tr("Pages"), [translate_core_text(read_guide_page(name)[0].text) for name in GUIDE_PAGES])
         self.text = QTextBrowser(openLinks=False)
         self.text.document().setDocumentMargin(14)
-        self.text.anchorClicked.connect(self._follow)
+        self.text.anchorClicked.connect(self._on_link_clicked)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         buttons.rejected.connect(self.close)
-        columns = arrange(QHBoxLayout(), self.contents, self.text, wide=self.text)
+        columns = fill_layout(QHBoxLayout(), self.contents, self.text, wide=self.text)
         layout = QVBoxLayout(self)
         layout.addLayout(columns, 1)
         layout.addWidget(buttons)
-        self.contents.currentRowChanged.connect(self._show)
-        shortcuts.changed.connect(self._show)
+        self.contents.currentRowChanged.connect(self._show_page)
+        shortcuts.changed.connect(self._show_page)
         self.resize(_GUIDE_SIZE.boundedTo(self.screen().availableSize()))
-        self.turn_to(PAGES[0])
+        self.turn_to(GUIDE_PAGES[0])
 
     @property
     def page(self) -> str:
         """Name of the open page."""
-        return PAGES[self.contents.currentRow()]
+        return GUIDE_PAGES[self.contents.currentRow()]
 
     def turn_to(self, name: str) -> None:
         """Open a page by its name."""
-        self.contents.setCurrentRow(PAGES.index(name))
+        self.contents.setCurrentRow(GUIDE_PAGES.index(name))
 
-    def _show(self, _: int = 0) -> None:
+    def _show_page(self, _: int = 0) -> None:
         parts = []
         for mark, text, picture in read_guide_page(self.page):
             tag = {"# ": "h2", "1. ": "li", "": "p"}[mark]
             address = QUrl.fromLocalFile(str(find_asset(f"guide/{picture}"))).toString() if picture else ""
             image = f"<br><img src='{address}' width='{_GUIDE_PICTURE_WIDTH}'><br>" if picture else ""
-            parts.append(f"<{tag}>{self._named(translate_core_text(text))}{image}</{tag}>")
+            parts.append(f"<{tag}>{self._replace_names(translate_core_text(text))}{image}</{tag}>")
         whole = re.sub(r"((?:<li>.*?</li>)+)", r"<ol>\1</ol>", "".join(parts), flags=re.DOTALL)
-        self.text.setHtml(whole + (self._keys() if self.page == KEYS else ""))
+        self.text.setHtml(whole + (self._format_keys() if self.page == KEYS_PAGE else ""))
 
-    def _follow(self, link: QUrl) -> None:
+    def _on_link_clicked(self, link: QUrl) -> None:
         if link.scheme() == "page":
             self.turn_to(link.path())
         elif link.scheme() == "sample":
             self._open_sample(link.path())
 
-    def _named(self, text: str) -> str:
+    def _replace_names(self, text: str) -> str:
         """Replace actions in braces by name and key, and parameters (``{=beta}``) by label and symbol."""
         text = re.sub(r"\{=(\w+)\}", lambda found: _PARAMETER_LABELS[found.group(1)], text)
         text = re.sub(r"\{key:(\w+)\}", lambda found: html.escape(key_or_title(found.group(1))), text)
-        actions = self._shortcuts.names()
+        actions = self._shortcuts.describe_actions()
 
         def format_action(found: re.Match[str]) -> str:
             action = actions[found.group(1)]
@@ -109,13 +109,13 @@ class Guide(QDialog):
 
         return re.sub(r"\{(\w+)\}", format_action, text)
 
-    def _keys(self) -> str:
+    def _format_keys(self) -> str:
         """Format the keys of all actions and panels by group, as HTML."""
         groups: dict[str, str] = {}
         for action in self._shortcuts.actions:
-            keys = self._shortcuts.keys(action.name)
+            keys = self._shortcuts.find_keys(action.name)
             if keys:
-                cells = f"<b>{html.escape('  '.join(map(native, keys[:2])))}</b>", html.escape(action.title)
+                cells = f"<b>{html.escape('  '.join(map(native_key_text, keys[:2])))}</b>", html.escape(action.title)
                 row = "".join(f"<td style='padding: 2px 14px 2px 0'>{cell}</td>" for cell in cells)
                 groups[action.group] = f"{groups.get(action.group, '')}<tr>{row}</tr>"
         return "".join(f"<h3>{title}</h3><table>{rows}</table>" for title, rows in groups.items())

@@ -26,7 +26,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.views.widgets.containers import ENTER, has_own_escape
+from cpm_app.views.widgets.containers import ENTER_KEYS, has_own_escape
 from cpm_app.views.widgets.fields import DecimalField, MarkedSlider
 
 _FIELD_CLASSES = (QAbstractSpinBox, QLineEdit, QTextEdit, QPlainTextEdit, QAbstractButton, QComboBox, QSlider)
@@ -38,18 +38,18 @@ _TEXT_MODIFIERS = (
 """Modifiers with which a key still types a character."""
 
 
-def in_view(widget: QWidget) -> bool:
+def is_cell_editor(widget: QWidget) -> bool:
     """Return whether a widget is the editor of a table or a list."""
     viewport = widget.parentWidget()
     return viewport is not None and isinstance(viewport.parentWidget(), QAbstractItemView)
 
 
-def leaves(widget: QWidget, event: QKeyEvent) -> bool:
+def is_window_key(widget: QWidget, event: QKeyEvent) -> bool:
     """Return whether a key types a character that a field cannot use, so that it acts on the window."""
     text = event.text()
     if not text or not text.isprintable() or event.modifiers() & ~_TEXT_MODIFIERS:
         return False
-    if not isinstance(widget, _FIELD_CLASSES) or in_view(widget):
+    if not isinstance(widget, _FIELD_CLASSES) or is_cell_editor(widget):
         return False
     match widget:
         case QAbstractSpinBox():  # letters act on the window, so a number has no exponent
@@ -61,7 +61,7 @@ def leaves(widget: QWidget, event: QKeyEvent) -> bool:
     return isinstance(widget, QAbstractButton | QSlider)
 
 
-def value_of(widget: QWidget) -> Any:
+def read_field_value(widget: QWidget) -> Any:
     """Read the value of a field, which is the user property of its Qt class; None if it has none."""
     return (
         widget.exact
@@ -70,12 +70,12 @@ def value_of(widget: QWidget) -> Any:
     )
 
 
-def put_back(widget: QWidget, value: Any) -> None:
+def restore_field_value(widget: QWidget, value: Any) -> None:
     """Restore the value of a field as if the user had set it, and drop typed text."""
     if isinstance(widget, DecimalField | MarkedSlider):
         widget.move_to(value)
         return
-    changed = value != value_of(widget)
+    changed = value != read_field_value(widget)
     widget.metaObject().userProperty().write(widget, value)
     if changed and isinstance(widget, QComboBox):
         widget.activated.emit(widget.currentIndex())
@@ -96,13 +96,13 @@ class Keyboard(QObject):
         self._window = window
         self._canvas = canvas
         self._watched: QWidget | None = None
-        self._before: Any = None
+        self._value_before: Any = None
         """Value of the watched field before the first key; None until then."""
         application = QApplication.instance()
         assert isinstance(application, QApplication)
-        application.focusChanged.connect(self._follow)
+        application.focusChanged.connect(self._on_focus_changed)
 
-    def give_back(self) -> None:
+    def focus_canvas(self) -> None:
         """Move the keyboard focus to the canvas."""
         self._canvas.window().activateWindow()
         self._canvas.setFocus(Qt.FocusReason.ShortcutFocusReason)
@@ -112,79 +112,79 @@ class Keyboard(QObject):
         if not isinstance(event, QKeyEvent) or not isinstance(watched, QWidget):
             return False
         if event.type() == QEvent.Type.ShortcutOverride:
-            return self._claim(watched, event)
-        return event.type() == QEvent.Type.KeyPress and self._press(watched, event)
+            return self._claim_shortcut(watched, event)
+        return event.type() == QEvent.Type.KeyPress and self._on_key_pressed(watched, event)
 
-    def _follow(self, before: QWidget | None, now: QWidget | None) -> None:
+    def _on_focus_changed(self, before: QWidget | None, now: QWidget | None) -> None:
         if now is None and before is not None and isinstance(dialog := before.window(), QDialog):
-            QTimer.singleShot(0, self, lambda: self.take_back(dialog))
+            QTimer.singleShot(0, self, lambda: self.reactivate_window(dialog))
         if self._watched is not None and shiboken6.isValid(self._watched):
             self._watched.removeEventFilter(self)
-        self._watched, self._before = None, None
+        self._watched, self._value_before = None, None
         if now is None or now is self._canvas or isinstance(now, QMenuBar | QMenu):
             return
         if now.window() is self._window:
             self._watched = now
             now.installEventFilter(self)
 
-    def take_back(self, dialog: QDialog) -> None:
+    def reactivate_window(self, dialog: QDialog) -> None:
         """Activate the window when a dialog has closed, which without a window manager nobody else does."""
         closed = not shiboken6.isValid(dialog) or not dialog.isVisible()
         if closed and QGuiApplication.focusWindow() is None and self._window.isVisible():
             (QApplication.activeModalWidget() or self._window).activateWindow()
 
-    def _claim(self, widget: QWidget, event: QKeyEvent) -> bool:
+    def _claim_shortcut(self, widget: QWidget, event: QKeyEvent) -> bool:
         """Decide whether a key is a shortcut of the window; return whether the decision was made here."""
         if event.key() == Qt.Key.Key_Escape and not event.modifiers():
             event.accept()
             return True
-        if leaves(widget, event):
+        if is_window_key(widget, event):
             event.ignore()
             return True
         return False
 
-    def _press(self, widget: QWidget, event: QKeyEvent) -> bool:
-        own = has_own_escape(widget) or in_view(widget)
+    def _on_key_pressed(self, widget: QWidget, event: QKeyEvent) -> bool:
+        own = has_own_escape(widget) or is_cell_editor(widget)
         if event.key() == Qt.Key.Key_Escape:
             if own:
                 return False
-            if self._before is not None:
-                put_back(widget, self._before)
-            self.give_back()
+            if self._value_before is not None:
+                restore_field_value(widget, self._value_before)
+            self.focus_canvas()
             return True
-        if event.key() in ENTER and isinstance(widget, QAbstractButton):
+        if event.key() in ENTER_KEYS and isinstance(widget, QAbstractButton):
             widget.click()
             return True
         if own or isinstance(widget, QAbstractItemView):
             return False
-        if event.key() in ENTER:
+        if event.key() in ENTER_KEYS:
             widget.removeEventFilter(self)
             QCoreApplication.sendEvent(widget, event)
             if event.isAccepted() or isinstance(widget, _FIELD_CLASSES):
-                self.give_back()
+                self.focus_canvas()
             else:  # a view has no value: Enter does what it does on the canvas
                 self._canvas.setFocus()
                 QCoreApplication.sendEvent(self._canvas, event)
             event.accept()
             return True
-        if leaves(widget, event):
+        if is_window_key(widget, event):
             event.ignore()  # its action is disabled now; the field must not get the key instead
             return True
-        if self._before is None:
-            self._before = value_of(widget)
+        if self._value_before is None:
+            self._value_before = read_field_value(widget)
         return False
 
 
-def sliders_of(panel: QWidget) -> list[QSlider]:
+def find_sliders(panel: QWidget) -> list[QSlider]:
     """Find the sliders of a panel that can be moved, from top to bottom."""
     found = [slider for slider in panel.findChildren(QSlider) if slider.isVisibleTo(panel) and slider.isEnabled()]
     places = {slider: slider.mapTo(panel, slider.rect().topLeft()) for slider in found}
     return sorted(found, key=lambda slider: (places[slider].y(), places[slider].x()))
 
 
-def in_panel(panel: QWidget) -> QWidget:
+def find_focus_target(panel: QWidget) -> QWidget:
     """Find the widget of a panel that gets the focus: its focus proxy, the slider used last, or the first one."""
-    proxy, last, sliders = panel.focusProxy(), panel.focusWidget(), sliders_of(panel)
+    proxy, last, sliders = panel.focusProxy(), panel.focusWidget(), find_sliders(panel)
     if proxy is not None:
         return proxy
     if isinstance(last, QSlider) and last in sliders:
@@ -192,7 +192,7 @@ def in_panel(panel: QWidget) -> QWidget:
     return sliders[0] if sliders else panel
 
 
-def take_keyboard(widget: QWidget) -> None:
+def focus_and_reveal(widget: QWidget) -> None:
     """Move the keyboard focus to a widget and scroll it into view."""
     widget.setFocus(Qt.FocusReason.TabFocusReason)
     ancestor = widget.parentWidget()
@@ -202,7 +202,7 @@ def take_keyboard(widget: QWidget) -> None:
         ancestor = ancestor.parentWidget()
 
 
-class Keys(QObject):
+class KeyFilter(QObject):
     """Filter that passes the keys of a widget to `take` first, which returns whether it has handled a key."""
 
     def __init__(self, widget: QWidget, take: Callable[[QKeyEvent], bool]) -> None:

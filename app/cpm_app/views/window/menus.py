@@ -15,7 +15,7 @@ from cpm_app.views.widgets.actions import Actions, ActionSpec, MenuOwner, Submen
 from cpm_core.numerics.types import Texts
 
 
-def keep_apart(menu: QMenu) -> None:
+def keep_mnemonics_distinct(menu: QMenu) -> None:
     """Make the mnemonics of the visible entries distinct whenever the menu opens."""
 
     def make_distinct() -> None:
@@ -27,7 +27,7 @@ def keep_apart(menu: QMenu) -> None:
     menu.aboutToShow.connect(make_distinct)
 
 
-MENUS = {
+MENU_TITLES = {
     "File": tr("&File"),
     "Edit": tr("&Edit"),
     "Tools": tr("&Tools"),
@@ -38,11 +38,11 @@ MENUS = {
 }
 """Titles of the menus, in their order, by the names that the specifications use."""
 
-QUIT = "quit"
+QUIT_ACTION = "quit"
 """Name of the action that is always the last of its menu."""
 
 
-def refill(menu: QMenu, spec: Submenu) -> None:
+def refill_submenu(menu: QMenu, spec: Submenu) -> None:
     """Clear a submenu and fill it again."""
     menu.clear()
     spec.fill(menu)
@@ -53,9 +53,9 @@ class Menus:
 
     def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
-        for name, title in zip(MENUS, make_mnemonics_unique([*MENUS.values()]), strict=True):
+        for name, title in zip(MENU_TITLES, make_mnemonics_unique([*MENU_TITLES.values()]), strict=True):
             self._menus[name] = bar.addMenu(title)
-        for spec in sorted(specs, key=lambda spec: spec.name == QUIT):
+        for spec in sorted(specs, key=lambda spec: spec.name == QUIT_ACTION):
             if not spec.menu or spec.menu.startswith(">"):
                 continue
             menu = self[spec.menu]
@@ -64,11 +64,11 @@ class Menus:
             if isinstance(spec, Submenu):
                 inner = menu.addMenu(spec.text)
                 inner.setToolTipsVisible(True)
-                inner.aboutToShow.connect(partial(refill, inner, spec))
+                inner.aboutToShow.connect(partial(refill_submenu, inner, spec))
             else:
                 menu.addAction(actions[spec.name])
         for menu in self._menus.values():
-            keep_apart(menu)
+            keep_mnemonics_distinct(menu)
 
     def __getitem__(self, path: str) -> QMenu:
         """Return a menu by its path; create a missing submenu."""
@@ -81,7 +81,7 @@ class Menus:
 _RUN_MENU_ACTIONS = ("run", "step", "reset")
 """Actions of the run in the menus of several items."""
 
-THINGS: Mapping[str, Texts] = {
+CONTEXT_MENU_ACTIONS: Mapping[str, Texts] = {
     "image": (*_RUN_MENU_ACTIONS, "", "undo", "redo", "", "fit", "copy_view", "export", "",
               "layer_particles", "layer_forces"),
     "shape": ("enlarge", "shrink", "delete", "", *_RUN_MENU_ACTIONS),
@@ -113,40 +113,40 @@ class ContextMenus(QObject):
         self._general = general
         self.menu: QMenu | None = None
 
-    def watch(self, *widgets: QWidget) -> None:
+    def watch_widgets(self, *widgets: QWidget) -> None:
         """Open menus on these widgets and on all widgets inside them."""
         for widget in widgets:
             widget.installEventFilter(self)
 
-    def open_at(self, widget: QWidget | None, place: QPoint | None = None) -> None:
+    def open_menu_at(self, widget: QWidget | None, place: QPoint | None = None) -> None:
         """Open the menu of the item at a point of the screen in a widget, or of the selected item."""
         while widget is not None:
             if isinstance(widget, MenuOwner):
                 item, at = widget.menu_at(None if place is None else widget.mapFromGlobal(place))
                 if item:
-                    self._show(item, widget, widget.mapToGlobal(at) if place is None else place)
+                    self._show_menu(item, widget, widget.mapToGlobal(at) if place is None else place)
                     return
             widget = widget.parentWidget()
         if place is not None:
-            self._show("", self._parent, place)
+            self._show_menu("", self._parent, place)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Open the menu unless a widget below has opened one."""
         if not isinstance(event, QContextMenuEvent) or not isinstance(watched, QWidget):
             return False
         if event.reason() == QContextMenuEvent.Reason.Keyboard:
-            self.open_at(QApplication.focusWidget())
+            self.open_menu_at(QApplication.focusWidget())
         else:
-            self.open_at(watched.childAt(event.pos()) or watched, event.globalPos())
+            self.open_menu_at(watched.childAt(event.pos()) or watched, event.globalPos())
         event.accept()
         return True
 
-    def _show(self, item: str, owner: QWidget, place: QPoint) -> None:
+    def _show_menu(self, item: str, owner: QWidget, place: QPoint) -> None:
         menu = QMenu(self._parent, toolTipsVisible=True)
         own = owner.actions() if item else self._general
         menu.addActions(list(own))
         menu.addSeparator()
-        for name in THINGS.get(item, (item,)):
+        for name in CONTEXT_MENU_ACTIONS.get(item, (item,)):
             if name in self._actions:
                 menu.addAction(self._actions[name])
             elif name in self._submenus:
@@ -154,6 +154,6 @@ class ContextMenus(QObject):
             else:
                 menu.addSeparator()
         menu.aboutToHide.connect(menu.deleteLater)
-        keep_apart(menu)
+        keep_mnemonics_distinct(menu)
         self.menu = menu
         menu.popup(place)

@@ -34,9 +34,9 @@ from cpm_app.model.preferences.shortcuts import explain_reserved_key
 from cpm_app.model.preferences.table import PREFERENCES_BY_PAGE, PAGE_TITLES, ChoicePreference, ColorPreference, FlagPreference, NumberPreference, Preference
 from cpm_app.model.text.language import tr
 from cpm_app.session.storage.preferences import Preferences
-from cpm_app.views.theme.icons import swatch
-from cpm_app.views.widgets.actions import native
-from cpm_app.views.widgets.containers import Contents, arrange, wrapped
+from cpm_app.views.theme.icons import create_swatch
+from cpm_app.views.widgets.actions import native_key_text
+from cpm_app.views.widgets.containers import PageList, fill_layout, create_wrapped_label
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField
 from cpm_app.views.window.shortcuts import Shortcuts
 from cpm_core.numerics.types import Callback
@@ -72,12 +72,12 @@ class PreferencesDialog(QDialog):
         self._keys, self._pages = shortcuts, QStackedWidget()
         self.rows: dict[str, QWidget] = {}
         self._preferences = preferences
-        self._show: dict[str, Callback] = {}
-        self.contents = Contents(tr("Pages of the preferences"), [*PAGE_TITLES.values()])
-        preferences.changed.connect(self._follow)
-        self._made = {name: self._make_page(name) for name in PREFERENCES_BY_PAGE} | {"shortcuts": ShortcutsPage(shortcuts)}
+        self._field_updates: dict[str, Callback] = {}
+        self.contents = PageList(tr("Pages of the preferences"), [*PAGE_TITLES.values()])
+        preferences.changed.connect(self._on_preference_changed)
+        self._pages_by_name = {name: self._make_page(name) for name in PREFERENCES_BY_PAGE} | {"shortcuts": ShortcutsPage(shortcuts)}
         for name in PAGE_TITLES:
-            self._pages.addWidget(self._made[name])
+            self._pages.addWidget(self._pages_by_name[name])
         self.contents.currentRowChanged.connect(self._pages.setCurrentIndex)
         self.contents.setCurrentRow(0)
         buttons = QDialogButtonBox()
@@ -89,7 +89,7 @@ class PreferencesDialog(QDialog):
         for button in (reset, close):
             button.setAutoDefault(False)
         buttons.rejected.connect(self.reject)
-        middle = arrange(QHBoxLayout(), self.contents, self._pages, wide=self._pages)
+        middle = fill_layout(QHBoxLayout(), self.contents, self._pages, wide=self._pages)
         layout = QVBoxLayout(self)
         layout.addLayout(middle, 1)
         layout.addWidget(buttons)
@@ -99,9 +99,9 @@ class PreferencesDialog(QDialog):
             min(_DIALOG_HEIGHT, room.height() - _FREE_SCREEN_SPACE),
         )
 
-    def page(self, name: str) -> QWidget:
+    def get_page(self, name: str) -> QWidget:
         """Return a page by its name."""
-        return self._made[name]
+        return self._pages_by_name[name]
 
     def turn_to(self, page: str) -> None:
         """Show a page by its name."""
@@ -134,24 +134,24 @@ class PreferencesDialog(QDialog):
 
     def _add_row(self, rows: QFormLayout, preference: Preference[Any]) -> None:
         """Add the field of a preference, with its note below."""
-        widget, show = field_for(preference, self._preferences)
-        self._show[preference.name] = lambda: show(self._preferences.read_preference(preference))
+        widget, show = create_preference_field(preference, self._preferences)
+        self._field_updates[preference.name] = lambda: show(self._preferences.read_preference(preference))
         self.rows[preference.label] = widget
         widget.setAccessibleName(preference.label)
         widget.setAccessibleDescription(preference.note)
         rows.addRow(preference.label, widget)
         if preference.note:
-            note = wrapped(preference.note, dim=True)
+            note = create_wrapped_label(preference.note, dim=True)
             note.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Minimum)
             rows.addRow("", note)
 
-    def _follow(self, key: str) -> None:
+    def _on_preference_changed(self, key: str) -> None:
         """Show a value that has changed."""
-        if key in self._show:
-            self._show[key]()
+        if key in self._field_updates:
+            self._field_updates[key]()
 
 
-def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QWidget, Callable[[Any], object]]:
+def create_preference_field(preference: Preference[Any], preferences: Preferences) -> tuple[QWidget, Callable[[Any], object]]:
     """Create the field of a preference, which stores a new value immediately.
 
     Returns the widget and the function that shows a value in it.
@@ -172,7 +172,7 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
         case ChoicePreference():
             choice = ChoiceBox(preference.choices)
             choice.show_value(value)
-            choice.chosen.connect(store)
+            choice.value_selected.connect(store)
             return choice, choice.show_value
         case ColorPreference():
             button = QPushButton(autoDefault=False)
@@ -180,7 +180,7 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
             button.setToolTip(tr("Choose another color…"))
 
             def show_color(color: str) -> None:
-                button.setIcon(swatch(color))
+                button.setIcon(create_swatch(color))
                 button.setText(color)
 
             def ask_for_color() -> None:
@@ -200,7 +200,7 @@ class ShortcutsPage(QWidget):
     def __init__(self, shortcuts: Shortcuts) -> None:
         super().__init__()
         self._shortcuts = shortcuts
-        self._wanted = ""
+        self._conflicting_key = ""
         self.search = QLineEdit(placeholderText=tr("Search actions and keys"), clearButtonEnabled=True)
         self.search.setAccessibleName(tr("Search actions and keys"))
         self.search.textChanged.connect(self._show_keys)
@@ -213,33 +213,33 @@ class ShortcutsPage(QWidget):
         self.list.setUniformRowHeights(True)
         self._groups: dict[str, QTreeWidgetItem] = {}
         self._items: dict[str, QTreeWidgetItem] = {}
-        self._fill()
+        self._fill_action_list()
         self.list.currentItemChanged.connect(lambda *_: self._show_current())
         self.keys = QKeySequenceEdit(maximumSequenceLength=1)
         self.keys.setAccessibleName(tr("Press the new key"))
-        self.keys.keySequenceChanged.connect(lambda _: self._take())
-        self.message = wrapped(dim=True)
+        self.keys.keySequenceChanged.connect(lambda _: self._on_key_entered())
+        self.message = create_wrapped_label(dim=True)
         self.take_over, self.remove = QPushButton(tr("Use it here")), QPushButton(tr("Remove"))
         self.restore = QPushButton(tr("Reset"))
         self.take_over.setToolTip(tr("Remove the key from the other action."))
         self.remove.setToolTip(tr("Remove the key of this action."))
         self.restore.setToolTip(tr("Restore the default key of this action."))
-        self.take_over.clicked.connect(lambda: self._choose(self._wanted))
-        self.remove.clicked.connect(lambda: self._choose(""))
-        self.restore.clicked.connect(lambda: shortcuts.restore(self._current))
+        self.take_over.clicked.connect(lambda: self._assign_key(self._conflicting_key))
+        self.remove.clicked.connect(lambda: self._assign_key(""))
+        self.restore.clicked.connect(lambda: shortcuts.restore_default_keys(self._current_action))
         buttons = self.take_over, self.remove, self.restore
         for button in buttons:
             button.setAutoDefault(False)
-        row = arrange(QHBoxLayout(), QLabel(tr("New key:")), self.keys, *buttons, wide=self.keys)
-        arrange(QVBoxLayout(self), self.search, self.list, row, self.message, wide=self.list)
+        row = fill_layout(QHBoxLayout(), QLabel(tr("New key:")), self.keys, *buttons, wide=self.keys)
+        fill_layout(QVBoxLayout(self), self.search, self.list, row, self.message, wide=self.list)
         shortcuts.changed.connect(self._show_keys)
         self._show_keys()
 
-    def choose(self, name: str) -> None:
+    def select_action(self, name: str) -> None:
         """Select an action by its name."""
         self.list.setCurrentItem(self._items[name])
 
-    def _fill(self) -> None:
+    def _fill_action_list(self) -> None:
         for action in self._shortcuts.actions:
             if action.group not in self._groups:
                 self._groups[action.group] = group = QTreeWidgetItem(self.list, [action.group])
@@ -250,7 +250,7 @@ class ShortcutsPage(QWidget):
             item.setData(0, _ACTION_NAME_ROLE, action.name)
 
     @property
-    def _current(self) -> str:
+    def _current_action(self) -> str:
         item = self.list.currentItem()
         return (item.data(0, _ACTION_NAME_ROLE) or "") if item is not None else ""
 
@@ -258,40 +258,40 @@ class ShortcutsPage(QWidget):
         """Show the current keys of the actions that match the search."""
         wanted = self.search.text().casefold()
         for name, item in self._items.items():
-            item.setText(1, ", ".join(map(native, self._shortcuts.keys(name))))
+            item.setText(1, ", ".join(map(native_key_text, self._shortcuts.find_keys(name))))
             item.setHidden(wanted not in f"{item.text(0)} {item.text(1)}".casefold())
         for group in self._groups.values():
             group.setHidden(all(item.isHidden() for item in self._items.values() if item.parent() is group))
         self._show_current()
 
     def _show_current(self) -> None:
-        name = self._current
+        name = self._current_action
         with QSignalBlocker(self.keys):
-            keys = self._shortcuts.keys(name) if name else ()
+            keys = self._shortcuts.find_keys(name) if name else ()
             self.keys.setKeySequence(QKeySequence(keys[0] if keys else ""))
         for widget in (self.keys, self.remove, self.restore):
             widget.setEnabled(bool(name))
-        self._say(tr("Choose the field and press the new key.") if name else tr("Select an action to change its key."))
+        self._show_message(tr("Choose the field and press the new key.") if name else tr("Select an action to change its key."))
 
-    def _say(self, text: str, wanted: str = "") -> None:
-        self._wanted = wanted
+    def _show_message(self, text: str, wanted: str = "") -> None:
+        self._conflicting_key = wanted
         self.message.setText(text)
         self.take_over.setVisible(bool(wanted))
 
-    def _take(self) -> None:
+    def _on_key_entered(self) -> None:
         """Assign the key that was pressed, or explain why it cannot be used."""
-        key, name = self.keys.keySequence().toString(QKeySequence.SequenceFormat.PortableText), self._current
+        key, name = self.keys.keySequence().toString(QKeySequence.SequenceFormat.PortableText), self._current_action
         if not name or not key:
             return
-        other, refused = self._shortcuts.holder(key, name), explain_reserved_key(key)
+        other, refused = self._shortcuts.find_holder(key, name), explain_reserved_key(key)
         if refused:
-            self._say(refused)
+            self._show_message(refused)
         elif other is not None:
-            self._say(tr("{key} belongs to “{action}”.", key=native(key), action=other.title), key)
+            self._show_message(tr("{key} belongs to “{action}”.", key=native_key_text(key), action=other.title), key)
         else:
-            self._choose(key)
+            self._assign_key(key)
 
-    def _choose(self, key: str) -> None:
-        if self._current:
-            self._shortcuts.choose(self._current, key)
+    def _assign_key(self, key: str) -> None:
+        if self._current_action:
+            self._shortcuts.assign_key(self._current_action, key)
             self._show_current()

@@ -31,7 +31,7 @@ class GarbageCollector(QObject):
         self._automatic = gc.isenabled()
         gc.disable()
         self._timer = QTimer(self, interval=_COLLECTION_INTERVAL)
-        self._timer.timeout.connect(self.collect)
+        self._timer.timeout.connect(self.collect_due_generations)
         self._timer.start()
 
     def stop(self) -> None:
@@ -41,7 +41,7 @@ class GarbageCollector(QObject):
             gc.enable()
 
     @staticmethod
-    def collect() -> None:
+    def collect_due_generations() -> None:
         """Collect each generation that Python would collect now."""
         for generation, (count, threshold) in enumerate(zip(gc.get_count(), gc.get_threshold(), strict=True)):
             if count > threshold:
@@ -54,28 +54,28 @@ _log = logging.getLogger(__name__)
 class UnexpectedErrors(QObject):
     """Handler of errors in slots and threads, which would otherwise go to a terminal that nobody sees."""
 
-    happened = Signal(str)
+    error_happened = Signal(str)
     """An error occurred on any thread: a sentence about it."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self.happened.connect(self._say)
-        self._before = sys.excepthook, threading.excepthook
-        sys.excepthook = self._take
-        threading.excepthook = lambda given: self._take(given.exc_type, given.exc_value, given.exc_traceback)
+        self.error_happened.connect(self._show_error)
+        self._previous_hooks = sys.excepthook, threading.excepthook
+        sys.excepthook = self._on_exception
+        threading.excepthook = lambda given: self._on_exception(given.exc_type, given.exc_value, given.exc_traceback)
 
-    def end(self) -> None:
+    def restore_hooks(self) -> None:
         """Restore the previous handlers."""
-        sys.excepthook, threading.excepthook = self._before
+        sys.excepthook, threading.excepthook = self._previous_hooks
 
-    def _take(self, kind: type[BaseException], error: BaseException | None, trace: TracebackType | None) -> None:
+    def _on_exception(self, kind: type[BaseException], error: BaseException | None, trace: TracebackType | None) -> None:
         if not isinstance(error, Exception):  # Ctrl+C and SystemExit
             if error is not None:
-                self._before[0](kind, error, trace)
+                self._previous_hooks[0](kind, error, trace)
             return
         _log.error("an error that nothing expects", exc_info=(kind, error, trace))
-        self.happened.emit(explain_failure(error, tr("working")))
+        self.error_happened.emit(explain_failure(error, tr("working")))
 
-    def _say(self, trouble: str) -> None:
-        self._session.set_error(trouble, UNEXPECTED_CATEGORY)
+    def _show_error(self, message: str) -> None:
+        self._session.set_error(message, UNEXPECTED_CATEGORY)

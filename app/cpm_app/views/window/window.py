@@ -33,7 +33,7 @@ from cpm_app.views.window.bars import ToolBar, ToolPalette
 from cpm_app.views.window.dialogs import FileDialogs
 from cpm_app.views.window.docks import Docks, Panel
 from cpm_app.views.window.keyboard import Keyboard
-from cpm_app.views.window.menus import MENUS, ContextMenus, Menus
+from cpm_app.views.window.menus import MENU_TITLES, ContextMenus, Menus
 from cpm_app.views.window.python_hooks import GarbageCollector
 from cpm_app.views.window.shortcuts import Shortcuts
 
@@ -49,7 +49,7 @@ _GEOMETRY_KEY = "window/geometry"
 _LAYOUT_KEY = "window/panels"
 """Preference: layout of the panels."""
 
-_THEMES_BY_NAME = {"light": theme.LIGHT, "dark": theme.DARK}
+_THEMES_BY_NAME = {"light": theme.LIGHT_THEME, "dark": theme.DARK_THEME}
 """Themes by the names in the preferences."""
 
 _STYLE_KEYS = {CONTOUR_WIDTH.name, SHAPE_WIDTH.name, POINT_SIZE.name, *(ink.name for ink in INK_PREFERENCES.values())}
@@ -106,7 +106,7 @@ class MainWindow(QMainWindow):
     files_wanted = Signal(list, bool)
     """Files are to be opened by their kind; whether an image is opened with the session next to it."""
 
-    dropped = Signal(list)
+    urls_dropped = Signal(list)
     """URLs of files were dropped on the window or pasted."""
 
     def __init__(
@@ -122,7 +122,7 @@ class MainWindow(QMainWindow):
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.resize(_WINDOW_SIZE.boundedTo(self.screen().availableSize() - _FRAME_SIZE))
-        self._use_look()
+        self._apply_canvas_style()
         self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
         canvas, slices = self.canvas_area.canvas, workspace.slices
@@ -133,7 +133,7 @@ class MainWindow(QMainWindow):
         self.document_file = DocumentFile(session, lambda: {**canvas.view_state(), **slices.view_state()})
         self.document_file.truth = lambda: workspace.comparison.truth_file
         self.shortcuts = Shortcuts(self.preferences, self)
-        self.shortcuts.changed.connect(self._use_keys)
+        self.shortcuts.changed.connect(self._on_shortcuts_changed)
         self.speed = SpeedControl(session)
         self.features: dict[type[Feature], Feature] = {}
         for kind in features:
@@ -152,28 +152,28 @@ class MainWindow(QMainWindow):
         self.zoom_readout = ZoomReadout(canvas)
         for field in (self.pointer_readout, self.zoom_readout):
             self.statusBar().addPermanentWidget(field)
-        session.status_changed.connect(self._show)
-        session.image_changed.connect(self._keep_tool)
-        self.canvas_area.tool_changed.connect(self._follow_tool)
-        self.preferences.changed.connect(self._follow)
-        QGuiApplication.styleHints().colorSchemeChanged.connect(self._use_chosen_theme)
-        self._use_chosen_theme()
-        self._show()
+        session.status_changed.connect(self._on_status_changed)
+        session.image_changed.connect(self._on_image_changed)
+        self.canvas_area.tool_changed.connect(self._on_tool_changed)
+        self.preferences.changed.connect(self._on_preference_changed)
+        QGuiApplication.styleHints().colorSchemeChanged.connect(self._apply_selected_theme)
+        self._apply_selected_theme()
+        self._on_status_changed()
         if not (geometry := self.preferences.read_key(_GEOMETRY_KEY, QByteArray())).isEmpty():
             self.restoreGeometry(geometry)
             self.docks.restore_layout(self.preferences.read_key(_LAYOUT_KEY, QByteArray()))
-        self._follow_tool()
+        self._on_tool_changed()
         canvas.setFocus()
 
-    def feature(self, kind: type[FeatureType]) -> FeatureType:
+    def get_feature(self, kind: type[FeatureType]) -> FeatureType:
         """Return a feature by its class."""
         return cast("FeatureType", self.features[kind])
 
-    def do(self, name: str) -> None:
+    def trigger_action(self, name: str) -> None:
         """Trigger an action by its name."""
         self.actions_by_name[name].trigger()
 
-    def refresh(self) -> None:
+    def refresh_actions(self) -> None:
         """Update actions and hint after a change that the session does not report."""
         self.session.announce_status()
 
@@ -183,7 +183,7 @@ class MainWindow(QMainWindow):
 
     def use_theme(self, used: theme.Theme) -> None:
         """Apply a theme."""
-        theme.apply_theme(used, self, self.turns.ask)
+        theme.apply_theme(used, self, self.turns.schedule_work)
         self.actions_by_name.use_theme(used, self.turns)
         for widget in self.findChildren(QWidget):
             if hasattr(widget, "use_theme"):  # widgets with colors that the palette does not set
@@ -197,7 +197,7 @@ class MainWindow(QMainWindow):
             event.ignore()
             return
         self.preferences.store_key(_GEOMETRY_KEY, self.saveGeometry())
-        self.preferences.store_key(_LAYOUT_KEY, self.docks.layout_state())
+        self.preferences.store_key(_LAYOUT_KEY, self.docks.save_layout())
         self.turns.stop()
         self.hide()
         self.workspace.close()
@@ -212,69 +212,69 @@ class MainWindow(QMainWindow):
     def dropEvent(self, event: QDropEvent) -> None:
         """Open the dropped files."""
         event.acceptProposedAction()
-        self.dropped.emit(event.mimeData().urls())
+        self.urls_dropped.emit(event.mimeData().urls())
 
-    def _keep_tool(self) -> None:
+    def _on_image_changed(self) -> None:
         """Switch to the first tool if the tool in use does not work in volumes."""
         tool = self.canvas_area.canvas.dispatcher.tool
         if self.session.scene.slices is not None and tool is not None and tool.name in HIDDEN_IN_VOLUMES:
-            self.refresh()
-            self.do(FIRST_TOOL)
+            self.refresh_actions()
+            self.trigger_action(FIRST_TOOL)
 
-    def _follow_tool(self) -> None:
+    def _on_tool_changed(self) -> None:
         """Bring the tab of the tool to the front, once per change, as the user may switch to another tab."""
-        self.docks.bring(self.canvas_area.canvas.dispatcher.tool.panel)
-        self.refresh()
+        self.docks.bring_to_front(self.canvas_area.canvas.dispatcher.tool.panel)
+        self.refresh_actions()
 
     def _add_menus(self, specs: Sequence[ActionSpec | Submenu]) -> ContextMenus:
         self.menus["View"].addSeparator()
         self.menus["View"].addActions([*self.docks.actions])
         menus = ContextMenus(self, specs, self.actions_by_name, self.docks.actions)
-        menus.watch(self, self.docks.column)
-        self.canvas_area.canvas.pointer.menu_wanted.connect(partial(menus.open_at, self.canvas_area))
+        menus.watch_widgets(self, self.docks.column)
+        self.canvas_area.canvas.pointer.menu_wanted.connect(partial(menus.open_menu_at, self.canvas_area))
         return menus
 
     def _add_shortcuts(self) -> None:
         for spec in self.actions_by_name.specs.values():
             menu, _, group = spec.menu.partition(">")
-            group = MENUS[menu].replace("&", "") if menu else group
-            self.shortcuts.add(self.actions_by_name[spec.name], spec.name, spec.title, group)
+            group = MENU_TITLES[menu].replace("&", "") if menu else group
+            self.shortcuts.add_action(self.actions_by_name[spec.name], spec.name, spec.title, group)
         for action in self.docks.actions:
-            self.shortcuts.add(action, action.objectName(), action.text(), tr("Panels"))
+            self.shortcuts.add_action(action, action.objectName(), action.text(), tr("Panels"))
         self.shortcuts.changed.emit()
 
-    def _use_keys(self) -> None:
-        use_action_names(self.shortcuts.names())
+    def _on_shortcuts_changed(self) -> None:
+        use_action_names(self.shortcuts.describe_actions())
         self.actions_by_name.show_keys()
         self.canvas_area.messages.show_keys()
         self.canvas_area.update_hint()
 
-    def _show(self) -> None:
-        self.actions_by_name.show(self.session.situation)
+    def _on_status_changed(self) -> None:
+        self.actions_by_name.show_situation(self.session.situation)
         if self.session.status.started:
             self.offers.clear()
 
-    def _follow(self, key: str) -> None:
+    def _on_preference_changed(self, key: str) -> None:
         """Apply a preference that has changed."""
         if key == THEME_PREFERENCE.name:
-            self._use_chosen_theme()
+            self._apply_selected_theme()
         elif key in _STYLE_KEYS:
-            self._use_look()
+            self._apply_canvas_style()
             for item in self.canvas_area.canvas.scene().items():
                 item.update()
             self.canvas_area.strip.legend.update()
-            self._use_chosen_theme()
+            self._apply_selected_theme()
         elif key == UNIT_PREFERENCE.name:
             self.canvas_area.canvas.layers["scale_bar"].apply_visibility()
-            self.refresh()
+            self.refresh_actions()
 
-    def _use_chosen_theme(self) -> None:
+    def _apply_selected_theme(self) -> None:
         self.use_theme(_THEMES_BY_NAME.get(self.preferences.read_preference(THEME_PREFERENCE)) or theme.system_theme())
 
-    def _use_look(self) -> None:
+    def _apply_canvas_style(self) -> None:
         value = self.preferences.read_preference
-        theme.use_look(
-            theme.Look(
+        theme.set_canvas_style(
+            theme.CanvasStyle(
                 contours=value(CONTOUR_WIDTH) / CONTOUR_WIDTH.default,
                 shapes=value(SHAPE_WIDTH) / SHAPE_WIDTH.default,
                 points=value(POINT_SIZE) / POINT_SIZE.default,

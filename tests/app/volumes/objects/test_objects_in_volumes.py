@@ -128,7 +128,7 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
 
 def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand) -> None:
     forget_offer(found, hand)
-    view = found.feature(SpaceFeature).panel.view
+    view = found.get_feature(SpaceFeature).panel.view
     hand.wait(lambda: view.is_idle and view._frame is not None)
     beside = np.array([OTHER]) + 5.0 * view.camera.axes[0]  # off the lines of the start in it
     seen = view.camera.project(beside, view.picture_size)[0] / view.devicePixelRatioF()
@@ -141,15 +141,15 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     take(hand)
     assert bodies(found) == pytest.approx([BALL], rel=0.08)
     assert items(found)[0].unpacked_surface.vertices.mean(axis=0) == pytest.approx(OTHER, abs=0.5)
-    assert len(found.feature(SpaceFeature).panel.contents.objects) == 1
+    assert len(found.get_feature(SpaceFeature).panel.contents.objects) == 1
     hand.window.actions_by_name["hide_object"].trigger()
-    assert found.feature(SpaceFeature).panel.contents.objects == ()
+    assert found.get_feature(SpaceFeature).panel.contents.objects == ()
     assert hand.canvas.layers["objects"].fills.count == 0
 
 
 def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
     hand.key(KEY.Key_Return)
-    found.docks.reveal("objects")
+    found.docks.reveal_panel("objects")
     table = found.panels["objects"].table
     hand.wait(lambda: all(found.workspace.object_list.figures_of(item) is not None for item in items(found)))
     model = table.model()
@@ -177,7 +177,7 @@ def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, han
 def test_objects_come_back_with_a_session(found, hand, tmp_path) -> None:
     hand.key(KEY.Key_Return)
     before = items(found)
-    file: DocumentFile = found.feature(OpenSaveFeature).document_file
+    file: DocumentFile = found.get_feature(OpenSaveFeature).document_file
     path = tmp_path / "balls.cpm"
     assert file.save_and_wait(path)
     found.session.edit("delete", lambda document: type(document)(document.image))
@@ -217,7 +217,7 @@ def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, 
     found.workspace.slices.go_through(ONE)
     shown = [shape for shape in found.canvas_area.canvas.drawn_scene.document.shapes if isinstance(shape, RegionSection)]
     assert len(shown) == 1
-    path, file = tmp_path / "region.cpm", found.feature(OpenSaveFeature).document_file
+    path, file = tmp_path / "region.cpm", found.get_feature(OpenSaveFeature).document_file
     assert file.save_and_wait(path)
     assert load_session(path).shapes[-1] == region
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)

@@ -103,8 +103,8 @@ def test_shift_erases_what_the_ring_goes_over_and_nothing_is_left_of_a_whole_era
 
 
 def test_other_slices_are_painted_across_their_axes(volume, hand, brush) -> None:
-    hand.wait(lambda: len(volume.feature(SlicesFeature).sides) == 2)
-    sides = volume.feature(SlicesFeature).sides
+    hand.wait(lambda: len(volume.get_feature(SlicesFeature).sides) == 2)
+    sides = volume.get_feature(SlicesFeature).sides
     for view, axis in zip(sides, (1, 2), strict=True):
         before = masks(volume)[0] if items(volume) else np.zeros(SHAPE, bool)
         index = volume.session.scene.slices.voxel[axis]
@@ -121,7 +121,7 @@ def test_the_lines_in_slices_enclose_the_voxels_that_have_been_painted(volume, h
     stroke(hand.canvas, (12, 10), (15, 18))
     mask = masks(volume)[0]
     assert_is(mask, covered((12, 12, 10), (12, 15, 18)))
-    for view in (hand.canvas, *volume.feature(SlicesFeature).sides):
+    for view in (hand.canvas, *volume.get_feature(SlicesFeature).sides):
         here = view.drawn_scene.slices.current
         (cut,) = view.drawn_scene.document.objects.items
         expected = here.slice_array(mask)
@@ -147,10 +147,10 @@ def test_a_frozen_object_keeps_every_voxel_and_others_are_painted_over_if_that_i
     assert np.array_equal(masks(volume)[0], first)
     assert "frozen" in volume.canvas_area.messages.text
     listed.toggle_state("frozen")
-    volume.do("paint_over")
+    volume.trigger_action("paint_over")
     stroke(hand.canvas, (12, 16), (12, 8), keys=CTRL)
     assert np.array_equal(masks(volume)[0], first)
-    volume.do("paint_over")
+    volume.trigger_action("paint_over")
     stroke(hand.canvas, (12, 8), keys=CTRL)
     left, new = masks(volume)[0], masks(volume)[-1]
     assert np.array_equal(left, first & ~new)
@@ -165,8 +165,8 @@ def test_painted_objects_are_measured_drawn_in_space_saved_and_exported(volume, 
     hand.wait(lambda: all(listed.figures_of(item) is not None for item in items(volume)))
     counts = [int(mask.sum()) for mask in masks(volume)]
     assert [listed.figures_of(item).volume for item in items(volume)] == counts
-    hand.wait(lambda: len(volume.feature(SpaceFeature).panel.contents.objects) == 2)
-    path, file = tmp_path / "painted.cpm", volume.feature(OpenSaveFeature).document_file
+    hand.wait(lambda: len(volume.get_feature(SpaceFeature).panel.contents.objects) == 2)
+    path, file = tmp_path / "painted.cpm", volume.get_feature(OpenSaveFeature).document_file
     assert file.save_and_wait(path)
     kept = load_session(path).objects.items
     assert kept == items(volume)

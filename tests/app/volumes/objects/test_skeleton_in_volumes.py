@@ -73,7 +73,7 @@ def test_center_lines_are_exported_and_come_back_with_a_session(found, hand, tmp
     lines = [line for line in written.read_text().splitlines() if not line.startswith("#")]
     assert len(lines) > 10
     path = tmp_path / "work.cpm"
-    assert found.feature(OpenSaveFeature).document_file.save_and_wait(path)
+    assert found.get_feature(OpenSaveFeature).document_file.save_and_wait(path)
     before = found.session.scene.skeleton.contours[0].points
     found.open_image(str(path))
     hand.wait(lambda: found.session.idle and found.session.scene.skeleton is not None)

@@ -17,7 +17,7 @@ CENTER = np.array([11.5, 13.5, 15.5])
 def test_arrows_of_the_field_point_to_the_surface_in_every_slice(volume, hand) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_9, ALT)
-    views = (hand.canvas, *volume.feature(SlicesFeature).sides)
+    views = (hand.canvas, *volume.get_feature(SlicesFeature).sides)
     hand.wait(lambda: all(len(view.layers["field"].arrow_points) for view in views))
     for view in views:
         field = view.drawn_scene.overlays["field"]

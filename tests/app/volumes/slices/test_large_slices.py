@@ -32,7 +32,7 @@ def shown(view) -> DisplayImage:
 
 
 def test_a_large_slice_is_shown_as_a_preview_and_then_with_all_its_pixels(large, hand) -> None:
-    canvas, sides = large.canvas_area.canvas, large.feature(SlicesFeature).sides
+    canvas, sides = large.canvas_area.canvas, large.get_feature(SlicesFeature).sides
     for index in (13, 14):
         hand.key(Qt.Key.Key_PageDown)
         assert shown(canvas).finest == 2

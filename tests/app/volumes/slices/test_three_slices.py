@@ -18,7 +18,7 @@ LEFT, SHIFT = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier
 
 
 def sides(window):
-    return window.feature(SlicesFeature).sides
+    return window.get_feature(SlicesFeature).sides
 
 
 def lines(view) -> list[float]:

@@ -22,7 +22,7 @@ PATIENCE = 120_000
 
 @pytest.fixture
 def space(volume):
-    return volume.feature(SpaceFeature).panel
+    return volume.get_feature(SpaceFeature).panel
 
 
 @pytest.fixture
@@ -73,11 +73,11 @@ def test_a_click_in_space_moves_the_slices_there(volume, hand, space) -> None:
 def test_the_picture_in_space_is_saved_as_it_is_seen(volume, hand, space, tmp_path) -> None:
     hand.wait(lambda: space.view.is_idle)
     path = tmp_path / "space.png"
-    volume.feature(SpaceFeature).write(path, False)
+    volume.get_feature(SpaceFeature).write_view(path, False)
     hand.wait(path.exists)
     seen = np.asarray(PIL.Image.open(path).convert("RGB"))
     assert seen.shape[:2] == space.view.picture_size
-    background = tuple(int(theme.CANVAS[i : i + 2], 16) for i in (1, 3, 5))
+    background = tuple(int(theme.CANVAS_COLOR[i : i + 2], 16) for i in (1, 3, 5))
     shown = space.view.grab().toImage()
     shown = shown.convertToFormat(shown.Format.Format_RGB888)
     drawn = np.frombuffer(shown.constBits(), np.uint8).reshape(shown.height(), shown.bytesPerLine())
@@ -91,7 +91,7 @@ def test_a_turntable_is_one_full_turn(volume, hand, space, tmp_path, monkeypatch
     monkeypatch.setattr("cpm_app.views.features.volumes.FRAMES", 8)
     hand.wait(lambda: space.view.is_idle)
     path = tmp_path / "turn.gif"
-    volume.feature(SpaceFeature).write(path, True)
+    volume.get_feature(SpaceFeature).write_view(path, True)
     hand.wait(path.exists)
     with PIL.Image.open(path) as film:
         assert film.n_frames == 8
