@@ -43,11 +43,11 @@ The model on one page
     and the kinetic and potential **energy**, which damping dissipates until the run is at rest (`model.measures`).
 
 `Engine` composes them step by step (`segmentation.engine`); `segment` is a whole run in one call, `evolve` an iterator
-over its steps, and `follow` runs on each page of a stack, starting from the contours of the previous page (`pages`).
+over its steps, and `follow_pages` runs on each page of a stack, starting from the contours of the previous page (`pages`).
 `contours.measurements` measures each contour and finds its nesting; `Result.labels` and `Result.table` are the enclosed
 pixels and their measurements. Given a **ground truth**, as a mask or as contours, `compare` measures the agreement with
 it (`contours.agreement`, `contours.ground_truth`), and in a volume `compare_surface` that of the surface.
-`formats` reads and writes files: `export` selects the format of contours by the suffix, `encoded` returns the same as
+`formats` reads and writes files: `export` selects the format of contours by the suffix, `to_bytes` returns the same as
 bytes; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation` shows a run
 frame by frame; `write_figure` draws image and contours for a publication, as does ``plot`` of images and results on
 axes of matplotlib.
@@ -57,8 +57,8 @@ reconstructed (`medial_axis`). It needs no seeds. In a volume it consists of the
 (`medial_axis.centerlines`). Contours and skeletons both come from a `Method`, which the same loop runs step by step.
 
 **Objects** are selected by points, scribbles and boxes, with `select` and `select_all`: an object is the region that a
-closed contour encloses unambiguously, elsewhere the one predicted by a network trained on outlined images (`objects`).
-In a notebook they are clicked in a `view`.
+closed contour encloses unambiguously, elsewhere the one predicted by a network trained on outlined images (`find_objects`).
+In a notebook they are clicked in a `notebook_view`.
 
 The **classical methods** to which the publication compares its own, snakes and level sets, are listed with the charged
 particles in `CONTOUR_METHODS`: from the same image and the same drawn `Start`, each yields the states of a run one by
@@ -87,7 +87,6 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import (
-    to_bytes,
     export,
     load_centerlines,
     load_contours,
@@ -96,6 +95,7 @@ from cpm_core.formats import (
     load_points,
     load_surface,
     load_volume,
+    to_bytes,
 )
 from cpm_core.formats.animation import write_animation
 from cpm_core.formats.common.provenance import VERSION
@@ -113,18 +113,25 @@ from cpm_core.model.coulomb import coulomb_force
 from cpm_core.model.measures import Energies, Forces
 from cpm_core.model.starts import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.model.state import Particles, State
-from cpm_core.model.volume.starts import seeds_at_centers, seeds_on_box, seeds_everywhere, seeds_in_slice, seeds_on_strong_edges, sphere
+from cpm_core.model.volume.starts import (
+    seeds_at_centers,
+    seeds_everywhere,
+    seeds_in_slice,
+    seeds_on_box,
+    seeds_on_strong_edges,
+    sphere,
+)
 from cpm_core.objects import (
+    NotebookView,
     Partition,
     Selection,
-    NotebookView,
     VolumePartition,
     VolumeSelection,
+    notebook_view,
     objects_result,
     partition,
     select,
     select_all,
-    notebook_view,
 )
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
@@ -132,8 +139,8 @@ from cpm_core.objects.methods import (
     ContourState,
     RunReport,
     Start,
-    report_run,
     iterate_method,
+    report_run,
     run_method,
 )
 from cpm_core.pages.follow import follow_pages
@@ -165,13 +172,12 @@ __all__ = [
     "Energies",
     "Engine",
     "Evolution",
-    "Evolved",
     "Extrusion",
-    "Facts",
     "Forces",
     "Geometry",
     "Image",
     "Method",
+    "NotebookView",
     "Page",
     "Parameters",
     "Particles",
@@ -179,6 +185,8 @@ __all__ = [
     "PlacedCharge",
     "Regions",
     "Result",
+    "RunReport",
+    "RunState",
     "Selection",
     "Skeleton",
     "Start",
@@ -188,13 +196,10 @@ __all__ = [
     "Table",
     "TrackEvent",
     "Truth",
-    "View",
     "VolumePartition",
     "VolumeRegions",
     "VolumeSelection",
     "VolumeTruth",
-    "at_centers",
-    "box",
     "centerlines",
     "circle",
     "compare",
@@ -204,15 +209,12 @@ __all__ = [
     "divergence_centers",
     "edge_map",
     "electric_field",
-    "encoded",
-    "everywhere",
     "evolve",
     "example",
     "export",
-    "facts_of",
-    "follow",
+    "follow_pages",
     "gradient_threshold",
-    "in_slice",
+    "iterate_method",
     "load_centerlines",
     "load_contours",
     "load_image",
@@ -223,21 +225,26 @@ __all__ = [
     "load_volume",
     "load_volume_truth",
     "measure",
-    "moments",
+    "notebook_view",
     "objects_result",
-    "on_strong_edges",
     "partition",
     "reconstruct_curve",
     "reconstruct_surface",
+    "report_run",
     "run_method",
+    "seeds_at_centers",
+    "seeds_everywhere",
+    "seeds_in_slice",
+    "seeds_on_box",
+    "seeds_on_strong_edges",
     "segment",
     "select",
     "select_all",
     "skeleton",
     "sphere",
     "stroke",
+    "to_bytes",
     "uniform_grid",
-    "view",
     "write_animation",
     "write_figure",
 ]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cpm_core.contours.result import Result
-from cpm_core.field.edge_map import smoothed_gradient, gradient_in_window
+from cpm_core.field.edge_map import gradient_in_window, smoothed_gradient
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.scale_field import build_scale_field, limit_field_to
 from cpm_core.image.denoising import remove_noise

@@ -22,7 +22,7 @@ CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tiff
 
 LATE_LIBRARIES = {
     "cpm_core.image.drawing": {"matplotlib"},
-    "cpm_core.objects.view": {"anywidget", "traitlets"},
+    "cpm_core.objects.notebook_view": {"anywidget", "traitlets"},
     "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.objects.segmented.by_hand": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},

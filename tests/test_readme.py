@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cpm_core import cli
-from cpm_core.formats import IMAGES_READABLE, CONTOURS_WRITABLE
+from cpm_core.formats import CONTOURS_WRITABLE, IMAGES_READABLE
 from cpm_core.parameters import PRESETS
 
 ROOT = Path(__file__).parent.parent

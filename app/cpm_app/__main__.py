@@ -84,7 +84,9 @@ def _open_window(path: str | None) -> int:
     except ImportError as error:
         if error.name in _QT_PACKAGES and isinstance(error, ModuleNotFoundError):
             return _print_error(_MISSING_QT_ERROR)
-        return _print_error(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
+        return _print_error(
+            f"The window cannot be opened because a library cannot be loaded ({error}); see the README."
+        )
     gc.enable()
     return run_application(path)
 

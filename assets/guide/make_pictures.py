@@ -45,7 +45,9 @@ def show(window: MainWindow, file: str) -> None:
     """Open a sample."""
     sample = find_sample_named(file)
     assert sample is not None
-    window.get_feature(OpenSaveFeature).document_file.treat_as_saved()  # nobody is there to be asked whether it is to be saved
+    window.get_feature(
+        OpenSaveFeature
+    ).document_file.treat_as_saved()  # nobody is there to be asked whether it is to be saved
     session, before = window.session, window.session.image_generation
     window.open_image(str(sample.path))
     wait(lambda: session.image_generation != before and session.idle and not session.status.busy)

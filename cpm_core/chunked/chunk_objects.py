@@ -10,9 +10,9 @@ import numpy as np
 from cpm_core.chunked.grid import Chunk, ChunkedSource, box_touches
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.numerics.grids import Window, expand_window, true_bounds, relative_window
+from cpm_core.numerics.grids import Window, expand_window, relative_window, true_bounds
 from cpm_core.numerics.types import Array
-from cpm_core.objects.everywhere import ImageParts, find_object_candidates
+from cpm_core.objects.all_objects import ImageParts, find_object_candidates
 from cpm_core.objects.partition import ParentImage, Partition
 
 OBJECT_MARGINS = 128, 384, 1024

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.chunked.grid import Chunk, ChunkedSource
-from cpm_core.chunked.survey import ImageStatistics
+from cpm_core.chunked.image_statistics import ImageStatistics
 from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
@@ -27,7 +27,12 @@ Nearer ones would be deleted in the first steps, and take three times the memory
 
 
 def find_chunk_contours(
-    source: ChunkedSource, chunk: Chunk, statistics: ImageStatistics, parameters: Parameters, kind: str, max_steps: int | None
+    source: ChunkedSource,
+    chunk: Chunk,
+    statistics: ImageStatistics,
+    parameters: Parameters,
+    kind: str,
+    max_steps: int | None,
 ) -> tuple[Contour, ...]:
     """Find the contours of a run from everywhere in what a chunk sees, in px of the image."""
     values = statistics.scaling.scale_grays(source.read_grays(chunk.padded))
@@ -37,7 +42,9 @@ def find_chunk_contours(
     corner = (chunk.padded[0].start, chunk.padded[1].start)
     image = Image(values, source=source.path.name)
     engine = Engine(
-        image, own, measured=lambda field, scale, given: statistics.impose_on_field(field, scale, corner, given.edge_floor)
+        image,
+        own,
+        measured=lambda field, scale, given: statistics.impose_on_field(field, scale, corner, given.edge_floor),
     )
     seeds = _place_chunk_seeds(engine.scale_field(own), kind)
     if not len(seeds):

@@ -114,7 +114,7 @@ class ChunkGrid:
         Shape of the image.
     side, overlap : int
         Side of the cores, and width of the margin that a chunk sees around its core [px].
-    whole : float
+    max_whole_side : float
         Longest side of the box of a contour that all chunks whose cores it touches see as a whole, undisturbed [px].
     """
 

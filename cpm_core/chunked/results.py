@@ -12,23 +12,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.chunked.grid import Chunk, ChunkGrid, ChunkedSource
-from cpm_core.chunked.run import Compute, ChunkedContours, ChunkedTask
+from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
+from cpm_core.chunked.run import ChunkedContours, ChunkedTask, Compute
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.region_table import measure_regions
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.formats.common.plain import encode_json
+from cpm_core.formats.common.json_values import encode_json
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_shapes
 from cpm_core.formats.contours.geojson import build_features
 from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
 from cpm_core.formats.images.resolution import ascii_unit
-from cpm_core.numerics.grids import Window, expand_window, window_shape, split_into_tiles
+from cpm_core.numerics.grids import Window, expand_window, split_into_tiles, window_shape
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.formatting import format_count
 from cpm_core.parameters.provenance import Provenance, select_parameters
-from cpm_core.parameters.quotation import format_count
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Everywhere
 
@@ -41,7 +41,9 @@ WRITABLE = {
 """Descriptions of the files by suffix."""
 
 
-def write_results(found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]) -> list[str]:
+def write_results(
+    found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]
+) -> list[str]:
     """Write files by their suffixes, and return the name of each file, or of all its tiles.
 
     Writers take what was found, a path, a draft to write to until all is written, and how jobs are computed.
@@ -71,14 +73,18 @@ def write_label_image(found: ChunkedContours, path: Path, draft: Path, compute: 
     return str(path)
 
 
-def build_label_image(source: ChunkedSource, grid: ChunkGrid, path: Path, paint: Callable[[Chunk], None], compute: Compute) -> None:
-    """Write a label image in levels of resolution, the finest of which `paint` writes in the core of each chunk."""
+def build_label_image(
+    source: ChunkedSource, grid: ChunkGrid, path: Path, paint: Callable[[Chunk], None], compute: Compute
+) -> None:
+    """Write a label image in levels of resolution, the finest of which `rasterize_labels` writes in the core of each chunk."""
     more = {"image-label": {"version": "0.5"}}
     count = create_multiscale(path, grid.shape, np.uint32, grid.side, source.levels.spacing, source.levels.unit, more)
     _wait_for_jobs(compute(paint, grid.chunks, "labels"))
     for level in range(1, count):
         shape = tuple(-(-n // 2**level) for n in grid.shape)
-        _wait_for_jobs(compute(partial(halve_window, path, level), split_into_tiles(shape, grid.side), "levels of labels"))
+        _wait_for_jobs(
+            compute(partial(halve_window, path, level), split_into_tiles(shape, grid.side), "levels of labels")
+        )
 
 
 def _paint_chunk_labels(found: ChunkedContours, path: Path, chunk: Chunk) -> None:
@@ -90,7 +96,7 @@ def _paint_chunk_labels(found: ChunkedContours, path: Path, chunk: Chunk) -> Non
 
 
 def _number_labels(contours: Sequence[Contour]) -> list[int]:
-    """Return the number of each label that `paint` gives to contours."""
+    """Return the number of each label that `rasterize_labels` gives to contours."""
     known = {label: one.group or one.number for one, label in zip(contours, assign_labels(contours), strict=True)}
     return [known[label] for label in sorted(known) if label]
 
@@ -115,19 +121,38 @@ def _write_tile(found: ChunkedContours, path: Path, chunk: Chunk) -> bool:
     result = _build_result(found, _add_inner_contours(found, chunk, own))
     features = build_features(result)[: sum(not one.hole for one in own)]
     name = path.with_stem(f"{path.stem}_{chunk.core[0].start}_{chunk.core[1].start}")
-    write_together([(name, encode_json({"type": "FeatureCollection", PROVENANCE_KEY: describe_provenance(result), "features": features}))])
+    write_together(
+        [
+            (
+                name,
+                encode_json(
+                    {"type": "FeatureCollection", PROVENANCE_KEY: describe_provenance(result), "features": features}
+                ),
+            )
+        ]
+    )
     return True
 
 
 def _add_inner_contours(found: ChunkedContours, chunk: Chunk, own: Sequence[Contour]) -> list[Contour]:
     """Add the contours of other chunks that may lie in one of a chunk."""
     mine = {one.group or one.number for one in own}
-    return [*own, *(one for one in found.find_contours_near(_find_window_around(found, chunk, own)) if (one.group or one.number) not in mine)]
+    return [
+        *own,
+        *(
+            one
+            for one in found.find_contours_near(_find_window_around(found, chunk, own))
+            if (one.group or one.number) not in mine
+        ),
+    ]
 
 
 def _find_window_around(found: ChunkedContours, chunk: Chunk, contours: Sequence[Contour]) -> Window:
     """Find the pixels around contours of a chunk, as far as it has neighbors."""
-    boxes, limits = np.array([one.box for one in contours]), expand_window(chunk.core, found.grid.side, found.grid.shape)
+    boxes, limits = (
+        np.array([one.box for one in contours]),
+        expand_window(chunk.core, found.grid.side, found.grid.shape),
+    )
     low, high = np.floor(boxes[:, 0].min(axis=0)).astype(int), np.ceil(boxes[:, 1].max(axis=0)).astype(int) + 1
     ends = zip(low.tolist(), high.tolist(), limits, strict=True)
     return tuple(slice(max(first, side.start), min(last, side.stop)) for first, last, side in ends)
@@ -145,7 +170,9 @@ def _build_result(found: ChunkedContours, contours: Sequence[Contour]) -> Result
 
 def build_provenance(task: ChunkedTask) -> Provenance:
     """Build the provenance of what a task finds."""
-    return Provenance("cpm", select_parameters(task.parameters, Engine.parameters), None, describe_shapes([Everywhere(task.kind)]), 0)
+    return Provenance(
+        "cpm", select_parameters(task.parameters, Engine.parameters), None, describe_shapes([Everywhere(task.kind)]), 0
+    )
 
 
 def write_contour_table(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> str:
@@ -184,7 +211,10 @@ def _build_table_columns(found: ChunkedContours, chunk: Chunk) -> dict[str, Arra
         if some and some is short:
             window = _find_window_around(found, chunk, some)
             contours = [one for one in _add_inner_contours(found, chunk, some) if one.closed]
-            labels, gray = rasterize_labels(_shift_contours(contours, window), window_shape(window)), source.read_grays(window)
+            labels, gray = (
+                rasterize_labels(_shift_contours(contours, window), window_shape(window)),
+                source.read_grays(window),
+            )
         table = measure_regions(contours, labels, gray, levels.spacing[1:], levels.unit)
         for name in dict.fromkeys((*table, *_GRAY_COLUMNS)):
             if name not in ("label", "name"):

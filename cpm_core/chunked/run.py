@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.chunked import survey
+from cpm_core.chunked import image_statistics
 from cpm_core.chunked.chunk_objects import MAX_OBJECT_SIDE, find_chunk_objects
 from cpm_core.chunked.chunk_run import find_chunk_contours
-from cpm_core.chunked.grid import Chunk, ChunkGrid, ChunkedSource, build_grid, window_limits, box_touches
-from cpm_core.chunked.seams import join_pieces, select_owned_contours, find_duplicates
+from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid, box_touches, build_grid, window_limits
+from cpm_core.chunked.seams import find_duplicates, join_pieces, select_owned_contours
 from cpm_core.chunked.store import ContourPiece, RunStore, pack_pieces, unpack_pieces
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, JsonDict, Integers, frozen
+from cpm_core.numerics.types import Array, Integers, JsonDict, frozen
 from cpm_core.objects.partition import ParentImage
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.hysteresis import least_contour_length
@@ -82,17 +82,17 @@ class ChunkedContours:
         The run.
     grid : Grid
         The chunks.
-    whole : Whole
+    statistics : Whole
         What the fields depend on in the whole image.
     counts : tuple of int
         Number of contours, or of objects, of each chunk.
     kind : str
-        `CONTOURS` or `OBJECTS`; the contours of an object share its number as their `Contour.group`.
+        `CONTOURS_KIND` or `OBJECTS_KIND`; the contours of an object share its number as their `Contour.group`.
     """
 
     task: ChunkedTask
     grid: ChunkGrid
-    statistics: survey.ImageStatistics
+    statistics: image_statistics.ImageStatistics
     counts: Integers
     kind: str = CONTOURS_KIND
 
@@ -120,7 +120,9 @@ class ChunkedContours:
         low, high = window_limits(window)
         long = self.task.store.load(f"{self.kind}.npz", "long", "chunk")
         there = ((long["long"][:, 1] >= low) & (long["long"][:, 0] <= high)).all(axis=1)
-        found += [one for at in np.setdiff1d(long["chunk"][there], numbers).tolist() for one in self._read_long_contours(at)]
+        found += [
+            one for at in np.setdiff1d(long["chunk"][there], numbers).tolist() for one in self._read_long_contours(at)
+        ]
         return [one for one in found if box_touches(one, window)]
 
     def _read_long_contours(self, chunk: int) -> list[Contour]:
@@ -155,7 +157,12 @@ def run_chunks(task: ChunkedTask, compute: Compute, side: int) -> ChunkedContour
 
 
 def map_chunks(
-    compute: Compute, process_chunk: Callable[[Chunk], None], store: RunStore, chunks: Iterable[Chunk], kind: str, title: str = ""
+    compute: Compute,
+    process_chunk: Callable[[Chunk], None],
+    store: RunStore,
+    chunks: Iterable[Chunk],
+    kind: str,
+    title: str = "",
 ) -> None:
     """Process each of some chunks that has no file of a kind yet."""
     todo = [chunk for chunk in chunks if not store.has_file(chunk_file_name(kind, chunk.number))]
@@ -163,21 +170,23 @@ def map_chunks(
         pass
 
 
-def survey_image(task: ChunkedTask, compute: Compute, side: int) -> tuple[ChunkGrid, survey.ImageStatistics]:
+def survey_image(task: ChunkedTask, compute: Compute, side: int) -> tuple[ChunkGrid, image_statistics.ImageStatistics]:
     """Measure the statistics of the whole image, and divide the image into chunks."""
     source, parameters, shape = task.source, task.parameters, task.source.shape
     if task.store.has_file(STATISTICS_FILE):
-        whole = survey.ImageStatistics.from_arrays(task.store.load(STATISTICS_FILE), shape)
+        whole = image_statistics.ImageStatistics.from_arrays(task.store.load(STATISTICS_FILE), shape)
         return build_grid(shape, parameters, whole.scaling.smoothing, side), whole
-    tone, frame = survey.fixed_scaling(shape, parameters), None
+    tone, frame = image_statistics.fixed_scaling(shape, parameters), None
     if tone is None or task.objects:
         plain = ChunkGrid(shape, side, 0, 0.0)
-        gray = sort_results(compute(partial(survey.measure_gray_levels, source), plain.chunks, "gray levels"))
-        tone = tone or survey.find_scaling(source, plain, gray, parameters)
-        frame = survey.build_parent_image(source, plain, gray) if task.objects else None
+        gray = sort_results(compute(partial(image_statistics.measure_gray_levels, source), plain.chunks, "gray levels"))
+        tone = tone or image_statistics.find_scaling(source, plain, gray, parameters)
+        frame = image_statistics.build_parent_image(source, plain, gray) if task.objects else None
     grid = build_grid(shape, parameters, tone.smoothing, side)
-    work = partial(survey.measure_edges, source, tone=tone, parameters=parameters)
-    whole = survey.combine_statistics(tone, sort_results(compute(work, grid.chunks, "edges")), parameters, frame)
+    work = partial(image_statistics.measure_edges, source, tone=tone, parameters=parameters)
+    whole = image_statistics.combine_statistics(
+        tone, sort_results(compute(work, grid.chunks, "edges")), parameters, frame
+    )
     task.store.save(STATISTICS_FILE, **whole.arrays)
     return grid, whole
 
@@ -187,7 +196,9 @@ def sort_results(results: Iterable[tuple[int, Any]]) -> list[Any]:
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 
 
-def find_contours_in_chunk(task: ChunkedTask, grid: ChunkGrid, statistics: survey.ImageStatistics, chunk: Chunk) -> None:
+def find_contours_in_chunk(
+    task: ChunkedTask, grid: ChunkGrid, statistics: image_statistics.ImageStatistics, chunk: Chunk
+) -> None:
     """Find the contours of a chunk and store those that it keeps, unless a worker that died has done so."""
     if task.store.has_file(chunk_file_name(CONTOURS_KIND, chunk.number)):
         return
@@ -209,7 +220,12 @@ def find_objects_in_chunk(found: ChunkedContours, parent: ParentImage, chunk: Ch
 
 
 def _save_chunk(
-    store: RunStore, kind: str, chunk: Chunk, boxes: Sequence[Array], items: Sequence[int], **pieces: Sequence[ContourPiece]
+    store: RunStore,
+    kind: str,
+    chunk: Chunk,
+    boxes: Sequence[Array],
+    items: Sequence[int],
+    **pieces: Sequence[ContourPiece],
 ) -> None:
     """Store the boxes of what a chunk keeps, its contours with the numbers of their boxes, and pieces of others."""
     arrays = {f"{prefix}_{key}": values for prefix, some in pieces.items() for key, values in pack_pieces(some).items()}

@@ -1,6 +1,6 @@
 """Seams: which chunk a contour belongs to, and contours joined across the borders of chunks.
 
-A closed contour whose box is at most `Grid.whole` long belongs to the chunk with the middle of its box. That chunk sees
+A closed contour whose box is at most `ChunkGrid.max_whole_side` long belongs to the chunk with the middle of its box. That chunk sees
 all of it undisturbed, and so do all chunks whose cores it touches: no chunk asks another. Of longer contours each chunk
 keeps the pieces in its core and a little beyond, so that pieces of neighbors overlap; there they are joined, and
 stretches that a contour shares with another at its ends are kept once.
@@ -27,7 +27,9 @@ _SAME_BOUNDARY_DISTANCE = 0.5
 """Distance up to which two chunks see the same boundary [px]; in fact they differ by some thousandths."""
 
 
-def select_owned_contours(contours: Sequence[Contour], chunk: Chunk, grid: ChunkGrid) -> tuple[list[ContourPiece], list[ContourPiece]]:
+def select_owned_contours(
+    contours: Sequence[Contour], chunk: Chunk, grid: ChunkGrid
+) -> tuple[list[ContourPiece], list[ContourPiece]]:
     """Select the contours that a chunk owns, and cut pieces of long ones."""
     low, high = window_limits(chunk.core)
     low, high = np.where(low < 0.0, -np.inf, low), np.where(high > np.array(grid.shape) - 1.0, np.inf, high)
@@ -67,7 +69,9 @@ def find_duplicates(boxes: Array, chunks: Index, grid: ChunkGrid) -> Mask:
     """
     middle = boxes.mean(axis=1)
     edge = (middle + 0.5) % grid.side
-    near = np.flatnonzero((np.minimum(edge, grid.side - edge) <= OWNERSHIP_TOLERANCE + _SAME_BOUNDARY_DISTANCE).has_object(axis=1))
+    near = np.flatnonzero(
+        (np.minimum(edge, grid.side - edge) <= OWNERSHIP_TOLERANCE + _SAME_BOUNDARY_DISTANCE).any(axis=1)
+    )
     found = np.zeros(len(boxes), bool)
     if len(near):
         pairs = scipy.spatial.KDTree(boxes[near].reshape(-1, 4)).query_pairs(
@@ -137,7 +141,7 @@ def _trim_shared_ends(contours: list[Contour]) -> Iterator[Contour]:
             else np.ones(1, bool)
         )
         first, end = (max(int(way.argmax()) - 1, 0) for way in (own, own[::-1]))  # with a vertex where they meet
-        kept = one.points[first : len(one.points) - end] if own.has_object() else one.points[:0]
+        kept = one.points[first : len(one.points) - end] if own.any() else one.points[:0]
         lines[n] = shapely.LineString(kept) if len(kept) < len(one.points) else lines[n]
         if len(kept) > 1:
             yield replace(one, points=kept)
@@ -153,7 +157,9 @@ def _find_continuation(points: Array, other: Array) -> tuple[int, int]:
     return (0, min(here + 1, len(other) - 1)) if here > before else (1, max(here - 1, 0))
 
 
-def _chain_pieces(pieces: Sequence[ContourPiece], left: Sequence[int], ends: dict[tuple[int, int], _End]) -> list[Contour]:
+def _chain_pieces(
+    pieces: Sequence[ContourPiece], left: Sequence[int], ends: dict[tuple[int, int], _End]
+) -> list[Contour]:
     """Chain pieces that are connected at their ends, from loose ends on, then those that run around."""
     found, used = [], set[int]()
     loose = [(n, end) for n in left for end in (0, 1) if (n, end) not in ends]

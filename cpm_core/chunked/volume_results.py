@@ -28,13 +28,17 @@ WRITABLE = {
 
 def write_label_volume(bodies: ChunkedBodies, path: Path, draft: Path, compute: Compute) -> str:
     """Write a label volume in levels of resolution."""
-    build_label_image(bodies.volume.task.source, bodies.grid, draft, partial(_paint_body_labels, bodies, draft), compute)
+    build_label_image(
+        bodies.volume.task.source, bodies.grid, draft, partial(_paint_body_labels, bodies, draft), compute
+    )
     return str(path)
 
 
 def _paint_body_labels(bodies: ChunkedBodies, path: Path, chunk: Chunk) -> None:
     """Write the numbers of the bodies in the core of a chunk."""
-    of_part = bodies.body_of_part[bodies.first_part[chunk.number] : bodies.first_part[chunk.number + 1]].astype(np.uint32)
+    of_part = bodies.body_of_part[bodies.first_part[chunk.number] : bodies.first_part[chunk.number + 1]].astype(
+        np.uint32
+    )
     if of_part.any():
         write_window(path, 0, chunk.core, of_part[bodies.regions.read_window(chunk.core)])
 
@@ -88,5 +92,9 @@ def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute)
     return str(path)
 
 
-WRITERS = {".zarr": write_label_volume, ".ply": write_body_surfaces, **dict.fromkeys((".csv", ".parquet"), write_body_table)}
+WRITERS = {
+    ".zarr": write_label_volume,
+    ".ply": write_body_surfaces,
+    **dict.fromkeys((".csv", ".parquet"), write_body_table),
+}
 """Writers by suffix, with the interface of the writers of images."""

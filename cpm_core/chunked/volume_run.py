@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from cpm_core.chunked.grid import Chunk, ChunkGrid, disturbed_margin
-from cpm_core.chunked.run import STATISTICS_FILE, Compute, ChunkedTask, map_chunks, sort_results, chunk_file_name
-from cpm_core.chunked.survey import ChunkEdges, GrayScaling, ImageStatistics, find_sample_spacing
+from cpm_core.chunked.image_statistics import ChunkEdges, GrayScaling, ImageStatistics, find_sample_spacing
+from cpm_core.chunked.run import STATISTICS_FILE, ChunkedTask, Compute, chunk_file_name, map_chunks, sort_results
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import (
@@ -58,7 +58,7 @@ class ChunkedVolume:
         The run.
     grid : Grid
         The chunks.
-    whole : Whole
+    statistics : Whole
         Statistics of the whole volume.
     """
 
@@ -73,7 +73,9 @@ class ChunkedVolume:
 
     def smooth_chunk(self, chunk: Chunk) -> Single:
         """Smooth what a chunk sees of the volume, shape (P, R, C)."""
-        return smooth_volume(self.task.source.read_values(chunk.padded), (self.statistics.scaling.smoothing / self.voxel_sides).tolist())
+        return smooth_volume(
+            self.task.source.read_values(chunk.padded), (self.statistics.scaling.smoothing / self.voxel_sides).tolist()
+        )
 
     def load_particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[LocalThresholds, Array]:
         """Load the particles of a chunk and its neighbors within limits, each of shape (3,) [voxels].
@@ -96,7 +98,9 @@ def run_particles(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chunk
     volume, strongest = _survey_volume(task, compute, side)
     some = [chunk for chunk in volume.grid.chunks if strongest[chunk.number] >= volume.statistics.floor[0]]
     map_chunks(compute, partial(_find_chunk_particles, volume), task.store, some, PARTICLES_KIND)
-    distances = [task.store.load(chunk_file_name(PARTICLES_KIND, chunk.number), "distances")["distances"] for chunk in some]
+    distances = [
+        task.store.load(chunk_file_name(PARTICLES_KIND, chunk.number), "distances")["distances"] for chunk in some
+    ]
     apart = np.concatenate([np.empty(0), *distances])
     if not len(apart):
         raise ValueError("No particle has found an edge in this volume: lower --edge-floor or --smoothing.")
@@ -126,7 +130,9 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
     if not scales[0].strongest:
         raise ValueError("The volume is the same everywhere and has no edges: open a volume with objects.")
     floors = [weakest_volume_edge(one.strongest, one.background, parameters.edge_floor)[0] for one in scales]
-    whole = ImageStatistics(GrayScaling(0.0, 0.0, 1.0, sigma, ()), tuple(one.strongest for one in scales), tuple(floors))
+    whole = ImageStatistics(
+        GrayScaling(0.0, 0.0, 1.0, sigma, ()), tuple(one.strongest for one in scales), tuple(floors)
+    )
     in_core = np.array([one.strongest[0] for one in looked[sigma]])
     task.store.save(STATISTICS_FILE, in_core=in_core, **whole.arrays)
     return ChunkedVolume(task, _build_volume_grid(task, sigma, side), whole), in_core
@@ -143,7 +149,9 @@ def _measure_chunk_edges(task: ChunkedTask, sigma: float, chunk: Chunk) -> Chunk
     pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
     step = BACKGROUND_STRIDE * -(-find_sample_spacing(shape) // BACKGROUND_STRIDE)
     for scale, values in enumerate(build_pyramid(task.source.read_values(chunk.padded), task.parameters.scales)):
-        strength = VolumeSlopes.from_volume(smooth_volume(values, [sigma / side for side in pitch]), pitch).edge_strengths()
+        strength = VolumeSlopes.from_volume(
+            smooth_volume(values, [sigma / side for side in pitch]), pitch
+        ).edge_strengths()
         size = 2**scale
         own = relative_window(chunk.core, chunk.padded)
         core = strength[tuple(slice(-(-at.start // size), -(-at.stop // size)) for at in own)]
@@ -188,7 +196,11 @@ def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[LocalThresholds,
 
     engine = Engine(image, own, measured=impose_statistics)
     field: Any = engine.scale_field(own)
-    seeds = seeds_everywhere(image) if task.kind == "grid" else pixels_above(field.edge_map, STRONG_EDGE_FRACTION, whole.strongest[0])
+    seeds = (
+        seeds_everywhere(image)
+        if task.kind == "grid"
+        else pixels_above(field.edge_map, STRONG_EDGE_FRACTION, whole.strongest[0])
+    )
     if not len(seeds):
         return nothing
     run = Evolution(engine, engine.start(seeds), own, task.max_steps)

@@ -17,19 +17,32 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.chunked.grid import Chunk, ChunkGrid, ChunkedSource
-from cpm_core.chunked.run import Compute, ChunkedTask, map_chunks, chunk_file_name
-from cpm_core.chunked.survey import ImageStatistics
+from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
+from cpm_core.chunked.image_statistics import ImageStatistics
+from cpm_core.chunked.run import ChunkedTask, Compute, chunk_file_name, map_chunks
 from cpm_core.chunked.volume_run import VOLUME_CHUNK_SIDE, ChunkedVolume, run_particles
 from cpm_core.formats.images.ome_zarr import create_multiscale, write_window
 from cpm_core.formats.images.reading import Reading
-from cpm_core.numerics.grids import Window, bridge_corner_contacts, label_joined_pairs, find_connected_parts, relative_window, window_shape, zero_surface
-from cpm_core.numerics.types import Array, JsonDict, Index, Mask, Single, frozen, record
-from cpm_core.reconstruction.surface.components import HEIGHT_AWAY_FROM_PARTICLES, has_enough_support, has_point_within, vote_on_unknown_regions
+from cpm_core.numerics.grids import (
+    Window,
+    bridge_corner_contacts,
+    find_connected_parts,
+    label_joined_pairs,
+    relative_window,
+    window_shape,
+    zero_surface,
+)
+from cpm_core.numerics.types import Array, Index, JsonDict, Mask, Single, frozen, record
+from cpm_core.reconstruction.surface.blur_correction import blurred_edge_width
+from cpm_core.reconstruction.surface.components import (
+    HEIGHT_AWAY_FROM_PARTICLES,
+    has_enough_support,
+    has_point_within,
+    vote_on_unknown_regions,
+)
 from cpm_core.reconstruction.surface.joints import RAISED_HEIGHT, SaddleSurroundings, bridge_necks, bridge_thin_vessels
-from cpm_core.reconstruction.surface.local_threshold import VoxelBox, LocalThresholds, height_over_threshold
+from cpm_core.reconstruction.surface.local_threshold import LocalThresholds, VoxelBox, height_over_threshold
 from cpm_core.reconstruction.surface.pipeline import width_and_band
-from cpm_core.reconstruction.surface.sharpened import blurred_edge_width
 
 _REGION_OFFSET = np.float32(2**20)
 """Offset of the numbers of regions away from particles, from 1, that are stored in place of heights.
@@ -124,11 +137,11 @@ class EdgeHeights:
     ----------
     volume : Volume
         The chunks.
-    apart : float
+    particle_distance : float
         Typical distance between particles [smallest sides of a voxel].
     first : ndarray of int64
         First region of each chunk.
-    of_region : ndarray of float32
+    region_heights : ndarray of float32
         Height of each region.
     sign : float
         1, or -1 where the inside is darker.
@@ -170,13 +183,17 @@ def _decode_regions(values: NDArray[Any]) -> Index:
 def compute_heights(volume: ChunkedVolume, apart: float, compute: Compute) -> EdgeHeights:
     """Compute the height over the edges of a volume with this typical distance between its particles."""
     regions = _NumberedRegions(volume, "height")
-    regions.compute_chunks(np.float32, partial(_compute_chunk_height, regions, apart), compute, "surface near particles")
+    regions.compute_chunks(
+        np.float32, partial(_compute_chunk_height, regions, apart), compute, "surface near particles"
+    )
     names = ("votes", "at_border", "bright", "known")
     known = [regions.load_chunk(chunk.number, *names) for chunk in volume.grid.chunks]
     counts = np.array([len(one["votes"]) for one in known])
     group = regions.join_regions(counts, _decode_regions)
     votes = np.bincount(group, np.concatenate([one["votes"] for one in known]))
-    heights = np.where(votes > 0, np.float32(HEIGHT_AWAY_FROM_PARTICLES), np.float32(-HEIGHT_AWAY_FROM_PARTICLES))[group]
+    heights = np.where(votes > 0, np.float32(HEIGHT_AWAY_FROM_PARTICLES), np.float32(-HEIGHT_AWAY_FROM_PARTICLES))[
+        group
+    ]
     # an object may be darker than its surroundings: the side with most of the border of the volume is the outside
     at_border = np.concatenate([one["at_border"] for one in known])
     bright = at_border[heights > 0.0].sum() + sum(int(one["bright"]) for one in known)
@@ -184,7 +201,9 @@ def compute_heights(volume: ChunkedVolume, apart: float, compute: Compute) -> Ed
     return EdgeHeights(volume, apart, np.cumsum([0, *counts]), heights, -1.0 if 2 * bright > total else 1.0)
 
 
-def _load_particles_near(volume: ChunkedVolume, chunk: Chunk, window: Window, margin: float) -> tuple[LocalThresholds, Array]:
+def _load_particles_near(
+    volume: ChunkedVolume, chunk: Chunk, window: Window, margin: float
+) -> tuple[LocalThresholds, Array]:
     """Load the particles around a window, in voxels of what a chunk sees."""
     low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T
     levels, normals = volume.load_particles(chunk, low, high)
@@ -213,7 +232,9 @@ def _compute_chunk_height(regions: _NumberedRegions, apart: float, chunk: Chunk)
     region = _decode_regions(border)
     at_border = np.bincount(region[region >= 0], minlength=len(votes))
     bright = np.count_nonzero(border[region < 0] > 0.0)
-    regions.save_chunk(chunk, inner, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0))
+    regions.save_chunk(
+        chunk, inner, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0)
+    )
 
 
 def _collect_border_values(volume: ChunkedVolume, chunk: Chunk, values: NDArray[Any]) -> NDArray[Any]:
@@ -227,7 +248,9 @@ def _collect_border_values(volume: ChunkedVolume, chunk: Chunk, values: NDArray[
 
 def find_necks(heights: EdgeHeights, compute: Compute) -> None:
     """Find the necks and threads of each chunk, and store the voxels that they raise."""
-    map_chunks(compute, partial(_find_chunk_necks, heights), heights.volume.task.store, heights.volume.grid.chunks, _NECKS_KIND)
+    map_chunks(
+        compute, partial(_find_chunk_necks, heights), heights.volume.task.store, heights.volume.grid.chunks, _NECKS_KIND
+    )
 
 
 def _find_chunk_necks(heights: EdgeHeights, chunk: Chunk) -> None:
@@ -236,7 +259,9 @@ def _find_chunk_necks(heights: EdgeHeights, chunk: Chunk) -> None:
     if len(levels.points):
         found = heights.read_window(tuple(slice(side.start - 1, side.stop + 1) for side in chunk.padded))
         smoothed, begin = volume.smooth_chunk(chunk), np.array([-1, -1, -1])
-        around = SaddleSurroundings(smoothed, heights.sign, levels.points, heights.sign * normals, levels.slopes, volume.voxel_sides)
+        around = SaddleSurroundings(
+            smoothed, heights.sign, levels.points, heights.sign * normals, levels.slopes, volume.voxel_sides
+        )
         ways = bridge_necks(found, begin, around)
         ways += bridge_thin_vessels(found, begin, around, blurred_edge_width(volume.statistics.scaling.smoothing))
         ways = [way + [side.start for side in chunk.padded] for way in ways]
@@ -254,9 +279,9 @@ class ChunkedBodies:
         The chunks.
     table : dict of ndarray
         Columns: number, volume and area in units of length, center (plane, row, col) [voxels].
-    first : ndarray of int64
+    first_part : ndarray of int64
         First part of each chunk.
-    of_part : ndarray of int64
+    body_of_part : ndarray of int64
         Number of the body of each part; 0 outside.
     """
 
@@ -398,7 +423,9 @@ def _number_chunk_parts(files: _NumberedRegions, heights: EdgeHeights, chunk: Ch
     )
 
 
-def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels: NDArray[np.int32], window: Window) -> JsonDict:
+def _triangulate_chunk(
+    heights: EdgeHeights, chunk: Chunk, found: Single, labels: NDArray[np.int32], window: Window
+) -> JsonDict:
     """Triangulate the surface in a chunk: triangles, the vertices that it owns, and sums for each pair of parts."""
     volume = heights.volume
     corner, sides = np.array([side.start for side in window]), np.array(volume.task.source.levels.spacing)
@@ -415,7 +442,9 @@ def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels
     stops = [side.stop for side in chunk.core]
     own = np.flatnonzero((low + corner < stops).all(axis=1))
     own = own[np.argsort(names[own])]
-    levels, _ = _load_particles_near(volume, chunk, _extended_core(volume, chunk), heights.particle_distance / volume.voxel_sides.min())
+    levels, _ = _load_particles_near(
+        volume, chunk, _extended_core(volume, chunk), heights.particle_distance / volume.voxel_sides.min()
+    )
     points = (levels.points + [side.start for side in chunk.padded]) * volume.voxel_sides
     mine = points[volume.grid.find_chunk_numbers(points / volume.voxel_sides) == chunk.number]
     particles, supported = np.empty(0, np.int64), np.zeros(len(vertices), bool)

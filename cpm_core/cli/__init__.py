@@ -43,7 +43,7 @@ CLI_COMMANDS = {
         "find the contours of an image",
         "Let particles flow from a start to the contours of an image.",
         run.add_arguments,
-        run.run,
+        run.run_segmentation,
         (
             "cpm run cell.png --circle 120,80,30 --export cell.svg",
             "cpm run stack.tif --pages all --auto grid --export stack.csv",
@@ -56,7 +56,7 @@ CLI_COMMANDS = {
         "images the page, channel, point in time and series that the session shows. An image that fails is "
         "reported, and the others go on. What the summary in the folder says is done already is not done again.",
         batch.add_arguments,
-        batch.run,
+        batch.run_batch,
         (
             "cpm batch images --session cell.cpm --output found",
             'cpm batch "images/*.png" --session cell.cpm --output found --workers 2',
@@ -67,7 +67,7 @@ CLI_COMMANDS = {
         "Write the contours or the surface that a session shows, or those of a file, in other formats. A session "
         "without a recorded run is run first.",
         export.add_arguments,
-        export.run,
+        export.run_export,
         (
             "cpm export cell.cpm --to cell.zip cell.geojson cell.figure.pdf",
             "cpm export cell.svg --image cell.png --to cell.coco.json",
@@ -79,7 +79,7 @@ CLI_COMMANDS = {
         "Find the middle lines of the objects in an image, with the distance to the boundary at every point. "
         "The smoothing is chosen from the image's noise unless it is given. In a volume the lines are written as SWC.",
         skeleton.add_arguments,
-        skeleton.run,
+        skeleton.run_skeleton,
         (
             "cpm skeleton retina.png --of dark --export vessels.svg",
             "cpm skeleton angio.nii --volume --export tree.swc",
@@ -87,9 +87,9 @@ CLI_COMMANDS = {
     ),
     "compare": CliCommand(
         "compare methods on the same image and start",
-        f"Run the charged particles and classical methods from the same start, one after the other. {compare.ABOUT}",
+        f"Run the charged particles and classical methods from the same start, one after the other. {compare.METHODS_HELP}",
         compare.add_arguments,
-        compare.run,
+        compare.run_comparison,
         (
             "cpm compare cell.png --circle 120,80,30 --truth cell_mask.png",
             "cpm compare cell.png --circle 120,80,30 --methods cpm gvf --export table.csv",
@@ -99,7 +99,7 @@ CLI_COMMANDS = {
         "show the properties of an image or volume",
         "Show the size, gray levels, pixel size and place in space of an image or volume, and what reading it changed.",
         info.add_arguments,
-        info.run,
+        info.show_info,
         ("cpm info stack.tif", "cpm info images --json"),
     ),
     "bench": CliCommand(
@@ -107,7 +107,7 @@ CLI_COMMANDS = {
         "Measure how long whole runs and their parts take on your machine, on a scene of disks. Each time is a median "
         "of several, without compilation.",
         bench.add_arguments,
-        bench.run,
+        bench.run_benchmarks,
         ("cpm bench", "cpm bench --quick --json"),
     ),
     "completion": CliCommand(

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.formats import IMAGES_READABLE, CONTOURS_WRITABLE, check_export
+from cpm_core.formats import CONTOURS_WRITABLE, IMAGES_READABLE, check_export
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX
 from cpm_core.image.colors import CONTRAST_CHOICE, LUMINANCE_CHOICE
 from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.numerics.types import JsonDict
 from cpm_core.parameters import DEFAULT_VALUES, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 CHANNEL_HELP = (
     "Or its number in a file that holds several, from 1; or contrast, for the color whose gray levels vary the most."
@@ -155,7 +155,9 @@ def parse_part(arguments: argparse.Namespace, *, volume: bool = False, runs: boo
     return part
 
 
-def add_parameter_options(parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICE_PARAMETERS)) -> None:
+def add_parameter_options(
+    parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICE_PARAMETERS)
+) -> None:
     """Add parameters, each as a flag of its name; see `parse_parameters`."""
     for name in names:
         if name in CHOICE_PARAMETERS:

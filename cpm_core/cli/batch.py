@@ -15,7 +15,7 @@ from pathlib import Path
 
 from cpm_core.cli.arguments import add_options, add_parameter_options, parse_parameters
 from cpm_core.cli.output import EXIT_IN_PART, StatusLine, ensure_compiled, print_json, print_message, print_notes
-from cpm_core.cli.workers import BatchJob, BatchRow, run_on_scheduler, run_locally
+from cpm_core.cli.workers import BatchJob, BatchRow, run_locally, run_on_scheduler
 from cpm_core.formats import CONTOURS_WRITABLE
 from cpm_core.formats.common.atomic import append_bytes, draft_files, remove_abandoned_drafts, write_together
 from cpm_core.formats.common.content import compute_fingerprint, try_fingerprint
@@ -23,7 +23,7 @@ from cpm_core.formats.common.printable import escape_cell, make_printable, unesc
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import format_count, quote_value
+from cpm_core.parameters.formatting import format_count, quote_value
 from cpm_core.shapes.document_shapes import select_starts
 
 SUMMARY_NAME = "summary.csv"
@@ -86,7 +86,9 @@ def run_batch(arguments: argparse.Namespace) -> int:
     jobs, began = batch.jobs, time.perf_counter()
     try:
         ensure_compiled()
-        results = run_on_scheduler(jobs, arguments.scheduler) if arguments.scheduler else run_locally(jobs, arguments.workers)
+        results = (
+            run_on_scheduler(jobs, arguments.scheduler) if arguments.scheduler else run_locally(jobs, arguments.workers)
+        )
         with StatusLine() as line:
             for done, row in enumerate(batch.write_results(results), start=1):
                 for sentence in filter(None, (row.trouble, *row.notes)):
@@ -168,7 +170,9 @@ class Batch:
         usual = asdict(session.parameters)
         asked = [f"{name}={value}" for name, value in asdict(parameters).items() if value != usual[name]]
         asked += [] if max_steps is None else [f"max_steps={max_steps}"]
-        plain = BatchRow("", session_sha256=compute_fingerprint(source), settings=" ".join([*asked, f"export={','.join(suffixes)}"]))
+        plain = BatchRow(
+            "", session_sha256=compute_fingerprint(source), settings=" ".join([*asked, f"export={','.join(suffixes)}"])
+        )
         self._images, self._folder, self._suffixes = images, output, suffixes
         remove_abandoned_drafts(output)
         self._earlier = _read_rows(output / SUMMARY_NAME)
@@ -252,12 +256,27 @@ class Batch:
         return [row for row in self._earlier if row.image not in own] + [row for _, row in sorted(self.rows.items())]
 
     def _write_table(self) -> None:
-        write_together([(self._folder / SUMMARY_NAME, f"{','.join(_SUMMARY_COLUMNS)}\n".encode() + _format_rows(self._list_table_rows()))])
+        write_together(
+            [
+                (
+                    self._folder / SUMMARY_NAME,
+                    f"{','.join(_SUMMARY_COLUMNS)}\n".encode() + _format_rows(self._list_table_rows()),
+                )
+            ]
+        )
 
     def _write_measures(self) -> None:
         """Join the tables of measures of all images, one file at a time, with the image as the first column."""
-        files = [self._folder / name for row in self._list_table_rows() for name in row.files if name.endswith(_MEASURES_SUFFIX)]
-        with draft_files(self._folder / MEASURES_NAME) as (draft,), draft.open("w", encoding="utf-8", newline="") as stream:
+        files = [
+            self._folder / name
+            for row in self._list_table_rows()
+            for name in row.files
+            if name.endswith(_MEASURES_SUFFIX)
+        ]
+        with (
+            draft_files(self._folder / MEASURES_NAME) as (draft,),
+            draft.open("w", encoding="utf-8", newline="") as stream,
+        ):
             heads = set()
             for file in files:
                 with file.open(encoding="utf-8", newline="") as table:

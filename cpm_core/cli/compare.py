@@ -13,14 +13,14 @@ import numpy as np
 from cpm_core.cli.arguments import (
     PART_OPTIONS,
     add_options,
-    parse_number_or_text,
     check_targets,
-    parse_number_list,
-    parse_part,
     group_coordinates,
+    parse_number_list,
+    parse_number_or_text,
+    parse_part,
 )
-from cpm_core.cli.inputs import fit_parameters, locate_image, load_named_session, read_starts, load_named_truth
-from cpm_core.cli.output import OutputFiles, ensure_compiled, print_report, print_message
+from cpm_core.cli.inputs import fit_parameters, load_named_session, load_named_truth, locate_image, read_starts
+from cpm_core.cli.output import OutputFiles, ensure_compiled, print_message, print_report
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.formats import load_image
@@ -36,12 +36,12 @@ from cpm_core.objects.methods import (
     RunReport,
     Settings,
     Start,
-    report_run,
     build_method_result,
+    report_run,
     run_method,
 )
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.parameters.quotation import format_count, quote_value
+from cpm_core.parameters.formatting import format_count, quote_value
 from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
 from cpm_core.shapes.document_shapes import check_axes, select_starts
 from cpm_core.shapes.outlines import drawn_outlines
@@ -79,7 +79,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: those of the session, or all)",
     )
-    others = (f"{name}: {', '.join(_list_setting_names(name))}" for name in CONTOUR_METHODS if name not in _PARTICLE_METHODS)
+    others = (
+        f"{name}: {', '.join(_list_setting_names(name))}" for name in CONTOUR_METHODS if name not in _PARTICLE_METHODS
+    )
     methods.add_argument(
         "--set",
         metavar="METHOD.NAME=VALUE",
@@ -192,11 +194,17 @@ def _parse_settings(
         place, equals, value = text.partition("=")
         method, dot, name = place.partition(".")
         if not (equals and dot and name and value):
-            raise ValueError(f"--set is {quote_value(text)} but must be METHOD.NAME=VALUE, such as geodesic.balloon=0.5.")
+            raise ValueError(
+                f"--set is {quote_value(text)} but must be METHOD.NAME=VALUE, such as geodesic.balloon=0.5."
+            )
         if method not in found:
-            raise ValueError(f"--set {quote_value(text)} is for {quote_value(method)}, which is not one of the compared methods.")
+            raise ValueError(
+                f"--set {quote_value(text)} is for {quote_value(method)}, which is not one of the compared methods."
+            )
         if name not in _list_setting_names(method):
-            raise ValueError(f"{quote_value(name)} is not a setting of {method}: choose among {', '.join(_list_setting_names(method))}.")
+            raise ValueError(
+                f"{quote_value(name)} is not a setting of {method}: choose among {', '.join(_list_setting_names(method))}."
+            )
         changes.setdefault(method, {})[name] = parse_number_or_text(value)
     return {name: replace(settings, **changes.get(name, {})) for name, settings in found.items()}
 

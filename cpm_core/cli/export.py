@@ -9,41 +9,46 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.cli.arguments import add_options, check_exports, check_targets, parse_whole_number
-from cpm_core.cli.inputs import fit_parameters, locate_image, is_volume_session, apply_session_review, segment_shapes
+from cpm_core.cli.inputs import apply_session_review, fit_parameters, is_volume_session, locate_image, segment_shapes
 from cpm_core.cli.output import (
     OutputFiles,
     StatusLine,
-    ensure_compiled,
     describe_contour_count,
-    print_report,
+    ensure_compiled,
     print_message,
     print_notes,
+    print_report,
 )
 from cpm_core.contours.result import Result
 from cpm_core.formats import (
-    CONTOURS_READABLE,
     CENTERLINES_WRITABLE,
-    VOLUMES_WRITABLE,
-    SURFACES_READABLE,
+    CONTOURS_READABLE,
     CONTOURS_WRITABLE,
-    holds_volume,
+    SURFACES_READABLE,
+    VOLUMES_WRITABLE,
     count_left_out,
+    find_format_suffix,
+    holds_volume,
     load_centerlines,
     load_image,
     load_surface,
     load_volume,
-    find_format_suffix,
 )
-from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_image_provenance, record_drawn_shapes
+from cpm_core.formats.common.provenance import (
+    PROVENANCE_KEY,
+    describe_image_provenance,
+    describe_provenance,
+    record_drawn_shapes,
+)
 from cpm_core.formats.contour_file import describe_plane, read_contours
 from cpm_core.formats.images.resolution import find_unit
 from cpm_core.formats.sessions.recorded_run import restore_shown_state
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, SessionFile, load_session
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
-from cpm_core.numerics.types import JsonDict, Extent
+from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import format_count
+from cpm_core.parameters.formatting import format_count
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes.document_shapes import select_starts
 
@@ -52,7 +57,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     known = ", ".join((*CONTOURS_READABLE, *SURFACES_READABLE, *CENTERLINES_WRITABLE))
     parser.add_argument(
-        "source", metavar="FILE", help=f"session ({SESSION_SUFFIX}), contours, a surface or center lines ({known}), or labels"
+        "source",
+        metavar="FILE",
+        help=f"session ({SESSION_SUFFIX}), contours, a surface or center lines ({known}), or labels",
     )
     parser.add_argument("--image", metavar="IMAGE", help="the image or volume that it belongs to")
     parser.add_argument("--page", metavar="N", type=parse_whole_number, help="page of contours in a stack, from 1")
@@ -73,9 +80,15 @@ def run_export(arguments: argparse.Namespace) -> int:
     source = Path(arguments.source)
     check_exports(arguments.path_to, arguments)
     suffix, wanted = source.suffix.lower(), {find_format_suffix(path) for path in arguments.path_to}
-    in_space = suffix in {*CENTERLINES_WRITABLE, *SURFACES_READABLE} or wanted & (VOLUMES_WRITABLE.keys() - CONTOURS_WRITABLE.keys())
+    in_space = suffix in {*CENTERLINES_WRITABLE, *SURFACES_READABLE} or wanted & (
+        VOLUMES_WRITABLE.keys() - CONTOURS_WRITABLE.keys()
+    )
     of_volumes = bool(in_space)
-    if arguments.page is None and suffix not in {SESSION_SUFFIX, *CONTOURS_READABLE} and wanted <= VOLUMES_WRITABLE.keys():
+    if (
+        arguments.page is None
+        and suffix not in {SESSION_SUFFIX, *CONTOURS_READABLE}
+        and wanted <= VOLUMES_WRITABLE.keys()
+    ):
         of_volumes = of_volumes or holds_volume(source)  # labels, for labels
     if arguments.page is not None and (suffix == SESSION_SUFFIX or of_volumes):
         raise ValueError(f"--page is for contours in a stack, but {source.name} holds none: leave it out.")
@@ -88,7 +101,9 @@ def run_export(arguments: argparse.Namespace) -> int:
     files = OutputFiles()
     options = {"outlines": arguments.outlines, "space": arguments.space or "LPS"}
     files.export_result(result, arguments.path_to, image=image, warn=print_message, **options)
-    missing = {path: count_left_out(result, find_format_suffix(path), outlines=arguments.outlines) for path in files.written}
+    missing = {
+        path: count_left_out(result, find_format_suffix(path), outlines=arguments.outlines) for path in files.written
+    }
     said, line = _describe_result(result, source)
     return print_report(arguments, {"source": str(source), "left_out": missing, **said}, [line], files)
 
@@ -145,7 +160,9 @@ def _read_plane_result(source: Path, arguments: argparse.Namespace) -> Result:
         corners = np.concatenate([contour.points for contour in found.contours])
         rows, cols = (np.ceil(corners.max(axis=0)) + 1).astype(int).tolist()
         shape = (max(rows, 1), max(cols, 1))
-        print_message(f"{source.name} does not state the size of its image: {rows} x {cols} px is taken; name it with --image.")
+        print_message(
+            f"{source.name} does not state the size of its image: {rows} x {cols} px is taken; name it with --image."
+        )
     return replace(_build_empty_result(source, image, shape), contours=found.contours)
 
 

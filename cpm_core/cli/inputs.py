@@ -13,18 +13,18 @@ from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply_marks, restore_kept_contours
 from cpm_core.formats import (
-    CONTOURS_READABLE,
     CENTERLINES_WRITABLE,
+    CONTOURS_READABLE,
     IMAGES_READABLE,
-    natural_sort_key,
     load_centerlines,
     load_surface,
+    natural_sort_key,
 )
 from cpm_core.formats.contour_file import describe_plane, read_contours
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.dicom import holds_dicom_series
 from cpm_core.formats.images.ome_zarr import is_zarr
-from cpm_core.formats.sessions.session_file import SessionFile, find_session_image, load_session, adapt_reading
+from cpm_core.formats.sessions.session_file import SessionFile, adapt_reading, find_session_image, load_session
 from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
@@ -32,11 +32,11 @@ from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.pages.follow import limit_scales
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.segmentation.evolve import segment, with_hand_edits
 from cpm_core.shapes import Shape, Start
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds
-from cpm_core.shapes.outlines import start_from_surface, starts_from_contours, starts_from_centerlines
+from cpm_core.shapes.outlines import start_from_surface, starts_from_centerlines, starts_from_contours
 
 
 def expand_paths(patterns: Sequence[str]) -> list[str]:
@@ -156,7 +156,9 @@ def segment_shapes(
     )
 
 
-def apply_session_review(found: Result, image: Image, parameters: Parameters, session: SessionFile, *, kept: bool = True) -> Result:
+def apply_session_review(
+    found: Result, image: Image, parameters: Parameters, session: SessionFile, *, kept: bool = True
+) -> Result:
     """Apply the hand edits and the review of a session; `kept` contours belong only to its own image."""
     edited = with_hand_edits(found, image, parameters, session.hand_edits)
     return apply_marks(restore_kept_contours(edited, session.marks) if kept else edited, session.marks)

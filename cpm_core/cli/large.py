@@ -14,8 +14,8 @@ from cpm_core.chunked.chunk_run import CHUNKED_START_KINDS
 from cpm_core.chunked.run import ChunkedTask, run_chunks
 from cpm_core.chunked.store import RunStore
 from cpm_core.chunked.volume_surface import run_volume
-from cpm_core.cli.arguments import parse_number_or_text, check_targets, refuse_options
-from cpm_core.cli.output import OutputFiles, StatusLine, ensure_compiled, print_report, print_notes
+from cpm_core.cli.arguments import check_targets, parse_number_or_text, refuse_options
+from cpm_core.cli.output import OutputFiles, StatusLine, ensure_compiled, print_notes, print_report
 from cpm_core.cli.workers import connect_to_dask, map_until_finished, run_on_one_core
 from cpm_core.field.volume_field import check_volume_parameters
 from cpm_core.formats.common.atomic import find_suffix
@@ -24,7 +24,7 @@ from cpm_core.formats.images.reading import Reading
 from cpm_core.image.colors import LUMINANCE_CHOICE
 from cpm_core.numerics.types import JsonObject
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import format_count, format_size
+from cpm_core.parameters.formatting import format_count, format_size
 from cpm_core.segmentation.reach.reach_map import is_limited
 
 _WHOLE_IMAGE_PURPOSE = "an image that is run in one piece"
@@ -74,7 +74,9 @@ def run_large(
             function: Callable[[Any], Any], jobs: Sequence[Any], title: str
         ) -> Iterator[tuple[int, Any]]:
             line.begin_count(title)
-            for done, (at, future) in enumerate(map_until_finished(client, partial(run_on_one_core, function), jobs), start=1):
+            for done, (at, future) in enumerate(
+                map_until_finished(client, partial(run_on_one_core, function), jobs), start=1
+            ):
                 result = future.result()
                 line.show_count(done, len(jobs))
                 yield at, result
@@ -94,10 +96,14 @@ def run_large(
     return print_report(arguments, facts, lines, files)
 
 
-def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Parameters, writable: Mapping[str, str]) -> None:
+def _check_chunked_run(
+    arguments: argparse.Namespace, path: Path, parameters: Parameters, writable: Mapping[str, str]
+) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
     if arguments.auto not in CHUNKED_START_KINDS:
-        raise ValueError(f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(CHUNKED_START_KINDS)}.")
+        raise ValueError(
+            f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(CHUNKED_START_KINDS)}."
+        )
     if parameters.channel != LUMINANCE_CHOICE:
         raise ValueError(f"--channel is {parameters.channel}, but its channels have numbers: give one from 1.")
     if parameters.edges == "vessels":

@@ -22,7 +22,7 @@ from cpm_core.formats.common.provenance import VERSION
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonObject
-from cpm_core.parameters.quotation import format_count
+from cpm_core.parameters.formatting import format_count
 from cpm_core.warm_up import FIRST, is_compiled, warm_up
 
 SCHEMA_VERSION = 1
@@ -134,7 +134,9 @@ def print_json(arguments: argparse.Namespace, facts: JsonObject) -> None:
     print(json.dumps({"command": arguments.name, "schema": SCHEMA_VERSION, "version": VERSION, **facts}))
 
 
-def print_report(arguments: argparse.Namespace, facts: JsonObject, lines: Iterable[str], files: OutputFiles, advice: str = "") -> int:
+def print_report(
+    arguments: argparse.Namespace, facts: JsonObject, lines: Iterable[str], files: OutputFiles, advice: str = ""
+) -> int:
     """Print the outcome of a command as JSON, or as sentences with the files that were written; return the exit status.
 
     Files that are not written come first, with `advice`. ValueError when none is written.

@@ -16,11 +16,11 @@ from cpm_core.cli.output import (
     EXIT_IN_PART,
     OutputFiles,
     StatusLine,
-    ensure_compiled,
-    describe_contour_count,
     collect_run_facts,
-    print_report,
+    describe_contour_count,
+    ensure_compiled,
     print_notes,
+    print_report,
 )
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
@@ -29,11 +29,11 @@ from cpm_core.formats.stack_files import export_stack
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array, JsonDict, JsonObject
-from cpm_core.pages.follow import limit_scales, follow_pages
+from cpm_core.pages.follow import follow_pages, limit_scales
 from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import format_count, quote_value
+from cpm_core.parameters.formatting import format_count, quote_value
 from cpm_core.segmentation.evolve import segment
 
 
@@ -59,7 +59,7 @@ def run_pages(
         The stack, and further arguments of `load_pages`.
     parameters, seeds
         Parameters of all runs, and the function that gives the seeds, shape (N, 2), on an image.
-    places : sequence
+    prompt_points : sequence
         Positive points of an object that is followed, and negative ones, each (row, col) [px]; without positive ones,
         contours are followed.
     drawn : tuple of mapping

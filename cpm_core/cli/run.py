@@ -17,34 +17,34 @@ from cpm_core.cli.arguments import (
     add_parameter_options,
     check_exports,
     check_targets,
+    group_coordinates,
     parse_number_list,
     parse_parameters,
     parse_part,
-    group_coordinates,
     refuse_options,
 )
 from cpm_core.cli.inputs import (
-    fit_parameters,
-    locate_image,
-    is_volume_session,
     apply_session_review,
-    segment_shapes,
+    fit_parameters,
+    is_volume_session,
     load_named_session,
-    read_starts,
     load_named_truth,
+    locate_image,
+    read_starts,
+    segment_shapes,
 )
 from cpm_core.cli.large import is_large, is_large_volume, run_large
 from cpm_core.cli.output import (
     OutputFiles,
     StatusLine,
-    ensure_compiled,
-    describe_contour_count,
-    collect_run_facts,
     collect_geometry_facts,
+    collect_run_facts,
+    describe_contour_count,
     describe_geometry,
+    ensure_compiled,
     list_longest,
-    print_report,
     print_message,
+    print_report,
 )
 from cpm_core.cli.pages import run_pages
 from cpm_core.contours.agreement import compare
@@ -52,17 +52,17 @@ from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface_agreement import compare_surface
 from cpm_core.formats import (
-    CONTOURS_READABLE,
     CENTERLINES_WRITABLE,
-    VOLUMES_WRITABLE,
+    CONTOURS_READABLE,
     SURFACES_READABLE,
+    VOLUMES_WRITABLE,
     count_left_out,
+    find_format_suffix,
     load_image,
     load_points,
     load_volume,
-    find_format_suffix,
 )
-from cpm_core.formats.common.atomic import check_writable, check_target
+from cpm_core.formats.common.atomic import check_target, check_writable
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_shapes, record_drawn_shapes
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
@@ -75,7 +75,7 @@ from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.objects import Selection, objects_result, partition, select_all
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.parameters.quotation import format_count, format_size
+from cpm_core.parameters.formatting import format_count, format_size
 from cpm_core.shapes import SEEDING_KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds, select_starts
 
@@ -130,7 +130,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "are written instead of the contours (without a start, particles start everywhere)",
     )
     start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
-    start.add_argument("--auto", choices=SEEDING_KINDS, help="everywhere, on the strongest edges, or midway between edges")
+    start.add_argument(
+        "--auto", choices=SEEDING_KINDS, help="everywhere, on the strongest edges, or midway between edges"
+    )
     parameters = parser.add_argument_group("parameters")
     add_options(parameters, "--preset", help="named settings (default: the publication's values, or the session's)")
     add_parameter_options(parameters)
@@ -144,7 +146,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--truth", metavar="FILE", help="compare with a ground truth: a mask, contours, or a label volume"
     )
     outcome.add_argument(
-        "--save-session", metavar="FILE", help=f"write a session ({SESSION_SUFFIX}) that the window opens with these contours"
+        "--save-session",
+        metavar="FILE",
+        help=f"write a session ({SESSION_SUFFIX}) that the window opens with these contours",
     )
 
 
@@ -168,7 +172,8 @@ def run_segmentation(arguments: argparse.Namespace) -> int:
         **dict.fromkeys(("object", "not"), place),
     }
     drawn: DrawnNumbers = {
-        name: [parse_number_list(f"--{name}", text, form) for text in getattr(arguments, name)] for name, form in forms.items()
+        name: [parse_number_list(f"--{name}", text, form) for text in getattr(arguments, name)]
+        for name, form in forms.items()
     }
     if drawn["not"] and not drawn["object"]:
         raise ValueError("--not is given without --object: name a position inside the object as well.")
@@ -313,7 +318,9 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: 
         check_writable(Path(arguments.save_session))
 
 
-def _build_drawn_shapes(drawn: DrawnNumbers, arguments: argparse.Namespace, volume: Image | None = None) -> tuple[Shape, ...]:
+def _build_drawn_shapes(
+    drawn: DrawnNumbers, arguments: argparse.Namespace, volume: Image | None = None
+) -> tuple[Shape, ...]:
     """Return the shapes of the command line, in an image or in a volume, where limits are no shapes."""
     axes = 2 if volume is None else 3
     shapes: list[Shape] = [Stroke(group_coordinates(numbers, axes)) for numbers in drawn["stroke"]]
@@ -366,7 +373,11 @@ def _select_bodies(found: Result, drawn: DrawnNumbers) -> Result:
 
 def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe contours, as values by name and as sentences."""
-    facts: JsonDict = {**collect_run_facts(result, seconds), "bridges": len(result.bridges), PROVENANCE_KEY: describe_provenance(result)}
+    facts: JsonDict = {
+        **collect_run_facts(result, seconds),
+        "bridges": len(result.bridges),
+        PROVENANCE_KEY: describe_provenance(result),
+    }
     lines = [f"{result.source}: {describe_contour_count(result)}"]
     lines += list_longest(
         [

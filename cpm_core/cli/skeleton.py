@@ -15,9 +15,9 @@ from cpm_core.cli.arguments import (
     parse_part,
 )
 from cpm_core.cli.inputs import fit_parameters
-from cpm_core.cli.output import OutputFiles, ensure_compiled, describe_contour_count, list_longest, print_report
-from cpm_core.formats import CENTERLINES_WRITABLE, load_image, load_volume, find_format_suffix
-from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_image_provenance
+from cpm_core.cli.output import OutputFiles, describe_contour_count, ensure_compiled, list_longest, print_report
+from cpm_core.formats import CENTERLINES_WRITABLE, find_format_suffix, load_image, load_volume
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_image_provenance, describe_provenance
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
@@ -73,7 +73,9 @@ def run_skeleton(arguments: argparse.Namespace) -> int:
     check_exports(arguments.export, arguments)
     for path in arguments.export if volume else ():
         if find_format_suffix(path) not in CENTERLINES_WRITABLE:
-            raise ValueError(f"{path} holds no center lines in a volume: end its name in {', '.join(CENTERLINES_WRITABLE)}.")
+            raise ValueError(
+                f"{path} holds no center lines in a volume: end its name in {', '.join(CENTERLINES_WRITABLE)}."
+            )
     load = load_volume if volume else load_image
     image = load(arguments.image, **part)
     fit_parameters(image, parameters, scales=False)
@@ -91,7 +93,10 @@ def _describe_skeleton(found: Skeleton | Centerlines, seconds: float) -> tuple[J
     """Describe a skeleton, or center lines in a volume, as values by name and as sentences."""
     if isinstance(found, Centerlines):
         lengths, unit = found.lengths.tolist(), found.unit or "voxels"
-        facts: JsonDict = {"unit": found.unit, PROVENANCE_KEY: describe_image_provenance(found.source, found.provenance)}
+        facts: JsonDict = {
+            "unit": found.unit,
+            PROVENANCE_KEY: describe_image_provenance(found.source, found.provenance),
+        }
         first = describe_contour_count(found, "center line")
     else:
         lengths, unit = [contour.length for contour in found.contours], "px"

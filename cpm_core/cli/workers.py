@@ -18,15 +18,15 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.inputs import list_image_notes, apply_session_review, segment_shapes, fit_scales_to_image
+from cpm_core.cli.inputs import apply_session_review, fit_scales_to_image, list_image_notes, segment_shapes
 from cpm_core.cli.output import collect_run_facts
 from cpm_core.contours.result import Result
-from cpm_core.formats import to_bytes, load_image, describe_omissions
-from cpm_core.formats.common.content import try_fingerprint, missing_package_message
+from cpm_core.formats import describe_omissions, load_image, to_bytes
+from cpm_core.formats.common.content import missing_package_message, try_fingerprint
 from cpm_core.formats.common.provenance import VERSION, record_drawn_shapes
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.formats.sessions.session_file import SessionFile, adapt_reading
-from cpm_core.numerics.parallel import limit_cores, count_cores
+from cpm_core.numerics.parallel import count_cores, limit_cores
 from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.warm_up import is_compiled, warm_up
@@ -99,7 +99,9 @@ def run_job(job: BatchJob) -> BatchRow:
     try:
         began = time.perf_counter()
         named, shapes = job.session.image, job.session.shapes
-        image = load_image(job.path, **adapt_reading(Path(job.path), DEFAULT_READING if named is None else named.reading))
+        image = load_image(
+            job.path, **adapt_reading(Path(job.path), DEFAULT_READING if named is None else named.reading)
+        )
         parameters, small = fit_scales_to_image(job.parameters, image)
         found = segment_shapes(image, shapes, parameters, job.session, max_steps=job.max_steps)
         result = apply_session_review(record_drawn_shapes(found, shapes), image, parameters, job.session, kept=False)
@@ -212,7 +214,7 @@ def _initialize_worker(core_count: int) -> None:
 def run_on_scheduler(jobs: Sequence[BatchJob], address: str) -> Generator[tuple[BatchJob, BatchRow], None, None]:
     """Run jobs on the workers of a dask scheduler, which must see the same files under the same names.
 
-    ValueError as for `cluster`.
+    ValueError as for `connect_to_dask`.
     """
     waiting = dict(enumerate(jobs))
     with connect_to_dask(address) as client:

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contours, sample_contours, stack_vertices
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.rasterize import rasterize_mask, rasterize_labels
+from cpm_core.contours.rasterize import rasterize_labels, rasterize_mask
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Arrays, Index, Mask, frozen, record
-from cpm_core.parameters.quotation import format_repr
+from cpm_core.parameters.formatting import format_repr
 
 DEFAULT_TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
@@ -156,7 +156,9 @@ def compare_boundaries(contours: Contours, others: Contours, tolerance: float = 
     return Agreement(**_measure_agreement(_SampledBoundary(contours), _SampledBoundary(others), tolerance))
 
 
-def compare(contours: Contours, truth: Truth, tolerance: float = DEFAULT_TOLERANCE, *, holes: bool = True) -> Comparison:
+def compare(
+    contours: Contours, truth: Truth, tolerance: float = DEFAULT_TOLERANCE, *, holes: bool = True
+) -> Comparison:
     """Compare contours with the ground truth.
 
     Parameters

@@ -13,7 +13,7 @@ import numpy as np
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
 from cpm_core.numerics.types import Array, Arrays, Integers, frozen, record
-from cpm_core.parameters.quotation import format_count, format_repr, quote_value
+from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 
 SAMPLE_SPACING = 0.25
 """Distance between samples along contours that are compared [px]."""
@@ -218,7 +218,9 @@ def stack_vertices(contours: Contours) -> Array:
 
 def sample_contours(contours: Contours) -> Array:
     """Sample contours every `SAMPLE_SPACING`, shape (N, 2) [px], for averages over their length."""
-    return np.concatenate([np.empty((0, 2)), *(polyline.sample_path(contour.path, SAMPLE_SPACING) for contour in contours)])
+    return np.concatenate(
+        [np.empty((0, 2)), *(polyline.sample_path(contour.path, SAMPLE_SPACING) for contour in contours)]
+    )
 
 
 def build_path_tree(contours: Contours) -> PathTree:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.grids import label_joined_pairs
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.polyline import path_length, lengths_along, repeat_indices
+from cpm_core.numerics.polyline import lengths_along, path_length, repeat_indices
 from cpm_core.numerics.types import Array, Index, Mask, record
 
 
@@ -68,7 +68,7 @@ class Graph:
     def remove_edges(self, edges: ArrayLike) -> None:
         """Remove the existing ones of distinct edges, shape (E, 2)."""
         pairs = np.asarray(edges, np.int64).reshape(-1, 2)
-        pairs = pairs[(self._near[pairs[:, 0]] == pairs[:, 1:]).has_object(axis=1)]
+        pairs = pairs[(self._near[pairs[:, 0]] == pairs[:, 1:]).any(axis=1)]
         for one, other in (pairs.T, pairs.T[::-1]):
             self._near[one, np.argmax(self._near[one] == other[:, None], axis=1)] = -1
         np.subtract.at(self.degrees, pairs.ravel(), 1)
@@ -188,7 +188,7 @@ class Graph:
             kept, gone = int(path[0]), int(path[-1])
             if ways.lengths[way] > max_length and not moved & {kept, gone}:
                 continue
-            intact = (self._near[path[:-1]] == path[1:, None]).has_object(axis=1).all()
+            intact = (self._near[path[:-1]] == path[1:, None]).any(axis=1).all()
             if not intact or min(map(self.degree, (kept, gone))) < 3 or self.path_length(path) > max_length:
                 continue
             self.remove_path(path)
@@ -235,7 +235,9 @@ class Graph:
         found = [Contour(self.points[rings.path_vertices(ring)], True) for ring in long.tolist()]
         for way in np.flatnonzero((ways.lengths >= min_length) & ~in_ring).tolist():
             before, behind = forks[way].tolist()
-            found.append(Contour(self.points[ways.path_vertices(way)], bool(ways.closed[way]), junctions=(before, behind)))
+            found.append(
+                Contour(self.points[ways.path_vertices(way)], bool(ways.closed[way]), junctions=(before, behind))
+            )
         return tuple(sorted(found, key=lambda contour: -contour.length))
 
     def _find_rings(self, between: Mask) -> tuple[GraphPaths, Mask]:

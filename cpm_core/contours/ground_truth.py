@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, Contours, sample_contours
 from cpm_core.contours.graph import Graph
-from cpm_core.contours.rasterize import rasterize_mask, rasterize_labels
+from cpm_core.contours.rasterize import rasterize_labels, rasterize_mask
 from cpm_core.contours.surface import Surface, surface_from_labels
 from cpm_core.image import drawing
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, record
-from cpm_core.parameters.quotation import format_count, format_repr, format_size
+from cpm_core.parameters.formatting import format_count, format_repr, format_size
 
 Labels = NDArray[np.int32]
 
@@ -204,7 +204,9 @@ def _trace_label_boundaries(labels: Labels) -> tuple[Contour, ...]:
     pairs = sides[two][separating[two]].reshape(-1, 2)
     rays = np.stack(np.broadcast_arrays(sides, corner), axis=-1)[separating & ~two[:, None]]
     used, edges = np.unique(np.concatenate([pairs, rays]), return_inverse=True)
-    return Graph(0.5 * np.stack(np.divmod(used, width), axis=1), edges.reshape(-1, 2).astype(np.int64)).extract_contours()
+    return Graph(
+        0.5 * np.stack(np.divmod(used, width), axis=1), edges.reshape(-1, 2).astype(np.int64)
+    ).extract_contours()
 
 
 @record
@@ -268,4 +270,6 @@ class VolumeTruth(_LabeledTruth):
 
     def __repr__(self) -> str:
         objects = len(np.unique(self.objects[self.objects > 0]))
-        return format_repr("VolumeTruth", self.source, format_size(self.shape, "voxels"), format_count(objects, "object"))
+        return format_repr(
+            "VolumeTruth", self.source, format_size(self.shape, "voxels"), format_count(objects, "object")
+        )

@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from cpm_core.contours.contour import Contour, Contours
-from cpm_core.contours.polygonal_line import PolygonalLine, join_lines, close_line
+from cpm_core.contours.polygonal_line import PolygonalLine, close_line, join_lines
 from cpm_core.contours.review import ANCHOR_REACH
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Integers, Line, Position, frozen
@@ -120,7 +120,11 @@ def apply_hand_edits(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tup
 
 def _cut_nearest_line(lines: list[PolygonalLine], place: Position) -> tuple[list[PolygonalLine], bool]:
     """Cut the nearest line within reach at a place; its end cannot be cut."""
-    near = [(line.project_point(place)[1], index) for index, line in enumerate(lines) if line.passes_near(place, ANCHOR_REACH)]
+    near = [
+        (line.project_point(place)[1], index)
+        for index, line in enumerate(lines)
+        if line.passes_near(place, ANCHOR_REACH)
+    ]
     for _, index in sorted(near):
         line = lines[index]
         pieces = line.split_at((line.project_point(place)[0],))
@@ -191,13 +195,15 @@ def _add_piece(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[Polygon
 
 def _remove_covered_stretches(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
     """Return the pieces of a line that remain where an outline takes its place: of an open one, those off it."""
-    apart = (line.box[1] < outline.box[0] - _OUTLINE_COVER_DISTANCE).has_object() or (
+    apart = (line.box[1] < outline.box[0] - _OUTLINE_COVER_DISTANCE).any() or (
         line.box[0] > outline.box[1] + _OUTLINE_COVER_DISTANCE
-    ).has_object()
+    ).any()
     if line.closed or apart or line.length < _SHORTEST_REMAINDER:
         return [line]
     count = max(1, int(np.ceil(line.length / _OUTLINE_SAMPLING)))
-    near = polyline.distances_to_path(outline.path, polyline.path_midpoints(line.path, count)) <= _OUTLINE_COVER_DISTANCE
+    near = (
+        polyline.distances_to_path(outline.path, polyline.path_midpoints(line.path, count)) <= _OUTLINE_COVER_DISTANCE
+    )
     step, bounds = line.length / count, [0, *(np.flatnonzero(np.diff(near)) + 1).tolist(), count]
     stretches = [(a, b) for a, b in pairwise(bounds) if near[a] and (b - a) * step >= _SHORTEST_REMAINDER]
     cuts = [end * step for stretch in stretches for end in stretch]
@@ -235,7 +241,9 @@ def _find_tie(lines: list[PolygonalLine], piece: Array, behind: Line) -> _Tie | 
             # it may reach beyond the end of the contour
             overlap = line.part_between(begin, begin + room).project_point((row, col))[0]
             found.append((off + aside, _Tie(index, at_last, begin + overlap)))
-        elif aside <= ANCHOR_REACH and line.part_between(*sorted((along, line.length if along > back else 0.0))).follows_path(piece, ANCHOR_REACH):
+        elif aside <= ANCHOR_REACH and line.part_between(
+            *sorted((along, line.length if along > back else 0.0))
+        ).follows_path(piece, ANCHOR_REACH):
             found.append((off + aside, _Tie(index, along > back, along)))
         elif min(away) <= _JOINING_DISTANCE:
             last = away[1] < away[0]

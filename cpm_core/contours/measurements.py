@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from cpm_core.contours.contour import Contour, Contours, assign_numbers
-from cpm_core.numerics.polyline import points_inside, path_length, path_midpoints
+from cpm_core.numerics.polyline import path_length, path_midpoints, points_inside
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Integers, Position, frozen
-from cpm_core.parameters.quotation import format_repr, quote_value
+from cpm_core.parameters.formatting import format_repr, quote_value
 
 _SAME_OUTLINE_DISTANCE = 1.0
 """Distance up to which the outline of an object may coincide with that of a hole [px]."""
@@ -213,7 +213,8 @@ def _net_areas(contours: Contours, around: Sequence[int | None]) -> Array:
         )
         # another object in the same one may reach beyond a hole on all sides and take its area, too
         covered = any(
-            points_inside(other.points, path_midpoints(contour.path, _CONTAINMENT_SAMPLES)).mean() > 0.5 for other in larger
+            points_inside(other.points, path_midpoints(contour.path, _CONTAINMENT_SAMPLES)).mean() > 0.5
+            for other in larger
         )
         if outer is not None and not covered:
             net[outer] -= contour.area
@@ -267,7 +268,7 @@ def containment(contours: Contours) -> tuple[int | None, ...]:
             np.abs(high - high[index]) <= _SAME_OUTLINE_DISTANCE
         ).all(axis=1)
         filled &= np.abs(area - area[index]) <= 0.5 * _SAME_OUTLINE_DISTANCE * contour.length
-        if filled.has_object():
+        if filled.any():
             found.append(int(np.argmax(filled)))
             continue
         probes = path_midpoints(contour.path, _CONTAINMENT_SAMPLES)

@@ -250,7 +250,9 @@ class PackedVoxels:
             if changed:
                 bits[_box_slices(low[1:], high[1:], first[1:])] = mask[at - low[0]]
             planes.append(np.packbits(bits, axis=1).tobytes())
-        return PackedVoxels(tuple(first.tolist()), cols // _BITS_PER_BYTE, tuple(planes)) if _has_voxels(planes) else None
+        return (
+            PackedVoxels(tuple(first.tolist()), cols // _BITS_PER_BYTE, tuple(planes)) if _has_voxels(planes) else None
+        )
 
     @property
     def voxels(self) -> Voxels:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import containment, assign_labels
+from cpm_core.contours.measurements import assign_labels, containment
 from cpm_core.numerics.polyline import repeat_indices
 from cpm_core.numerics.types import Array, Extent, Mask
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 Labels = NDArray[np.unsignedinteger]
 

@@ -14,10 +14,10 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contours
-from cpm_core.contours.measurements import containment, assign_labels, area_moments
+from cpm_core.contours.measurements import area_moments, assign_labels, containment
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Numbers
-from cpm_core.parameters.quotation import format_count, format_repr
+from cpm_core.parameters.formatting import format_count, format_repr
 
 Column = Numbers
 
@@ -111,10 +111,14 @@ def measure_regions(
     columns = {name: np.array([row[name] for row in rows]) for name in names}
     columns["label"] = columns["label"].astype(np.int64)
     columns["name"] = columns["name"].astype(object)
-    return Table({**columns, **_measure_gray_levels(columns["label"], labels, gray)}, _column_units(columns, unit or "px", "²"))
+    return Table(
+        {**columns, **_measure_gray_levels(columns["label"], labels, gray)}, _column_units(columns, unit or "px", "²")
+    )
 
 
-def measure_volume_objects(labels: NDArray[np.integer], gray: Array | None, spacing: Sequence[float], unit: str | None) -> Table:
+def measure_volume_objects(
+    labels: NDArray[np.integer], gray: Array | None, spacing: Sequence[float], unit: str | None
+) -> Table:
     """Measure the objects of a label volume from the voxels inside, one row a label.
 
     Parameters
@@ -139,7 +143,9 @@ def measure_volume_objects(labels: NDArray[np.integer], gray: Array | None, spac
     columns |= {f"centroid-{axis}": column for axis, column in enumerate((centers * sides).T)}
     columns |= {f"box-{k}": column for k, column in enumerate((np.reshape(ends, (-1, 6)) * np.tile(sides, 2)).T)}
     units = {"volume": f"{unit or 'px'}³", "equivalent_diameter": unit or "px"}
-    return Table({**columns, **_measure_gray_levels(numbers, labels, gray)}, _column_units(columns, unit or "px", "³") | units)
+    return Table(
+        {**columns, **_measure_gray_levels(numbers, labels, gray)}, _column_units(columns, unit or "px", "³") | units
+    )
 
 
 def _measure_region(label: int, outlines: Contours, holes: Contours, sides: Array) -> dict[str, object]:

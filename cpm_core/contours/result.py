@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour, select_bridges_on
-from cpm_core.contours.measurements import compute_centroid, assign_labels
+from cpm_core.contours.measurements import assign_labels, compute_centroid
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.region_table import Table, measure_regions, measure_volume_objects
 from cpm_core.contours.surface import Surface, label_voxels
@@ -19,8 +19,8 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array, Extent, Sides, record
+from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.parameters.quotation import format_count, format_repr
 
 _MAX_DRAWN_LABELS = 400
 """Largest number of labels written into a picture."""
@@ -182,7 +182,17 @@ class Result(drawing.Pictured):
             for contour, label in [one for one in labeled if one[1]][:_MAX_DRAWN_LABELS]:
                 row, col = compute_centroid(contour)
                 name = contour.name or str(label)
-                ax.text(col, row, name, color="#ffffff", ha="center", va="center", size=8, bbox=drawing.TEXT_BOX_STYLE, zorder=7)
+                ax.text(
+                    col,
+                    row,
+                    name,
+                    color="#ffffff",
+                    ha="center",
+                    va="center",
+                    size=8,
+                    bbox=drawing.TEXT_BOX_STYLE,
+                    zorder=7,
+                )
         if scale_bar:
             drawing.show_scale_bar(ax, self.shape, self.spacing, self.unit)
         return ax

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Contours, check_color, build_path_tree
+from cpm_core.contours.contour import Contour, Contours, build_path_tree, check_color
 from cpm_core.contours.result import Result, keep_contours
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Line, Position, frozen, record
@@ -242,7 +242,7 @@ def capture_outline(contour: Contour) -> KeptOutline:
 def _runs_along(contour: Contour, other: Contour) -> bool:
     """Return whether a contour runs along another one for most of its length."""
     low, high = other.box
-    if (contour.box[0] > high + _SAME_EDGE_DISTANCE).has_object() or (contour.box[1] < low - _SAME_EDGE_DISTANCE).has_object():
+    if (contour.box[0] > high + _SAME_EDGE_DISTANCE).any() or (contour.box[1] < low - _SAME_EDGE_DISTANCE).any():
         return False
     away = polyline.distances_to_path(other.path, polyline.path_midpoints(contour.path, _OVERLAP_SAMPLES))
     return bool((away <= _SAME_EDGE_DISTANCE).mean() >= _SAME_CONTOUR_SHARE)

@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.contours.contour import Contour, Label
 from cpm_core.contours.graph import Graph
 from cpm_core.image import drawing
-from cpm_core.numerics.grids import label_joined_pairs, find_connected_parts, zero_surface
+from cpm_core.numerics.grids import find_connected_parts, label_joined_pairs, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, record
-from cpm_core.parameters.quotation import format_count, format_repr
+from cpm_core.parameters.formatting import format_count, format_repr
 
 
 @record

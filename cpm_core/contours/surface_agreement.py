@@ -1,6 +1,6 @@
 """Agreement of a surface with the ground truth of a volume.
 
-Surfaces are compared like contours in `cpm_core.contours.agreement`, by area in place of length: the points are the
+Surfaces are compared like contours in `cpm_core.contours.compare_boundaries`, by area in place of length: the points are the
 centers of triangles hardly longer than a voxel, and their distance is measured to the nearest triangle. Distances
 are in the unit of the spacing. Along the border of the volume a surface is closed where no edge is; anything beyond
 the centers of the outermost voxels is not compared.
@@ -17,16 +17,16 @@ from cpm_core.contours.agreement import (
     DEFAULT_TOLERANCE,
     Agreement,
     ObjectCounts,
-    summarize_distances,
+    count_common_pixels,
     count_objects,
     dice_and_jaccard,
-    count_common_pixels,
+    summarize_distances,
 )
 from cpm_core.contours.ground_truth import VolumeTruth
 from cpm_core.contours.surface import Surface, label_voxels
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array, Extent, Mask, record
-from cpm_core.parameters.quotation import format_repr
+from cpm_core.parameters.formatting import format_repr
 
 _CANDIDATE_TRIANGLES = 16
 """Number of triangles, by nearest centers, that are tried for each point."""

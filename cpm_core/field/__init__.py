@@ -3,7 +3,7 @@
 `electric_field` uses `convolution` (exact, or cheaper by blocks) or `pppm` (as published).
 """
 
-from cpm_core.field.placed_charges import CHARGE_RADIUS as RADIUS
-from cpm_core.field.placed_charges import CHARGE_REACH as REACH
-from cpm_core.field.placed_charges import sort_charges as in_order
+from cpm_core.field.placed_charges import CHARGE_RADIUS as CHARGE_RADIUS
+from cpm_core.field.placed_charges import CHARGE_REACH as CHARGE_REACH
+from cpm_core.field.placed_charges import sort_charges as sort_charges
 from cpm_core.field.scale_field import ScaleField as ScaleField

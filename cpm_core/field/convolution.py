@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cpm_core.numerics.grids import Window, expand_window, run_in_bands, relative_window, window_shape
+from cpm_core.numerics.grids import Window, expand_window, relative_window, run_in_bands, window_shape
 from cpm_core.numerics.parallel import count_cores
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array, Index, Integers, Numbers, Single, record
@@ -48,7 +48,9 @@ def convolved_field(
     positive.
     """
     f = np.asarray(edge_map, dtype=precision)
-    power = check_finite_number("exponent", f.ndim if exponent is None else exponent, lambda number: number > 0.0, "above 0")
+    power = check_finite_number(
+        "exponent", f.ndim if exponent is None else exponent, lambda number: number > 0.0, "above 0"
+    )
     half = tuple(scipy.fft.next_fast_len(max(n, 2)) for n in f.shape)
     kernel_of = _kernel_spectrum if math.prod(half) <= _MAX_KEPT_PIXELS else _kernel_spectrum.__wrapped__
     # in single precision only where double takes too much memory
@@ -69,7 +71,9 @@ def convolved_field(
                 back = back[(slice(None),) * axis + (slice(n),)]
             fields[component][some] = back
 
-    run_in_bands(convolve_columns, spectrum.shape[-1], max(_SPECTRUM_BLOCK // math.prod(half[:-1]), _MIN_SPECTRUM_COLUMNS))
+    run_in_bands(
+        convolve_columns, spectrum.shape[-1], max(_SPECTRUM_BLOCK // math.prod(half[:-1]), _MIN_SPECTRUM_COLUMNS)
+    )
     kernels.clear()  # the rest needs their memory
     out = np.empty((f.ndim, *f.shape), f.dtype)
     for component in range(f.ndim):

@@ -12,11 +12,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cpm_core.image.denoising import DenoisedImage, remove_noise, noise_level
-from cpm_core.numerics.grids import Window, expand_window, gaussian_radius, run_in_bands, relative_window, smooth_rows
+from cpm_core.image.denoising import DenoisedImage, noise_level, remove_noise
+from cpm_core.numerics.grids import Window, expand_window, gaussian_radius, relative_window, run_in_bands, smooth_rows
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
-from cpm_core.numerics.real_numbers import check_finite_number, check_image_values, as_real_array
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values
 from cpm_core.numerics.types import Array, Index
 
 _BACKGROUND_DEVIATIONS = 4.0
@@ -71,14 +71,14 @@ def smoothed_gradient(values: ArrayLike, smoothing: float, precision: DTypeLike 
 
 
 def gradient_in_window(values: Array, smoothing: float, window: Window) -> Array:
-    """Return `gradient` of an image, shape (H, W), in a window of it, shape (2, h, w), in single precision."""
+    """Return `smoothed_gradient` of an image, shape (H, W), in a window of it, shape (2, h, w), in single precision."""
     outer = expand_window(window, gaussian_radius(smoothing) + 1, values.shape)
     return smoothed_gradient(values[outer], smoothing, np.float32)[(slice(None), *relative_window(window, outer))]
 
 
 @compiled
 def _write_slopes(smooth: Array, at: int, out: Array) -> None:
-    """Write `_differences` of rows in the plane, from row `at` on."""
+    """Write `_central_differences` of rows in the plane, from row `at` on."""
     lines, cols = smooth.shape
     half = out.dtype.type(0.5)
     for i in range(out.shape[1]):
@@ -137,7 +137,9 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     image = check_image_values(values, _MIN_DIFFERENCE_PIXELS)
     if isinstance(smoothing, str) and smoothing == "auto":
         image, smoothing, _ = prepare_for_edges(image)
-    return vector_magnitudes(smoothed_gradient(image, check_finite_number("smoothing", smoothing, lambda sigma: sigma >= 0.0, "0 or more")))
+    return vector_magnitudes(
+        smoothed_gradient(image, check_finite_number("smoothing", smoothing, lambda sigma: sigma >= 0.0, "0 or more"))
+    )
 
 
 def background_strength(strength: Array) -> float:
@@ -166,7 +168,9 @@ def _lower_quartile(values: Array) -> float:
     bits = values.view(f"i{values.itemsize}")
     shift = 8 * values.itemsize - _SORTING_BITS
     counts: list[Index] = []
-    run_in_parallel(lambda first, end: counts.append(_count_leading_bits(bits[first:end], shift)), len(bits), _NUMBERS_PER_THREAD)
+    run_in_parallel(
+        lambda first, end: counts.append(_count_leading_bits(bits[first:end], shift)), len(bits), _NUMBERS_PER_THREAD
+    )
     before = np.cumsum(sum(counts))
     place = 0.25 * (len(values) - 1)
     first, last = np.searchsorted(before, [int(place), math.ceil(place)], side="right").tolist()
@@ -188,7 +192,7 @@ def prepare_for_edges(values: Array) -> DenoisedImage:
     """Prepare a noisy image for its edges: the image to smooth, its sigma, and the noise that remains.
 
     Light noise is left to a Gaussian, and the image is returned as it is, with a floor of 0. Where the Gaussian would
-    have to be wide, total variation and averages along edges (`clean`) first remove the noise and keep the position of
+    have to be wide, total variation and averages along edges (`remove_noise`) first remove the noise and keep the position of
     edges. Volumes, shape (P, H, W), are left to the Gaussian: the averages along edges exist in the plane only.
     """
     sigma = automatic_smoothing(values)

@@ -8,7 +8,7 @@ from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
 from cpm_core.numerics.real_numbers import check_finite_number, check_image_values
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 FIELD_METHODS = ("convolution", "pppm")
 """Methods for the computation of the field."""

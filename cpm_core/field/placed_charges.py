@@ -1,15 +1,15 @@
 """Charges that the user places in the image, and the force by which they act on the particles.
 
 The fixed charges of the image act by the direction of their field alone: away from edges the Lorentz force has unit
-size, however strong the edges. This is the unit for placed charges. At the distance ``d``, in units of `RADIUS`, a
-charge of strength ``q`` has the potential of a charge that is softened, and faded out at `REACH`,
+size, however strong the edges. This is the unit for placed charges. At the distance ``d``, in units of `CHARGE_RADIUS`, a
+charge of strength ``q`` has the potential of a charge that is softened, and faded out at `CHARGE_REACH`,
 
     U(d) = -c q RADIUS (1 - (d / 4)^3)^3 / (1 + d^4)^(1/4),
 
 and its force is the slope of it. The potential is flat at the center, so that many particles have room there. The force
-is about ``q`` at `RADIUS`, near its maximum, 0.7 q at twice the distance, and 0.3 q at three times. A charge of one
+is about ``q`` at `CHARGE_RADIUS`, near its maximum, 0.7 q at twice the distance, and 0.3 q at three times. A charge of one
 thus pulls at its radius as strongly as edges do, and a charge of two draws particles off edges there. The forces of
-several charges add up. Their sum is cut at `MOST`: beyond it a step would carry particles across edges. It counts in
+several charges add up. Their sum is cut at `MAX_PLACED_FORCE`: beyond it a step would carry particles across edges. It counts in
 eq. (12) as a part of the Lorentz force, with the weight w2.
 """
 
@@ -25,10 +25,10 @@ import numpy as np
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
-from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number
 from cpm_core.numerics.types import Array, Extent, Mask, frozen
-from cpm_core.numerics.vectors import Vector, subtract_vectors, dot, vector_length, move_along, row_of, scale_vector
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.numerics.vectors import Vector, dot, move_along, row_of, scale_vector, subtract_vectors, vector_length
+from cpm_core.parameters.formatting import quote_value
 
 CHARGE_RADIUS = 16.0
 """Distance at which a charge of one pulls as strongly as the field of the edges [px of the image]."""
@@ -65,7 +65,7 @@ class PlacedCharge:
         Row and column, or plane, row and column in a volume [px of the image]; may lie outside it.
     strength : float
         From -10 to 10: above 0 it attracts the particles, below 0 it repels them. A charge of one pulls at the distance
-        `RADIUS` as strongly as the edges do.
+        `CHARGE_RADIUS` as strongly as the edges do.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def charges_at_scale(charges: Sequence[PlacedCharge], scale: int, shape: Extent)
 
 
 def charge_radius_at(scale: int) -> float:
-    """Return `RADIUS` at a scale [px of the scale]."""
+    """Return `CHARGE_RADIUS` at a scale [px of the scale]."""
     return CHARGE_RADIUS * 0.5**scale
 
 
@@ -173,7 +173,7 @@ def windows_near_charges(
 def placed_forces(charges: Array, radius: float, places: Array) -> Array:
     """Return the force, shape (..., D), of charges at places, in units of the Lorentz force away from edges.
 
-    `charges` holds position and strength of each, shape (K, D + 1), `radius` is `RADIUS`, both in px of the scale.
+    `charges` holds position and strength of each, shape (K, D + 1), `radius` is `CHARGE_RADIUS`, both in px of the scale.
     """
     force = np.zeros(places.shape)
     for *place, strength in charges:
@@ -202,11 +202,13 @@ def _charge_force(squared: Any) -> Any:
     away = np.sqrt(squared)
     left = np.maximum(1.0 - squared * away / CHARGE_REACH_IN_RADII**3, 0.0)
     soft = 1.0 + squared**2
-    return _FORCE_NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / CHARGE_REACH_IN_RADII**3 * away + left * squared / soft)
+    return (
+        _FORCE_NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / CHARGE_REACH_IN_RADII**3 * away + left * squared / soft)
+    )
 
 
 charge_force = inlined(_charge_force)
-"""`_pull` for compiled loops."""
+"""`_charge_force` for compiled loops."""
 
 
 def add_charges(shape: Extent, scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
@@ -223,7 +225,7 @@ HOLDING_FORCE = 0.8
 
 
 class ChargesAtScale(NamedTuple):
-    """Charges as felt by particles at a scale: position and strength of each, shape (K, 4), and `RADIUS` there."""
+    """Charges as felt by particles at a scale: position and strength of each, shape (K, 4), and `CHARGE_RADIUS` there."""
 
     charges: Array
     radius: float

@@ -155,7 +155,9 @@ def mesh_field(f: Array, cell: float) -> Array:
     _relax_potential(potential, 4.0 * math.pi * density, sweeps, radius, 0 if flat else 1)
     back = [part.T for part in shares]  # the same shares, so that no charge acts on itself, eq. (20)
     there = potential[: len(charge)]
-    field = np.stack([-_multiply_along_axes(back, np.gradient(there, axis=axis)) for axis in range(int(flat), 3)]) / cell**2
+    field = (
+        np.stack([-_multiply_along_axes(back, np.gradient(there, axis=axis)) for axis in range(int(flat), 3)]) / cell**2
+    )
     return field[:, 0] if flat else field
 
 
@@ -190,7 +192,9 @@ def _diffuse_charge(charge: Array, flat: bool) -> Array:
 
 def _charge_faces(potential: Array, charge: Array, flat: bool) -> None:
     """Set the potential on the faces of the mesh to that of the charges, gathered into lumps."""
-    lumps = _multiply_along_axes([_hat_weights(np.arange(n) / _LUMP_CELLS, (n - 1) // _LUMP_CELLS + 1) for n in charge.shape], charge)
+    lumps = _multiply_along_axes(
+        [_hat_weights(np.arange(n) / _LUMP_CELLS, (n - 1) // _LUMP_CELLS + 1) for n in charge.shape], charge
+    )
     faces = np.ones(potential.shape, bool)
     faces[0 if flat else 1 : -1, 1:-1, 1:-1] = False
     nodes, places, charges = np.argwhere(faces), _LUMP_CELLS * np.argwhere(lumps), lumps[lumps != 0.0]

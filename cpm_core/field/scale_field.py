@@ -14,12 +14,20 @@ import scipy
 from numpy.typing import DTypeLike
 
 from cpm_core.field.convolution import WindowedField, convolved_field, convolved_potential
-from cpm_core.field.edge_map import background_strength, smoothed_gradient, gradient_in_window, vector_magnitudes
+from cpm_core.field.edge_map import background_strength, gradient_in_window, smoothed_gradient, vector_magnitudes
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.region_contrast import region_contrast
-from cpm_core.image.border import find_pixels_inside_border, dilate_by_distance
+from cpm_core.image.border import dilate_by_distance, find_pixels_inside_border
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
-from cpm_core.numerics.grids import Window, expand_window, run_in_bands, relative_window, window_shape, split_into_tiles, whole_window
+from cpm_core.numerics.grids import (
+    Window,
+    expand_window,
+    relative_window,
+    run_in_bands,
+    split_into_tiles,
+    whole_window,
+    window_shape,
+)
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Mask, Single, record
 
@@ -86,7 +94,7 @@ class ScaleField:
     force : callable
         Computes `packed`, on first use.
     slopes : callable
-        Returns `gradient` in a window of the image.
+        Returns `smoothed_gradient` in a window of the image.
     edge_map : ndarray, shape (\*shape)
         Edge strength f [gray levels / px], kept to a little beyond the regions of interest.
     values : ndarray, shape (\*shape)
@@ -160,7 +168,7 @@ class ScaleField:
     def packed(self) -> Single:
         r"""Packed force field, float32 of shape (\*shape, 2 D + 1).
 
-        Normalized Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a particle reads one
+        Normalized Lorentz force, `smoothed_gradient` and `edge_map` of each pixel side by side, so that a particle reads one
         place in memory; single precision is enough for the force.
         """
         return self.force()
@@ -326,10 +334,12 @@ def pack_force(
 def _pack_force_in_window(
     field: WindowedField, slopes: WindowGradient, strength: Array, strongest: float, cut: bool, window: Window
 ) -> Single:
-    """Compute `packed_force` in a window of a large image."""
+    """Compute `pack_force` in a window of a large image."""
     packed = np.empty((*window_shape(window), 5), np.float32)
     outer = expand_window(window, _FORCE_OVERLAP, strength.shape)
-    _write_packed(field.field_in_window(outer), slopes, strength, strongest, cut, outer, relative_window(window, outer), packed)
+    _write_packed(
+        field.field_in_window(outer), slopes, strength, strongest, cut, outer, relative_window(window, outer), packed
+    )
     return packed
 
 
@@ -343,10 +353,12 @@ def _write_packed(
     inner: Window,
     packed: Single,
 ) -> None:
-    """Write `packed_force` in the part `inner` of a window in which the field is known."""
+    """Write `pack_force` in the part `inner` of a window in which the field is known."""
     # kernels are compiled for one layout of all images and windows
     field, grad, length = map(np.ascontiguousarray, (field, slopes(window), strength[window]))
-    write_lorentz_force(field, grad, vector_magnitudes(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start))
+    write_lorentz_force(
+        field, grad, vector_magnitudes(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start)
+    )
     if cut:
         packed[..., 4] = length[inner]
 
@@ -414,7 +426,7 @@ def _write_force(
     first: int,
     end: int,
 ) -> None:
-    """Write `lorentz_force` on some lines."""
+    """Write `write_lorentz_force` on some lines."""
     slope_at, span, weakest, least, faintest, tiny = limits
     kind = strength.dtype.type
     one, zero, half = kind(1.0), kind(0.0), kind(0.5)
@@ -521,9 +533,7 @@ def limit_field_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
     strongest = float(strength.max(initial=0.0))
     return replace(
         scale_field,
-        force=cache(
-            partial(pack_force, scale_field.exponent, charged, scale_field.slopes, strength, strongest, False)
-        ),
+        force=cache(partial(pack_force, scale_field.exponent, charged, scale_field.slopes, strength, strongest, False)),
         edge_map=strength,
         strongest=strongest,
         fixed_charges=charged,

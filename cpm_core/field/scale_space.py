@@ -16,12 +16,18 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cpm_core.field.edge_map import automatic_smoothing, prepare_for_edges
-from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, WindowGradient, build_scale_field, gradient_provider
+from cpm_core.field.scale_field import (
+    LARGE_IMAGE_PIXELS,
+    ScaleField,
+    WindowGradient,
+    build_scale_field,
+    gradient_provider,
+)
 from cpm_core.image.colors import LUMINANCE_CHOICE
 from cpm_core.image.denoising import DenoisedImage
 from cpm_core.image.gray_levels import apply_gamma
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import check_scales, build_pyramid, shape_at_scale
+from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
 from cpm_core.image.vesselness import compute_vesselness
 from cpm_core.numerics.types import Array
@@ -63,10 +69,10 @@ class SourceImages:
     ----------
     scales, shape : int, tuple of int
         How many scales there are, and the shape of the image.
-    at : callable
-        Returns the `Source` of a scale for the channel, the kind of edges, the tone and the smoothing.
+    source_at : callable
+        Returns the `EdgeSource` of a scale for the channel, the kind of edges, the tone and the smoothing.
     slopes : callable
-        Returns the `Slopes` of a source after its smoothing.
+        Returns the `WindowGradient` of a source after its smoothing.
     """
 
     def __init__(self, image: Image, scales: int) -> None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.field.interpolation import voxel_before, trilinear_mean
+from cpm_core.field.interpolation import trilinear_mean, voxel_before
 from cpm_core.numerics.grids import Labels
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.parallel import run_in_parallel

@@ -16,7 +16,7 @@ from cpm_core.field.edge_map import NO_SMOOTHING
 from cpm_core.field.scale_field import MAX_BACKGROUND, WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
 from cpm_core.field.volume_edges import PLANES_PER_THREAD, EdgeBricks, VolumeSlopes
-from cpm_core.field.volume_surface import Ridges, force_on_voxels, find_ridges
+from cpm_core.field.volume_surface import Ridges, find_ridges, force_on_voxels
 from cpm_core.image.pyramid import shape_at_scale, to_image
 from cpm_core.image.volume_regions import VolumeRegions, Walls
 from cpm_core.numerics.grids import extend_line, half_gaussian_weights, sum_across, sum_along
@@ -157,7 +157,9 @@ class VolumeField:
         """Lorentz force on the voxels, shape (3, P, R, C), as particles there feel it."""
         out = np.empty((3, *self.shape), np.float32)
         fields = (self.smoothed, self.edges, self.far_field.force, self.pitch, self.far_field.block, self.floor)
-        run_in_parallel(lambda first, last: force_on_voxels(*fields, first, last, out), len(self.smoothed), PLANES_PER_THREAD)
+        run_in_parallel(
+            lambda first, last: force_on_voxels(*fields, first, last, out), len(self.smoothed), PLANES_PER_THREAD
+        )
         return out
 
     @cached_property
@@ -168,7 +170,9 @@ class VolumeField:
     @cached_property
     def slope(self) -> float:
         """Mean slope of the potential [gray levels / unit]; 1 where it is flat."""
-        slope = float(VolumeSlopes.from_volume(self.potential.astype(np.float32), self.pitch).edge_strengths().mean(dtype=float))
+        slope = float(
+            VolumeSlopes.from_volume(self.potential.astype(np.float32), self.pitch).edge_strengths().mean(dtype=float)
+        )
         return slope if slope > 0.0 else 1.0
 
     def with_far_field(self, exponent: float, accuracy: Accuracy) -> VolumeField:
@@ -190,7 +194,9 @@ class VolumeField:
     @cached_property
     def ridges(self) -> Ridges:
         """Ridges of the edge map; found on first use."""
-        return find_ridges(self.smoothed, self.edges, self.pitch, self.floor, -1.0 if self.noisy else _MIN_NORMAL_COSINE)
+        return find_ridges(
+            self.smoothed, self.edges, self.pitch, self.floor, -1.0 if self.noisy else _MIN_NORMAL_COSINE
+        )
 
 
 def build_volume_field(
@@ -210,7 +216,9 @@ def build_volume_field(
     after = partial(_smooth_edges, values, pitch, interest)
     sigma, smoothed, strongest, background = automatic_edges(after) if smoothing == "auto" else after(float(smoothing))
     floor, noisy = weakest_volume_edge(strongest, background, edge_floor)
-    return VolumeField(VolumeSlopes.from_volume(smoothed, pitch, interest), pitch, strongest, floor, sigma, noisy=noisy, walls=walls)
+    return VolumeField(
+        VolumeSlopes.from_volume(smoothed, pitch, interest), pitch, strongest, floor, sigma, noisy=noisy, walls=walls
+    )
 
 
 def weakest_volume_edge(strongest: float, background: float, edge_floor: float) -> tuple[float, bool]:
@@ -241,7 +249,11 @@ def _smooth_edges(values: Array, pitch: Vector, interest: Mask | None, sigma: fl
         window = slice(first, first + PLANES_PER_THREAD * BACKGROUND_STRIDE)
         found = slopes.edge_strengths(window.start, window.stop)
         strongest = max(strongest, float(found.max()))
-        some.append(found[::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE].ravel() if interest is None else found[interest[window]])
+        some.append(
+            found[::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE].ravel()
+            if interest is None
+            else found[interest[window]]
+        )
     return SmoothedVolume(sigma, smoothed, strongest, noise_strength(np.concatenate(some)))
 
 
@@ -330,7 +342,7 @@ def _interest_voxels(regions: VolumeRegions | None, shape: Extent, scale: int) -
 
 
 def pitch_of(spacing: Sides) -> Vector:
-    """Return the sides of a voxel in units of the smallest one, as particles feel them: at most `LONGEST`."""
+    """Return the sides of a voxel in units of the smallest one, as particles feel them: at most `MAX_PITCH`."""
     least = min(spacing)
     plane, row, col = (min(side / least, MAX_PITCH) for side in spacing)
     return plane, row, col

@@ -16,11 +16,11 @@ import numpy as np
 
 from cpm_core.field.interpolation import normal_at, value_at
 from cpm_core.field.volume_edges import SLOPE_ONSET, EdgeBricks, edge_at
-from cpm_core.numerics.grids import renumber_groups, find_root
+from cpm_core.numerics.grids import find_root, renumber_groups
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.vectors import Vector, dot, vector_length, row_lengths, move_along, row_of, scale_vector, set_row
+from cpm_core.numerics.vectors import Vector, dot, move_along, row_lengths, row_of, scale_vector, set_row, vector_length
 
 ON_RIDGE_SLOPE = 0.45
 """Relative slope of the edge map under which a particle on an edge is on its ridge."""
@@ -65,7 +65,7 @@ def force_on_voxels(
     last: int,
     out: Single,
 ) -> None:
-    """Write `force_at` of the voxels of some planes into `out`, shape (3, P, R, C)."""
+    """Write `volume_force_at` of the voxels of some planes into `out`, shape (3, P, R, C)."""
     for i in range(first, last):
         for j in range(edges.rows):
             for k in range(edges.cols):
@@ -112,9 +112,11 @@ def is_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, place: Vector, 
 
 
 def project_all_to_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, places: Array, rounds: int) -> Array:
-    """Project places, shape (N, 3), onto the ridge; see `on_ridge`."""
+    """Project places, shape (N, 3), onto the ridge; see `project_to_ridge`."""
     out = np.empty_like(places)
-    run_in_parallel(partial(_project_some, smoothed, edges, pitch, places, rounds, out), len(places), _RIDGE_VOXELS_PER_THREAD)
+    run_in_parallel(
+        partial(_project_some, smoothed, edges, pitch, places, rounds, out), len(places), _RIDGE_VOXELS_PER_THREAD
+    )
     return out
 
 
@@ -170,7 +172,9 @@ def find_ridges(smoothed: Single, edges: EdgeBricks, pitch: Vector, floor: float
     component = _label_similar_normals(voxels, slope, row_lengths(slope), turn, smoothed.shape[1:])
     place = voxels * np.array(pitch)
     normal, ridge = np.empty((count, 3)), np.empty(count, bool)
-    run_in_parallel(partial(_find_ridge_voxels, smoothed, edges, pitch, place, normal, ridge), count, _RIDGE_VOXELS_PER_THREAD)
+    run_in_parallel(
+        partial(_find_ridge_voxels, smoothed, edges, pitch, place, normal, ridge), count, _RIDGE_VOXELS_PER_THREAD
+    )
     place = place[ridge]
     return Ridges(place, normal[ridge], edges.strengths_at(pitch, place), component[ridge])
 

@@ -59,7 +59,7 @@ def write_animation(
     frames : iterable of ndarray of uint8, shape (H, W, 3)
         RGB frames, all of one size; each is requested only after the previous one has been encoded.
     path : path-like
-        File to write; see `ANIMATED` for the suffixes. It is replaced atomically at the end.
+        File to write; see `ANIMATIONS_WRITABLE` for the suffixes. It is replaced atomically at the end.
     frames_per_second : float
         Speed.
     progress : callable, optional
@@ -122,7 +122,9 @@ def check_animation(path: AnyPath) -> None:
 def check_encoder(suffix: str) -> None:
     """Raise ValueError, saying what to install, when a format has no encoder."""
     if suffix == ".mp4" and importlib.util.find_spec("imageio_ffmpeg") is None:
-        raise ValueError(missing_package_message("An .mp4 file, unlike .gif and APNG (.png),", "imageio-ffmpeg", "imageio-ffmpeg"))
+        raise ValueError(
+            missing_package_message("An .mp4 file, unlike .gif and APNG (.png),", "imageio-ffmpeg", "imageio-ffmpeg")
+        )
 
 
 def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:

@@ -11,7 +11,7 @@ from cpm_core.formats.common.atomic import check_writable, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import escape_cell
 from cpm_core.formats.contours import contour_csv
-from cpm_core.formats.writers import CONTOURS_WRITABLE, check_export, to_bytes, describe_omissions, find_format_suffix
+from cpm_core.formats.writers import CONTOURS_WRITABLE, check_export, describe_omissions, find_format_suffix, to_bytes
 from cpm_core.objects.methods import RunReport
 
 TABLE_SUFFIX = ".csv"
@@ -34,7 +34,7 @@ def write_comparison(
     results : sequence of Result
         Result of each run.
     paths : sequence of path-like
-        Targets; see `files_of`.
+        Targets; see `list_comparison_files`.
     warn, refuse : callable
         Called with a sentence for each file that omits contours; with each file that would hold none, and why.
 
@@ -52,7 +52,9 @@ def write_comparison(
     for path in map(Path, paths):
         suffix = find_format_suffix(path)
         if suffix == TABLE_SUFFIX:
-            known = [{k: escape_cell(one) if isinstance(one, str) else one for k, one in asdict(row).items()} for row in rows]
+            known = [
+                {k: escape_cell(one) if isinstance(one, str) else one for k, one in asdict(row).items()} for row in rows
+            ]
             contents.append((path, contour_csv.encode_csv_rows(known, [field.name for field in fields(RunReport)])))
             continue
         for file, result in zip(list_comparison_files(path, [row.method for row in rows]), results, strict=True):

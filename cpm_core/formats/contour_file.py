@@ -12,7 +12,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import label_gray_levels
-from cpm_core.formats.common.content import AnyPath, read_content, explain_decoding_errors
+from cpm_core.formats.common.content import AnyPath, explain_decoding_errors, read_content
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
 from cpm_core.formats.contours.contents import CollectedContours, PlaneInfo
 from cpm_core.formats.images.readers import load_image
@@ -46,7 +46,7 @@ class ContourFile:
         The contours, in px.
     shape : tuple of int or None
         Shape of the image that they belong to, if the file states it.
-    places : ndarray of float64, shape (N, 2)
+    points : ndarray of float64, shape (N, 2)
         Single points (row, col) [px].
     notes : tuple of str
         Omissions and assumptions, one sentence each.
@@ -128,7 +128,9 @@ def read_contours(path: AnyPath, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int 
     return decode_contours(read_content(file), file.name, plane, page=page)
 
 
-def decode_contours(content: bytes, name: str, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int | None = None) -> ContourFile:
+def decode_contours(
+    content: bytes, name: str, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int | None = None
+) -> ContourFile:
     """Decode contours from the content of a file or the clipboard; without a known suffix the content decides."""
     known = f"{', '.join(CONTOURS_READABLE)}, or a label mask"
     with explain_decoding_errors(name, f"is damaged or holds no contours of a known kind: choose contours as {known}."):

@@ -14,7 +14,7 @@ from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
 from cpm_core.formats.contours.contents import PlaneInfo
 from cpm_core.formats.images.readers import load_image
-from cpm_core.formats.surface_file import SURFACES_READABLE, read_aligned_labels, load_surface, read_overlapping_parts
+from cpm_core.formats.surface_file import SURFACES_READABLE, load_surface, read_aligned_labels, read_overlapping_parts
 from cpm_core.image.image import Image
 
 _MAX_OVERHANG = 1.0
@@ -40,7 +40,7 @@ def load_truth(
         Shape of the image that the truth belongs to, (rows, columns).
     holes : bool
         For contours: whether a contour inside another is a hole, and one inside that hole an object again; see
-        `cpm_core.contours.rasterize.inside`.
+        `cpm_core.contours.rasterize.rasterize_mask`.
     spacing : sequence of float
         Size of a pixel along (row, col), for contours in a unit of length (drawings for CAD).
     unit : str, optional
@@ -68,7 +68,9 @@ def load_truth(
     file, rows, cols = Path(path), *map(int, shape)
     if file.suffix.lower() in CONTOURS_READABLE:
         plane = PlaneInfo((rows, cols), (float(spacing[0]), float(spacing[1])), unit)
-        return truth_from_contours(_read_fitting_contours(file, plane, (rows, cols)), (rows, cols), file.name, holes=holes)
+        return truth_from_contours(
+            _read_fitting_contours(file, plane, (rows, cols)), (rows, cols), file.name, holes=holes
+        )
     image = load_image(file)
     _check_truth_size(file.name, image.shape, (rows, cols))
     return truth_from_mask(image.values, file.name)
@@ -112,7 +114,9 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
             raise ValueError(f"The surface of {file.name} is not closed, so nothing is inside: choose another one.")
         labels = label_voxels(surface, volume.shape).astype(np.int32)
         return VolumeTruth(labels, volume.spacing, volume.unit, file.name, boundary=surface)
-    return VolumeTruth(label_gray_levels(read_aligned_labels(file, volume), file.name), volume.spacing, volume.unit, file.name)
+    return VolumeTruth(
+        label_gray_levels(read_aligned_labels(file, volume), file.name), volume.spacing, volume.unit, file.name
+    )
 
 
 def _read_fitting_contours(file: Path, plane: PlaneInfo, shape: tuple[int, int]) -> tuple[Contour, ...]:

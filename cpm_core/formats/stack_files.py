@@ -13,11 +13,11 @@ from cpm_core.contours.rasterize import Labels, label_type, rasterize_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, draft_files, find_suffix, write_together
 from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.common.plain import encode_json
-from cpm_core.formats.common.provenance import PROVENANCE_KEY, PROGRAM_NAME, describe_provenance
+from cpm_core.formats.common.json_values import encode_json
+from cpm_core.formats.common.provenance import PROGRAM_NAME, PROVENANCE_KEY, describe_provenance
 from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
 from cpm_core.formats.masks.labels import build_imagej_metadata
-from cpm_core.numerics.types import JsonDict, Extent
+from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.pages.page import StackResult
 
 _MAX_IMAGEJ_SIZE = 2**32 - 2**25
@@ -117,7 +117,9 @@ def write_label_stack(found: StackResult, target: Path) -> None:
 def paint_tracks(result: Result, shape: Extent) -> Labels:
     """Paint the insides of closed contours with their tracks, ints of shape `shape`."""
     numbers = {label: one.number for label, one in zip(assign_labels(result.contours), result.contours, strict=True)}
-    return np.array([0, *(numbers[label] for label in range(1, max(numbers) + 1))])[rasterize_labels(result.contours, shape)]
+    return np.array([0, *(numbers[label] for label in range(1, max(numbers) + 1))])[
+        rasterize_labels(result.contours, shape)
+    ]
 
 
 _STACK_ENCODERS: dict[str, tuple[str, Callable[[StackResult], bytes]]] = {
@@ -146,7 +148,7 @@ def export_stack(
     *paths: AnyPath,
     refused: Callable[[Path, str], object] | None = None,
 ) -> None:
-    """Write what was found in a stack, in the format that each suffix names; see `FOR_STACKS`.
+    """Write what was found in a stack, in the format that each suffix names; see `STACKS_WRITABLE`.
 
     Parameters
     ----------

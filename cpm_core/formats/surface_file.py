@@ -11,9 +11,9 @@ import numpy as np
 
 from cpm_core.contours.contour import Label
 from cpm_core.contours.ground_truth import label_gray_levels
-from cpm_core.contours.surface import Surface, surface_from_labels, join_surfaces
+from cpm_core.contours.surface import Surface, join_surfaces, surface_from_labels
 from cpm_core.formats.common.atomic import find_suffix
-from cpm_core.formats.common.content import AnyPath, read_content, explain_decoding_errors
+from cpm_core.formats.common.content import AnyPath, explain_decoding_errors, read_content
 from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.readers import IMAGES_READABLE, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading
@@ -145,7 +145,9 @@ def _read_label_surfaces(file: Path, image: Image | None) -> Surface:
             for mask in masks:
                 _add_aligned_labels(mask, file.name, image, inside)
             names.append(name)
-            bodies.append((name.number, surface_from_labels((inside > 0.0).astype(np.int32), image.spacing, image.unit)))
+            bodies.append(
+                (name.number, surface_from_labels((inside > 0.0).astype(np.int32), image.spacing, image.unit))
+            )
         return replace(join_surfaces(bodies, image.spacing, image.unit), labels=tuple(names))
     volume = image or load_volume(file)
     values = volume.values if image is None else read_aligned_labels(file, image)
@@ -153,7 +155,9 @@ def _read_label_surfaces(file: Path, image: Image | None) -> Surface:
     if values.min() == 0 and values.max() <= _MAX_OBJECT_LABEL and not (values % 1.0).any():
         labels = values.astype(np.int32)
     surface = surface_from_labels(labels, volume.spacing, volume.unit)
-    known = tuple(one.label for one in nrrd.read_segments(file)) or itk_snap.read_sibling_description(file, find_suffix(file, IMAGES_READABLE))
+    known = tuple(one.label for one in nrrd.read_segments(file)) or itk_snap.read_sibling_description(
+        file, find_suffix(file, IMAGES_READABLE)
+    )
     if known and surface.numbers is None:
         surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))
     return replace(surface, labels=known)

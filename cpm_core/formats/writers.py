@@ -1,6 +1,6 @@
 """Writers of contours, surfaces, skeletons and center lines: each format by the suffix of its files.
 
-A new format is a module with a function that encodes a file, and an entry of `FORMATS`.
+A new format is a module with a function that encodes a file, and an entry of `FILE_FORMATS`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, Texts, frozen
-from cpm_core.parameters.quotation import format_count, quote_value
+from cpm_core.parameters.formatting import format_count, quote_value
 
 _LOG = logging.getLogger(__name__)
 
@@ -102,7 +102,9 @@ def _mesh_format(suffix: str, encode: Callable[[ExportMesh], bytes], volume: str
 
 
 FILE_FORMATS: tuple[Format, ...] = (
-    Format(".svg", svg.encode_svg, "contours as a vector drawing", "branches as a vector drawing, with their thickness"),
+    Format(
+        ".svg", svg.encode_svg, "contours as a vector drawing", "branches as a vector drawing, with their thickness"
+    ),
     Format(
         ".csv",
         contour_csv.encode_vertices,
@@ -127,7 +129,9 @@ FILE_FORMATS: tuple[Format, ...] = (
         "everything: contours, their measures, bridges, and the outcome of the run",
         "everything: branches and their radii",
     ),
-    Format(".geojson", geojson.encode_geojson, "contours as annotations for QuPath", "branches as annotations for QuPath"),
+    Format(
+        ".geojson", geojson.encode_geojson, "contours as annotations for QuPath", "branches as annotations for QuPath"
+    ),
     Format(
         ".zip",
         imagej.encode_roi_set,
@@ -156,7 +160,9 @@ FILE_FORMATS: tuple[Format, ...] = (
     Format(".dxf", dxf.encode_dxf, "contours as polylines for CAD", "branches as polylines for CAD"),
     Format(".png", labels.encode_label_png, _INSIDES_TEXT, _BRANCHES_TEXT, options=("outlines",)),
     *(
-        Format(f".figure{suffix}", partial(figure.encode_figure, suffix), text.format("contours"), text.format("branches"))
+        Format(
+            f".figure{suffix}", partial(figure.encode_figure, suffix), text.format("contours"), text.format("branches")
+        )
         for suffix, text in _FIGURE_TEXTS.items()
     ),
     _mesh_format(".ply", ply.encode_ply, "the surface of a volume with its normals"),
@@ -217,7 +223,7 @@ def export(
     result : Result, Skeleton or Centerlines
         Outcome of a run, or of `skeleton`.
     *paths : path-like
-        Files to write; see `WRITABLE`, `FOR_VOLUMES` and `FOR_CENTERLINES` for suffixes. Existing ones are replaced.
+        Files to write; see `CONTOURS_WRITABLE`, `VOLUMES_WRITABLE` and `CENTERLINES_WRITABLE` for suffixes. Existing ones are replaced.
     outlines : bool
         Whether masks hold contours as lines, open ones too, instead of the insides of closed ones.
     image : path-like, optional
@@ -311,7 +317,12 @@ def describe_omissions(result: ExportableResult, suffix: str, *, outlines: bool 
 
 
 def to_bytes(
-    result: ExportableResult, suffix: str, *, outlines: bool = False, space: Convention = "LPS", image: AnyPath | None = None
+    result: ExportableResult,
+    suffix: str,
+    *,
+    outlines: bool = False,
+    space: Convention = "LPS",
+    image: AnyPath | None = None,
 ) -> bytes:
     """Encode what `export` would write, for the clipboard and other places without a file.
 
@@ -320,7 +331,7 @@ def to_bytes(
     result : Result, Skeleton or Centerlines
         Outcome of a run, or of `skeleton`.
     suffix : str
-        One of `WRITABLE`, or of `FOR_VOLUMES` and `FOR_CENTERLINES` for results of a volume. Text is encoded as UTF-8.
+        One of `CONTOURS_WRITABLE`, or of `VOLUMES_WRITABLE` and `CENTERLINES_WRITABLE` for results of a volume. Text is encoded as UTF-8.
     outlines : bool
         Whether masks hold contours as lines.
     space : {"LPS", "RAS"}
@@ -341,12 +352,14 @@ def to_bytes(
     Examples
     --------
     >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
-    >>> cpm.encoded(result, ".svg")[:5]
+    >>> cpm.to_bytes(result, ".svg")[:5]
     b'<?xml'
     """
     form = next((one for one in FILE_FORMATS if one.suffix == suffix), None)
     if form is None:
-        raise ValueError(f"{quote_value(suffix)} names no format that can be written: choose one of {', '.join(_FORMAT_SUFFIXES)}.")
+        raise ValueError(
+            f"{quote_value(suffix)} names no format that can be written: choose one of {', '.join(_FORMAT_SUFFIXES)}."
+        )
     if isinstance(result, Skeleton) and result.lines is not None:
         result = result.lines
     if isinstance(result, Centerlines):

@@ -33,7 +33,9 @@ _FLANK_WIDTH = 3.0
 """Width of an edge's flank, in sigma."""
 
 
-def find_pixels_inside_border(slopes: Callable[[Window], Array], strength: Array, smoothing: float, widest: float) -> Mask:
+def find_pixels_inside_border(
+    slopes: Callable[[Window], Array], strength: Array, smoothing: float, widest: float
+) -> Mask:
     r"""Pixels that do not belong to the image border, shape (\*shape): False on the border and on its edge.
 
     `slopes` gives the image gradient after a Gaussian of `smoothing` px in a window, `strength` is its magnitude. A

@@ -9,7 +9,7 @@ from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Numbers, Pixels, Texts, record
 from cpm_core.parameters.choices import CHOICE_PARAMETERS, check_choice
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 _PRIMARY_COLORS = ("red", "green", "blue")
 """Names of the channels of a color image."""

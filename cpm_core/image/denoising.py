@@ -101,7 +101,11 @@ def remove_noise(values: Array) -> DenoisedImage:
     length = np.clip(_SHORTEST_AVERAGE * seen.ratio**_AVERAGE_GROWTH, _SHORTEST_AVERAGE, _LONGEST_AVERAGE)
     if length < _HALF_SIZE_LENGTH:
         image = _smooth_regions(
-            values, minimize_total_variation(values, _FIRST_TV_WEIGHT * seen.noise), seen.noise, length, _DENOISING_ROUNDS
+            values,
+            minimize_total_variation(values, _FIRST_TV_WEIGHT * seen.noise),
+            seen.noise,
+            length,
+            _DENOISING_ROUNDS,
         )
     else:
         regression = _estimate_noise(regress_gray_levels(values, _double_size(seen.rough, values.shape)))
@@ -146,7 +150,9 @@ def _smooth_regions(values: Array, image: Array, noise: float, length: float, ro
     """Smooth an image into regions, by averages along the edges of `image`, which is computed again in every round."""
     surface = scipy.ndimage.gaussian_filter(values, _PIXEL_SMOOTHING, mode="nearest")
     for _ in range(rounds):
-        way = edge_directions(image, max(_LEAST_DIRECTION_SIGMA, _EDGE_SLENDERNESS * length), _DIRECTION_AVERAGING * length)
+        way = edge_directions(
+            image, max(_LEAST_DIRECTION_SIGMA, _EDGE_SLENDERNESS * length), _DIRECTION_AVERAGING * length
+        )
         image = minimize_total_variation(average_along_edges(surface, way, length), _FURTHER_TV_WEIGHT * noise)
     return image
 

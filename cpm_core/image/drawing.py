@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from cpm_core.numerics.types import Array, Extent, Pixels, frozen
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes  # noqa: PLC0414 - for the annotations of other modules

@@ -9,9 +9,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number
 from cpm_core.numerics.types import Array, Sides, frozen
-from cpm_core.parameters.quotation import format_repr, quote_value
+from cpm_core.parameters.formatting import format_repr, quote_value
 
 Convention = Literal["LPS", "RAS"]
 """Directions of x, y and z: to the Left, Posterior (back) and Superior (head) of a patient, or Right, Anterior and

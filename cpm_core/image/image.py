@@ -13,13 +13,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.image import drawing
-from cpm_core.image.colors import LUMINANCE_CHOICE, Colors, extract_channel, check_color_choice, gray_from_color, reduce_to_gray
+from cpm_core.image.colors import (
+    LUMINANCE_CHOICE,
+    Colors,
+    check_color_choice,
+    extract_channel,
+    gray_from_color,
+    reduce_to_gray,
+)
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import NO_DATA_VALUE, make_usable
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, record
-from cpm_core.parameters.quotation import format_repr, quote_value, format_size
+from cpm_core.parameters.formatting import format_repr, format_size, quote_value
 
 MINIMUM_SIDE = 8
 """Least number of pixels along each axis [px]: in smaller images the edges cannot be separated from the border."""

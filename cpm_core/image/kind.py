@@ -64,7 +64,7 @@ def guess_kind(values: Array) -> ImageKind | None:
     thinness = -(band**3).mean() / max((band**2).mean() ** 1.5, 1e-300)
     if median < 0.2 and thinness < -1.2 and structured < 0.55 and growth > 0.6:  # bright objects on a dark background
         return "fluorescence"
-    roughness = np.median(fine[kept] / mean[kept]) if kept.has_object() else 0.0
+    roughness = np.median(fine[kept] / mean[kept]) if kept.any() else 0.0
     even = structured < 0.25 and roughness < 0.08 and dark + bright < 0.08
     if even and thinness > 0.7 and three_quarters - quarter > 0.08:  # thin dark lines and almost nothing else
         return "angiogram"
@@ -78,6 +78,5 @@ def guess_kind(values: Array) -> ImageKind | None:
 def _split_into_blocks(levels: Array) -> Array:
     """Split gray levels into blocks, shape (blocks, pixels)."""
     rows, cols = (side // _BLOCK_SIDE * _BLOCK_SIDE for side in levels.shape)
-    return skimage.util.view_as_blocks(levels[:rows, :cols], (_BLOCK_SIDE, _BLOCK_SIDE)).reshape(
-        -1, _BLOCK_SIDE * _BLOCK_SIDE
-    )  # type: ignore[no-untyped-call]
+    blocks = skimage.util.view_as_blocks(levels[:rows, :cols], (_BLOCK_SIDE, _BLOCK_SIDE))  # type: ignore[no-untyped-call]
+    return blocks.reshape(-1, _BLOCK_SIDE * _BLOCK_SIDE)

@@ -52,7 +52,9 @@ def build_pyramid(values: Array, scales: int) -> Arrays:
         if values.ndim == 2:
             run_in_bands(partial(_reduce_rows, fine, coarse), len(coarse))
         else:
-            coarse[...] = _take_every_second(scipy.ndimage.gaussian_filter(fine, _REDUCTION_SMOOTHING, mode="nearest"), fine.shape)
+            coarse[...] = _take_every_second(
+                scipy.ndimage.gaussian_filter(fine, _REDUCTION_SMOOTHING, mode="nearest"), fine.shape
+            )
         images.append(coarse)
     return tuple(images)
 

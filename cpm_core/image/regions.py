@@ -14,9 +14,9 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.segments import segments_meet, nearest_distances, union_boundary, path_segments
+from cpm_core.numerics.segments import nearest_distances, path_segments, segments_meet, union_boundary
 from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
-from cpm_core.parameters.quotation import format_count, format_repr, quote_value, format_size
+from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
 _ON_LINE_DISTANCE = 1e-6
 """Distance within which a position counts as on a line [px]."""

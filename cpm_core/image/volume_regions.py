@@ -25,10 +25,10 @@ from cpm_core.image.regions import Regions, pixels_in_polygon
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number
 from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Voxel, frozen, record
 from cpm_core.numerics.vectors import Vector, row_of
-from cpm_core.parameters.quotation import format_count, format_repr, quote_value, format_size
+from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
 WALL_CONTACT_DISTANCE = 1e-6
 """Distance from a wall within which a position touches it [voxels]."""
@@ -228,7 +228,9 @@ class Extrusion:
 
     def __repr__(self) -> str:
         slices = f"slices {self.first:g} to {self.last:g} across axis {self.axis}"
-        return format_repr("Extrusion", format_count(len(self.line), "corner"), slices, "closed" if self.closed else "open")
+        return format_repr(
+            "Extrusion", format_count(len(self.line), "corner"), slices, "closed" if self.closed else "open"
+        )
 
 
 @lru_cache(maxsize=_CACHED_REGIONS)
@@ -284,7 +286,9 @@ class VolumeRegions:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "interest", _check_limits("region of interest", "box of two corners", self.interest))
-        object.__setattr__(self, "barriers", _check_limits("barrier", "plane of a point and a direction", self.barriers))
+        object.__setattr__(
+            self, "barriers", _check_limits("barrier", "plane of a point and a direction", self.barriers)
+        )
         for number, limit in enumerate(self.barriers, start=1):
             if isinstance(limit, tuple) and not np.linalg.norm(limit[1]) > 0.0:
                 raise ValueError(
@@ -387,7 +391,9 @@ def _fill_plane(filled: Mask, plane: Pair) -> None:
 def _check_limits(noun: str, form: str, given: Any) -> tuple[VolumeLimit, ...]:
     """Check limits, and convert them to pairs of places and to voxels."""
     if isinstance(given, np.ndarray) or not isinstance(given, Iterable):
-        raise ValueError(f"the limits of one kind must be a list, not {quote_value(given)}: give a list of every {noun}.")
+        raise ValueError(
+            f"the limits of one kind must be a list, not {quote_value(given)}: give a list of every {noun}."
+        )
     return tuple(_check_limit(f"{noun} {number}", form, limit) for number, limit in enumerate(given, start=1))
 
 

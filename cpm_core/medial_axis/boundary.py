@@ -87,9 +87,11 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
             if loose
             else []
         )
-        if not loose or (owner[near] != number).has_object():
+        if not loose or (owner[near] != number).any():
             contours.append(contour)
-    return _boundary_along_paths(contours, [_extend_beyond_border(_sample_evenly(contour), shape) for contour in contours], scale_field)
+    return _boundary_along_paths(
+        contours, [_extend_beyond_border(_sample_evenly(contour), shape) for contour in contours], scale_field
+    )
 
 
 def boundary_from_outlines(outlines: Contours, scale_field: ScaleField) -> Boundary:
@@ -98,7 +100,9 @@ def boundary_from_outlines(outlines: Contours, scale_field: ScaleField) -> Bound
     Where an outline follows the image border there is no edge: the object continues beyond it.
     """
     paths = [piece for outline in outlines for piece in _split_off_border(_sample_evenly(outline), scale_field.shape)]
-    return _boundary_along_paths(outlines, [_extend_beyond_border(path, scale_field.shape) for path in paths], scale_field)
+    return _boundary_along_paths(
+        outlines, [_extend_beyond_border(path, scale_field.shape) for path in paths], scale_field
+    )
 
 
 def _boundary_along_paths(contours: Contours, paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:

@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.image.geometry import Geometry
 from cpm_core.numerics import polyline
-from cpm_core.numerics.real_numbers import check_finite_number, as_real_array, check_voxel_sides
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_voxel_sides
 from cpm_core.numerics.types import Array, Arrays, Sides, record
 from cpm_core.numerics.voxel_graph import Chain, find_chains, thin_to_lines
+from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.parameters.quotation import format_count, format_repr
 
 _CENTERLINE_SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
@@ -70,7 +70,9 @@ class CenterlineBranch:
         return self.nodes[0] == self.nodes[1] and len(self.points) > 2
 
     def __repr__(self) -> str:
-        return format_repr("Branch", format_count(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open")
+        return format_repr(
+            "Branch", format_count(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open"
+        )
 
 
 @record
@@ -210,7 +212,9 @@ def centerlines(
     return sort_branches_by_length(Centerlines(tuple(branches), tuple(spacing), unit))
 
 
-def _smooth_branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array) -> CenterlineBranch:
+def _smooth_branch(
+    chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array
+) -> CenterlineBranch:
     """Move a chain of voxels to the mean of those around that are about as deep as the deepest, and smooth it.
 
     Its ends are kept; `walls` are the voxels around the inside.

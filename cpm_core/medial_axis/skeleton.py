@@ -27,8 +27,8 @@ from cpm_core.medial_axis.medial_axis import MedialAxis
 from cpm_core.medial_axis.structure import correct_half_width
 from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, record
+from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.parameters.quotation import format_count, format_repr
 
 _THICKNESS_PERCENTILE = 95.0
 """Percentile of the length that `Skeleton.thickness` covers."""

@@ -25,16 +25,16 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.medial_axis.boundary import boundary_from_outlines
 from cpm_core.medial_axis.centerlines import Centerlines, centerlines
 from cpm_core.medial_axis.medial_axis import MedialAxis, compute_medial_axis
-from cpm_core.medial_axis.outlines import is_inside_outlines, check_mask, closed_outlines
+from cpm_core.medial_axis.outlines import check_mask, closed_outlines, is_inside_outlines
 from cpm_core.medial_axis.skeleton import Skeleton, extract_branches
-from cpm_core.medial_axis.structure import DARK_POLARITY, Structure, find_structure, find_axis
+from cpm_core.medial_axis.structure import DARK_POLARITY, Structure, find_axis, find_structure
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, record
-from cpm_core.parameters import CHARGE_PARAMETERS, START_PARAMETERS, PRESETS, Parameters, find_invalidating
+from cpm_core.parameters import CHARGE_PARAMETERS, PRESETS, START_PARAMETERS, Parameters, find_invalidating
+from cpm_core.parameters.formatting import format_repr, format_size, quote_value
 from cpm_core.parameters.provenance import Provenance, select_parameters
-from cpm_core.parameters.quotation import format_repr, quote_value, format_size
 from cpm_core.reconstruction.surface.pipeline import find_surface
 
 Within = Contours | ArrayLike
@@ -260,7 +260,9 @@ class SkeletonMethod(ImageFields):
             channel, lines = "luminance", state.lines or Centerlines((), image.spacing, image.unit)
         elif isinstance(found, Structure):
             polarity, width = found.polarity, found.width
-        made = Provenance(self.name, select_parameters(parameters, names), sha256=image.sha256, of_file=bool(image.file_sha256))
+        made = Provenance(
+            self.name, select_parameters(parameters, names), sha256=image.sha256, of_file=bool(image.file_sha256)
+        )
         if lines is not None:
             lines = replace(lines, source=image.source, geometry=image.geometry, provenance=made)
         place = image.shape, image.spacing, image.unit, image.source

@@ -124,7 +124,9 @@ def find_common_polarity(
     length = np.where(inside, axis.lengths * breadth, 0.0)
     count, part = label_axis_parts(axis)
     of_part = part[axis.edges[:, 0]]
-    dark, light, mixed = (np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK_POLARITY, LIGHT_POLARITY, 0))
+    dark, light, mixed = (
+        np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK_POLARITY, LIGHT_POLARITY, 0)
+    )
     whole = length.sum()
     if mixed.sum() > _MAX_MIXED_SHARE * whole or np.minimum(dark, light).sum() > _MAX_MIXED_SHARE * whole:
         return 0
@@ -180,7 +182,9 @@ def find_edges_in_objects(axis: MedialAxis, boundary: Boundary, values: Array, s
     smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_GRAY_SMOOTHING), mode="nearest")
     gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
-    contrast = boundary.strength[axis.nearest] * np.sqrt(2.0 * np.pi) * smoothed_step_width(smoothing)  # height of the steps
+    contrast = (
+        boundary.strength[axis.nearest] * np.sqrt(2.0 * np.pi) * smoothed_step_width(smoothing)
+    )  # height of the steps
     inside = axis.is_in_rectangle(-0.5, np.array(values.shape) - 0.5)
     count, part = label_axis_parts(axis)
     every = np.arange(count)

@@ -20,7 +20,7 @@ from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Index, Single
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 COULOMB_METHODS = ("auto", "exact", "tree")
 """Methods for the computation of the force."""

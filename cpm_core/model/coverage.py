@@ -91,7 +91,9 @@ def mark_covered(coverage: Coverage, positions: Array, on_edge: Mask, step: int)
 
 @compiled
 def _cell_at(steps: Steps, position: Array, i: int) -> tuple[int, int]:
-    return cell_of(position[i, 0], COVERAGE_CELL, steps.shape[0]), cell_of(position[i, 1], COVERAGE_CELL, steps.shape[1])
+    return cell_of(position[i, 0], COVERAGE_CELL, steps.shape[0]), cell_of(
+        position[i, 1], COVERAGE_CELL, steps.shape[1]
+    )
 
 
 @compiled
@@ -106,7 +108,10 @@ def _mark_cells(found: Steps, latest: Steps, position: Array, on_edge: Mask, ste
             if not new:
                 found, latest = found.copy(), latest.copy()
             found[row, col] = step
-            latest[max(row - COVERAGE_REACH, 0) : row + COVERAGE_REACH + 1, max(col - COVERAGE_REACH, 0) : col + COVERAGE_REACH + 1] = step
+            latest[
+                max(row - COVERAGE_REACH, 0) : row + COVERAGE_REACH + 1,
+                max(col - COVERAGE_REACH, 0) : col + COVERAGE_REACH + 1,
+            ] = step
             new += 1
     return found, latest, new
 

@@ -15,13 +15,13 @@ from numpy.typing import ArrayLike
 from cpm_core.field.placed_charges import (
     Charges,
     PlacedCharge,
-    charges_at_scale,
     add_charges,
-    placed_forces,
+    charge_radius_at,
+    charges_at_scale,
     check_charges,
+    placed_forces,
     placed_potential,
     windows_near_charges,
-    charge_radius_at,
 )
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField
 from cpm_core.field.scale_space import SourceImages, plane_field_builders
@@ -94,14 +94,18 @@ class ImageFields:
         if len(shape) == 3:
             check_volume_parameters(parameters)
         elif math.prod(shape) <= LARGE_IMAGE_PIXELS:  # the fields of all scales at once, side by side
-            run_in_parallel(lambda first, end: [self._at(scale, parameters) for scale in range(first, end)], self.scales, 1)
+            run_in_parallel(
+                lambda first, end: [self._at(scale, parameters) for scale in range(first, end)], self.scales, 1
+            )
         if regions is not None:
             self._check_edges()
 
     def _set_regions(self, regions: AnyRegions | None, free: Any = None) -> None:
         """Set the regions; `free` builds the fields of the same regions of interest."""
         self.regions, self._lock = regions, RLock()
-        fields: Any = partial(volume_field_builders, pitch=self._pitch) if self.image.ndim == 3 else plane_field_builders
+        fields: Any = (
+            partial(volume_field_builders, pitch=self._pitch) if self.image.ndim == 3 else plane_field_builders
+        )
         self._free, self._at = fields(self._sources, regions=regions, free=free)
         if self._measured is not None:
             plain, measured = self._at, self._measured

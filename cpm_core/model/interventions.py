@@ -9,7 +9,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.field.placed_charges import CHARGE_REACH, Charges, PlacedCharge, changed_charges, near_charges, check_charges, charge_radius_at
+from cpm_core.field.placed_charges import (
+    CHARGE_REACH,
+    Charges,
+    PlacedCharge,
+    changed_charges,
+    charge_radius_at,
+    check_charges,
+    near_charges,
+)
 from cpm_core.image.pyramid import shape_at_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import (
@@ -21,7 +29,7 @@ from cpm_core.model.coverage import (
     with_times_reset,
     with_times_reset_near,
 )
-from cpm_core.model.starts import is_allowed, is_inside_image, check_seeds
+from cpm_core.model.starts import check_seeds, is_allowed, is_inside_image
 from cpm_core.model.state import Particles, State
 from cpm_core.numerics.grids import Window, window_shape
 from cpm_core.numerics.types import Array, Extent, Mask
@@ -30,7 +38,9 @@ from cpm_core.parameters import Parameters
 ParticleSelection = Mask | Callable[[Array], ArrayLike]
 
 
-def apply_interventions(state: State, regions: AnyRegions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
+def apply_interventions(
+    state: State, regions: AnyRegions | None, parameters: Parameters, charges: Sequence[PlacedCharge]
+) -> State:
     """Return the state with which a step begins, reactivated where parameters, regions or charges have changed."""
     if state.steering != parameters.steering or state.regions != regions:
         state = replace(reactivate_all(limit_to_regions(state, regions)), steering=parameters.steering)
@@ -184,7 +194,7 @@ def widen_window(state: State) -> State:
     shape, position = shape_at_scale(state.shape, state.scale), state.particles.position + state.corner
     first, last = np.transpose([(side.start, side.stop - 1) for side in state.window])
     near = (first > 0) & (position.min(axis=0) - first < _WINDOW_END_DISTANCE)
-    if not (near | ((last + 1 < shape) & (last - position.max(axis=0) < _WINDOW_END_DISTANCE))).has_object():
+    if not (near | ((last + 1 < shape) & (last - position.max(axis=0) < _WINDOW_END_DISTANCE))).any():
         return state
     window = window_around(np.concatenate([position, [first, last]]), shape)
     moved, former = replace(state, window=window, mesh=None), state.coverage.found.shape

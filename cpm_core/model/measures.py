@@ -23,7 +23,7 @@ import numpy as np
 
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Array, frozen, record
-from cpm_core.parameters.quotation import format_count, format_repr
+from cpm_core.parameters.formatting import format_count, format_repr
 
 PAIR_FORCE = 0.5
 """Coulomb force of two particles d_min apart, in w1."""

@@ -12,9 +12,9 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.polyline import lengths_along, points_at_lengths
-from cpm_core.numerics.real_numbers import check_finite_number, as_real_array
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number
 from cpm_core.numerics.types import Array, Extent, Mask, Position
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 _MIN_CIRCLE_PARTICLES = 5
 """Least number of particles on a circle."""
@@ -153,7 +153,9 @@ def uniform_grid(shape: Extent, spacing: float = 8.0) -> Array:
     _check_positive("spacing", spacing)
     sides = np.ravel(as_real_array(shape))
     if not len(sides) or not all(side >= 1.0 and (np.isinf(side) or side == int(side)) for side in sides):
-        raise ValueError(f"shape is {quote_value(shape)} but must be whole numbers of pixels, 1 or more along each axis.")
+        raise ValueError(
+            f"shape is {quote_value(shape)} but must be whole numbers of pixels, 1 or more along each axis."
+        )
     _check_count(float(np.prod(sides / spacing + 1.0)), spacing)
     axes = []
     for n in sides.astype(int).tolist():

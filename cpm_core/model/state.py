@@ -13,9 +13,9 @@ from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import Coverage, SurfaceCoverage
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, JsonDict, Extent, Index, Integers, Mask, Numbers, Single, record
+from cpm_core.numerics.types import Array, Extent, Index, Integers, JsonDict, Mask, Numbers, Single, record
 from cpm_core.numerics.vectors import Vector
-from cpm_core.parameters.quotation import format_count, format_repr
+from cpm_core.parameters.formatting import format_count, format_repr
 
 MESH_INTERVAL = 4
 """Steps for which the force on a mesh is used: during these, particles move by a small part of its reach."""
@@ -54,11 +54,11 @@ class SurfaceContact:
     ----------
     normal : ndarray, shape (N, 3)
         Direction in which the smoothed volume rises at each.
-    seated : ndarray of bool, shape (N,)
+    on_surface : ndarray of bool, shape (N,)
         Whether each lies on the ridge of an edge that is strong enough.
     strength : ndarray, shape (N,)
         Edge strength at each.
-    woken : ndarray of int64, shape (N,)
+    reactivated_at : ndarray of int64, shape (N,)
         Step of the scale at which something new was last covered near each.
     """
 
@@ -234,7 +234,7 @@ def _write_replaced(
     first: int,
     after: tuple[Array, Array, Array, Array, Index],
 ) -> None:
-    """Write the arrays of `Particles.renewed`."""
+    """Write the arrays of `Particles.replace_particles`."""
     place, velocity, force, distance, identity = before
     to_place, to_velocity, to_force, to_distance, to_identity = after
     for n in range(len(to_place)):

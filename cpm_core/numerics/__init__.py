@@ -1,12 +1,12 @@
 """Numerical foundations of the model: compiled loops and their cache, threads, grids, and the geometry of lines."""
 
 from cpm_core.numerics.jit import compiled as compiled
-from cpm_core.numerics.parallel import count_cores as cores
-from cpm_core.numerics.parallel import run_in_parallel as share
-from cpm_core.numerics.polyline import drop_flat_corners as coarser
-from cpm_core.numerics.polyline import path_length as length
-from cpm_core.numerics.polyline import simplify_path as thinned
-from cpm_core.numerics.real_numbers import check_voxel_sides as voxel_sides
+from cpm_core.numerics.parallel import count_cores as count_cores
+from cpm_core.numerics.parallel import run_in_parallel as run_in_parallel
+from cpm_core.numerics.polyline import drop_flat_corners as drop_flat_corners
+from cpm_core.numerics.polyline import path_length as path_length
+from cpm_core.numerics.polyline import simplify_path as simplify_path
+from cpm_core.numerics.real_numbers import check_voxel_sides as check_voxel_sides
 from cpm_core.numerics.segments import PathTree as PathTree
 from cpm_core.numerics.types import Array as Array
 from cpm_core.numerics.types import Index as Index

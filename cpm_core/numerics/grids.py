@@ -124,7 +124,9 @@ def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:
     begin = np.zeros(mask.shape[0] * mask.shape[1] + 1, np.int64)
     first, end = _find_runs(mask, begin)
     part = np.arange(len(first))
-    return ConnectedParts(mask.shape, begin, first, end, part, _join_runs(begin, first, end, mask.shape[1], corners, part))
+    return ConnectedParts(
+        mask.shape, begin, first, end, part, _join_runs(begin, first, end, mask.shape[1], corners, part)
+    )
 
 
 @compiled

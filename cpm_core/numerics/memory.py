@@ -33,7 +33,7 @@ def check_field_memory(shape: Extent, bytes_per_pixel: float, source: str) -> No
     ----------
     shape : tuple of int
         Size of the image in each direction [px].
-    each : float
+    bytes_per_pixel : float
         Memory for one pixel [bytes].
     source : str
         The image, as it is named in the message.

@@ -58,7 +58,7 @@ def path_midpoints(path: Array, count: int) -> Array:
 
 
 def midpoints_of_paths(paths: Sequence[Array], count: int) -> Array:
-    """Return `middles` of one or more paths, shape (P, count, D), at once."""
+    """Return `path_midpoints` of one or more paths, shape (P, count, D), at once."""
     counts = [len(path) for path in paths]
     corners, ends = np.concatenate(paths), np.cumsum(counts)
     steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
@@ -149,7 +149,7 @@ def simplify_path(path: Sequence[Position], tolerance: float = _SIMPLIFY_TOLERAN
 def drop_flat_corners(paths: Sequence[Array], off: float) -> list[Array]:
     """Drop corners that lie close to the line between their neighbors; both ends of each path, shape (K, 2), stay.
 
-    Much faster than `thinned`, but it leaves more corners: it drops every second corner where possible,
+    Much faster than `simplify_path`, but it leaves more corners: it drops every second corner where possible,
     `_HALVING_ROUNDS` times. A dropped corner is at most `off` [px] from the line; in total, a path moves by at most
     `_HALVING_ROUNDS` times as much.
     """

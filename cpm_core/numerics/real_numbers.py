@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 _REAL_TYPES = (int, float, np.integer, np.floating)
 """Types that count as real numbers."""
@@ -35,7 +35,9 @@ def as_real_array(values: ArrayLike) -> Array:
     try:
         given = np.asarray(values)
     except ValueError:
-        raise ValueError(f"The values are {quote_value(values)}, whose lists differ in length: make them the same.") from None
+        raise ValueError(
+            f"The values are {quote_value(values)}, whose lists differ in length: make them the same."
+        ) from None
     if given.size and given.dtype.kind not in "buif":
         raise ValueError(f"The values are of type {given.dtype} but must be real numbers.")
     return given.astype(float, copy=False)

@@ -1,6 +1,6 @@
 """Straight segments in the plane: distances, crossings, and the interior of polygons.
 
-Whether two segments meet and whether a polygon winds around a position is decided by the same signed area, `side`, in
+Whether two segments meet and whether a polygon winds around a position is decided by the same signed area, `side_of_line`, in
 compiled loops, since a step of a run asks thousands of times.
 """
 
@@ -23,7 +23,7 @@ def path_segments(path: Array) -> Array:
     A row holds row and column of one end, then of the other [px].
     """
     segments = np.concatenate([path[:-1], path[1:]], axis=1)
-    return segments[(segments[:, :2] != segments[:, 2:]).has_object(axis=1)]
+    return segments[(segments[:, :2] != segments[:, 2:]).any(axis=1)]
 
 
 def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
@@ -88,7 +88,7 @@ class PathTree:
         # GEOS knows no distance from a line without length
         counts = np.array([len(path) for path in paths], int)
         corners, first = np.concatenate([np.empty((0, 2)), *paths]), np.cumsum(counts) - counts
-        long = np.logical_or.reduceat((corners != np.repeat(corners[first], counts, axis=0)).has_object(axis=1), first)
+        long = np.logical_or.reduceat((corners != np.repeat(corners[first], counts, axis=0)).any(axis=1), first)
         self._lines = shapely.points(corners[first])
         of = np.repeat(np.arange(long.sum()), counts[long])
         self._lines[long] = shapely.linestrings(corners[np.repeat(long, counts)], indices=of)
@@ -137,7 +137,7 @@ def segments_meet(segment: Array, a: Array, b: Array) -> bool:
 def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
     """Return the first segment of a path, shape (K, 2), that meets one of others, shape (S, 4), and which one; else -1.
 
-    It uses the formula of `side`, but in NumPy: a compiled loop may round a product and a sum as one, so that it does
+    It uses the formula of `side_of_line`, but in NumPy: a compiled loop may round a product and a sum as one, so that it does
     not always find that a path which ends on a vertex of the others touches them.
     """
     p, q = segments[:, :2].T, segments[:, 2:].T

@@ -70,7 +70,11 @@ def _remove_simple_voxels(lines: Mask, voxels: Index) -> int:
             around |= int(lines[p + k // 9 - 1, r + k // 3 % 3 - 1, c + k % 3 - 1]) << k
         around &= ~(1 << 13)
         outside = ~around & _EDGE_NEIGHBORS
-        if around & (around - 1) and _are_connected(around, around, True) and _are_connected(outside, outside & _FACE_NEIGHBORS, False):
+        if (
+            around & (around - 1)
+            and _are_connected(around, around, True)
+            and _are_connected(outside, outside & _FACE_NEIGHBORS, False)
+        ):
             lines[p, r, c] = False
             taken += 1
     return taken

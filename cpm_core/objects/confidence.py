@@ -28,11 +28,11 @@ class ConfidenceFeatures(NamedTuple):
 
     Attributes
     ----------
-    overlap, clarity, steadiness, agreement : float
+    predicted_iou, mean_certainty, iou_to_previous, iou_to_other_crop : float
         Features of the prediction of the network; see `prior.Likely`.
-    places : int
+    point_count : int
         Number of points that it was selected by; 0 if it was found without any.
-    certain : bool
+    unambiguous : bool
         Whether an unambiguous contour encloses it.
     """
 

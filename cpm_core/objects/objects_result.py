@@ -16,8 +16,8 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Extent, Sides
 from cpm_core.objects.outline import OBJECT_SMOOTHING
 from cpm_core.objects.selection import Selection
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.parameters.quotation import quote_value
 
 
 def objects_result(
@@ -55,7 +55,9 @@ def objects_result(
     'left'
     """
     if isinstance(names, str) or not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
-        raise ValueError(f"names is {quote_value(names)} but must be a list of names, one for each object, or left out.")
+        raise ValueError(
+            f"names is {quote_value(names)} but must be a list of names, one for each object, or left out."
+        )
     if names and len(names) != len(selections):
         raise ValueError(f"there are {len(names)} names for {len(selections)} objects: give one for each.")
     titles = names or [f"object {number}" for number in range(1, len(selections) + 1)]

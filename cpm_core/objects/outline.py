@@ -15,8 +15,8 @@ from cpm_core.field.region_contrast import mean_contrast
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Arrays, Index, Mask, Single, record
+from cpm_core.objects.boundaries.boundary_guides import BoundaryGuides
 from cpm_core.objects.boundaries.crossings import Crossings
-from cpm_core.objects.boundaries.ground import BoundaryGuides
 
 _ROW_STEPS = np.array([0, 1, 0, -1])
 """Rows of the steps to the right, down, left and up."""
@@ -56,9 +56,9 @@ class BoundaryLinks(NamedTuple):
     ----------
     row, col : ndarray of int64, shape (N,)
         The true pixel of each link.
-    way : ndarray of int64, shape (N,)
+    direction : ndarray of int64, shape (N,)
         Step to the other pixel: 0 right, 1 down, 2 left, 3 up.
-    begin : ndarray of int64, shape (L + 1,)
+    first_link : ndarray of int64, shape (L + 1,)
         First link of each outline.
     """
 
@@ -76,7 +76,7 @@ def trace_outlines(mask: Mask) -> BoundaryLinks:
 
 @compiled
 def _trace_links(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
-    """Trace the fields of `Steps` around a mask with a margin of one pixel; positions are those without the margin.
+    """Trace the fields of `BoundaryLinks` around a mask with a margin of one pixel; positions are those without the margin.
 
     `total` is the number of links.
     """
@@ -109,7 +109,9 @@ def _trace_links(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
     return row, col, way, begin[: lines + 1]
 
 
-def place_vertices(steps: BoundaryLinks, lines: Crossings, strength: Array, strong: float) -> tuple[Array, NDArray[np.int8]]:
+def place_vertices(
+    steps: BoundaryLinks, lines: Crossings, strength: Array, strong: float
+) -> tuple[Array, NDArray[np.int8]]:
     """Place the vertices of outlines, shape (N, 2) [px], and tell what each lies on, shape (N,).
 
     Where a line crosses a link the vertex is there; at the border of the image half a pixel beyond the pixel; elsewhere
@@ -121,7 +123,9 @@ def place_vertices(steps: BoundaryLinks, lines: Crossings, strength: Array, stro
     _find_targets(steps, lines.right, lines.down, strength, strong, target, hold, kind)
     place[:] = target
     _smooth_vertices(steps, place, target, hold, kind)
-    out = np.stack([steps.row + place * _ROW_STEPS[steps.direction], steps.col + place * _COL_STEPS[steps.direction]], axis=1)
+    out = np.stack(
+        [steps.row + place * _ROW_STEPS[steps.direction], steps.col + place * _COL_STEPS[steps.direction]], axis=1
+    )
     return out, kind
 
 
@@ -248,7 +252,7 @@ def compute_outlines(mask: Mask, ground: BoundaryGuides) -> tuple[ObjectOutline,
         vertices = points[part]
         edge = kind[part] == VERTEX_ON_BORDER
         corner = edge & np.roll(edge, -1) & (way != np.roll(way, -1))
-        if corner.has_object():  # an object in the corner of the image has a corner
+        if corner.any():  # an object in the corner of the image has a corner
             pixel = np.stack([row, col], axis=1)
             places = vertices + np.roll(vertices, -1, axis=0) - pixel
             after = np.flatnonzero(corner) + 1

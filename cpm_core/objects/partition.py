@@ -1,7 +1,7 @@
 """An image with the contours found in it, and the selection of objects by points, scribbles, boxes and lassos.
 
 Where particles have closed a contour unambiguously, its inside is the object (`boundaries.closed_regions`). Elsewhere a
-network answers that has learned from outlined images (`prior`).
+network answers that has learned from outlined images (`uses_network`).
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Extent, Index, Mask, frozen, record
-from cpm_core.objects.boundaries.alike import find_similar_pixels
+from cpm_core.objects.boundaries.boundary_guides import BoundaryGuides, build_boundary_guides
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import find_crossings
-from cpm_core.objects.boundaries.ground import BoundaryGuides, build_boundary_guides
 from cpm_core.objects.boundaries.necks import split_at_necks
+from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
 from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
-from cpm_core.objects.prior.prior import Prediction, ObjectPredictor, Prompt
+from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Prompt
 from cpm_core.objects.selection import Selection, compute_iou
 from cpm_core.objects.vessels import find_vessel_tree
 from cpm_core.objects.volume_partition import EMPTY_SURFACE, VolumePartition
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import format_count, format_repr, format_size
+from cpm_core.parameters.formatting import format_count, format_repr, format_size
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.bounding import object_enclosed_by
 from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
@@ -99,7 +99,7 @@ class ParentImage:
         Its shape.
     corner : tuple of int
         The first pixel of the part.
-    grays : tuple of float
+    gray_range : tuple of float
         Its gray levels that become 0 and 255 for the network.
     smoothing : float
         Sigma of the edge map by which closed contours are judged unambiguous or not [px].
@@ -170,9 +170,9 @@ class Partition(drawing.Pictured):
         Outside the regions of interest nothing is selected; barriers are boundaries.
     channel : str
         Channel of a color image whose edges count; with the luminance, the network sees the colors.
-    prior : bool
+    uses_network : bool
         Whether the network answers where no contour is unambiguous.
-    frame : Frame or None
+    parent : Frame or None
         The larger image that contains this one.
 
     Examples
@@ -293,7 +293,11 @@ class Partition(drawing.Pictured):
         newer = None if previous is None else ~_is_among(meant, previous.inside)
         places, remark = self._resolve_points(meant, beyond, newer)
         afresh = self._add_drawn_prompts(places, meant if len(meant) >= MIN_DRAWN_PLACES else NO_POINTS, line, corners)
-        prompt = afresh if former is None else replace(self._add_drawn_prompts(places, NO_POINTS, line, corners), previous_mask=former)
+        prompt = (
+            afresh
+            if former is None
+            else replace(self._add_drawn_prompts(places, NO_POINTS, line, corners), previous_mask=former)
+        )
         answers = self._predict_candidates(afresh, areas)
         if at_once and former is not None and former.any() and not len(beyond):
             first = self.build_selection(former, within, unambiguous=certain)
@@ -327,7 +331,9 @@ class Partition(drawing.Pictured):
             prompt = replace(prompt, box=(top, bottom, left, right))
         return prompt
 
-    def _resolve_points(self, inside: Array, outside: Array = NO_POINTS, newer: Mask | None = None) -> tuple[Prompt, str]:
+    def _resolve_points(
+        self, inside: Array, outside: Array = NO_POINTS, newer: Mask | None = None
+    ) -> tuple[Prompt, str]:
         """Resolve points to pixels, with one sentence on what is unusual about them.
 
         Where the same pixel is positive and negative, the positive points count that are `newer`, shape (M,).
@@ -342,10 +348,13 @@ class Partition(drawing.Pictured):
         elif not interest[tuple(np.concatenate([within, beyond]).T)].all():
             remark = "A place outside the regions of interest counts for nothing."
         same = (within[:, None] == beyond[None]).all(axis=2)
-        if same.has_object():
+        if same.any():
             remark = "The same place has been said to be inside and outside; what was said last counts."
             newer = np.zeros(len(within), bool) if newer is None else newer
-            within, beyond = within[newer | ~same.has_object(axis=1)], beyond[~(same & newer[:, None]).has_object(axis=0)]
+            within, beyond = (
+                within[newer | ~same.any(axis=1)],
+                beyond[~(same & newer[:, None]).any(axis=0)],
+            )
         return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
     def _find_best_candidate(self, prompt: Prompt, answers: Iterator[Candidate], areas: Sequence[float]) -> Candidate:
@@ -365,7 +374,7 @@ class Partition(drawing.Pictured):
             mask, certain = better, True
         found = next(answers, None) or Candidate(np.zeros(self.shape, bool) if mask is None else mask.copy())
         if mask is not None:  # positive points only add, and negative ones only remove
-            adds, takes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].has_object()
+            adds, takes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
             if adds != takes:
                 found = found._replace(mask=found.mask | mask if adds else found.mask & mask)
         return found._replace(mask=self._keep_connected(found.mask, prompt))
@@ -384,12 +393,18 @@ class Partition(drawing.Pictured):
                 paths = self._find_contour_paths(box, corner)
                 if paths:
                     mask[box] = snap_to_contours(mask[box], find_crossings(paths, mask[box].shape), likely.downsampling)
-            yield Candidate(mask, ConfidenceFeatures(*likely[2:], point_count=len(prompt.positive) + len(prompt.negative)))
+            yield Candidate(
+                mask, ConfidenceFeatures(*likely[2:], point_count=len(prompt.positive) + len(prompt.negative))
+            )
 
     def _find_alternatives(self, mask: Mask, prompt: Prompt) -> Iterator[Candidate]:
         """Find alternatives to an object: closed contours around it, a body of it alone, or more than it."""
         pixels = prompt.positive if prompt.drawn_area is None else np.argwhere(prompt.drawn_area)
-        for other in itertools.islice(self._closed_regions.find_enclosing_masks(pixels), _MAX_CLOSED_CANDIDATES) if len(pixels) else ():
+        for other in (
+            itertools.islice(self._closed_regions.find_enclosing_masks(pixels), _MAX_CLOSED_CANDIDATES)
+            if len(pixels)
+            else ()
+        ):
             yield Candidate(other)
         box, corner = _padded_box(mask)
         if len(pixels):
@@ -408,7 +423,9 @@ class Partition(drawing.Pictured):
             for length in [int(_NEIGHBOR_REACH * (side.stop - side.start))]
         )
         more = np.zeros_like(mask)
-        more[wide] = _select_connected(find_similar_pixels(self.values[wide], mask[wide], self.interest[wide]), np.argwhere(mask[wide]))
+        more[wide] = _select_connected(
+            find_similar_pixels(self.values[wide], mask[wide], self.interest[wide]), np.argwhere(mask[wide])
+        )
         if _MIN_GROWTH < np.count_nonzero(more) / np.count_nonzero(mask) < _MAX_GROWTH:
             yield Candidate(more)
 
@@ -424,7 +441,9 @@ class Partition(drawing.Pictured):
             held.append(np.argwhere(prompt.drawn_area[box] & part))
         if prompt.box is not None:
             held.append(np.argwhere(part))
-        mask[box] = _select_connected(part, np.concatenate(held), find_crossings(self._find_barrier_paths(corner), part.shape).pixels)
+        mask[box] = _select_connected(
+            part, np.concatenate(held), find_crossings(self._find_barrier_paths(corner), part.shape).pixels
+        )
         return mask
 
     def complete_object(self, drawn: Mask, area: float) -> Mask:
@@ -455,8 +474,12 @@ class Partition(drawing.Pictured):
         found = self.outline_mask(mask)
         if features is None:
             places = len(inside) + len(outside)
-            features = ConfidenceFeatures(*self.evaluate_mask(mask, inside)[2:], point_count=places) if self.uses_network else ConfidenceFeatures(point_count=places)
-        features = features._replace(certain=unambiguous)
+            features = (
+                ConfidenceFeatures(*self.evaluate_mask(mask, inside)[2:], point_count=places)
+                if self.uses_network
+                else ConfidenceFeatures(point_count=places)
+            )
+        features = features._replace(unambiguous=unambiguous)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
         return Selection(mask, contours, gaps, estimate_confidence(features), inside, outside, remark, features)
@@ -522,7 +545,9 @@ class Partition(drawing.Pictured):
         return ObjectPredictor(self.values if colors is None else colors.samples, gray_range=grays)
 
     def __repr__(self) -> str:
-        return format_repr("Partition", self.image.source, format_size(self.shape), format_count(len(self.contours), "contour"))
+        return format_repr(
+            "Partition", self.image.source, format_size(self.shape), format_count(len(self.contours), "contour")
+        )
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the image with the contours by matplotlib."""
@@ -553,7 +578,7 @@ def _select_connected(mask: Mask, pixels: Index, barred: Mask | None = None) -> 
 
 def _is_among(places: Array, others: Array) -> Mask:
     """Return which points, shape (N, 2), are among others, shape (N,)."""
-    return (places[:, None] == others[None]).all(axis=2).has_object(axis=1)
+    return (places[:, None] == others[None]).all(axis=2).any(axis=1)
 
 
 def _replace_surrounding_points(inside: Array, before: Selection) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.image.image import Image, as_plane
 from cpm_core.numerics.real_numbers import as_positions
-from cpm_core.objects.everywhere import find_objects_everywhere, find_similar_objects
+from cpm_core.objects.all_objects import find_objects_everywhere, find_similar_objects
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.selection import Selection
 
@@ -83,7 +83,7 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
     taken = np.any([one.mask for one in like], axis=0)
     for one in like:
         for other in find_similar_objects(cut, one):
-            if not (other.mask & taken).has_object():
+            if not (other.mask & taken).any():
                 found.append(other)
                 taken |= other.mask
     return tuple(found)

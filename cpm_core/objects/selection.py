@@ -8,7 +8,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
 from cpm_core.numerics.types import Array, Arrays, Mask, record
 from cpm_core.objects.confidence import ConfidenceFeatures
-from cpm_core.parameters.quotation import format_count, format_repr
+from cpm_core.parameters.formatting import format_count, format_repr
 
 
 @record
@@ -29,7 +29,7 @@ class Selection(drawing.Pictured):
         The positive and negative points of the prompt [px].
     remark : str
         One sentence on what was unusual about the points, or empty.
-    signs : Signs or None
+    features : Signs or None
         Features that the confidence was estimated from.
 
     Examples

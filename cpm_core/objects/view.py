@@ -22,7 +22,7 @@ from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects.partition import Partition, partition, partition_without_run
 from cpm_core.objects.volume_partition import EMPTY_SURFACE, VolumePartition
-from cpm_core.parameters.quotation import format_count, format_repr
+from cpm_core.parameters.formatting import format_count, format_repr
 
 _MAX_PICTURE_SIDE = 2048
 """Longer side of the picture that is sent to a notebook [px]."""
@@ -55,7 +55,7 @@ def notebook_view(values: ArrayLike | Image | Result, result: Result | None = No
 
     Examples
     --------
-    >>> cpm.view(cpm.example("disks"))
+    >>> cpm.notebook_view(cpm.example("disks"))
     <View disks, 0 objects>
     """
     found = values if result is None else replace(result, image=as_image(values))  # type: ignore[arg-type]
@@ -90,7 +90,7 @@ class NotebookView(drawing.Pictured):
 
     Examples
     --------
-    >>> view = cpm.view(cpm.example("disks"))
+    >>> view = cpm.notebook_view(cpm.example("disks"))
     >>> view.click((32, 18))
     >>> view.click((32, 46))
     >>> len(view.objects), view.selection is view.objects[1], bool(view.objects[0].mask[32, 18]), view.plane
@@ -102,7 +102,7 @@ class NotebookView(drawing.Pictured):
     >>> view.selection, int(cpm.objects_result(view.objects, view.partition.image).labels.max())
     (None, 1)
     >>> axes = view.plot()
-    >>> slices = cpm.view(cpm.example("ball"))
+    >>> slices = cpm.notebook_view(cpm.example("ball"))
     >>> slices.turn_to(12)
     >>> slices.plane
     12
@@ -149,7 +149,9 @@ class NotebookView(drawing.Pictured):
         """Draw the image, or the slice, with contours and objects by matplotlib."""
         ax = self._image.plot(ax, scale_bar=False)
         drawing.show_curves(ax, self._find_contours(self._results))
-        drawing.show_curves(ax, [replace(line, color=_SELECTED_OBJECT_COLOR) for line in self._find_contours(self.objects)])
+        drawing.show_curves(
+            ax, [replace(line, color=_SELECTED_OBJECT_COLOR) for line in self._find_contours(self.objects)]
+        )
         return ax
 
     @property
@@ -194,7 +196,9 @@ class NotebookView(drawing.Pictured):
 
     def _describe_objects(self) -> JsonDict:
         """Describe the objects, with a message on the last one."""
-        objects = [(one is self.selection, "".join(map(_format_svg_path, self._find_contours([one])))) for one in self.objects]
+        objects = [
+            (one is self.selection, "".join(map(_format_svg_path, self._find_contours([one])))) for one in self.objects
+        ]
         return {"objects": objects, "said": self._message}
 
     def _encode_picture(self) -> JsonDict:
@@ -206,7 +210,9 @@ class NotebookView(drawing.Pictured):
         picture.reduce(-(-max(image.shape) // _MAX_PICTURE_SIDE)).save(stream, "png")
         return {
             "picture": stream.getvalue(),
-            "lines": [(drawing.curve_color(line), _format_svg_path(line)) for line in self._find_contours(self._results)],
+            "lines": [
+                (drawing.curve_color(line), _format_svg_path(line)) for line in self._find_contours(self._results)
+            ],
             "shape": image.shape,
             "aspect": image.spacing[0] / image.spacing[1],
             "planes": 0 if self.plane is None else self.partition.shape[0],

@@ -26,10 +26,17 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
-from cpm_core.objects.prior.bodies import BodyPrediction, BodyPredictor, body_from_mask, find_changes_near, is_different_body, logits_from_mask
+from cpm_core.objects.prior.body_predictor import (
+    BodyPrediction,
+    BodyPredictor,
+    body_from_mask,
+    find_changes_near,
+    is_different_body,
+    logits_from_mask,
+)
 from cpm_core.objects.prior.body_surface import extract_body_surface
-from cpm_core.objects.prior.windows import CROP_SIDE, resample_with_tent
-from cpm_core.parameters.quotation import format_count, format_repr, format_size
+from cpm_core.objects.prior.crops import CROP_SIDE, resample_with_tent
+from cpm_core.parameters.formatting import format_count, format_repr, format_size
 
 _BODY_LOOKUP_DISTANCE = 0.75
 """Distance from a surface at which the bodies on its sides are looked up [smallest sides of a voxel]."""
@@ -170,10 +177,13 @@ class VolumePartition:
         """Select a body by the network, starting from what was selected before."""
         within, beyond = inside, outside
         same = (np.rint(within)[:, None] == np.rint(beyond)).all(axis=2)
-        if same.has_object():  # of contradicting points, the last one counts
+        if same.any():  # of contradicting points, the last one counts
             newer = np.arange(len(within)) >= (len(within) if previous is None else len(previous.inside))
-            within, beyond = within[newer | ~same.has_object(axis=1)], beyond[~(same & newer[:, None]).has_object(axis=0)]
-        remark = _CONFLICTING_POINT_REMARK if same.has_object() else ""
+            within, beyond = (
+                within[newer | ~same.any(axis=1)],
+                beyond[~(same & newer[:, None]).any(axis=0)],
+            )
+        remark = _CONFLICTING_POINT_REMARK if same.any() else ""
         if self._interest is not None:
             here, there = (self._interest[tuple(self._find_nearest_voxels(given).T)] for given in (within, beyond))
             remark = remark if here.all() and there.all() else _OUTSIDE_INTEREST_REMARK
@@ -198,7 +208,10 @@ class VolumePartition:
         for places, adds in ((within, True), (beyond, False)):
             for place in places:
                 if (body.interpolate_logit(place * size) > 0.0) != adds:
-                    before, body = body, self._predictor.correct_body(body, place * size, adds, within * size, beyond * size)
+                    before, body = (
+                        body,
+                        self._predictor.correct_body(body, place * size, adds, within * size, beyond * size),
+                    )
                     if voxels is not None:
                         voxels = self._repaint_voxels(voxels, before, body, place, adds)
         if voxels is not None:
@@ -206,15 +219,21 @@ class VolumePartition:
         image, shown = self.image, body
         if self._interest is not None:
             shown = replace(body, logits=np.minimum(body.logits, logits_from_mask(self._interest, size, body.crop)))
-        surface = extract_body_surface(shown, image.values, size, within, beyond, image.spacing, image.unit, self._interest)
+        surface = extract_body_surface(
+            shown, image.values, size, within, beyond, image.spacing, image.unit, self._interest
+        )
         return VolumeSelection(self, surface, inside, outside, remark, body)
 
-    def _repaint_voxels(self, voxels: PackedVoxels, before: BodyPrediction, after: BodyPrediction, place: Array, adds: bool) -> PackedVoxels:
+    def _repaint_voxels(
+        self, voxels: PackedVoxels, before: BodyPrediction, after: BodyPrediction, place: Array, adds: bool
+    ) -> PackedVoxels:
         """Add to voxels what a point has added to a body near it, or remove what it has removed."""
         cube, size = after.crop, self._predictor.voxel_sides
         at = np.rint(place).astype(np.int64)
         first = np.clip(np.ceil(cube.to_positions(np.zeros(3)) / size).astype(np.int64), 0, at)
-        end = np.clip(np.floor(cube.to_positions(np.full(3, CROP_SIDE - 1.0)) / size).astype(np.int64) + 1, at + 1, self.shape)
+        end = np.clip(
+            np.floor(cube.to_positions(np.full(3, CROP_SIDE - 1.0)) / size).astype(np.int64) + 1, at + 1, self.shape
+        )
         lines = cube.axes_to_crop_steps(np.arange(a, b) * side for a, b, side in zip(first, end, size, strict=True))
         changed = resample_with_tent(find_changes_near(before, after, place), lines, tuple(size / cube.step_size)) > 0.5
         if self._interest is not None:
@@ -289,7 +308,9 @@ class VolumePartition:
         surface = self.surface
         step = _BODY_LOOKUP_DISTANCE * min(surface.spacing) * surface.normals / np.array(surface.spacing)
         inner, outer = self.find_body_numbers(surface.vertices - step), self.find_body_numbers(surface.vertices + step)
-        return _find_most_frequent(surface.component_of_vertex, inner), _find_most_frequent(surface.component_of_vertex, outer)
+        return _find_most_frequent(surface.component_of_vertex, inner), _find_most_frequent(
+            surface.component_of_vertex, outer
+        )
 
     def __repr__(self) -> str:
         return format_repr("VolumePartition", self.image.source, format_size(self.shape, "voxels"))
@@ -355,7 +376,9 @@ class VolumeSelection:
         first = np.maximum(np.floor(every.min(axis=0)), 0).astype(np.int64) if len(every) else np.zeros(3, np.int64)
         end = np.minimum(np.ceil(every.max(axis=0)).astype(np.int64) + 1, shape) if len(every) else first
         there = replace(self.surface, vertices=self.surface.vertices - first)
-        part = voxelize_surface(there, tuple((end - first).tolist())) if self.has_boundary else np.zeros(end - first, bool)
+        part = (
+            voxelize_surface(there, tuple((end - first).tolist())) if self.has_boundary else np.zeros(end - first, bool)
+        )
         for voxels, within in zip(places, (False, True), strict=True):
             if self.body is not None and self.remark != _CONFLICTING_POINT_REMARK:
                 part[tuple((voxels - first).T)] = within
@@ -387,7 +410,9 @@ class VolumeSelection:
         return self.surface.area
 
     def __repr__(self) -> str:
-        return format_repr("VolumeSelection", self.partition.image.source, format_count(self.surface.components, "part"))
+        return format_repr(
+            "VolumeSelection", self.partition.image.source, format_count(self.surface.components, "part")
+        )
 
     def has_same_region(self, other: VolumeSelection) -> bool:
         """Return whether another selection has the same bodies."""
@@ -404,7 +429,7 @@ class VolumeSelection:
 
 def _append_new_points(before: Array, places: Array) -> Array:
     """Append those of some points that are not among the points before."""
-    fresh = (places[:, None] != before[None]).has_object(axis=2).all(axis=1) if len(places) else np.zeros(0, bool)
+    fresh = (places[:, None] != before[None]).any(axis=2).all(axis=1) if len(places) else np.zeros(0, bool)
     return np.concatenate([before, places[fresh]])
 
 

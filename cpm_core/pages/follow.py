@@ -18,7 +18,7 @@ from cpm_core.numerics.types import Extent
 from cpm_core.pages.page import Page, strip_image
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes import Start, collect_seeds, starts_from_contours
 
@@ -68,7 +68,7 @@ def follow_pages(
     Examples
     --------
     >>> pages = [cpm.example("disk").values, np.roll(cpm.example("disk").values, 3, axis=1)]
-    >>> for page in cpm.follow(pages, cpm.circle((32, 32), 8)):
+    >>> for page in cpm.follow_pages(pages, cpm.circle((32, 32), 8)):
     ...     print(page.number, [contour.number for contour in page.contours])
     1 [1]
     2 [1]

@@ -21,10 +21,10 @@ from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
-from cpm_core.objects import Partition, Selection, objects_result, compute_iou, partition
+from cpm_core.objects import Partition, Selection, compute_iou, objects_result, partition
 from cpm_core.pages.follow import describe_error
 from cpm_core.pages.page import Page, strip_image
-from cpm_core.pages.tracks import MIN_TRACK_OVERLAP, MIN_PART_FRACTION, Tracker, TrackEvent, find_origins
+from cpm_core.pages.tracks import MIN_PART_FRACTION, MIN_TRACK_OVERLAP, Tracker, TrackEvent, find_origins
 
 _TEMPLATE_MARGIN = 0.25
 """Margin around an object that is compared as well, in lengths of the object."""
@@ -105,7 +105,9 @@ class ObjectFollower:
             check()
             speed = self._speeds.get(each, np.zeros(2, int))
             seen = _find_best_match(one.mask, self._values, page.values, speed)
-            sought.append(_SoughtObject(replace(_find_outer_contour(one), number=each), one.mask, self._values, speed, seen))
+            sought.append(
+                _SoughtObject(replace(_find_outer_contour(one), number=each), one.mask, self._values, speed, seen)
+            )
         found = _find_sought_objects(sought, page, check)
         taken = np.logical_or.reduce([one.mask for one in found])
         before, now = [one.select_boundary(taken) for one in sought], [_find_outer_contour(one) for one in found]
@@ -187,7 +189,8 @@ def pages_from_results(found: Mapping[int, Result]) -> tuple[Page, ...]:
         )
         _, events = tracker.assign_tracks(number, tuple(outer.values()), result.shape, keep=True)
         speeds = {
-            each: np.subtract(compute_centroid(outer[each]), compute_centroid(before[each])) for each in outer.keys() & before.keys()
+            each: np.subtract(compute_centroid(outer[each]), compute_centroid(before[each]))
+            for each in outer.keys() & before.keys()
         }
         before, tracks = outer, max(tracks, *outer)
         pages.append(Page(number, strip_image(replace(result, contours=contours)), events))

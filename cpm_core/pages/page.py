@@ -14,7 +14,7 @@ from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Integers, JsonObject, frozen, record
 from cpm_core.pages.tracks import TrackEvent, find_origins
-from cpm_core.parameters.quotation import format_count, format_repr
+from cpm_core.parameters.formatting import format_count, format_repr
 
 _VERTEX_DECIMALS = 4
 """Decimals of the vertices of contours, as files hold them [px]."""
@@ -35,12 +35,12 @@ class Page:
         Its contours, whose numbers are their tracks, without the image; None for a page that could not be used.
     events : tuple of TrackEvent
         Which tracks begin, split, merge, end or leave the image here.
-    trouble : str
+    error : str
         Why the page could not be used, in one sentence; empty if it could.
 
     Examples
     --------
-    >>> page = next(cpm.follow([cpm.example("disk")], cpm.circle((32, 32), 8)))
+    >>> page = next(cpm.follow_pages([cpm.example("disk")], cpm.circle((32, 32), 8)))
     >>> page
     <Page 1, 1 contour>
     >>> page.number, len(page.contours), page.trouble
@@ -135,7 +135,9 @@ def strip_image(result: Result) -> Result:
             contour,
             points=np.round(contour.points, _VERTEX_DECIMALS),
             strength=round(contour.strength, _MEASURE_DECIMALS),
-            measure_contrast=None if contour.measure_contrast is None else partial(round, contour.contrast, _MEASURE_DECIMALS),
+            measure_contrast=None
+            if contour.measure_contrast is None
+            else partial(round, contour.contrast, _MEASURE_DECIMALS),
             gray=gray,
             measure_origin=partial(str, contour.reached),
         )

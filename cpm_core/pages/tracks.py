@@ -18,7 +18,7 @@ from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.numerics.polyline import repeat_indices, sample_path
 from cpm_core.numerics.types import Array, Extent, Index, Integers, frozen
-from cpm_core.parameters.quotation import format_repr
+from cpm_core.parameters.formatting import format_repr
 
 MIN_TRACK_OVERLAP = 0.2
 """Least overlap of two contours of one track."""
@@ -96,7 +96,7 @@ def find_origins(events: Iterable[TrackEvent]) -> dict[int, int]:
 class TrackOverlaps(NamedTuple):
     """Overlaps of the contours of one page with the contours of another, each of shape (N, M).
 
-    `dice` decides which contours belong to one track; `part` is the share of the smaller area that lies in the other,
+    `dice` decides which contours belong to one track; `part_fraction` is the share of the smaller area that lies in the other,
     0 for open contours.
     """
 
@@ -149,13 +149,17 @@ class Tracker:
         for index, contour in enumerate(before):
             if index in pairs:
                 continue
-            into = [one for one, then in heirs.items() if part[index, one] >= MIN_PART_FRACTION and not _is_nested(around, index, then)]
+            into = [
+                one
+                for one, then in heirs.items()
+                if part[index, one] >= MIN_PART_FRACTION and not _is_nested(around, index, then)
+            ]
             if into:
                 heir = max(into, key=lambda one: part[index, one])
                 yield TrackEvent("merges", page, contour.number, (now[heir].number,))
             else:
                 low, high = contour.box
-                outside = (low < _BORDER_TOLERANCE).has_object() or (high > np.array(shape) - 1.0 - _BORDER_TOLERANCE).has_object()
+                outside = (low < _BORDER_TOLERANCE).any() or (high > np.array(shape) - 1.0 - _BORDER_TOLERANCE).any()
                 yield TrackEvent("leaves" if outside else "ends", page, contour.number)
         around, split = containment(now), dict[int, list[int]]()
         for index, contour in enumerate(now if self._begun else ()):
@@ -178,10 +182,12 @@ def measure_overlaps(before: Contours, now: Contours, shape: Extent) -> TrackOve
         return TrackOverlaps(nothing, nothing)
     overlaps = _measure_area_overlaps(before, now, shape)
     lines = np.array([not one.closed for one in before])[:, None] | np.array([not one.closed for one in now])[None]
-    if lines.has_object():  # join the ends of open contours, which may be objects that the border of the image cuts
+    if lines.any():  # join the ends of open contours, which may be objects that the border of the image cuts
         then, later = ([replace(one, closed=len(one.points) > 2) for one in contours] for contours in (before, now))
         overlaps.part_fraction[lines] = 0.0
-        overlaps.dice[lines] = np.maximum(_measure_area_overlaps(then, later, shape).dice, _measure_line_overlap(before, now))[lines]
+        overlaps.dice[lines] = np.maximum(
+            _measure_area_overlaps(then, later, shape).dice, _measure_line_overlap(before, now)
+        )[lines]
     return overlaps
 
 

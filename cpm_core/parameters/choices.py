@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 Invalidates = Literal["nothing", "contours", "field", "run"]
 Edges = Literal["gradient", "vessels"]

@@ -13,8 +13,14 @@ from typing import Literal, cast
 import numpy as np
 
 from cpm_core.parameters.choices import CHOICE_PARAMETERS, Accuracy, Channel, Edges, check_choice
-from cpm_core.parameters.quotation import format_call, quote_value
-from cpm_core.parameters.table import AUTOMATIC_PARAMETERS, PARAMETERS, UNLIMITED_REACH, ParameterInfo, find_invalidating
+from cpm_core.parameters.formatting import format_call, quote_value
+from cpm_core.parameters.table import (
+    AUTOMATIC_PARAMETERS,
+    PARAMETERS,
+    UNLIMITED_REACH,
+    ParameterInfo,
+    find_invalidating,
+)
 
 
 @dataclass(frozen=True)
@@ -174,11 +180,15 @@ def _check_parameter(info: ParameterInfo, value: object) -> None:
     fits = isinstance(value, (int, float)) and not isinstance(value, bool) and info.low <= value <= info.high
     if not fits or (whole and value != int(cast("float", value))):
         kind = "a whole number" if whole else "a number"
-        words = f"{kind} from {info.low:g} to {info.high:g}" + (' or "auto"' if info.name in AUTOMATIC_PARAMETERS else "")
+        words = f"{kind} from {info.low:g} to {info.high:g}" + (
+            ' or "auto"' if info.name in AUTOMATIC_PARAMETERS else ""
+        )
         raise ValueError(f"{info.name} is {quote_value(value)} but must be {words}.")
 
 
-DEFAULT_VALUES: dict[str, float | str] = {name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICE_PARAMETERS)}
+DEFAULT_VALUES: dict[str, float | str] = {
+    name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICE_PARAMETERS)
+}
 """Default value of every parameter: the paper's."""
 
 _AUTOMATIC_PRESET = Parameters(

@@ -28,7 +28,7 @@ class ParameterInfo:
         Short name for a label.
     meaning : str
         One sentence: what it is.
-    more : str
+    effect_of_larger : str
         One sentence: the effect of a larger value.
     invalidates : {"nothing", "contours", "field", "run"}
         What a change makes out of date: nothing (the next step uses the value), the contours but not the particles, the

@@ -21,17 +21,17 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.model import interventions
 from cpm_core.model.coverage import no_coverage, no_surface_coverage
-from cpm_core.model.image_fields import ImageFields, FieldMeasure
+from cpm_core.model.image_fields import FieldMeasure, ImageFields
 from cpm_core.model.measures import Energies, Forces, kinetic_energy
 from cpm_core.model.plane import step as plane
 from cpm_core.model.starts import check_seeds
 from cpm_core.model.state import Particles, SpaceState, State
 from cpm_core.model.volume import step as volume
 from cpm_core.numerics.types import Array, Texts
-from cpm_core.parameters import SKELETON_PARAMETERS, PARAMETERS, Parameters
+from cpm_core.parameters import PARAMETERS, SKELETON_PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
+from cpm_core.parameters.formatting import format_count, format_repr, format_size
 from cpm_core.parameters.provenance import Provenance, select_parameters
-from cpm_core.parameters.quotation import format_count, format_repr, format_size
 from cpm_core.segmentation.finer_scale import begin_scale, thin_seeds
 from cpm_core.segmentation.outcome import find_state_contours, find_state_surface
 from cpm_core.segmentation.reach.local_fields import LocalFields
@@ -93,7 +93,9 @@ class Engine(ImageFields):
 
     name: ClassVar[str] = "cpm"
     title: ClassVar[str] = "Charged particles"
-    parameters: ClassVar[Texts] = tuple(name for name in (*PARAMETERS, *CHOICE_PARAMETERS) if name not in SKELETON_PARAMETERS)
+    parameters: ClassVar[Texts] = tuple(
+        name for name in (*PARAMETERS, *CHOICE_PARAMETERS) if name not in SKELETON_PARAMETERS
+    )
     seeded: ClassVar[bool] = True
 
     def __init__(
@@ -159,7 +161,7 @@ class Engine(ImageFields):
             particles.
         charges : sequence of PlacedCharge, optional
             Effective at once. One that is added, removed or moved reactivates the particles within its old and new
-            reach; a run that has ended continues once its state is `State.resumed`.
+            reach; a run that has ended continues once its state is `State.resume`.
 
         Returns
         -------
@@ -301,7 +303,9 @@ class Engine(ImageFields):
         return self._local_fields.field_at(state.scale, state.start, parameters, state.window)
 
     def __repr__(self) -> str:
-        return format_repr("Engine", self.image.source, format_size(self.image.shape, ""), format_count(self.scales, "scale"))
+        return format_repr(
+            "Engine", self.image.source, format_size(self.image.shape, ""), format_count(self.scales, "scale")
+        )
 
 
 _ATTRIBUTE_OF_METRIC = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {

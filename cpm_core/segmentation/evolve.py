@@ -21,7 +21,7 @@ from cpm_core.model.state import State
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import format_count, format_repr, quote_value
+from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.reconstruction.by_hand.operations import apply_edits_to_result
 from cpm_core.segmentation.engine import Engine
 
@@ -179,7 +179,9 @@ class Evolution(Iterator[RunState]):
     @parameters.setter
     def parameters(self, given: Parameters) -> None:
         if not isinstance(given, Parameters):
-            raise ValueError(f"parameters is {quote_value(given)} but must be Parameters: use dataclasses.replace on them.")
+            raise ValueError(
+                f"parameters is {quote_value(given)} but must be Parameters: use dataclasses.replace on them."
+            )
         if not self._engine.can_start(given):
             raise ValueError(f"scales is {given.scales} but must stay {self._engine.scales} in a run: begin another.")
         self._parameters = given

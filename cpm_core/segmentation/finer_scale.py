@@ -15,9 +15,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import pixel_before, interpolate_component
+from cpm_core.field.interpolation import interpolate_component, pixel_before
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
-from cpm_core.model.coverage import COVERAGE_CELL, NEVER_COVERED, COVERAGE_REACH, Coverage, cell_of
+from cpm_core.model.coverage import COVERAGE_CELL, COVERAGE_REACH, NEVER_COVERED, Coverage, cell_of
 from cpm_core.model.equations import IDLE_STEPS
 from cpm_core.model.interventions import allowed_places
 from cpm_core.model.state import State
@@ -68,14 +68,20 @@ def begin_scale(state: State, field: ScaleField) -> State:
     seeds = np.zeros(state.coverage.found.shape, bool)
     row, col = _cell_indices(place[first:], seeds.shape)
     seeds[row, col] = True
-    if math.prod(state.shape) <= _MIN_THINNED_PIXELS and not _dilate_cells(seeds, max(_SEED_CELLS >> state.scale, 1)).all():
+    if (
+        math.prod(state.shape) <= _MIN_THINNED_PIXELS
+        and not _dilate_cells(seeds, max(_SEED_CELLS >> state.scale, 1)).all()
+    ):
         return state
     edges, missing = find_unexplained_edges(field, place[:first], seeds.shape)
     if not _dilate_cells(seeds, _SEED_CELLS)[missing].all():
         return state
     stay = np.concatenate([np.ones(first, bool), _dilate_cells(missing, _SEED_CELLS)[row, col]])
     known = edges & ~missing
-    found, latest = (np.where(cells, -IDLE_STEPS, NEVER_COVERED).astype(np.int32) for cells in (known, _dilate_cells(known, COVERAGE_REACH)))
+    found, latest = (
+        np.where(cells, -IDLE_STEPS, NEVER_COVERED).astype(np.int32)
+        for cells in (known, _dilate_cells(known, COVERAGE_REACH))
+    )
     coverage = Coverage(found, latest, int(np.count_nonzero(known)))
     return replace(state, particles=state.particles.keep(stay), coverage=coverage)
 

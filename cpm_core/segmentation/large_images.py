@@ -53,5 +53,7 @@ def strongest_edge_window(blocks: Array, side: int, shape: Extent) -> Window:
     """Return the window around the strongest edge of an image of this shape, from means of blocks of `side` px."""
     strength = vector_magnitudes(smoothed_gradient(blocks, 1.0))
     middle = side * np.array(np.unravel_index(int(np.argmax(strength)), strength.shape))
-    starts = (int(min(max(at - _SAMPLE_SIDE // 2, 0), max(n - _SAMPLE_SIDE, 0))) for at, n in zip(middle, shape, strict=True))
+    starts = (
+        int(min(max(at - _SAMPLE_SIDE // 2, 0), max(n - _SAMPLE_SIDE, 0))) for at, n in zip(middle, shape, strict=True)
+    )
     return tuple(slice(start, start + _SAMPLE_SIDE) for start in starts)

@@ -1,7 +1,7 @@
 """The interface of methods that find contours, and the table of all methods.
 
 All code that runs, records or shows a method uses only this interface. A new method is a module and an entry in
-`METHODS`.
+`RUN_METHODS`.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class Method(Protocol[S]):
     Attributes
     ----------
     name : str
-        Key in `METHODS`.
+        Key in `RUN_METHODS`.
     title : str
         Name for the user.
     parameters : tuple of str

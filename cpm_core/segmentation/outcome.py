@@ -77,7 +77,9 @@ def find_state_surface(state: State, image: Image, field: VolumeField, parameter
     points = particles.position[particles.surface_contact.on_surface] / state.space.pitch
     shut = None
     if field.walls is not None:
-        shut = field.walls.find_shut_voxels(field.shape, field.pitch, particles.position[particles.surface_contact.on_surface])
+        shut = field.walls.find_shut_voxels(
+            field.shape, field.pitch, particles.position[particles.surface_contact.on_surface]
+        )
     spacing = tuple(side * 2.0**scale for side in image.spacing)
     fields = field.smoothed, field.edges
     surface = find_surface(*fields, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)

@@ -61,7 +61,8 @@ class OnStrongEdges:
         """Return the shape with its threshold raised by a number of steps of 0.02."""
         fraction = round(
             min(
-                max(self.fraction + THRESHOLD_FRACTION_STEP * steps, LEAST_THRESHOLD_FRACTION), LARGEST_THRESHOLD_FRACTION
+                max(self.fraction + THRESHOLD_FRACTION_STEP * steps, LEAST_THRESHOLD_FRACTION),
+                LARGEST_THRESHOLD_FRACTION,
             ),
             6,
         )

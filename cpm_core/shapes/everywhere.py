@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Literal, get_args
 
 from cpm_core.image.image import Image
-from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above, divergence_centers, uniform_grid
+from cpm_core.model.starts import STRONG_EDGE_FRACTION, divergence_centers, pixels_above, uniform_grid
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics.types import Array, Position, frozen
 from cpm_core.shapes.path import WithoutOutline

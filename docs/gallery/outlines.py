@@ -86,7 +86,7 @@ def rings(distance: Distance, shape: tuple[int, int]) -> Rings:
     axes = [np.arange(0.0, n - 1 + _STEP, _STEP) for n in shape]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     lines = [line * _STEP for line in skimage.measure.find_contours(distance(grid), 0.0)]  # type: ignore[no-untyped-call]
-    if not lines or any((line[0] != line[-1]).has_object() for line in lines):
+    if not lines or any((line[0] != line[-1]).any() for line in lines):
         raise ValueError("the shape is empty or reaches out of the image: make the image larger.")
     return tuple(_on_zero(line[:-1], distance) for line in lines)
 

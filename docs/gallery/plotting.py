@@ -240,7 +240,9 @@ def _palette() -> NDArray[np.uint8]:
     grays = np.repeat(np.linspace(0.0, 1.0, 56)[:, None], 3, axis=1)
     heat = colormaps[_HEAT](np.linspace(0.0, 1.0, 32))[:, :3]
     named = [TEXT, DIM, HALO_COLOR, PAPER]
-    hues = np.array([to_rgb(name) for name in (PARTICLE_COLOR, CLOSED_CURVE_COLOR, OPEN_CURVE_COLOR, JUNCTION, FIELD, *_SERIES)])
+    hues = np.array(
+        [to_rgb(name) for name in (PARTICLE_COLOR, CLOSED_CURVE_COLOR, OPEN_CURVE_COLOR, JUNCTION, FIELD, *_SERIES)]
+    )
     backgrounds = np.array([to_rgb(HALO_COLOR), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)])
     shares = (0.25, 0.5, 0.75)
     transitions = [(1.0 - share) * hues + share * background for background in backgrounds for share in shares]

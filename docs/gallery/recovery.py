@@ -111,7 +111,8 @@ def count_over_damping(contrast: float, betas: Sequence[float] = BETAS) -> list[
 def objects_found(done: Run) -> int:
     """Number of true contours of which at least the share `_FOUND` was recovered."""
     return sum(
-        compare_boundaries(done.end.contours, [one], done.end.agreement.tolerance).recall >= _FOUND for one in done.scene.truth
+        compare_boundaries(done.end.contours, [one], done.end.agreement.tolerance).recall >= _FOUND
+        for one in done.scene.truth
     )
 
 

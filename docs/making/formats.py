@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from cpm_core.formats import (
-    CONTOURS_READABLE,
     CENTERLINES_WRITABLE,
-    SKELETONS_WRITABLE,
-    VOLUMES_WRITABLE,
-    IMAGES_READABLE,
-    SURFACES_READABLE,
+    CONTOURS_READABLE,
     CONTOURS_WRITABLE,
+    IMAGES_READABLE,
+    SKELETONS_WRITABLE,
+    SURFACES_READABLE,
+    VOLUMES_WRITABLE,
 )
 from making.tables import table
 

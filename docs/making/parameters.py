@@ -21,7 +21,9 @@ def table_line(info: ParameterInfo) -> tuple[str, ...]:
     default = DEFAULT_VALUES[info.name]
     allowed = f"{info.low:g} or more" if info.high >= 1e9 else f"{info.low:g} to {info.high:g}"
     value = default if isinstance(default, str) else f"{default:g}{unit}"
-    meaning = f"**{info.title}.** {info.meaning} {info.effect_of_larger}" + (f" ({info.equation})" if info.equation else "")
+    meaning = f"**{info.title}.** {info.meaning} {info.effect_of_larger}" + (
+        f" ({info.equation})" if info.equation else ""
+    )
     return f"`{info.name}`", info.symbol, value, allowed, meaning, _STALE[info.invalidates]
 
 

@@ -31,12 +31,12 @@ for branch, radii in zip(bones.contours, bones.radii, strict=True):
     place = along(branch)
     usual = np.array([np.median(radii[np.abs(place - at) < 25]) for at in place])
     inner = (place > 15) & (place < place[-1] - 15)  # branches begin within others
-    if inner.has_object():
+    if inner.any():
         share = np.where(inner, radii / usual, np.inf)
         found.append((share.min(), int(share.argmin()), branch, radii, usual))
 share, at, branch, radii, usual = min(found, key=lambda one: one[0])
 print(f"{2 * radii[at]:.1f} px wide where {2 * usual[at]:.1f} px are usual")
-print(f"narrowed by {100 * (1 - share):.0f} % at (row, col) {branch.points[at].from_voxel_size()}")
+print(f"narrowed by {100 * (1 - share):.0f} % at (row, col) {branch.points[at].round()}")
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")

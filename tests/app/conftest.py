@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.session.features import comparison, selector, stack_pages, timeline
+from cpm_app.session.features import comparison, selector, stack_pages, timeline_navigation
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.session import Session
-from cpm_app.session.storage import run_keeping
+from cpm_app.session.storage import run_collector
 from cpm_app.views.features import files
 from cpm_app.views.window import dialogs
 from cpm_app.views.window.window import MainWindow
@@ -43,7 +43,7 @@ _COLLECTED_EVERY = 20
 
 RESTS = (
     (stack_pages, "_LINK_DELAY"), (stack_pages, "_LINK_DELAY_WHILE_RUNNING"), (selector, "_PARTITION_DELAY"), (comparison, "_COMPARISON_DELAY"),
-    (timeline, "_CONTOURS_DELAY"), (run_keeping, "_COLLECT_DELAY"),
+    (timeline_navigation, "_CONTOURS_DELAY"), (run_collector, "_COLLECT_DELAY"),
 )  # fmt: skip
 """Times without a change after which work begins [ms]."""
 

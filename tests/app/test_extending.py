@@ -19,7 +19,7 @@ from cpm_app.views.items.curves import Curves
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.main_window import make_window
 from cpm_app.views.tools import TOOLS
-from cpm_app.views.tools.drawn import DraggedTool
+from cpm_app.views.tools.gesture_tools import DraggedTool
 from cpm_app.views.tools.tool import CIRCLE_GROUP
 from cpm_app.views.window import bars
 from cpm_app.views.window.window import MainWindow
@@ -83,7 +83,9 @@ class CenterLayer(Layer):
         if self.scene.image is not before.image and self.scene.image is not None:
             self.center = tuple((n - 1) / 2 for n in self.scene.image.shape)
             row, col = self.center
-            self.cross.show_paths([np.array([[row - 3, col], [row + 3, col]]), np.array([[row, col - 3], [row, col + 3]])])
+            self.cross.show_paths(
+                [np.array([[row - 3, col], [row + 3, col]]), np.array([[row, col - 3], [row, col + 3]])]
+            )
 
 
 def another_window(qtbot, request, workspace: Workspace, image_file) -> MainWindow:

@@ -24,9 +24,9 @@ import scipy
 
 import cpm_core as cpm
 from cpm_core.chunked.grid import ChunkedSource, build_grid
+from cpm_core.chunked.image_statistics import GrayScaling, ImageStatistics
 from cpm_core.chunked.run import CONTOURS_KIND, ChunkedTask, find_contours_in_chunk, run_chunks
 from cpm_core.chunked.store import RunStore
-from cpm_core.chunked.survey import GrayScaling, ImageStatistics
 from cpm_core.cli.workers import connect_to_dask, map_until_finished, run_on_one_core
 from cpm_core.contours.agreement import DEFAULT_TOLERANCE, distances_to_contours
 from cpm_core.contours.contour import Contour, sample_contours
@@ -190,7 +190,9 @@ def objects(side, core):
                 if nearest and np.abs(box(nearest) - box(one.contours)).max() < 12.0:
                     left = [other for other in left if other is not nearest]
                     ways = ((one.contours, nearest), (nearest, one.contours))
-                    apart.append(max(distances_to_contours(np.concatenate([c.points for c in a]), b).max() for a, b in ways))
+                    apart.append(
+                        max(distances_to_contours(np.concatenate([c.points for c in a]), b).max() for a, b in ways)
+                    )
             print(f"{title}: {len(whole)} objects in one piece, {len(apart)} also in chunks, {len(left)} only there; "
                   f"{sum(np.array(apart) > 0.05)} differ by more than 0.05 px, at most {max(apart):.3f}")  # fmt: skip
 

@@ -121,7 +121,7 @@ def judge(side, surface, table):
         true = zero_surface(inside(grid).astype(np.float32))[0] - REACH
         back = scipy.spatial.KDTree(own).query(true)[0] if len(own) else np.full(len(true), np.inf)
         box = np.array([true.min(0), true.max(0)]) + center
-        seam = bool((box[0] // TILE != box[1] // TILE).has_object())
+        seam = bool((box[0] // TILE != box[1] // TILE).any())
         rows.append((number[at], seam, np.abs(inside(own.T)), back))
     for name, some in (("across seams", [r for r in rows if r[1]]), ("others", [r for r in rows if not r[1]])):
         found, away, back = np.array([r[0] for r in some]), *(np.concatenate([r[k] for r in some]) for k in (2, 3))

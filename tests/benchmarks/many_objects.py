@@ -76,7 +76,9 @@ def main(side=2000, noise=10.0):
         print(f"{words} shortcuts: {spent:.1f} s of processor time, {len(results[-1])} contours, {found} of "
               f"{len(truth)} objects, {away:.3f} px from their outlines; largest radii missed {missed}")  # fmt: skip
     for some, others in (results, results[::-1]):
-        print(f"at most {distances_to_contours(np.concatenate([one.points for one in some]), others).max():.3f} px apart")
+        print(
+            f"at most {distances_to_contours(np.concatenate([one.points for one in some]), others).max():.3f} px apart"
+        )
 
 
 if __name__ == "__main__":

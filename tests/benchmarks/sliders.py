@@ -19,7 +19,11 @@ from cpm_core.contours.contour import sample_contours
 from cpm_core.model.starts import uniform_grid
 
 SAMPLES = (("coins", 40.0, 200.0, 10.0), ("camera", 150.0, 200.0, 12.0), ("cell", 350.0, 340.0, 30.0))
-SLIDERS = {control.name: control for control in build_controls() if control.name in (*MOTION_PARAMETERS, "reach", "weakest_edge")}
+SLIDERS = {
+    control.name: control
+    for control in build_controls()
+    if control.name in (*MOTION_PARAMETERS, "reach", "weakest_edge")
+}
 
 
 def agreement(points, others):

@@ -15,7 +15,7 @@ import pytest
 from matplotlib import pyplot
 
 import cpm_core as cpm
-from cpm_core.formats import CENTERLINES_WRITABLE, VOLUMES_WRITABLE, CONTOURS_WRITABLE
+from cpm_core.formats import CENTERLINES_WRITABLE, CONTOURS_WRITABLE, VOLUMES_WRITABLE
 from cpm_core.parameters import PARAMETERS
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 
@@ -102,7 +102,10 @@ def test_the_example_of_a_table_gives_what_it_says(name):
 def test_tables_hold_every_parameter_format_and_command():
     assert all(f"| `{name}` |" in parameters.table() for name in (*PARAMETERS, *CHOICE_PARAMETERS))
     assert all(f"| `{name}` |" in parameters.presets() for name in cpm.PRESETS)
-    assert all(f"| `{suffix}` |" in formats.writable() for suffix in {**CONTOURS_WRITABLE, **VOLUMES_WRITABLE, **CENTERLINES_WRITABLE})
+    assert all(
+        f"| `{suffix}` |" in formats.writable()
+        for suffix in {**CONTOURS_WRITABLE, **VOLUMES_WRITABLE, **CENTERLINES_WRITABLE}
+    )
     commands = command_line.text()
     assert {"## cpm run", "## cpm batch", "## cpm skeleton", "## cpm info"} <= set(commands.splitlines())
     assert "--time-step" in commands

@@ -13,16 +13,16 @@ import numpy as np
 from cpm_app.model.document.contours import apply_document_review
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import build_objects_result
-from cpm_app.model.text.language import translate_core_text, tr, localize_number
+from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_core import Contour, Image, Result, Skeleton
 from cpm_core.formats import (
     ANIMATIONS_WRITABLE,
-    FIGURE_SUFFIXES,
     CENTERLINES_WRITABLE,
+    CONTOURS_WRITABLE,
+    FIGURE_SUFFIXES,
     SKELETONS_WRITABLE,
     STACKS_WRITABLE,
     VOLUMES_WRITABLE,
-    CONTOURS_WRITABLE,
     count_left_out,
 )
 from cpm_core.image import Convention, has_matplotlib
@@ -96,7 +96,9 @@ _FILE_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertic
 """Endings of files whose suffix only tells formats of a writer apart, and the one 3D Slicer expects."""
 
 
-def list_export_formats(kind: ExportKind = "contours", in_volume: bool = False, of_dicom: bool = False) -> dict[str, str]:
+def list_export_formats(
+    kind: ExportKind = "contours", in_volume: bool = False, of_dicom: bool = False
+) -> dict[str, str]:
     """Return the names of the formats for a kind of content, by suffix; those without a fixed place are last.
 
     DICOM segmentations are offered where the image is `of_dicom` and the package that writes them is installed. A
@@ -146,7 +148,7 @@ class ExportOrder:
         Numbers of the objects and contours that are written; None for all.
     tolerance : float
         How far a line may move where vertices are left out [px]; 0 keeps all.
-    everywhere : bool
+    simplify_all_formats : bool
         Whether vertices are left out in all formats, not only in those that are edited by hand.
     space : {"LPS", "RAS"}
         Where the coordinates of a surface point.
@@ -173,7 +175,11 @@ def has_objects_to_export(document: Document) -> bool:
 
 
 def prepare_export(
-    found: Result | Skeleton | None, document: Document, order: ExportOrder, kind: ExportKind, image: Image | None = None
+    found: Result | Skeleton | None,
+    document: Document,
+    order: ExportOrder,
+    kind: ExportKind,
+    image: Image | None = None,
 ) -> Result | Skeleton:
     """Return what is exported, with all its vertices; ValueError where there is nothing of the kind."""
     result = build_objects_result(document, order.objects) if kind == "objects" else found

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_app.napari.layers import LayerData, contours_from_layer, build_contour_layer
+from cpm_app.napari.layers import LayerData, build_contour_layer, contours_from_layer
 from cpm_core import Result, Surface, export
 from cpm_core.formats import CONTOURS_READABLE, read_contours
 from cpm_core.numerics.types import JsonObject

@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core import Contour, Result, measure
 from cpm_core.contours import assign_numbers
-from cpm_core.formats import parse_color, flatten_ellipse
+from cpm_core.formats import flatten_ellipse, parse_color
 from cpm_core.formats.contours.contents import DEFAULT_COLOR
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Integers, JsonObject

@@ -16,7 +16,7 @@ from qtpy.QtWidgets import QLineEdit
 
 import cpm_core as cpm
 from cpm_app.napari import finding
-from cpm_app.napari.layers import LayerData, lines_from_shapes, build_result_layers
+from cpm_app.napari.layers import LayerData, build_result_layers, lines_from_shapes
 from cpm_core.image.drawing import PARTICLE_COLOR
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import JsonDict

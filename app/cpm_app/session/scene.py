@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import field
 from functools import cached_property
 
-from cpm_app.model.display.differences import SurfaceDifference, Difference
+from cpm_app.model.display.differences import Difference, SurfaceDifference
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import AnySelection, object_from_selection
@@ -87,7 +87,7 @@ class Proposal:
         Number of the object that it would replace; 0 for a new one.
     key : int
         Key for selecting it, below 0, constant while it is offered; 0 for the object of the clicks.
-    followed : SegmentedObject or None
+    followed_object : SegmentedObject or None
         The object that it becomes, if it has been followed from the previous page.
     """
 
@@ -132,7 +132,7 @@ class ShownObjects:
         Offered objects: the object of the clicks, and those of the run.
     preview : Preview or None
         Effect that a click under the pointer would have.
-    chosen : frozenset of int
+    selected : frozenset of int
         Numbers of the selected objects, and keys of the selected proposals.
     hovered : int
         Number of the object, or key of the proposal, under the pointer; 0 for none.
@@ -152,7 +152,7 @@ class NearParticles:
     ----------
     index : ndarray of int, shape (M,)
         Indices among all particles.
-    away : ndarray, shape (M,)
+    distance : ndarray, shape (M,)
         Distances from the slice: 0 in it, 1 where particles are no longer shown.
     """
 
@@ -165,7 +165,7 @@ class Scene:
     """Everything shown on the canvas.
 
     The image of a session's scene may be a volume. Each view then draws the scene of a slice, made by
-    `cpm_app.session.features.slices`, whose image is the slice and whose `volume` and `near` are set.
+    `cpm_app.session.features.slices`, whose image is the slice and whose `volume` and `near_particles` are set.
 
     Attributes
     ----------
@@ -177,7 +177,7 @@ class Scene:
         The image in the last requested intensity window.
     document : Document
         Shapes, parameters and marks.
-    selected : int or None
+    selected_shape : int or None
         Index of the selected shape.
     image_seeds : mapping of start to ndarray
         Seeds of the starts that depend on the image.
@@ -199,7 +199,7 @@ class Scene:
         Ground truth that results are compared with, unless the reference is the shown result.
     differences : tuple of Difference
         Places where the compared contours or surface differ from the reference.
-    apart : tuple of Apart
+    surface_differences : tuple of Apart
         In a volume, the parts of the surfaces that differ.
     objects : ShownObjects
         The selection of objects.
@@ -207,7 +207,7 @@ class Scene:
         The slices of a volume that are shown; None for an image.
     volume : Image or None
         The volume whose slice `image` is; None for an image of its own, and for the volume itself.
-    near : NearParticles or None
+    near_particles : NearParticles or None
         Particles of a volume that are shown in a slice.
     """
 

@@ -10,24 +10,38 @@ from PySide6.QtCore import QObject, Qt, QTimer
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document, ImageReference, Mode
-from cpm_app.model.document.modes import MODES, initial_parameters, needs_start, adapt_shapes_to_mode, switch_mode
+from cpm_app.model.document.modes import MODES, adapt_shapes_to_mode, initial_parameters, needs_start, switch_mode
 from cpm_app.model.document.samples import find_copied_sample
 from cpm_app.model.document.saving import from_session_file
 from cpm_app.model.export import ExportOrder
 from cpm_app.model.state.resolve import INITIAL_PACE_INDEX, RUN_PACES, WindowTexts, resolve_texts
 from cpm_app.model.state.situation import RunStatus, Situation, can_step
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import translate_core_text, explain_error, tr
+from cpm_app.model.text.language import explain_error, tr, translate_core_text
 from cpm_app.model.volume.slices import Slices
 from cpm_app.session.exchange.mailbox import Pacer
-from cpm_app.session.exchange.messages import CoreFunctions, ImageReady, OpeningFailed, ImageOpened
-from cpm_app.session.live_edits import RunUpdater
+from cpm_app.session.exchange.messages import CoreFunctions, ImageOpened, ImageReady, OpeningFailed
+from cpm_app.session.run_updater import RunUpdater
 from cpm_app.session.scene import ReviewedContours, Scene
-from cpm_app.session.signals import EDITING_CATEGORY, EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY, SceneStore
+from cpm_app.session.scene_store import (
+    EDITING_CATEGORY,
+    EXPORTING_CATEGORY,
+    OPENING_CATEGORY,
+    RUNNING_CATEGORY,
+    SceneStore,
+)
 from cpm_app.session.tasks.opening import Opener, OpenRequest
 from cpm_app.session.tasks.tasks import TaskManager
 from cpm_app.session.undo_history import Change, Erasure, UndoHistory
-from cpm_app.session.worker.commands import WorkerCommand, RunsRestored, restore_runs, call_run, start_run, compile_kernels, write_files
+from cpm_app.session.worker.commands import (
+    RunsRestored,
+    WorkerCommand,
+    call_run,
+    compile_kernels,
+    restore_runs,
+    start_run,
+    write_files,
+)
 from cpm_app.session.worker.run import Run
 from cpm_app.session.worker.worker_thread import WorkerThread
 from cpm_core import METHODS, Image, Parameters
@@ -58,9 +72,21 @@ class Session(QObject):
         self.scene_changed, self.image_changed = board.scene_changed, board.image_changed
         self.document_changed, self.status_changed = board.document_changed, board.status_changed
         self.message_shown, self.messages_cleared = board.message_shown, board.messages_cleared
-        self.set_scene, self.announce_status, self.defer_status = board.set_scene, board.announce_status, board.defer_status
-        self.add_listener, self.remove_listener, self.dispatch_report = board.add_listener, board.remove_listener, board.dispatch_report
-        self.show_message, self.set_error, self.clear_messages = board.show_message, board.set_error, board.clear_messages
+        self.set_scene, self.announce_status, self.defer_status = (
+            board.set_scene,
+            board.announce_status,
+            board.defer_status,
+        )
+        self.add_listener, self.remove_listener, self.dispatch_report = (
+            board.add_listener,
+            board.remove_listener,
+            board.dispatch_report,
+        )
+        self.show_message, self.set_error, self.clear_messages = (
+            board.show_message,
+            board.set_error,
+            board.clear_messages,
+        )
         self.tasks = TaskManager(self._worker_thread.send_report, self._start_polling, self)
         self.tasks.changed.connect(self.announce_status)
         self._numbered = 0
@@ -85,12 +111,16 @@ class Session(QObject):
         self.previous_parameters: Parameters | None = None
         """Parameters of the image that was open before this one."""
         self.can_replace_image: Callable[[ImageOpened], bool] = lambda opened: True
-        """Whether an image may replace the open one at once; if not, `use` opens it later."""
-        self.add_listener(ImageReady, lambda ready: self.replace_image(ready.opened) if self.can_replace_image(ready.opened) else None)
+        """Whether an image may replace the open one at once; if not, `replace_image` opens it later."""
+        self.add_listener(
+            ImageReady, lambda ready: self.replace_image(ready.opened) if self.can_replace_image(ready.opened) else None
+        )
         self.add_listener(ImageOpened, self._on_image_opened)
         self.add_listener(
             RunsRestored,
-            lambda kept: self.run_updater.restore_runs(kept.begun) if kept.generation == self.image_generation else None,
+            lambda kept: (
+                self.run_updater.restore_runs(kept.begun) if kept.generation == self.image_generation else None
+            ),
         )
         self.add_listener(OpeningFailed, lambda refused: self.show_message(refused.message, True, OPENING_CATEGORY))
 
@@ -141,7 +171,9 @@ class Session(QObject):
     @property
     def situation(self) -> Situation:
         """Everything that decides what the window shows and enables."""
-        return Situation(self.document, self.status, self.history.undo_name, self.history.redo_name, self.selected_shape)
+        return Situation(
+            self.document, self.status, self.history.undo_name, self.history.redo_name, self.selected_shape
+        )
 
     @property
     def resolved(self) -> WindowTexts:
@@ -216,7 +248,9 @@ class Session(QObject):
     def select_next_shape(self) -> None:
         """Select the shape drawn after the selected one, the first after the last."""
         count = len(self.document.shapes)
-        self.select_shape(None if not count else 0 if self.selected_shape is None else (self.selected_shape + 1) % count)
+        self.select_shape(
+            None if not count else 0 if self.selected_shape is None else (self.selected_shape + 1) % count
+        )
 
     def delete_selected_shape(self) -> None:
         """Remove the selected shape."""
@@ -345,7 +379,7 @@ class Session(QObject):
         self.begin_opening(OpenRequest(path, parameters, resumes=resumes, as_volume=as_volume, reading=reading))
 
     def begin_opening(self, request: OpenRequest) -> None:
-        """Open an image or a session; see `open`."""
+        """Open an image or a session; see `open_file`."""
         self.clear_messages(OPENING_CATEGORY)
         self._mode_before = self.document.mode
         self._opener.start_opening(request)
@@ -356,7 +390,7 @@ class Session(QObject):
         self._start_polling()
 
     def export_files(self, order: ExportOrder, on_encoded: Callable[[tuple[bytes, ...]], object] | None = None) -> None:
-        """Write files, all or none, or only encode them and pass their contents to `then`."""
+        """Write files, all or none, or only encode them and pass their contents to `on_encoded`."""
         self.clear_messages(EXPORTING_CATEGORY)
         task = self.tasks.begin_task(tr("Writing {name}…", name=order.files[0].path.name))
         self.post_command(write_files(task, self.scene.reconstruction, self.document, order, on_encoded))
@@ -403,7 +437,9 @@ class Session(QObject):
         """Show another document, or the same one after its history has changed."""
         before, scene = before or self.document, self.scene
         if document != before:
-            self.clear_messages(EDITING_CATEGORY, RUNNING_CATEGORY)  # an edit may be the remedy for why a run did not begin
+            self.clear_messages(
+                EDITING_CATEGORY, RUNNING_CATEGORY
+            )  # an edit may be the remedy for why a run did not begin
             selected, contours, image = scene.selected_shape, scene.contours, scene.image
             if selected is not None and selected >= len(document.shapes):
                 selected = None
@@ -411,7 +447,9 @@ class Session(QObject):
                 contours = ReviewedContours.from_tracked(contours.tracked, document.marks)
             # a pixel size set by hand has to apply before everything else that depends on the edit
             sized = image if image is None or document.image is None else document.image.with_known_pixel_size(image)
-            self._store.scene = replace(scene, image=sized, document=document, selected_shape=selected, contours=contours)
+            self._store.scene = replace(
+                scene, image=sized, document=document, selected_shape=selected, contours=contours
+            )
             if sized is not None and sized is not image:
                 self.post_command(call_run(None, Run.change_pixel_size, sized, document))
             self.run_updater.update_run(before, document, complete)

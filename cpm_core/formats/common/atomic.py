@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from cpm_core.formats.common.content import AnyPath, format_location
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 _DRAFT_PREFIX = ".cpm-"
 """Prefix of the names of drafts."""
@@ -23,7 +23,7 @@ _ABANDONED_AGE = 600.0
 
 
 def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
-    """Write files whose contents are in memory, all or none; see `drafts_of`.
+    """Write files whose contents are in memory, all or none; see `draft_files`.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def check_target(path: AnyPath, known: Iterable[str], purpose: str = "that can b
     Raises
     ------
     ValueError
-        When the suffix is unknown, or `check_place` raises.
+        When the suffix is unknown, or `check_writable` raises.
     """
     file = Path(path)
     if not find_suffix(file, known) and not file.is_dir():
@@ -134,7 +134,9 @@ def check_writable(file: Path) -> None:
         if not file.parent.is_dir():
             raise ValueError(f"{format_location(file)} cannot be written: there is no such folder.")
         if not os.access(file.parent, os.W_OK):
-            raise ValueError(f"{format_location(file)} cannot be written: you have no permission to write into that folder.")
+            raise ValueError(
+                f"{format_location(file)} cannot be written: you have no permission to write into that folder."
+            )
         _stat_replaceable(file.resolve())
 
 
@@ -173,5 +175,7 @@ def _stat_replaceable(target: Path) -> os.stat_result | None:
         raise ValueError(f"{format_location(target)} is not an ordinary file and is not replaced: name another one.")
     # the superuser may write everything, but a file without any write permission should be kept
     if not known.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH) or not os.access(target, os.W_OK):
-        raise ValueError(f"{format_location(target)} is read-only and is not replaced: make it writable, or name another one.")
+        raise ValueError(
+            f"{format_location(target)} is read-only and is not replaced: make it writable, or name another one."
+        )
     return known

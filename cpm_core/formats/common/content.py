@@ -63,7 +63,7 @@ def format_location(file: Path) -> str:
 
 
 def read_content(file: Path, max_size: int = MAX_FILE_SIZE, head_size: int = -1) -> bytes:
-    """Return the bytes of a file, or its first `part` bytes; UnreadableError when it cannot be read or is too large."""
+    """Return the bytes of a file, or its first `head_size` bytes; UnreadableError when it cannot be read or is too large."""
     try:
         known = file.stat()
         if stat.S_ISDIR(known.st_mode):
@@ -71,7 +71,9 @@ def read_content(file: Path, max_size: int = MAX_FILE_SIZE, head_size: int = -1)
         if not stat.S_ISREG(known.st_mode):
             raise UnreadableError(f"{format_location(file)} is not an ordinary file: choose another one.")
         if known.st_size > max_size and head_size < 0:
-            raise UnreadableError(f"{file.name} has {known.st_size >> 20} MB, more than the {max_size >> 20} MB allowed.")
+            raise UnreadableError(
+                f"{file.name} has {known.st_size >> 20} MB, more than the {max_size >> 20} MB allowed."
+            )
         with file.open("rb") as stream:
             return stream.read(head_size)
     except FileNotFoundError:
@@ -86,7 +88,7 @@ def read_content(file: Path, max_size: int = MAX_FILE_SIZE, head_size: int = -1)
 
 @contextlib.contextmanager
 def explain_decoding_errors(name: str, fallback: str) -> Iterator[None]:
-    """Turn any decoding error into a ValueError that names the file; unknown causes become the sentence `otherwise`."""
+    """Turn any decoding error into a ValueError that names the file; unknown causes become the sentence `fallback`."""
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
@@ -106,7 +108,7 @@ def compute_fingerprint(path: Path, check_cancelled: Callback | None = None) -> 
     """Return the hash of a file: SHA-256 as 64 hexadecimal digits.
 
     Above 1 GiB only the size and some blocks are hashed, the first and the last among them, and the hash begins with
-    "sampled:". `go_on` is called between blocks and may raise to stop. ValueError when the file cannot be read.
+    "sampled:". `check_cancelled` is called between blocks and may raise to stop. ValueError when the file cannot be read.
     """
     found, kind = hashlib.sha256(), ""
     try:
@@ -128,7 +130,7 @@ def compute_fingerprint(path: Path, check_cancelled: Callback | None = None) -> 
 
 
 def try_fingerprint(path: Path, check_cancelled: Callback | None = None) -> str:
-    """Return the hash of a file as `fingerprint` does; empty when the file cannot be read."""
+    """Return the hash of a file as `compute_fingerprint` does; empty when the file cannot be read."""
     try:
         return compute_fingerprint(path, check_cancelled)
     except ValueError:

@@ -35,13 +35,13 @@ def build_label(number: int, name: str, color: bytes) -> Label:
 
 
 def escape_cell(text: str) -> str:
-    """Make text safe for a table cell: quoted if a spreadsheet would take it for a formula; see `text_of_cell`."""
+    """Make text safe for a table cell: quoted if a spreadsheet would take it for a formula; see `unescape_cell`."""
     shown = make_printable(text)
     return _QUOTE_MARK + shown if shown.lstrip(_QUOTE_MARK).startswith(_FORMULA_STARTS) else shown
 
 
 def unescape_cell(content: str) -> str:
-    """Undo `cell`."""
+    """Undo `escape_cell`."""
     return (
         content[1:]
         if content.startswith(_QUOTE_MARK) and content.lstrip(_QUOTE_MARK).startswith(_FORMULA_STARTS)

@@ -9,8 +9,8 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats.common.plain import encode_json
-from cpm_core.formats.common.provenance import PROVENANCE_KEY, PROGRAM_NAME, Outcome, describe_provenance
+from cpm_core.formats.common.json_values import encode_json
+from cpm_core.formats.common.provenance import PROGRAM_NAME, PROVENANCE_KEY, Outcome, describe_provenance
 from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, contour_rgb, round_coordinates
 from cpm_core.formats.contours.mask import decode_runs, find_outlines
 from cpm_core.numerics.types import JsonDict
@@ -69,7 +69,7 @@ def encode_coco(result: Outcome) -> bytes:
         if labels is not None and not surrounding.isdisjoint(row.number for _, row in pairs):
             holes = [one for one in result.contours if one.hole and one.group == first.group and len(one.points) > 2]
             mask = labels == label
-            if not mask.has_object():  # hidden by another object
+            if not mask.any():  # hidden by another object
                 mask = rasterize_labels([*(contour for contour, _ in pairs), *holes], result.shape) > 0
             changes = np.flatnonzero(np.diff(mask.T.ravel(), prepend=False, append=False))
             counts = np.diff(changes, prepend=0, append=labels.size).tolist()  # down one column after the other
@@ -79,7 +79,11 @@ def encode_coco(result: Outcome) -> bytes:
         instances.append(instance)
     return encode_json(
         {
-            "info": {"description": f"Contours of {result.source}", "contributor": PROGRAM_NAME, PROVENANCE_KEY: describe_provenance(result)},
+            "info": {
+                "description": f"Contours of {result.source}",
+                "contributor": PROGRAM_NAME,
+                PROVENANCE_KEY: describe_provenance(result),
+            },
             "licenses": [],
             "images": [{"id": 1, "file_name": result.source, "width": width, "height": height}],
             "categories": [{"id": k, "name": name, "supercategory": ""} for k, name in enumerate(categories, start=1)],

@@ -58,15 +58,15 @@ class CollectedContours:
         Contours, in px.
     pages : list of int
         Page of each contour in a stack, from 1; 0 where the file names none.
-    places : list of tuple
+    points : list of tuple
         Row, column and page of single points.
-    left_out : Counter
+    omissions : Counter
         Number of entries of each kind that were not read.
     shape : tuple of int or None
         Shape of the image, where the file gives it.
     notes : list of str
         Further messages, one sentence each.
-    own : bool
+    is_own : bool
         Whether CPM wrote the file: the names and colors it gives to contours without any are then dropped.
     """
 

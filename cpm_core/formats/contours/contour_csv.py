@@ -14,10 +14,10 @@ from itertools import chain, groupby
 import numpy as np
 
 from cpm_core.contours.contour import assign_numbers
-from cpm_core.contours.measurements import compute_centroid, assign_labels, measure
+from cpm_core.contours.measurements import assign_labels, compute_centroid, measure
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import escape_cell, unescape_cell
-from cpm_core.formats.common.provenance import Outcome, flatten_provenance, describe_provenance
+from cpm_core.formats.common.provenance import Outcome, describe_provenance, flatten_provenance
 from cpm_core.formats.contours.contents import CollectedContours
 from cpm_core.formats.images.resolution import ascii_unit
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -42,11 +42,13 @@ def encode_vertices(result: Outcome) -> bytes:
     contrast, and with a column ``radius``: the distance to the boundary [px]. Provenance is in the first row only,
     because a table may have a hundred thousand.
     """
-    return encode_csv_rows(_build_vertex_rows(result), ("contour", "closed", "label", "strength", "vertex", "row", "col"))
+    return encode_csv_rows(
+        _build_vertex_rows(result), ("contour", "closed", "label", "strength", "vertex", "row", "col")
+    )
 
 
 def _build_vertex_rows(result: Outcome) -> list[Row]:
-    """Build the rows of `encode`."""
+    """Build the rows of `encode_vertices`."""
     radii = result.radii if isinstance(result, Skeleton) else None
     labels = range(1, len(result.contours) + 1) if radii is not None else assign_labels(result.contours)
     has, unit, (high, wide) = _find_attributes(result), ascii_unit(result.unit, ""), result.spacing[-2:]
@@ -181,7 +183,7 @@ def encode_object_table(result: Outcome) -> bytes:
 def encode_page_vertices(found: StackResult) -> bytes:
     """Tabulate the vertices of the contours on all pages of a stack, one per row.
 
-    Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), and those of `encode` except
+    Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), and those of `encode_vertices` except
     ``contour``; ``label`` is the label in the label stack: the track, or 0 when open.
     """
     return encode_csv_rows(_build_page_rows(found, _build_vertex_rows), ("page", "track"))
@@ -221,7 +223,7 @@ def build_provenance_cells(result: Outcome) -> Row:
 
 
 def encode_csv_rows(rows: Sequence[Row], header: Sequence[str] = ()) -> bytes:
-    """Encode rows as a UTF-8 CSV file with a header: commas, decimal points, and `empty` as header without rows."""
+    """Encode rows as a UTF-8 CSV file with a header: commas, decimal points, and `header` as header without rows."""
     columns: Row = dict.fromkeys(chain.from_iterable(rows) if rows else header, "")
     stream = io.StringIO(newline="")
     writer = csv.writer(stream, lineterminator="\n")

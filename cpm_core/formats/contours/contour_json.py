@@ -11,8 +11,8 @@ import numpy as np
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.plain import encode_json, from_json, to_json
-from cpm_core.formats.common.provenance import PROVENANCE_KEY, Outcome, describe_provenance, describe_image_provenance
+from cpm_core.formats.common.json_values import encode_json, from_json, to_json
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, Outcome, describe_image_provenance, describe_provenance
 from cpm_core.formats.contours.contents import CollectedContours, clean_properties, round_coordinates
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array, JsonDict, JsonObject
@@ -44,12 +44,12 @@ def encode_contour_json(result: Outcome) -> bytes:
 
 
 def encode_pages_json(found: StackResult) -> bytes:
-    """Write an object with a stack, its tracks and its pages; `page_from_plain` reads a page back.
+    """Write an object with a stack, its tracks and its pages; `page_from_json` reads a page back.
 
     ``stack`` has its ``name``, the number of its ``pages``, the ``axis`` z, t or c, and the ``drawn`` shapes. Each of
     ``tracks`` has its number, its ``pages``, the track that it split off as ``origin``, 0 for none, and how it
     ``ends``, null if it does not. Each of ``pages`` has its number, ``trouble`` if it could not be used, ``events``,
-    and the entries that `encode` writes for an image; the number of a contour is its track.
+    and the entries that `encode_contour_json` writes for an image; the number of a contour is its track.
     """
     stack: JsonDict = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
     stack |= {"drawn": describe_image_provenance(found.source, Provenance(), found.drawn).get("shapes", [])}
@@ -62,7 +62,7 @@ def encode_pages_json(found: StackResult) -> bytes:
 
 
 def page_to_json(page: Page) -> JsonDict:
-    """Convert a page to an entry of ``pages``; see `encode_pages`."""
+    """Convert a page to an entry of ``pages``; see `encode_pages_json`."""
     plain: JsonDict = {"page": page.number, "trouble": page.error, "events": to_json(page.events)}
     if page.result is not None:
         plain |= _result_to_json(page.result)
@@ -72,28 +72,38 @@ def page_to_json(page: Page) -> JsonDict:
 
 
 def _result_to_json(result: Outcome) -> JsonDict:
-    """Convert a result to JSON; see `encode`."""
+    """Convert a result to JSON; see `encode_contour_json`."""
     image: JsonDict = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
         image["channel"] = result.channel
-    content: JsonDict = {"image": image, PROVENANCE_KEY: describe_provenance(result), "contours": _contours_to_json(result)}
+    content: JsonDict = {
+        "image": image,
+        PROVENANCE_KEY: describe_provenance(result),
+        "contours": _contours_to_json(result),
+    }
     if isinstance(result, Result):
         run = {name: getattr(result, name) for name in ("steps", "converged", "stop_reason")}
         content["run"] = run | {"particles": len(result.particles)}
         content["bridges"] = [
-            {"length": round(bridge.length, 4), "strength": round(bridge.strength, 6), "points": round_coordinates(bridge.points)}
+            {
+                "length": round(bridge.length, 4),
+                "strength": round(bridge.strength, 6),
+                "points": round_coordinates(bridge.points),
+            }
             for bridge in result.bridges
         ]
     return content
 
 
 def _contours_to_json(result: Outcome) -> list[JsonDict]:
-    """Convert the contours of a result to JSON; see `encode`."""
+    """Convert the contours of a result to JSON; see `encode_contour_json`."""
     entries: list[JsonDict] = []
     rows = measure(result.contours, result.spacing)
     for index, (contour, row) in enumerate(zip(result.contours, rows, strict=True)):
-        entry: JsonDict = {name: getattr(row, name) for name in ("number", "label", "name", "color", "closed", "inside")}
+        entry: JsonDict = {
+            name: getattr(row, name) for name in ("number", "label", "name", "color", "closed", "inside")
+        }
         entry |= {"junctions": list(contour.junctions), "length": round(row.length, 4)}
         entry |= {"gross_area": round(row.area, 4), "net_area": round(row.net_area, 4)}
         entry |= {"by_hand": round(row.by_hand, 4), "strength": round(row.strength, 6)}
@@ -149,7 +159,9 @@ def _result_from_json(plain: JsonObject) -> Result:
     contours = []
     for entry in plain["contours"]:
         contour, contrast = _contour_from_json(entry), entry["contrast"]
-        contours.append(contour if contrast is None else replace(contour, measure_contrast=partial(float, float(contrast))))
+        contours.append(
+            contour if contrast is None else replace(contour, measure_contrast=partial(float, float(contrast)))
+        )
     facts = plain[PROVENANCE_KEY]
     return Result(
         np.zeros((int(run["particles"]), 2)),  # the file holds only their number

@@ -67,6 +67,7 @@ def flatten_bezier(*corners: Sequence[float] | Array) -> Array:
 def mark_holes(curves: Sequence[Array]) -> list[tuple[Array, bool]]:
     """Mark the holes among curves of shape (K, 2) around one area: those that an odd number of the others encloses."""
     around = [
-        sum(bool(polyline.points_inside(other, curve[:1])[0]) for other in curves if other is not curve) for curve in curves
+        sum(bool(polyline.points_inside(other, curve[:1])[0]) for other in curves if other is not curve)
+        for curve in curves
     ]
     return [(curve, count % 2 == 1) for curve, count in zip(curves, around, strict=True)]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cpm_core.formats.common.provenance import Outcome, flatten_provenance, describe_provenance
+from cpm_core.formats.common.provenance import Outcome, describe_provenance, flatten_provenance
 from cpm_core.formats.contours.contents import CollectedContours, PlaneInfo
 from cpm_core.formats.contours.curves import CURVE_TOLERANCE
 from cpm_core.numerics.types import Array

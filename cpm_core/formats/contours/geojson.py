@@ -9,9 +9,9 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.measurements import Measures, measure
-from cpm_core.formats.common.plain import encode_json
+from cpm_core.formats.common.json_values import encode_json
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, Outcome, describe_provenance
-from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, parse_color, to_xy_pairs, contour_rgb
+from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, contour_rgb, parse_color, to_xy_pairs
 from cpm_core.numerics.types import Array, JsonDict
 
 
@@ -24,11 +24,13 @@ def encode_geojson(result: Outcome) -> bytes:
     (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5). Provenance is an entry of
     the collection, a foreign member as the format allows.
     """
-    return encode_json({"type": "FeatureCollection", PROVENANCE_KEY: describe_provenance(result), "features": build_features(result)})
+    return encode_json(
+        {"type": "FeatureCollection", PROVENANCE_KEY: describe_provenance(result), "features": build_features(result)}
+    )
 
 
 def build_features(result: Outcome) -> list[JsonDict]:
-    """Build the features of a result; see `encode`."""
+    """Build the features of a result; see `encode_geojson`."""
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
     for contour, row in zip(result.contours, rows, strict=True):
@@ -105,7 +107,9 @@ def read_geojson(content: Any) -> CollectedContours:
     return found
 
 
-def _iterate_geometries(content: Any, feature: JsonDict, found: CollectedContours) -> Iterator[tuple[str, list[Array], JsonDict]]:
+def _iterate_geometries(
+    content: Any, feature: JsonDict, found: CollectedContours
+) -> Iterator[tuple[str, list[Array], JsonDict]]:
     """Yield kind, rings (row, col) and feature of each geometry; a point is a line of one vertex."""
     import shapely
 
@@ -115,7 +119,9 @@ def _iterate_geometries(content: Any, feature: JsonDict, found: CollectedContour
         return
     kind = content["type"]
     if kind in ("FeatureCollection", "GeometryCollection"):
-        yield from _iterate_geometries(content["features" if kind == "FeatureCollection" else "geometries"], feature, found)
+        yield from _iterate_geometries(
+            content["features" if kind == "FeatureCollection" else "geometries"], feature, found
+        )
     elif kind == "Feature" and content["geometry"] is None:
         found.omissions["feature without a geometry"] += 1
     elif kind == "Feature":

@@ -14,7 +14,7 @@ import roifile
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, assign_numbers
-from cpm_core.formats.common.provenance import Outcome, flatten_provenance, describe_provenance
+from cpm_core.formats.common.provenance import Outcome, describe_provenance, flatten_provenance
 from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, contour_rgb
 from cpm_core.formats.contours.curves import flatten_bezier, flatten_ellipse, mark_holes, rectangle_corners
 from cpm_core.numerics.types import Array, JsonDict

@@ -15,7 +15,7 @@ import PIL.Image
 import scipy
 
 from cpm_core.contours.contour import Contour
-from cpm_core.formats.common.plain import encode_json
+from cpm_core.formats.common.json_values import encode_json
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, Outcome, describe_provenance
 from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, to_xy_pairs
 from cpm_core.formats.contours.curves import flatten_ellipse, mark_holes, rectangle_corners
@@ -44,7 +44,7 @@ def encode_labelme(result: Outcome) -> bytes:
 
     The label of a shape is the class of the object, with its name as the description and its number as the group; for a
     contour without a class it is the name, or "contour". Coordinates are (x, y) in px from the corner of the image. The
-    image is referenced by the source of the result (see `located`). Polygons of labelme have no holes: that of an
+    image is referenced by the source of the result (see `set_relative_source`). Polygons of labelme have no holes: that of an
     object with holes includes them through slits of zero width. Colors are left out, because labelme chooses them by
     label. Provenance is an entry of the file, which labelme keeps when it saves the file.
     """
@@ -170,7 +170,9 @@ _CLOSED_SHAPES: dict[str, Callable[[Array], Array]] = {
     **dict.fromkeys(("polygon", "oriented_rectangle", "rotation"), lambda corners: corners),
     "rectangle": lambda corners: rectangle_corners(corners[0], corners[-1]) if len(corners) == 2 else corners,
     # center, and a point on the circle
-    "circle": lambda corners: flatten_ellipse(corners[0], corners[1] - corners[0], (corners[1] - corners[0]) @ _QUARTER_TURN),
+    "circle": lambda corners: flatten_ellipse(
+        corners[0], corners[1] - corners[0], (corners[1] - corners[0]) @ _QUARTER_TURN
+    ),
 }
 """Kinds of closed shapes -> their outline by the points of the file, each of shape (K, 2)."""
 

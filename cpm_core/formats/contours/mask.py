@@ -51,7 +51,7 @@ def read_color_indices(file: Path) -> NDArray[np.integer] | None:
 
 
 def find_label_outlines(labels: NDArray[np.integer]) -> Iterator[tuple[int, list[tuple[Array, bool]]]]:
-    """Yield each label of a mask of shape (H, W) with its `outlines`; 0 is the background."""
+    """Yield each label of a mask of shape (H, W) with its `find_outlines`; 0 is the background."""
     for number, window in enumerate(scipy.ndimage.find_objects(labels), start=1):
         if window is not None:
             rows, cols = window

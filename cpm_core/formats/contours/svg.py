@@ -61,10 +61,14 @@ def encode_svg(result: Outcome) -> bytes:
     known = f' data-unit="{escape(result.unit)}" data-spacing="{spacing}"' if result.unit else ""
     if isinstance(result, Skeleton):
         title = "Skeleton"
-        paths = [_format_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)]
+        paths = [
+            _format_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)
+        ]
     else:
         title = "Contours"
-        paths = [_format_path(contour, n) for contour, n in zip(result.contours, assign_labels(result.contours), strict=True)]
+        paths = [
+            _format_path(contour, n) for contour, n in zip(result.contours, assign_labels(result.contours), strict=True)
+        ]
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="-0.5 -0.5 {cols} {rows}" '
@@ -125,7 +129,9 @@ def read_svg(text: str, plane: PlaneInfo) -> CollectedContours:
     return found
 
 
-def _parse_frame(root: ET.Element, plane: PlaneInfo, own: bool) -> tuple[Any, tuple[float, float], tuple[int, int] | None]:
+def _parse_frame(
+    root: ET.Element, plane: PlaneInfo, own: bool
+) -> tuple[Any, tuple[float, float], tuple[int, int] | None]:
     """Parse the matrix from drawing coordinates to (x, y) in px, width and height, and the shape of the image."""
     from svgelements import Length, Matrix
 

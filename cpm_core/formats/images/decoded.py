@@ -66,7 +66,7 @@ def check_pixel_count(name: str, rows: int, columns: int) -> None:
 def decode_samples(
     samples: Numbers, alpha: Numbers | None = None, notes: Texts = (), white: float | None = None
 ) -> DecodedImage:
-    """Reduce samples to gray levels and keep their colors; see `reduced`.
+    """Reduce samples to gray levels and keep their colors; see `reduce_to_gray`.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ from cpm_core.formats.images.stack import Stack, stack_planes
 from cpm_core.image.gray_levels import NO_DATA_VALUE
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Numbers, Texts
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 FILE_KINDS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
 
@@ -72,12 +72,12 @@ def holds_dicom_series(folder: Path) -> bool:
 
 
 def find_sibling_dicom_files(path: Path, max_count: int) -> list[Path]:
-    """List up to `most` DICOM files in the folder of a DICOM file; none for other files or folders."""
+    """List up to `max_count` DICOM files in the folder of a DICOM file; none for other files or folders."""
     return _list_dicom_files(path.parent, max_count) if is_dicom(path) else []
 
 
 def _list_dicom_files(folder: Path, max_count: int | None = None) -> list[Path]:
-    """List the DICOM files of a folder by their first bytes, sorted by name, `most` at most."""
+    """List the DICOM files of a folder by their first bytes, sorted by name, `max_count` at most."""
     try:
         paths = sorted(folder.iterdir())
     except OSError:
@@ -189,7 +189,7 @@ def _decode_frame(dataset: Any, frame: DicomFrame, name: str) -> DecodedImage:
 
 
 def _mask_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:
-    """Set pixels that only fill the rectangle, as outside the circle of a scanner, to `NO_DATA`."""
+    """Set pixels that only fill the rectangle, as outside the circle of a scanner, to `NO_DATA_VALUE`."""
     names = ("PixelPaddingValue", "FloatPixelPaddingValue", "DoubleFloatPixelPaddingValue")
     given = next((dataset.get(name) for name in names if dataset.get(name) is not None), None)
     try:

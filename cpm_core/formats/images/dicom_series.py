@@ -58,15 +58,15 @@ class DicomFrame:
         Index of the image in the file, from 0.
     series, title : str
         Identifier and name of its series.
-    number : tuple of float
+    sort_key : tuple of float
         Sort key of the images at one position: time, echo, number.
     shape : tuple of int
         Rows and columns.
-    each : float
+    bytes_per_pixel : float
         Bytes of a pixel.
     origin : ndarray or None
         Position of the first pixel (x, y, z) in LPS [mm].
-    along : ndarray, shape (2, 3), or None
+    directions : ndarray, shape (2, 3), or None
         Unit vectors from a column to the next, and from a row to the next.
     spacing : tuple of float or None
         Size of a pixel along (row, col), in `unit`.
@@ -78,7 +78,7 @@ class DicomFrame:
         Notes on the size of a pixel.
     slope, intercept : float
         Rescaling of stored values: slope * stored + intercept.
-    in_time : bool
+    is_time_series : bool
         Whether the images of the file are a time series.
     hounsfield : bool
         Whether the rescaled values are Hounsfield units.
@@ -215,7 +215,11 @@ def group_series(frames: Sequence[DicomFrame], name: str, decode: DecodeFrames) 
     """
     groups: dict[tuple[object, ...], list[DicomFrame]] = {}
     for frame in frames:
-        along = None if frame.directions is None else tuple(np.round(frame.directions.ravel(), _COMPARED_DECIMALS - 1).tolist())
+        along = (
+            None
+            if frame.directions is None
+            else tuple(np.round(frame.directions.ravel(), _COMPARED_DECIMALS - 1).tolist())
+        )
         spacing = None if frame.spacing is None else tuple(round(side, _COMPARED_DECIMALS) for side in frame.spacing)
         kind = (frame.series, frame.shape, along, spacing, frame.origin is None)
         groups.setdefault(kind, []).append(frame)
@@ -321,11 +325,15 @@ def _stack_by_position(frames: list[DicomFrame], name: str, decode: DecodeFrames
         if times < max(map(len, places)):
             found = replace(found, notes=found.notes + notes)
         if whole and count + 1 < len(heights):
-            found = replace(found, volume_range=(begin, last + 1), volume_notes=(*_describe_gap(gaps, begin, last), *doubts))
+            found = replace(
+                found, volume_range=(begin, last + 1), volume_notes=(*_describe_gap(gaps, begin, last), *doubts)
+            )
         yield found
 
 
-def _build_stack(title: str, frames: list[list[DicomFrame]], depth: float | None, name: str, decode: DecodeFrames) -> Stack:
+def _build_stack(
+    title: str, frames: list[list[DicomFrame]], depth: float | None, name: str, decode: DecodeFrames
+) -> Stack:
     """Build a stack from frames by time and position."""
     first, planes = frames[0][0], len(frames[0])
     row, col = first.spacing or (1.0, 1.0)

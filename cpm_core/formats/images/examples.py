@@ -6,7 +6,7 @@ import numpy as np
 
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Numbers
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 _BRIGHT_LEVEL = 200.0
 """Gray level of the drawn objects."""

@@ -61,7 +61,9 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
 
     color = bands in (3, 4) and kind.kind == "u"
     kinds = ["rgb-color" if color else "vector", *3 * ["domain"], "time"]
-    return build_stack(name, {"sizes": shape, "kinds": kinds, **_convert_position(entries, len(sizes))}, kind.itemsize, read_values)
+    return build_stack(
+        name, {"sizes": shape, "kinds": kinds, **_convert_position(entries, len(sizes))}, kind.itemsize, read_values
+    )
 
 
 def _read_metaimage_header(path: Path) -> tuple[dict[str, str], int]:

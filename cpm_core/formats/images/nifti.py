@@ -19,7 +19,7 @@ from cpm_core.formats.images.decoded import DecodedImage, decode_bands
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.resolution import find_unit
 from cpm_core.formats.images.stack import Stack, position_from_affine
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 FILE_KINDS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
 

@@ -14,9 +14,9 @@ from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import DecodedImage, decode_bands
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import VolumePosition, Stack, check_memory, find_data_file, position_from_affine
+from cpm_core.formats.images.stack import Stack, VolumePosition, check_memory, find_data_file, position_from_affine
 from cpm_core.numerics.types import Array, Numbers
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 FILE_KINDS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
 
@@ -68,7 +68,7 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
 
 
 def build_stack(name: str, header: Any, itemsize: int, read_values: Callable[[], Numbers]) -> Stack:
-    """Build a stack from a header of NRRD; `values` reads all, of shape ``sizes``, each of `itemsize` bytes.
+    """Build a stack from a header of NRRD; `read_values` reads all, of shape ``sizes``, each of `itemsize` bytes.
 
     Raises
     ------

@@ -17,8 +17,8 @@ from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, DecodedImage
 from cpm_core.formats.images.reading import Reading, select_index, select_series
 from cpm_core.formats.images.stack import Stack
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import JsonDict, Extent, Texts, record
-from cpm_core.parameters.quotation import format_size
+from cpm_core.numerics.types import Extent, JsonDict, Texts, record
+from cpm_core.parameters.formatting import format_size
 
 FILE_KINDS = {".zarr": "OME-Zarr image"}
 
@@ -61,7 +61,7 @@ class MultiscaleImage:
         Unit of length; None if unknown.
     series : tuple of str
         Names of all images of the file; empty if it holds only one.
-    number : int
+    series_number : int
         Index of this image among them, from 0.
     """
 
@@ -99,7 +99,9 @@ class MultiscaleImage:
     def read_window(self, window: Window, reading: Reading) -> NDArray[Any]:
         """Read a window of the finest level, shape of the window: of all planes, or the selected or first one."""
         chosen = (("time", reading.time, "t"), ("channel", reading.channel, "c"), ("page", reading.page, "z"))
-        time, channel, plane = (select_index(what, given, self.axis_length(at), 0, self.name) for what, given, at in chosen)
+        time, channel, plane = (
+            select_index(what, given, self.axis_length(at), 0, self.name) for what, given, at in chosen
+        )
         if len(window) == 3:
             return self.read_planes(0, time, channel, window[0], window[1:])
         return self.read_planes(0, time, channel, slice(plane, plane + 1), window)[0]
@@ -139,7 +141,9 @@ def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage
             raise UnreadableError(f"{name} has {found.ndim} axes, but an image has two to five.")
         return MultiscaleImage(name, (found,), _AXIS_LETTERS[-found.ndim :])
     series = (
-        () if _find_multiscales(found) else tuple(sorted((key for key, _ in found.groups()), key=lambda key: (len(key), key)))
+        ()
+        if _find_multiscales(found)
+        else tuple(sorted((key for key, _ in found.groups()), key=lambda key: (len(key), key)))
     )
     number = select_series(reading.series, series, 0, name) if series else 0
     group = found[series[number]] if series else found
@@ -151,7 +155,11 @@ def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage
     if not set("yx") <= set(letters) <= set(_AXIS_LETTERS):
         raise UnreadableError(f"{name} has the axes {letters}, but an image has rows and columns, y and x.")
     levels = tuple(group[one["path"]] for one in scales["datasets"])
-    sizes = dict(zip(letters, _combine_scales(scales["datasets"][0]) * _combine_scales(scales), strict=True)) if "axes" in scales else {}
+    sizes = (
+        dict(zip(letters, _combine_scales(scales["datasets"][0]) * _combine_scales(scales), strict=True))
+        if "axes" in scales
+        else {}
+    )
     sides = tuple(float(sizes.get(axis, 1.0)) for axis in "zyx")
     units = {resolution.find_unit(str(one.get("unit", ""))) for one in axes if one["name"] in "yx"}
     unit = units.pop() if len(units) == 1 else None
@@ -176,7 +184,9 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
     """Open an image at the finest level with a moderate number of pixels."""
     levels = open_multiscale(path, reading)
     planes = levels.axis_length("z")
-    fitting = (k for k in range(len(levels.arrays)) if math.prod(levels.axis_length(a, k) for a in "zyx") <= MAXIMUM_PIXELS)
+    fitting = (
+        k for k in range(len(levels.arrays)) if math.prod(levels.axis_length(a, k) for a in "zyx") <= MAXIMUM_PIXELS
+    )
     level = next(fitting, len(levels.arrays) - 1)
     shape = (levels.axis_length("z", level), levels.axis_length("y", level), levels.axis_length("x", level))
 
@@ -220,7 +230,7 @@ def create_multiscale(
     """Create an image or volume of zeros with levels of half the size each, and return their number.
 
     Windows of `side` px, a multiple of 256, can be written concurrently. Pixel centers of a level coincide with those
-    of every second plane, row and column of the previous level. `more` is added to the metadata.
+    of every second plane, row and column of the previous level. `metadata` is added to the metadata.
     """
     import zarr
 

@@ -78,7 +78,9 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
             picture.seek(time)
             return stack_planes([rotate_upright(_decode_picture(picture, path), turn)])
 
-    return Stack(name, (1, rows, columns), read_planes, 4.0, frames, spacing=(row, row, col), unit=unit, plane_word="frame")
+    return Stack(
+        name, (1, rows, columns), read_planes, 4.0, frames, spacing=(row, row, col), unit=unit, plane_word="frame"
+    )
 
 
 @contextmanager

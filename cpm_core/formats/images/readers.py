@@ -16,7 +16,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.formats.common.content import AnyPath, UnreadableError, read_content, explain_decoding_errors, compute_fingerprint
+from cpm_core.formats.common.content import (
+    AnyPath,
+    UnreadableError,
+    compute_fingerprint,
+    explain_decoding_errors,
+    read_content,
+)
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, ome_zarr, raster, resolution, tiff
 from cpm_core.formats.images.decoded import DecodedImage
@@ -67,7 +73,9 @@ _FOREIGN_SIGNATURES: tuple[tuple[int, bytes, str], ...] = (
 """Offset, signature and description of kinds of files that are known but not read."""
 
 IMAGES_READABLE: dict[str, str] = {
-    suffix: text for reader in (*_IMAGE_READERS, ome_zarr) for suffix, text in reader.READS.items()
+    suffix: text
+    for kinds in (*(reader.FILE_KINDS for reader in _IMAGE_READERS), ome_zarr.FILE_KINDS)
+    for suffix, text in kinds.items()
 }
 """Suffixes of readable images -> what they are; the content of a file decides, not its suffix."""
 
@@ -89,8 +97,8 @@ def load_image(
     Parameters
     ----------
     path : path-like
-        A file of one of the kinds in `READABLE`, or a folder with the slices of a DICOM series.
-    go_on : callable, optional
+        A file of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series.
+    check_cancelled : callable, optional
         Called between the parts of a long file while it is hashed; it may raise to stop.
     page : int, optional
         Plane, page or frame, from 1; by default the first page or frame, or the middle plane of a volume.
@@ -144,7 +152,7 @@ def load_volume(
     Parameters
     ----------
     path : path-like
-        A stack or volume of one of the kinds in `READABLE`, or a folder with the slices of a DICOM series.
+        A stack or volume of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series.
     go_on, channel, time, series, color, unit
         As for `load_image`.
     spacing : float or sequence of float, optional
@@ -269,7 +277,9 @@ def _parse_spacing(spacing: ArrayLike | None) -> tuple[float, ...] | None:
     return None if spacing is None else tuple(np.ravel(as_real_array(spacing)).tolist())
 
 
-def _load_part(file: Path, reading: Reading, read_part: Callable[[Stack, Reading], DecodedImage], check_cancelled: Callback | None) -> Image:
+def _load_part(
+    file: Path, reading: Reading, read_part: Callable[[Stack, Reading], DecodedImage], check_cancelled: Callback | None
+) -> Image:
     """Load a part of a file as an image, hashing the file meanwhile."""
     with ThreadPoolExecutor(1) as other, _explain_errors(file):
         stack = _open_file(file, reading)

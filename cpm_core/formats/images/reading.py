@@ -12,7 +12,7 @@ from cpm_core.formats.images import resolution
 from cpm_core.image.colors import LUMINANCE_CHOICE, check_color_choice
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import JsonDict, Texts, frozen
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 
 def check_unit(given: object) -> str | None:
@@ -67,11 +67,14 @@ class Reading:
         check_color_choice(self.color)
         if self.spacing is not None:
             sides = (
-                check_finite_number("spacing", side, lambda number: number > 0.0, "numbers above 0") for side in self.spacing
+                check_finite_number("spacing", side, lambda number: number > 0.0, "numbers above 0")
+                for side in self.spacing
             )
             object.__setattr__(self, "spacing", tuple(sides))
         if check_unit(self.unit) is not None and self.spacing is None:
-            raise ValueError(f"unit is {quote_value(self.unit)} but there is no spacing: give the size of a pixel as well.")
+            raise ValueError(
+                f"unit is {quote_value(self.unit)} but there is no spacing: give the size of a pixel as well."
+            )
 
     @property
     def arguments(self) -> JsonDict:
@@ -90,7 +93,7 @@ _DEFAULT_ARGUMENTS = {field.name: field.default for field in dataclasses.fields(
 
 
 def select_index(what: str, wanted: int | None, count: int, default: int, name: str) -> int:
-    """Return the index, from 0, of part number `wanted`, or `otherwise` for None; UnreadableError beyond `count`."""
+    """Return the index, from 0, of part number `wanted`, or `default` for None; UnreadableError beyond `count`."""
     if wanted is None:
         return default
     if wanted > count:

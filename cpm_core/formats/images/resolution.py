@@ -7,7 +7,7 @@ import math
 MICROMETER = "µm"
 
 PRINT_LIMIT = 10.0
-"""Upper bound of a pixel size from a plain resolution tag [µm]; see `from_density`."""
+"""Upper bound of a pixel size from a plain resolution tag [µm]; see `spacing_from_density`."""
 
 _UNIT_NAMES = {
     "um": MICROMETER,

@@ -18,7 +18,7 @@ from cpm_core.image.geometry import Convention, Geometry, Triple, geometry_from_
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.types import Array, Extent, Texts, record
-from cpm_core.parameters.quotation import format_count, format_repr, quote_value
+from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 
 _GRAY_LEVEL_MEMORY = 16
 """Memory for a voxel besides its stored value while it is read: its gray level and a copy of it [bytes]."""
@@ -43,10 +43,10 @@ class Stack:
         The file.
     shape : tuple of int
         Number of planes, rows and columns.
-    take : callable
+    read_planes : callable
         Called with time, channel, first plane and the plane after the last, all from 0: reads gray levels of shape
         (planes, rows, columns), colors if there are any, and notes.
-    each : float
+    bytes_per_voxel : float
         Size of a voxel as it is stored [bytes].
     times, channels : int
         Number of each.
@@ -56,19 +56,19 @@ class Stack:
         Unit of length; None when the file does not give it.
     geometry : Geometry or None
         Position of the volume in space.
-    places : tuple of Geometry
+    plane_geometries : tuple of Geometry
         Position of each plane, if it does not follow from `geometry`.
-    stretch : tuple of int or None
+    volume_range : tuple of int or None
         Range of planes that make a volume, if the file lacks others.
-    notes, of_volume : tuple of str
+    notes, volume_notes : tuple of str
         Notes on everything that is read, and on volumes only.
-    word : str
+    plane_word : str
         Name of a plane: plane, page or frame.
     series : tuple of str
         Names of all series of the file, or arrays of the archive; empty if it has none.
-    number : int
+    series_number : int
         Index of this one among them, from 0.
-    deep : bool
+    has_plane_spacing : bool
         Whether the file states the distance of its planes, which are then those of a volume.
     hounsfield : bool or None
         Whether gray levels are Hounsfield units; None if the file does not state it.
@@ -229,7 +229,7 @@ def position_from_affine(affine: Array, convention: Convention, sides: Sequence[
 
 
 def check_memory(shape: Extent, each: float, name: str) -> None:
-    """Raise UnreadableError, naming a size that fits, if memory cannot hold `each` bytes per voxel."""
+    """Raise UnreadableError, naming a size that fits, if memory cannot hold `bytes_per_voxel` bytes per voxel."""
     try:
         check_field_memory(shape, each, name)
     except ValueError as error:
@@ -270,13 +270,13 @@ class Pages(Sequence[Image]):
         Name of the file.
     length : int
         Number of pages.
-    read : callable
+    read_page : callable
         Reads a page by its number from 1; ValueError when it cannot be used.
-    word : str
+    page_word : str
         Name of a page: page or frame.
     axis : {"z", "t", "c"}
         Axis of the pages: planes, points in time, channels.
-    alone : bool
+    has_single_axis : bool
         Whether the file has no further axis, along which one part is selected.
     sha256 : str
         Hash of the file.

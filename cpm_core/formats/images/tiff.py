@@ -223,7 +223,7 @@ def _uncommon_kind_error(page: tifffile.TiffPage, name: str) -> UnreadableError:
 
 
 def _mask_no_data(page: tifffile.TiffPage, gray: Numbers, stored: Numbers) -> Numbers:
-    """Set pixels whose samples all equal the no-data value of geographic programs to `NO_DATA`."""
+    """Set pixels whose samples all equal the no-data value of geographic programs to `NO_DATA_VALUE`."""
     try:
         absent_value = float(page.tags.valueof("GDAL_NODATA"))
     except (TypeError, ValueError):
@@ -263,7 +263,9 @@ def _read_voxel_size(
         if "unit" not in hyperstack:
             columns, rows = page.get_resolution(_PER_METER_UNIT)
             return None, *resolution.spacing_from_density(rows, columns)
-    pixel, unit = resolution.spacing_from_sizes(float(sizes[1]), float(sizes[2]), units[1] if units[1] == units[2] else "")
+    pixel, unit = resolution.spacing_from_sizes(
+        float(sizes[1]), float(sizes[2]), units[1] if units[1] == units[2] else ""
+    )
     try:
         (depth, _), named = resolution.spacing_from_sizes(abs(float(sizes[0])), 1.0, units[0])
     except (TypeError, ValueError):

@@ -16,9 +16,9 @@ from cpm_core.formats.common.content import UnreadableError, missing_package_mes
 from cpm_core.formats.common.printable import build_label
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.images.decoded import DecodedImage
-from cpm_core.formats.images.dicom import decode_frames, read_frames, is_dicom
+from cpm_core.formats.images.dicom import decode_frames, is_dicom, read_frames
 from cpm_core.formats.images.dicom_series import DicomFrame
-from cpm_core.formats.masks.labels import paint_labels, find_named_labels
+from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
 from cpm_core.image.geometry import Geometry
 
@@ -127,7 +127,9 @@ def _find_source_frames(result: Result, image: Path | None) -> list[DicomFrame]:
             found.append([frames[index] for index in away.argmin(axis=1)])
     middle = len(planes) // 2
     for frames in found:  # several may share a position, such as those before and after a contrast agent
-        if len(found) == 1 or np.array_equal(decode_frames("", frames[middle:][:1]).values[0], result.image.values[middle]):
+        if len(found) == 1 or np.array_equal(
+            decode_frames("", frames[middle:][:1]).values[0], result.image.values[middle]
+        ):
             return frames
     raise refused
 

@@ -53,4 +53,7 @@ def read_label_description(path: Path) -> tuple[Label, ...]:
 def read_sibling_description(path: Path, suffix: str) -> tuple[Label, ...]:
     """Read the labels of a volume, whose name ends in a suffix, from the description next to it; empty without one."""
     stem = path.name[: len(path.name) - len(suffix)]
-    return next((found for other in _DESCRIPTION_SUFFIXES if (found := read_label_description(path.with_name(stem + other)))), ())
+    return next(
+        (found for other in _DESCRIPTION_SUFFIXES if (found := read_label_description(path.with_name(stem + other)))),
+        (),
+    )

@@ -17,10 +17,16 @@ from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import MAX_UINT16_LABELS, label_type
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.printable import make_printable
-from cpm_core.formats.common.provenance import PROGRAM_NAME, Outcome, flatten_provenance, describe_provenance, dump_provenance
+from cpm_core.formats.common.provenance import (
+    PROGRAM_NAME,
+    Outcome,
+    describe_provenance,
+    dump_provenance,
+    flatten_provenance,
+)
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import JsonDict, Extent, Pixels
+from cpm_core.numerics.types import Extent, JsonDict, Pixels
 
 _HUE_STEP = 0.6180339887
 """Step of hue from one label to the next: the golden ratio spreads its multiples evenly."""
@@ -66,7 +72,7 @@ def paint_labels(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsig
 
 
 def find_named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...]:
-    """Return the labels that `labels_of` paints, each with a color; empty if none has a name or a color."""
+    """Return the labels that `paint_labels` paints, each with a color; empty if none has a name or a color."""
     if isinstance(result, Result) and result.surface is not None:
         labels = result.surface.labels
     else:
@@ -77,7 +83,8 @@ def find_named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label
         return ()
     colors = label_palette(max(label.number for label in labels))
     return tuple(
-        Label(one.number, make_printable(one.name), one.color or f"#{bytes(colors[one.number]).hex()}") for one in labels
+        Label(one.number, make_printable(one.name), one.color or f"#{bytes(colors[one.number]).hex()}")
+        for one in labels
     )
 
 
@@ -87,7 +94,7 @@ def paint_lines(contours: Contours, labels: Sequence[int], shape: Extent) -> NDA
     last = np.array(shape) - 1
     for contour, label in reversed(list(zip(contours, labels, strict=True))):
         pixels = np.clip(np.floor(contour.path + 0.5).astype(int), 0, last)
-        pixels = pixels[np.r_[True, (np.diff(pixels, axis=0) != 0).has_object(axis=1)]]
+        pixels = pixels[np.r_[True, (np.diff(pixels, axis=0) != 0).any(axis=1)]]
         mask[pixels[0, 0], pixels[0, 1]] = label
         for a, b in zip(pixels[:-1].tolist(), pixels[1:].tolist(), strict=True):
             mask[skimage.draw.line(*a, *b)] = label  # type: ignore[no-untyped-call]

@@ -21,7 +21,7 @@ from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import read_volume
-from cpm_core.formats.masks.labels import paint_labels, find_named_labels
+from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
 from cpm_core.numerics.types import Array
 
@@ -48,7 +48,10 @@ def encode_nrrd(result: Outcome, *, outlines: bool = False) -> bytes:
     }
     if unit != "unknown":
         head["space units"] = " ".join([f'"{unit}"'] * 3)
-    keys = {**_describe_segments(mask, find_named_labels(result, outlines=outlines)), "cpm": dump_provenance(describe_provenance(result))}
+    keys = {
+        **_describe_segments(mask, find_named_labels(result, outlines=outlines)),
+        "cpm": dump_provenance(describe_provenance(result)),
+    }
     lines = ["NRRD0004", *(f"{name}: {value}" for name, value in head.items())]
     lines += [*(f"{name}:={value}" for name, value in keys.items()), ""]
     content = gzip.compress(mask.astype(mask.dtype.newbyteorder("<")).tobytes(), 6, mtime=0)
@@ -122,7 +125,9 @@ def read_segments(path: Path) -> tuple[Segment, ...]:
     return tuple(found)
 
 
-def read_overlapping_segments(path: Path, segments: Sequence[Segment]) -> Iterator[tuple[Label, list[DecodedImage]]] | None:
+def read_overlapping_segments(
+    path: Path, segments: Sequence[Segment]
+) -> Iterator[tuple[Label, list[DecodedImage]]] | None:
     """Read segments in several volumes with their masks, numbered in order; None if there is only one volume."""
     if len({one.layer for one in segments}) < 2:
         return None

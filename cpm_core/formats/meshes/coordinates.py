@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.provenance import PROGRAM_NAME, Outcome, describe_provenance, dump_provenance
-from cpm_core.formats.images.resolution import conversion_factor, ascii_unit, find_unit
+from cpm_core.formats.images.resolution import ascii_unit, conversion_factor, find_unit
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Sides, Single, Texts, frozen

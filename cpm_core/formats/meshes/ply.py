@@ -21,7 +21,9 @@ _BYTE_ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": 
 def encode_ply(mesh: ExportMesh) -> bytes:
     """Encode a surface with its normals as binary PLY."""
     precise = mesh.points.dtype == np.float64
-    head = format_ply_header(mesh.notes, len(mesh.points), len(mesh.faces), "nx ny nz", precise, mesh.numbers is not None)
+    head = format_ply_header(
+        mesh.notes, len(mesh.points), len(mesh.faces), "nx ny nz", precise, mesh.numbers is not None
+    )
     vertices = np.empty(len(mesh.points), [("place", "<f8" if precise else "<f4", 3), ("normal", "<f4", 3)])
     vertices["place"], vertices["normal"] = mesh.points, mesh.normals
     return head + vertices.tobytes() + encode_ply_triangles(mesh.faces, mesh.numbers)

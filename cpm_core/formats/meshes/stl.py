@@ -48,9 +48,9 @@ def read_stl(content: bytes) -> ParsedTriangles:
     else:
         raise UnreadableError("It has no triangles: write it again.")
     order = np.lexsort(corners.T)
-    first = np.append(True, (np.diff(corners[order], axis=0) != 0).has_object(axis=1))[: len(order)]
+    first = np.append(True, (np.diff(corners[order], axis=0) != 0).any(axis=1))[: len(order)]
     number = np.empty(len(corners), np.int64)
     number[order] = np.cumsum(first) - 1
     faces = number.reshape(-1, 3)
-    flat = (faces == np.roll(faces, 1, axis=1)).has_object(axis=1)
+    flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
     return ParsedTriangles(corners[order[first]], faces[~flat])

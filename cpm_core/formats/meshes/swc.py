@@ -20,7 +20,7 @@ from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import CenterlineBranch, Centerlines, sort_branches_by_length
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 _LOG = logging.getLogger(__name__)
 
@@ -67,7 +67,13 @@ def encode_swc(lines: Centerlines, space: Convention = "LPS") -> bytes:
             number.setdefault(end, parent)
             waiting.extend((*at_node[begin], *at_node[end]))
     facts = dump_provenance(describe_image_provenance(lines.source, lines.provenance))
-    head = (PROGRAM_NAME, f"SPACE={space}", f"UNIT={ascii_unit(lines.unit, 'voxel')}", facts, "id type x y z radius parent")
+    head = (
+        PROGRAM_NAME,
+        f"SPACE={space}",
+        f"UNIT={ascii_unit(lines.unit, 'voxel')}",
+        facts,
+        "id type x y z radius parent",
+    )
     form = f"{{}} {_UNDEFINED_TYPE}" + 4 * f" {{:.{count_decimals(lines.spacing)}f}}" + " {}\n"
     text = "".join(form.format(*row) for row in rows)
     return ("".join(f"# {line}\n" for line in head) + text).encode()

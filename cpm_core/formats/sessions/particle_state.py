@@ -13,13 +13,19 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cpm_core.field.volume_field import pitch_of
-from cpm_core.formats.common.plain import array_from_json, array_to_json, expect_mapping, expect_number, expect_text
+from cpm_core.formats.common.json_values import (
+    array_from_json,
+    array_to_json,
+    expect_mapping,
+    expect_number,
+    expect_text,
+)
 from cpm_core.image.pyramid import shape_at_scale
 from cpm_core.model.coverage import COVERAGE_CELL, NEVER_COVERED, Coverage, SurfaceCoverage, no_coverage
-from cpm_core.model.plane.repulsion import NO_MESH, MESH_PITCH, mesh_corner, mesh_shape, softening_coefficients
+from cpm_core.model.plane.repulsion import MESH_PITCH, NO_MESH, mesh_corner, mesh_shape, softening_coefficients
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import HISTORY_STEPS, MeshForce, Particles, SpaceState, State, SurfaceContact
-from cpm_core.numerics.types import JsonDict, Extent, Numbers, Sides
+from cpm_core.numerics.types import Extent, JsonDict, Numbers, Sides
 
 _SCALAR_FIELDS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
 """Fields of a state that are single values -> their type."""
@@ -36,7 +42,11 @@ def state_to_json(state: State) -> JsonDict:
     arrays: dict[str, Numbers] = {"start": state.start}
     arrays |= {name: getattr(particles, name) for name in ("position", "velocity", "force", "distance", "identity")}
     if contact is not None and space is not None:
-        arrays |= {"normal": contact.normal, "seated": contact.on_surface.astype(np.int32), "strength": contact.strength}
+        arrays |= {
+            "normal": contact.normal,
+            "seated": contact.on_surface.astype(np.int32),
+            "strength": contact.strength,
+        }
         arrays |= {"woken": contact.reactivated_at, "covered": space.covered.cells}
         plain["side"] = space.covered.side
     else:
@@ -69,7 +79,7 @@ def state_from_json(plain: object, shape: Extent, scales: int, spacing: Sides = 
     window = None
     if "window" in given:
         first, end = read_array("window", np.int64, axes, 2).T
-        if (first < 0).has_object() or (first % COVERAGE_CELL != 0).has_object() or (end <= first).has_object() or (end > size).has_object():
+        if (first < 0).any() or (first % COVERAGE_CELL != 0).any() or (end <= first).any() or (end > size).any():
             raise ValueError("window of state is no part of the image.")
         window, size = tuple(map(slice, first.tolist(), end.tolist())), tuple((end - first).tolist())
     identity = read_array("identity", np.int64, None)

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.field.placed_charges import PlacedCharge, sort_charges
-from cpm_core.formats.common.plain import (
-    from_json,
+from cpm_core.formats.common.json_values import (
     expect_mapping,
+    from_json,
     parameters_from_json,
     regions_from_json,
     regions_to_json,

@@ -18,26 +18,26 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.common.atomic import check_writable, write_together
 from cpm_core.formats.common.content import read_content, try_fingerprint
-from cpm_core.formats.common.plain import (
+from cpm_core.formats.common.json_values import (
     encode_json,
-    from_json,
     expect_list,
     expect_mapping,
+    expect_text,
+    from_json,
     parameters_from_json,
     shape_from_json,
     shape_to_json,
-    expect_text,
     to_json,
 )
 from cpm_core.formats.common.provenance import PROGRAM_NAME
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT_READING, Reading
 from cpm_core.medial_axis.outlines import SkeletonTarget
-from cpm_core.numerics.types import Callback, JsonDict, Integers, JsonObject, Texts, frozen
+from cpm_core.numerics.types import Callback, Integers, JsonDict, JsonObject, Texts, frozen
 from cpm_core.objects.methods import CONTOUR_METHODS, MethodComparison, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.shapes import Shape
 from cpm_core.shapes.document_shapes import check_axes
 
@@ -229,7 +229,7 @@ def load_session(path: Path) -> SessionFile:
     Returns
     -------
     SessionFile
-        Its content, checked; the image is not located yet, see `find_image`.
+        Its content, checked; the image is not located yet, see `find_session_image`.
 
     Raises
     ------
@@ -309,7 +309,7 @@ def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback
         Entry of the session file.
     folder : Path
         Folder of the session file.
-    go_on : callable, optional
+    check_cancelled : callable, optional
         Called while the image is hashed to compare it with that of the session; raises to stop.
 
     Returns

@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.field.interpolation import pixel_before, interpolate_component
+from cpm_core.field.interpolation import interpolate_component, pixel_before
 from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses_barrier
 from cpm_core.model.coverage import cell_of
-from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_STRIDE, INSERTION_ROOM
+from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_ROOM, INSERTION_STRIDE
 from cpm_core.model.plane.motion import READ_AHEAD_COUNT, edge_state_at, prefetch_field
 from cpm_core.model.plane.repulsion import PlaneCells, cells_around, row_of_cells
 from cpm_core.numerics.jit import compiled
@@ -57,14 +57,25 @@ _EXAMINED_PER_THREAD = 1500
 """Particles from which a second thread examines them faster."""
 
 
-def examine_contacts(cells: PlaneCells, has_moved: Mask, scale_field: ScaleField, d_min: float) -> tuple[EdgeContact, Mask]:
+def examine_contacts(
+    cells: PlaneCells, has_moved: Mask, scale_field: ScaleField, d_min: float
+) -> tuple[EdgeContact, Mask]:
     """Examine the edge contact of the particles in `cells`, and which have a neighbor nearer than half of `d_min` [px].
 
     Of two such particles at least one is among those that have moved since the last time, `has_moved`, shape (N,).
     """
     count = len(cells.order)
     edge, close = (np.empty(count), np.empty(count, np.bool_), np.empty((count, 2))), np.zeros(count, np.bool_)
-    work = partial(_examine_particles, cells, has_moved, DELETION_DISTANCE * d_min, scale_field.packed, scale_field.floor, edge, close)
+    work = partial(
+        _examine_particles,
+        cells,
+        has_moved,
+        DELETION_DISTANCE * d_min,
+        scale_field.packed,
+        scale_field.floor,
+        edge,
+        close,
+    )
     run_in_parallel(work, count, _EXAMINED_PER_THREAD)
     return EdgeContact(*edge, cells), close
 
@@ -81,7 +92,7 @@ def _examine_particles(
     first: int,
     last: int,
 ) -> None:
-    """Write what `examined` returns for some of the sorted particles."""
+    """Write what `examine_contacts` returns for some of the sorted particles."""
     strength, on_edge, normal = edge
     for k in range(first, last):
         if (k - first) % READ_AHEAD_COUNT == 0:
@@ -248,7 +259,12 @@ itself for a position ahead), the position [px], its distance from all other par
 
 
 def find_insertions(
-    contact: EdgeContact, search: SearchMasks, scale_field: ScaleField, d_max: float, parameters: Parameters, turn: int = 0
+    contact: EdgeContact,
+    search: SearchMasks,
+    scale_field: ScaleField,
+    d_max: float,
+    parameters: Parameters,
+    turn: int = 0,
 ) -> PlaneBirths:
     """Find positions for new particles.
 
@@ -405,7 +421,9 @@ def _is_flanked(cells: PlaneCells, present: Mask, y: float, x: float, n_y: float
 
 
 @compiled
-def _list_near_particles(cells: PlaneCells, present: Mask, y: float, x: float, distance: float, near: Array, index: Index) -> int:
+def _list_near_particles(
+    cells: PlaneCells, present: Mask, y: float, x: float, distance: float, near: Array, index: Index
+) -> int:
     """List the particles around a position; return their number, at most one less than fit in."""
     length = 0
     top, bottom, left, right = cells_around(cells, y, x, distance)

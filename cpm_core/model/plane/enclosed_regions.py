@@ -74,11 +74,15 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
     known = np.zeros(region_of.max() + 1, bool)
     known[region_of[covered >= _REACHED_FRACTION]] = True
     missing = ~near & known[region_of][number]
-    places: Array = place[missing & (_stretch_sizes(place, missing, scale_field.shape) >= _MIN_MISSING_STRETCH)].astype(float)
+    places: Array = place[missing & (_stretch_sizes(place, missing, scale_field.shape) >= _MIN_MISSING_STRETCH)].astype(
+        float
+    )
     return places[select_survivors(places, np.zeros(len(places)), 2.0 * _RESEEDING_SPACING)]
 
 
-def _has_particle_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
+def _has_particle_near(
+    scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float
+) -> NDArray[np.bool_]:
     """Return a mask, shape (N,), of the pixels of a rim with a particle near them on the same side of an edge.
 
     Of two edges close to each other one rises where the other falls.
@@ -91,7 +95,7 @@ def _has_particle_near(scale_field: ScaleField, place: NDArray[np.int64], positi
     )
     found = np.isfinite(distance)
     along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
-    return (found & (along > 0.0)).has_object(axis=1)
+    return (found & (along > 0.0)).any(axis=1)
 
 
 def _stretch_sizes(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: Extent) -> NDArray[np.int64]:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import pixel_before, interpolate_component
+from cpm_core.field.interpolation import interpolate_component, pixel_before
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses_barrier
 from cpm_core.model.coverage import cell_of
@@ -30,14 +30,14 @@ from cpm_core.model.equations import (
     repulsion_left,
 )
 from cpm_core.model.plane.repulsion import (
-    VECTOR_LANES,
     NO_MESH,
+    VECTOR_LANES,
     PlaneCells,
     build_plane_cells,
+    count_mesh_nodes,
     gather_near,
     mesh_force,
     mesh_force_at,
-    count_mesh_nodes,
     pair_sums,
     two_nearest_of_many,
 )
@@ -78,7 +78,11 @@ def _contact_at(packed: Single, floor: float, position: Array, strength: Array, 
 def edge_state_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool, float, float]:
     """Return the edge strength at a position, whether a particle there is on an edge, and the image gradient."""
     place = pixel_before(packed, y, x)
-    f_y, f_x, strength = interpolate_component(packed, 0, place), interpolate_component(packed, 1, place), interpolate_component(packed, 4, place)
+    f_y, f_x, strength = (
+        interpolate_component(packed, 0, place),
+        interpolate_component(packed, 1, place),
+        interpolate_component(packed, 4, place),
+    )
     on_edge = is_on_edge(f_y**2 + f_x**2, strength, floor)
     return strength, on_edge, interpolate_component(packed, 2, place), interpolate_component(packed, 3, place)
 
@@ -132,7 +136,7 @@ _LATE_MOVED_PER_THREAD = 4000
 
 
 def current_mesh_force(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
-    """Return the mesh of the step after a state: the present one, or a new one every `MESH_EVERY` steps.
+    """Return the mesh of the step after a state: the present one, or a new one every `MESH_INTERVAL` steps.
 
     There is none where summing all pairs is faster, or the repulsion has faded for all particles. `idle`, shape (N,),
     are the steps since cells around each particle were newly covered.
@@ -146,7 +150,9 @@ def current_mesh_force(state: State, idle: Index, scale_field: ScaleField, param
     return mesh_force(state.particles.position, scale_field.shape, reach)
 
 
-def move_in_plane(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleField, parameters: Parameters) -> MovedParticles:
+def move_in_plane(
+    particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleField, parameters: Parameters
+) -> MovedParticles:
     """Move all particles by one time step.
 
     `idle`, shape (N,), are the steps since cells around each were newly covered, `mesh` is the smooth part of the
@@ -202,7 +208,9 @@ def _move_sorted(
     coulomb = np.zeros((last - first, 2))
     _write_repulsion(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
-        if (k - first) % READ_AHEAD_COUNT == 0 and idle[cells.order[k]] < FADED_STEPS:  # later hardly any particle moves
+        if (k - first) % READ_AHEAD_COUNT == 0 and idle[
+            cells.order[k]
+        ] < FADED_STEPS:  # later hardly any particle moves
             prefetch_field(packed, cells, k, last, motion)
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         v_y, v_x = velocity[i, 0], velocity[i, 1]
@@ -214,7 +222,9 @@ def _move_sorted(
             late = min(idle[i], len(damped) - 1)
             series = (damped[late, 0], damped[late, 1], damped[late, 2], damped[late, 3])
             c_y, c_x = coulomb[k - first, 0], coulomb[k - first, 1]
-            to_y, to_x, v_y, v_x, history = _step_particle(packed, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history)
+            to_y, to_x, v_y, v_x, history = _step_particle(
+                packed, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history
+            )
         to_position[i, 0], to_position[i, 1], to_velocity[i, 0], to_velocity[i, 1] = to_y, to_x, v_y, v_x
         to_force[i, 0, 0], to_force[i, 0, 1], to_force[i, 1, 0], to_force[i, 1, 1] = history
         to_distance[i, 1], to_distance[i, 2], to_distance[i, 3] = distance[i, 0], distance[i, 1], distance[i, 2]
@@ -223,7 +233,9 @@ def _move_sorted(
 
 
 @compiled
-def _write_repulsion(cells: PlaneCells, idle: Index, mesh: MeshForce, law: MotionLaw, coulomb: Array, first: int, last: int) -> None:
+def _write_repulsion(
+    cells: PlaneCells, idle: Index, mesh: MeshForce, law: MotionLaw, coulomb: Array, first: int, last: int
+) -> None:
     """Write the normalized Coulomb force on some of the sorted particles, shape (`last` - `first`, 2), cell by cell."""
     smooth, softening = mesh.force, mesh.softening  # taking an array out of a tuple is too slow for every particle
     room = len(cells.order) + VECTOR_LANES
@@ -299,7 +311,7 @@ def _part_across(a_y: float, a_x: float, n_y: float, n_x: float) -> tuple[float,
 
 @compiled
 def _size_along(a_y: float, a_x: float, n_y: float, n_x: float) -> float:
-    """Return the size of the part that `_across` removes from a vector; the whole one where there is no normal."""
+    """Return the size of the part that `_part_across` removes from a vector; the whole one where there is no normal."""
     b_y, b_x = _part_across(a_y, a_x, n_y, n_x)
     return float(np.sqrt((a_y - b_y) ** 2 + (a_x - b_x) ** 2))
 
@@ -319,7 +331,9 @@ def hold_at_barriers(barrier_map: BarrierMap, before: Particles, after: Particle
 
 
 @compiled
-def _slide_along_barriers(barrier_map: BarrierMap, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array) -> None:
+def _slide_along_barriers(
+    barrier_map: BarrierMap, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array
+) -> None:
     """Let blocked particles slide along the barrier, in place."""
     for n in range(len(blocked)):
         i = blocked[n]

@@ -66,7 +66,7 @@ def build_plane_cells(position: Array, shape: Extent, size: float) -> PlaneCells
 
 @compiled
 def _sort_into_plane_cells(position: Array, size: float, rows: int, cols: int) -> tuple[Index, Index, Array, Array]:
-    """Return where the particles of each cell begin, and all particles in order with coordinates; see `Cells`."""
+    """Return where the particles of each cell begin, and all particles in order with coordinates; see `PlaneCells`."""
     cell = np.empty(len(position), np.int64)
     for i in range(len(position)):
         cell[i] = cell_of(position[i, 0], size, rows) * cols + cell_of(position[i, 1], size, cols)

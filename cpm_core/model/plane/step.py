@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import interpolate_field
-from cpm_core.field.placed_charges import near_charges, placed_forces, placed_potential, charge_radius_at
+from cpm_core.field.placed_charges import charge_radius_at, near_charges, placed_forces, placed_potential
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.coverage import Coverage, mark_covered, idle_steps_at
+from cpm_core.model.coverage import Coverage, idle_steps_at, mark_covered
 from cpm_core.model.equations import (
     FADED_STEPS,
-    IDLE_STEPS,
     FINAL_DAMPING_STEPS,
+    IDLE_STEPS,
     MIN_SCALE_STEPS,
     QUIET_STEPS,
     STILL_DISTANCE,
@@ -29,9 +29,9 @@ from cpm_core.model.equations import (
 )
 from cpm_core.model.interventions import start_scale
 from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
-from cpm_core.model.plane.births import SearchMasks, select_survivors, examine_contacts, find_insertions, search_range
+from cpm_core.model.plane.births import SearchMasks, examine_contacts, find_insertions, search_range, select_survivors
 from cpm_core.model.plane.enclosed_regions import MAX_PLANE_RESEEDINGS, reseeding_places
-from cpm_core.model.plane.motion import edge_contact_at, hold_at_barriers, is_at_rest, current_mesh_force, move_in_plane
+from cpm_core.model.plane.motion import current_mesh_force, edge_contact_at, hold_at_barriers, is_at_rest, move_in_plane
 from cpm_core.model.plane.repulsion import build_plane_cells, pair_energy
 from cpm_core.model.state import HISTORY_STEPS, State
 from cpm_core.numerics.jit import compiled
@@ -187,7 +187,9 @@ _FADED_INTERVAL = 4
 """Steps between two deletions and insertions once no repulsion is left."""
 
 
-def move_particles(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> tuple[State, MovedParticles]:
+def move_particles(
+    state: State, idle: Index, scale_field: ScaleField, parameters: Parameters
+) -> tuple[State, MovedParticles]:
     """Move the particles of a state and drop those that leave the image; return also the motion, shape (N,)."""
     particles, step = state.particles, state.step_of_scale
     mesh = current_mesh_force(state, idle, scale_field, parameters)
@@ -242,7 +244,9 @@ def insert_and_delete(
     kept = select_survivors(particles.position, contact.strength, parameters.d_min, close)
     coverage, new = mark_covered(state.coverage, particles.position, contact.on_edge & kept, step)
     round_, idle = state.step // every, idle_steps_at(coverage, particles.position, step, state.idle)
-    search = SearchMasks(kept, *_select_searching(particles.identity, particles.distance, has_moved, idle, round_, repulsion_gone))
+    search = SearchMasks(
+        kept, *_select_searching(particles.identity, particles.distance, has_moved, idle, round_, repulsion_gone)
+    )
     d_max = state.annealed * parameters.d_max
     births = find_insertions(contact, search, scale_field, d_max, parameters, round_)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
@@ -334,7 +338,9 @@ _NO_EDGES[..., 0] = 1.0
 """Packed force field without edges, hence without friction; its Lorentz force is one, downwards."""
 
 
-def plane_forces(state: State, scale_field: ScaleField, charged: ScaleField, parameters: Parameters, which: Index) -> Forces:
+def plane_forces(
+    state: State, scale_field: ScaleField, charged: ScaleField, parameters: Parameters, which: Index
+) -> Forces:
     """Return the forces on the particles `which`, shape (M,), of a state as the next step begins.
 
     See `Engine.forces`.

@@ -25,11 +25,18 @@ from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import face_same_way, is_ridge, project_to_ridge
 from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_STRIDE
 from cpm_core.model.state import Particles
-from cpm_core.model.volume.motion import MIN_CELL_SIDE, VolumeCells, build_volume_cells, find_near, on_same_surface, near_buffer
+from cpm_core.model.volume.motion import (
+    MIN_CELL_SIDE,
+    VolumeCells,
+    build_volume_cells,
+    find_near,
+    near_buffer,
+    on_same_surface,
+)
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.vectors import Vector, subtract_vectors, dot, vector_length, move_along, row_of, scale_vector
+from cpm_core.numerics.vectors import Vector, dot, move_along, row_of, scale_vector, subtract_vectors, vector_length
 
 _CLOSE_PER_THREAD = 2_000
 """Particles from which a second thread makes the search faster."""
@@ -43,11 +50,15 @@ def select_surface_survivors(particles: Particles, cells: VolumeCells, turn: Ind
     """
     kept, contact = np.ones(len(particles), bool), particles.surface_contact
     sheets = (particles.position, contact.normal, contact.on_surface)
-    run_in_parallel(partial(_find_close, cells, turn, *sheets, DELETION_DISTANCE * d_min, kept), len(turn), _CLOSE_PER_THREAD)
+    run_in_parallel(
+        partial(_find_close, cells, turn, *sheets, DELETION_DISTANCE * d_min, kept), len(turn), _CLOSE_PER_THREAD
+    )
     close = np.flatnonzero(~kept)
     if len(close):
         order = close[np.argsort(-contact.strength[close], kind="stable")]
-        kept[order] = select_spaced(particles.position[order], contact.normal[order], DELETION_DISTANCE * d_min, contact.on_surface[order])
+        kept[order] = select_spaced(
+            particles.position[order], contact.normal[order], DELETION_DISTANCE * d_min, contact.on_surface[order]
+        )
     return kept
 
 
@@ -181,7 +192,9 @@ def _search_places(
     search = cells, near_buffer(cells), sheets, edge, found, count
     for q in range(first, last):
         i = looking[q]
-        around = others[: find_near(cells, row_of(sheets[0], i), max(_GAP_NEIGHBOR_RANGE * INSERTION_STRIDE * d_min, reach), others)]
+        around = others[
+            : find_near(cells, row_of(sheets[0], i), max(_GAP_NEIGHBOR_RANGE * INSERTION_STRIDE * d_min, reach), others)
+        ]
         if reach > d_min:
             _look_between(q, i, looks, around, search, d_min, reach)
         _look_ahead(q, i, around, search, d_min, angles)
@@ -208,7 +221,12 @@ def _look_between(q: int, i: int, looks: Mask, around: Index, search: _Search, d
 def _look_ahead(q: int, i: int, around: Index, search: _Search, d_min: float, angles: Array) -> None:
     """Offer the places a stride ahead of a particle, in the widest gap between its neighbors."""
     cells, _, (position, normals, seated, _), _, _, _ = search
-    place, own, stride, room = row_of(position, i), row_of(normals, i), INSERTION_STRIDE * d_min, NEW_PARTICLE_ROOM * d_min
+    place, own, stride, room = (
+        row_of(position, i),
+        row_of(normals, i),
+        INSERTION_STRIDE * d_min,
+        NEW_PARTICLE_ROOM * d_min,
+    )
     (one, other), reach, count = tangent_vectors(own), _GAP_NEIGHBOR_RANGE * stride, 0
     for k in around:
         away = subtract_vectors(row_of(cells.place, k), place)

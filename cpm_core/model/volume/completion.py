@@ -2,7 +2,7 @@
 
 Fronts stop at some narrow joints between vessels, although the edge continues. When a run is quiet, particles are
 reseeded on the stretches that no particle covers, of all parts of the edge map that particles have reached, and of
-those that cannot be moved apart from them (`inseparable`).
+those that cannot be moved apart from them (`find_inseparable`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from cpm_core.model.volume.motion import VolumeCells, build_volume_cells, find_n
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index
-from cpm_core.numerics.vectors import subtract_vectors, vector_length, row_of
+from cpm_core.numerics.vectors import row_of, subtract_vectors, vector_length
 
 MAX_VOLUME_RESEEDINGS = 16
 """Largest number of reseedings at a scale."""

@@ -17,7 +17,7 @@ from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import Ridges
 from cpm_core.numerics.grids import find_connected_parts
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.numerics.voxel_graph import linking_number, find_loops
+from cpm_core.numerics.voxel_graph import find_loops, linking_number
 
 _MIN_BOUNDARY_VOXELS = 32
 """Ridge voxels of the least boundary that is reseeded: those of a ball with a radius of 1.6 voxels."""
@@ -100,10 +100,12 @@ def _find_linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask)
     loops_found: list[Array] | None = None
     for number in np.flatnonzero(fitting):
         boundary = voxels[ridges.component == number]
-        if not ((known >= boundary.min(0)) & (known <= boundary.max(0))).all(axis=1).has_object():
+        if not ((known >= boundary.min(0)) & (known <= boundary.max(0))).all(axis=1).any():
             continue
         loops = find_loops(boundary)
         if loops and loops_found is None:
-            loops_found = [loop for one in np.flatnonzero(found) for loop in find_loops(voxels[ridges.component == one])]
+            loops_found = [
+                loop for one in np.flatnonzero(found) for loop in find_loops(voxels[ridges.component == one])
+            ]
         more[number] = any(linking_number(loop, other) for loop in loops for other in loops_found or ())
     return more

@@ -38,7 +38,17 @@ from cpm_core.model.state import Particles, SurfaceContact
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.vectors import Vector, subtract_vectors, dot, vector_length, row_lengths, move_along, row_of, scale_vector, set_row
+from cpm_core.numerics.vectors import (
+    Vector,
+    dot,
+    move_along,
+    row_lengths,
+    row_of,
+    scale_vector,
+    set_row,
+    subtract_vectors,
+    vector_length,
+)
 from cpm_core.parameters import Parameters
 
 
@@ -70,8 +80,10 @@ def build_volume_cells(position: Array, shape: Vector, size: float) -> VolumeCel
 
 
 @compiled
-def _sort_into_volume_cells(position: Array, size: float, planes: int, rows: int, cols: int) -> tuple[Index, Index, Index, Array]:
-    """Return the arrays of `Cells`, from `start` on, for particles in a grid of this size."""
+def _sort_into_volume_cells(
+    position: Array, size: float, planes: int, rows: int, cols: int
+) -> tuple[Index, Index, Index, Array]:
+    """Return the arrays of `VolumeCells`, from `start` on, for particles in a grid of this size."""
     count = len(position)
     col, line = np.empty(count, np.int64), np.empty(count, np.int64)
     for i in range(count):
@@ -122,7 +134,7 @@ def find_near(cells: VolumeCells, place: Vector, reach: float, found: Index) -> 
 
 @compiled
 def near_buffer(cells: VolumeCells) -> Index:
-    """Allocate room for the particles that `near` finds."""
+    """Allocate room for the particles that `find_near` finds."""
     return np.empty(len(cells.order) + 1, np.int64)
 
 
@@ -130,7 +142,7 @@ def near_buffer(cells: VolumeCells) -> Index:
 def is_on_surface(slope: float, near: float, strength: float, floor: float) -> bool:
     """Return whether a particle is on the ridge of an edge that is strong enough.
 
-    `slope` is the relative slope of the edge map along the normal, to which that of placed charges is added, `near` its
+    `slope` is the relative slope of the edge map along the normal, to which that of placed charges is added, `find_near` its
     weight in the force.
     """
     return near >= 1.0 and abs(slope) < ON_RIDGE_SLOPE and strength >= floor
@@ -205,7 +217,7 @@ def force_parts(
 ) -> Array:
     """Return Coulomb force, Lorentz force, that of placed charges, and friction on some particles, shape (4, M, 3).
 
-    With their weights, as in a step; see `move`.
+    With their weights, as in a step; see `move_in_volume`.
     """
     contact, parts = particles.surface_contact, np.empty((4, len(which), 3))
     felt = _gather_surroundings(field, law, placed)
@@ -320,7 +332,9 @@ def _write_force_parts(
 
 
 @compiled
-def _repulsion_on(cells: VolumeCells, found: Index, place: Vector, i: int, normals: Array, seated: Mask, d_min: float) -> Vector:
+def _repulsion_on(
+    cells: VolumeCells, found: Index, place: Vector, i: int, normals: Array, seated: Mask, d_min: float
+) -> Vector:
     """Return the normalized Coulomb force on a particle from those near it, except for those on other sheets."""
     total, own, on_surface = (0.0, 0.0, 0.0), row_of(normals, i), seated[i]
     nearest, second = np.inf, (_SECOND_NEIGHBOR_DISTANCE * d_min) ** 2

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import pitch_of, smooth_volume
 from cpm_core.image.image import Image, as_image
-from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above, field_divergence_centers, uniform_grid
-from cpm_core.numerics.real_numbers import check_finite_number, as_real_array, check_three_numbers, check_voxel_sides
+from cpm_core.model.starts import STRONG_EDGE_FRACTION, field_divergence_centers, pixels_above, uniform_grid
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_three_numbers, check_voxel_sides
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 _GOLDEN_TURN = np.pi * (1.0 + 5.0**0.5)
 """Turn from one particle on a sphere to the next: no two of them line up."""
@@ -103,7 +103,7 @@ def seeds_on_box(first: Sequence[float], last: Sequence[float], spacing: float =
 
     Examples
     --------
-    >>> cpm.box((4, 4, 4), (10, 10, 10)).shape[1]
+    >>> cpm.seeds_on_box((4, 4, 4), (10, 10, 10)).shape[1]
     3
     """
     low, high = np.sort([check_three_numbers("first", first), check_three_numbers("last", last)], axis=0)
@@ -156,7 +156,7 @@ def seeds_in_slice(
 
     Examples
     --------
-    >>> seeds = cpm.in_slice(cpm.circle((15, 15), 4), at=12)
+    >>> seeds = cpm.seeds_in_slice(cpm.circle((15, 15), 4), at=12)
     >>> seeds.shape[1], set(seeds[:, 0].tolist())
     (3, {12.0})
     """
@@ -175,7 +175,7 @@ def seeds_everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
 
     Examples
     --------
-    >>> cpm.everywhere(cpm.example("ball")).shape[1]
+    >>> cpm.seeds_everywhere(cpm.example("ball")).shape[1]
     3
     """
     volume = _require_volume(volume)
@@ -186,14 +186,16 @@ def seeds_everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
     return (places - inset) / pitch
 
 
-def seeds_on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG_EDGE_FRACTION, smoothing: float = 1.0) -> Array:
+def seeds_on_strong_edges(
+    volume: Image | ArrayLike, fraction: float = STRONG_EDGE_FRACTION, smoothing: float = 1.0
+) -> Array:
     """Place particles on every voxel with an edge strength above a fraction of the largest; shape (N, 3) [voxels].
 
     `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
 
     Examples
     --------
-    >>> seeds = cpm.on_strong_edges(cpm.example("ball"))
+    >>> seeds = cpm.seeds_on_strong_edges(cpm.example("ball"))
     >>> bool((np.abs(np.linalg.norm(seeds - 15, axis=1) - 9) < 3).all())
     True
     """
@@ -203,7 +205,7 @@ def seeds_on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG_ED
 
 
 def volume_edge_strength(volume: Image, smoothing: float) -> Array:
-    """Return the edge strength of every voxel, shape (P, R, C); `smoothing` as for `on_strong_edges`."""
+    """Return the edge strength of every voxel, shape (P, R, C); `smoothing` as for `seeds_on_strong_edges`."""
     pitch = pitch_of(volume.spacing)
     slopes = VolumeSlopes.from_volume(smooth_volume(volume.values, [smoothing / side for side in pitch]), pitch)
     return slopes.edge_strengths().astype(float)
@@ -234,8 +236,8 @@ def seeds_at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing:
 
     Examples
     --------
-    >>> seeds = cpm.at_centers(cpm.example("ball"))
-    >>> bool((np.linalg.norm(seeds - 15, axis=1) < 2).any()), len(seeds) < len(cpm.everywhere(cpm.example("ball")))
+    >>> seeds = cpm.seeds_at_centers(cpm.example("ball"))
+    >>> bool((np.linalg.norm(seeds - 15, axis=1) < 2).any()), len(seeds) < len(cpm.seeds_everywhere(cpm.example("ball")))
     (True, True)
     """
     sigma = check_finite_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")

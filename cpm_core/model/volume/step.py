@@ -13,15 +13,26 @@ from dataclasses import replace
 import numpy as np
 
 from cpm_core.field.interpolation import interpolate_field
-from cpm_core.field.placed_charges import ChargesAtScale, placed_potential, charge_radius_at
+from cpm_core.field.placed_charges import ChargesAtScale, charge_radius_at, placed_potential
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import SurfaceCoverage, cover_surfaces, no_surface_coverage
-from cpm_core.model.equations import MIN_SCALE_STEPS, STILL_DISTANCE, damping_coefficient, equilibrium_epsilon, fast_speed
+from cpm_core.model.equations import (
+    MIN_SCALE_STEPS,
+    STILL_DISTANCE,
+    damping_coefficient,
+    equilibrium_epsilon,
+    fast_speed,
+)
 from cpm_core.model.interventions import start_scale
 from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
 from cpm_core.model.state import Particles, SpaceState, State, SurfaceContact
-from cpm_core.model.volume.births import NEW_PARTICLE_ROOM, VolumeBirths, find_surface_insertions, select_surface_survivors
+from cpm_core.model.volume.births import (
+    NEW_PARTICLE_ROOM,
+    VolumeBirths,
+    find_surface_insertions,
+    select_surface_survivors,
+)
 from cpm_core.model.volume.completion import drop_off_surface, reseed_surface
 from cpm_core.model.volume.motion import (
     MIN_CELL_SIDE,
@@ -29,16 +40,16 @@ from cpm_core.model.volume.motion import (
     REPULSION_REACH,
     VolumeCells,
     build_volume_cells,
+    find_near,
+    force_parts,
     hold_at_walls,
     move_in_volume,
-    find_near,
-    on_same_surface,
-    force_parts,
     near_buffer,
+    on_same_surface,
 )
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.numerics.vectors import Vector, subtract_vectors, dot, row_lengths, row_of
+from cpm_core.numerics.vectors import Vector, dot, row_lengths, row_of, subtract_vectors
 from cpm_core.parameters import Parameters
 
 _AWAKE_STEPS = 12
@@ -207,7 +218,9 @@ def step_in_volume(state: State, field: VolumeField, regions: AnyRegions | None,
     return state.stop(f"not at rest after {most} steps at full size") if overdue else state
 
 
-def volume_forces(state: State, field: VolumeField, _charged: VolumeField, parameters: Parameters, which: Index) -> Forces:
+def volume_forces(
+    state: State, field: VolumeField, _charged: VolumeField, parameters: Parameters, which: Index
+) -> Forces:
     """Return the forces on the particles `which`, shape (M,), of a state as the next step begins.
 
     See `Engine.forces`.
@@ -215,7 +228,13 @@ def volume_forces(state: State, field: VolumeField, _charged: VolumeField, param
     charges = ChargesAtScale(state.placed, charge_radius_at(state.scale))
     idle, awake = find_awake(state.particles, state.step_of_scale)
     coulomb, lorentz, placed, friction = force_parts(
-        state.particles, which, repulsion_cells(state.particles, field, parameters.d_min), idle, field, parameters, charges
+        state.particles,
+        which,
+        repulsion_cells(state.particles, field, parameters.d_min),
+        idle,
+        field,
+        parameters,
+        charges,
     )
     beta = np.array([damping_coefficient(parameters.beta, int(steps)) for steps in idle[which]])
     damped = -beta[:, None] * state.particles.velocity[which]

@@ -1,7 +1,7 @@
 """Closed regions: the insides of closed contours that the image confirms unambiguously.
 
 Particles close contours around objects, but also around specks of texture. A closed contour is an object as it is, with
-its holes, where it is unambiguous (`segmentation.reach.certain`): then no prediction is needed.
+its holes, where it is unambiguous (`segmentation.reach.unambiguous`): then no prediction is needed.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
-from cpm_core.segmentation.reach.certain import OWN_EDGE_DISTANCE, is_unambiguous
 from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
+from cpm_core.segmentation.reach.unambiguous import OWN_EDGE_DISTANCE, is_unambiguous
 
 _MAJORITY_SHARE = 0.5
 """Share of a start above which it lies in a region, and of a contour above which it lies in another."""
@@ -48,7 +48,7 @@ class ClosedRegion:
     mask : ndarray of bool, shape of the box
         The filled region without its holes: unambiguous regions directly inside it whose edge rises the other way. An
         inner region whose edge rises the same way, such as a nucleus in a cell, is a part of it.
-    rises : bool
+    brighter_outside : bool
         Whether the image gets brighter outward across the contour.
     """
 
@@ -80,7 +80,7 @@ class ClosedRegion:
         depth = scipy.ndimage.distance_transform_edt(np.pad(self.mask, 1))[1:-1, 1:-1]
         parts = skimage.segmentation.watershed(-depth, markers, mask=self.mask)  # type: ignore[no-untyped-call]
         own, other = parts == 1, parts == 2
-        if not own.has_object() or not other.has_object():
+        if not own.any() or not other.any():
             return None
         neck = depth[own & scipy.ndimage.binary_dilation(other)].max(initial=0.0)
         return own if neck <= _MAX_NECK_RATIO * min(depth[own].max(), depth[other].max()) else None
@@ -115,7 +115,12 @@ class ClosedRegions:
         found = np.zeros(self._values.shape, bool)
         for piece in self._split_start(places):
             region = next(
-                (region for region in self._find_regions_around(piece.mean(axis=0)) if region.measure_fraction_inside(piece) > _MAJORITY_SHARE), None
+                (
+                    region
+                    for region in self._find_regions_around(piece.mean(axis=0))
+                    if region.measure_fraction_inside(piece) > _MAJORITY_SHARE
+                ),
+                None,
             )
             if region is None:
                 return None
@@ -171,7 +176,7 @@ class ClosedRegions:
             The point.
         adds : bool
             Whether it is a positive point.
-        kept : ndarray of int64, shape (N, 2)
+        fixed_pixels : ndarray of int64, shape (N, 2)
             Points of the other kind, which must not change sides.
         """
         steps = np.stack(np.meshgrid(*2 * [np.arange(-_CONTOUR_TOLERANCE, _CONTOUR_TOLERANCE + 1)]), axis=-1).reshape(
@@ -179,7 +184,8 @@ class ClosedRegions:
         )
         near = np.clip(pixel + steps, 0, np.array(mask.shape) - 1)
         if 0.0 < mask[tuple(near.T)].mean() < 1.0 and any(
-            0.0 < region.measure_fraction_inside(near, filled=True) < 1.0 for region in self._find_regions_around(pixel, _CONTOUR_TOLERANCE)
+            0.0 < region.measure_fraction_inside(near, filled=True) < 1.0
+            for region in self._find_regions_around(pixel, _CONTOUR_TOLERANCE)
         ):
             changed = mask.copy()
             changed[tuple(pixel)] = adds
@@ -241,7 +247,9 @@ class ClosedRegions:
     def _find_region(self, index: int) -> ClosedRegion | None:
         """Find the region that a contour encloses; None unless it is unambiguous."""
         if index not in self._regions_by_contour:
-            self._regions_by_contour[index] = self._build_region(self._contours[index], self._find_contours_within(index))
+            self._regions_by_contour[index] = self._build_region(
+                self._contours[index], self._find_contours_within(index)
+            )
         return self._regions_by_contour[index]
 
     def _find_contours_within(self, index: int) -> list[int]:

@@ -7,11 +7,11 @@ sets in `level_sets`, and the methods of scikit-image in `regions`.
 from cpm_core.objects.methods.comparison import (
     CONTOUR_METHODS,
     MethodComparison,
-    RunReport,
     MethodStep,
-    report_run,
-    iterate_method,
+    RunReport,
     build_method_result,
+    iterate_method,
+    report_run,
     run_method,
 )
 from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
@@ -19,15 +19,15 @@ from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourSta
 __all__ = [
     "CONTOUR_METHODS",
     "AnyMethod",
-    "Compared",
     "ContourMethod",
     "ContourState",
-    "Facts",
-    "Moment",
+    "MethodComparison",
+    "MethodStep",
+    "RunReport",
     "Settings",
     "Start",
-    "facts_of",
-    "moments",
-    "result_of",
+    "build_method_result",
+    "iterate_method",
+    "report_run",
     "run_method",
 ]

@@ -29,8 +29,8 @@ from cpm_core.objects.methods.regions import (
     RANDOM_WALKER,
 )
 from cpm_core.objects.methods.snakes import GVF_SNAKE, SNAKE
+from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.parameters.quotation import format_count, format_repr, quote_value
 
 _ALL_METHODS = (
     PARTICLE_METHOD,
@@ -110,7 +110,7 @@ def iterate_method(method: AnyMethod, image: Image, start: Start, settings: Any 
     Examples
     --------
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
-    >>> for moment in cpm.moments(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start):
+    >>> for moment in cpm.iterate_method(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start):
     ...     if moment.state.step == 3:
     ...         break
     >>> len(moment.state.contours), moment.seconds > 0
@@ -189,7 +189,7 @@ class RunReport:
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
     >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["cpm"], cpm.example("disk"), start)
     >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
-    >>> facts = cpm.facts_of(moment, cpm.Truth(result.labels, result.contours))
+    >>> facts = cpm.report_run(moment, cpm.Truth(result.labels, result.contours))
     >>> facts.method, facts.contours, facts.closed, round(facts.dice, 2), facts.f
     ('cpm', 1, 1, 1.0, 1.0)
     """
@@ -219,11 +219,13 @@ def report_run(moment: MethodStep, truth: Truth | None = None) -> RunReport:
     --------
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
     >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["cpm"], cpm.example("disk"), start)
-    >>> cpm.facts_of(moment).contours
+    >>> cpm.report_run(moment).contours
     1
     """
     if not isinstance(moment, MethodStep):
-        raise ValueError(f"the moment is {quote_value(moment)} but must be one of a run: take those of `moments`.")
+        raise ValueError(
+            f"the moment is {quote_value(moment)} but must be one of a run: take those of `iterate_method`."
+        )
     state = moment.state
     closed = sum(contour.closed for contour in state.contours)
     facts = RunReport(
@@ -245,7 +247,9 @@ _STRENGTH_SMOOTHING = 1.0
 """Sigma of the Gaussian before the edge strength along the contours is measured [px]."""
 
 
-def build_method_result(facts: RunReport, contours: Sequence[Contour], image: Image, start: Start, settings: Any) -> Result:
+def build_method_result(
+    facts: RunReport, contours: Sequence[Contour], image: Image, start: Start, settings: Any
+) -> Result:
     """Build a result from the contours that a method has found.
 
     The contours have numbers from 1 and the mean edge strength along them; there are no particles.

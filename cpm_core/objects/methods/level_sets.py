@@ -6,7 +6,7 @@ A function phi is above 0 inside the contour. It follows::
 
 with the curvature ``kappa = div(grad phi / |grad phi|)``, weights a and b, and a velocity v on the pixels. The first
 term takes central differences, the second Godunov's, the third upwind differences (Osher and Sethian 1988,
-doi:10.1016/0021-9991(88)90002-2). The function moves near the contour only, within `BAND` of it, and is made a signed
+doi:10.1016/0021-9991(88)90002-2). The function moves near the contour only, within `FRONT_BAND` of it, and is made a signed
 distance again every few steps. Steps are as long as stability allows.
 
 The geodesic active contour is short in a metric of edges; the geometric GVF contour, eq. (3), moves in the field of
@@ -30,13 +30,13 @@ from cpm_core.objects.methods.method import (
     ContourState,
     Settings,
     Start,
-    signed_region_distance,
     declare_setting,
     declare_smoothing,
-    unit_edges,
     iterate_until_at_rest,
+    signed_region_distance,
+    unit_edges,
 )
-from cpm_core.objects.methods.snakes import even_out_field, gradient_vector_flow, declare_field_smoothness
+from cpm_core.objects.methods.snakes import declare_field_smoothness, even_out_field, gradient_vector_flow
 
 MAX_FRONT_STEPS = 4000
 """Largest number of steps of a front."""
@@ -147,7 +147,7 @@ def _measure_next_to_zero(phi: Array, out: Array) -> NDArray[np.bool_]:
 
 @compiled
 def reinitialize_distance(phi: Array) -> Array:
-    """Compute the signed distance from the zero of a function, shape (H, W), cut at `FARTHEST` [px].
+    """Compute the signed distance from the zero of a function, shape (H, W), cut at `MAX_FRONT_DISTANCE` [px].
 
     Next to the zero the distance is that of a straight contour through the pixels between which the sign changes;
     elsewhere it solves ``|grad d| = 1`` by sweeps in four directions (Zhao 2005, doi:10.1090/S0025-5718-04-01678-3).
@@ -216,7 +216,10 @@ def compute_stopping_factor(image: Image, settings: GeodesicSettings) -> Array:
 def evolve_geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[ContourState]:
     """Evolve the geodesic active contour."""
     factor = compute_stopping_factor(image, settings)
-    pressure, velocity = start.pressure_sign * settings.balloon * factor, -settings.pull * smoothed_gradient(factor, 0.0)
+    pressure, velocity = (
+        start.pressure_sign * settings.balloon * factor,
+        -settings.pull * smoothed_gradient(factor, 0.0),
+    )
     return evolve_front(start.mask(image.shape), settings.curvature * factor, pressure, velocity)
 
 

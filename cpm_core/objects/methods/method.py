@@ -24,7 +24,7 @@ from cpm_core.numerics.polyline import resample_path
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Arrays, Extent, Mask, frozen, record
 from cpm_core.parameters import ParameterInfo, Parameters
-from cpm_core.parameters.quotation import format_count, format_repr, quote_value
+from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 
 START_SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""
@@ -89,7 +89,7 @@ class Start:
 
     @cached_property
     def points(self) -> Array:
-        """Points every `SPACING` along the outlines, shape (N, 2) [px]."""
+        """Points every `START_SPACING` along the outlines, shape (N, 2) [px]."""
         return np.concatenate(self.sample_curves(START_SPACING))
 
     def sample_curves(self, spacing: float) -> Arrays:
@@ -137,7 +137,7 @@ def declare_setting(
 
 @frozen
 class Settings:
-    """Values of the parameters of a method; a subclass is a frozen dataclass of fields made by `number`.
+    """Values of the parameters of a method; a subclass is a frozen dataclass of fields made by `declare_setting`.
 
     Raises
     ------
@@ -152,7 +152,9 @@ class Settings:
             real = isinstance(value, int | float) and not isinstance(value, bool)
             if not (real and info.low <= value <= info.high and (not whole or value == int(value))):
                 kind = "a whole number" if whole else "a number"
-                raise ValueError(f"{name} is {quote_value(value)} but must be {kind} from {info.low:g} to {info.high:g}.")
+                raise ValueError(
+                    f"{name} is {quote_value(value)} but must be {kind} from {info.low:g} to {info.high:g}."
+                )
 
     @classmethod
     def describe_parameters(cls) -> Mapping[str, ParameterInfo]:
@@ -194,7 +196,7 @@ class ContourState:
     ----------
     step : int
         Number of steps so far.
-    find : callable
+    compute_contours : callable
         Computes the contours.
     stop_reason : str
         Why the run ended, in words; empty while it continues.

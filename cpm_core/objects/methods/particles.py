@@ -26,7 +26,7 @@ def _iterate_states(
     parameters: Parameters,
     find: Callable[[RunState], Contours] = lambda moment: moment.contours,
 ) -> Iterator[ContourState]:
-    """Yield the states of a run, which ends after `MOST_STEPS` at the latest."""
+    """Yield the states of a run, which ends after `MAX_PARTICLE_STEPS` at the latest."""
     chosen = replace(parameters, scales=min(parameters.scales, max_scales(image.shape)))
     run = evolve(image, start.points, chosen)
     for moment in run:

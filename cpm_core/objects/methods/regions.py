@@ -18,12 +18,12 @@ from cpm_core.objects.methods.method import (
     ContourState,
     Settings,
     Start,
-    signed_region_distance,
-    declare_setting,
     build_region_state,
+    declare_setting,
     declare_smoothing,
-    unit_gray,
     iterate_until_at_rest,
+    signed_region_distance,
+    unit_gray,
 )
 
 _MAX_CHAN_VESE_STEPS = 500
@@ -159,7 +159,9 @@ def evolve_morph_gac(image: Image, start: Start, settings: MorphologicalGacSetti
     )
 
 
-def evolve_morph_chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettings) -> Iterator[ContourState]:
+def evolve_morph_chan_vese(
+    image: Image, start: Start, settings: MorphologicalChanVeseSettings
+) -> Iterator[ContourState]:
     """Evolve morphological Chan-Vese."""
     gray, snake = unit_gray(image), skimage.segmentation.morphological_chan_vese
     return _evolve_morphological(
@@ -248,7 +250,7 @@ def evolve_random_walker(image: Image, start: Start, settings: RandomWalkerSetti
     yield build_region_state(inside, 0.5, 0)
     labels = label_seeds(start, image.shape, settings)
     for label, what in ((_OBJECT_SEED, "object"), (_BACKGROUND_SEED, "background")):
-        if not (labels == label).has_object():
+        if not (labels == label).any():
             yield build_region_state(inside, 0.5, 1, f"there are no seeds of the {what}")
             return
     mode = "bf" if labels.size <= _MAX_DIRECT_PIXELS else "cg_j"

@@ -66,7 +66,7 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
     """
     slope = smoothed_gradient(edges, 0.0)
     weight = (slope**2).sum(axis=0)
-    if not weight.has_object():
+    if not weight.any():
         return np.zeros_like(slope)
     waves = [2.0 - 2.0 * np.cos(np.pi * np.arange(count) / count) for count in edges.shape]
     spectrum = weight.mean() + mu * (waves[0][:, None] + waves[1])

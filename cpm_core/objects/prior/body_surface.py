@@ -17,8 +17,8 @@ from cpm_core.field.interpolation import value_at
 from cpm_core.numerics.grids import find_connected_parts, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
-from cpm_core.objects.prior.bodies import MAX_LOGIT, BodyPrediction
-from cpm_core.objects.prior.windows import Crop3D
+from cpm_core.objects.prior.body_predictor import MAX_LOGIT, BodyPrediction
+from cpm_core.objects.prior.crops import Crop3D
 
 _EDGE_SEARCH_REACH = 2.0
 """How far from the surface an edge is looked for [steps, at least voxels]."""

@@ -60,7 +60,9 @@ class Network:
         hidden = np.maximum(self._apply_dense(np.concatenate([maps.mean((1, 2)), maps.max((1, 2))]), "overlap.0"), 0.0)
         overlap = float(scipy.special.expit(self._apply_dense(hidden, "overlap.1")[0]))
         for level, count in _DECODER_LAYERS:
-            maps = np.concatenate([_upsample_axis(_upsample_axis(self._mix_maps(maps, f"mix{level}"), 1), 2), finer[level]])
+            maps = np.concatenate(
+                [_upsample_axis(_upsample_axis(self._mix_maps(maps, f"mix{level}"), 1), 2), finer[level]]
+            )
             for number in range(count):
                 maps = self._convolve_rectified(maps, f"up{level}.{number}")
         return scipy.special.expit(self._mix_maps(maps, "out")[0]), overlap

@@ -39,7 +39,9 @@ def unite_bodies(first: PackedBody, second: PackedBody) -> PackedBody:
     if isinstance(first, PackedVoxels) or isinstance(second, PackedVoxels):
         voxels = second.as_packed_voxels.voxels
         assert voxels.first is not None
-        both = first.as_packed_voxels.with_box_replaced(voxels.first, voxels.mask | first.as_packed_voxels.mask_in_box(voxels.first, voxels.mask.shape))
+        both = first.as_packed_voxels.with_box_replaced(
+            voxels.first, voxels.mask | first.as_packed_voxels.mask_in_box(voxels.first, voxels.mask.shape)
+        )
         return both or first
     one, other = first.surface, second.surface
     low = np.minimum(one.vertices.min(axis=0), other.vertices.min(axis=0))

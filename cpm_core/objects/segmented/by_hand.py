@@ -15,7 +15,7 @@ from cpm_core.contours.hand_edits import HandEdit, apply_hand_edits
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Arrays, Index, Line, Mask, Position, frozen
-from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, polygon_from_boundary, boundary_from_polygon, lies_on
+from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, boundary_from_polygon, lies_on, polygon_from_boundary
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.reconstruction.by_hand.live_wire import snap_path_to_ridge
 from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
@@ -71,7 +71,9 @@ class Halves:
     cuts: Arrays
 
 
-def split_object(item: SegmentedObject, first: Position, second: Position, scale_field: ScaleField | None = None) -> Halves:
+def split_object(
+    item: SegmentedObject, first: Position, second: Position, scale_field: ScaleField | None = None
+) -> Halves:
     """Split an object into two, each with one of two points.
 
     The watershed between the points, by the distance from the boundary and the strength of edges, decides where the cut
@@ -98,7 +100,11 @@ def split_object(item: SegmentedObject, first: Position, second: Position, scale
     """
     import shapely  # noqa: PLC0415 - needed for few edits
 
-    places, area, edges = np.array([first, second], dtype=float), polygon_from_boundary(item.boundary), _ObjectEdges(item, scale_field)
+    places, area, edges = (
+        np.array([first, second], dtype=float),
+        polygon_from_boundary(item.boundary),
+        _ObjectEdges(item, scale_field),
+    )
     if not item.encloses(places).all():
         raise ValueError(POINT_OUTSIDE)
     low, step, is_second = _split_by_watershed(item, places, edges)
@@ -110,19 +116,23 @@ def split_object(item: SegmentedObject, first: Position, second: Position, scale
         pixel = np.rint((np.array(face.representative_point().coords[0]) - low) / step).astype(int)
         return bool(face.contains(other) or (not face.contains(one) and is_second[tuple(pixel)]))
 
-    return _divide_object(item, [_refine_cut(cut, area, edges) for cut in _clip_to_area(area, smooth)], is_on_second_side, edges)
+    return _divide_object(
+        item, [_refine_cut(cut, area, edges) for cut in _clip_to_area(area, smooth)], is_on_second_side, edges
+    )
 
 
-def split_object_along(item: SegmentedObject, line: Sequence[Position], scale_field: ScaleField | None = None) -> Halves:
+def split_object_along(
+    item: SegmentedObject, line: Sequence[Position], scale_field: ScaleField | None = None
+) -> Halves:
     """Split an object along a line across it; the larger half comes first.
 
-    The line, shape (K, 2) [px], is extended straight to the boundary, and moves onto an edge next to it; see `split`.
+    The line, shape (K, 2) [px], is extended straight to the boundary, and moves onto an edge next to it; see `split_object`.
     """
     import shapely  # noqa: PLC0415 - needed for few edits
 
     path, edges = np.array(line, dtype=float), _ObjectEdges(item, scale_field)
     ahead, back = path[min(4, len(path) - 1)] - path[0], path[max(-5, -len(path))] - path[-1]
-    if not ahead.has_object() or not back.has_object():
+    if not ahead.any() or not back.any():
         raise ValueError("The line is too short to split an object: draw it across.")
     path = np.concatenate([path[:1] - _LINE_EXTENSION * ahead, path, path[-1:] - _LINE_EXTENSION * back])
     aside = path.mean(axis=0) + np.array([-1.0, 1.0]) * (path[-1] - path[0])[::-1]
@@ -138,7 +148,9 @@ def split_object_along(item: SegmentedObject, line: Sequence[Position], scale_fi
     return Halves(first, second, found.cuts)
 
 
-def redraw_boundary(item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field: ScaleField | None) -> SegmentedObject:
+def redraw_boundary(
+    item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field: ScaleField | None
+) -> SegmentedObject:
     """Redraw a stretch of one of the closed curves of the boundary of an object.
 
     New stretches follow the edges of the fields; where there are none, they are gaps.
@@ -146,7 +158,9 @@ def redraw_boundary(item: SegmentedObject, contour: Contour, edit: HandEdit, sca
     changed = [round_line(one.points) for one in apply_hand_edits((contour,), (edit,))[0] if one.closed]
     rest = [curve for curve in item.boundary if not np.array_equal(curve, contour.points)]
     boundary = boundary_from_polygon(polygon_from_boundary([*rest, *changed]))
-    return _replace_boundary(item, boundary, [np.array(edit.added)], _ObjectEdges(item, scale_field)) if boundary else item
+    return (
+        _replace_boundary(item, boundary, [np.array(edit.added)], _ObjectEdges(item, scale_field)) if boundary else item
+    )
 
 
 def mark_gaps(item: SegmentedObject, scale_field: ScaleField | None) -> SegmentedObject:
@@ -226,7 +240,9 @@ def _split_by_watershed(item: SegmentedObject, places: Array, edges: _ObjectEdge
         seeds[away < min(room, 0.5 * depth[tuple(pixel)] / step)] = number
         seeds[tuple(np.transpose(way))] = number
     deep = max(min(depth[tuple(way[-1])] for way in ways), step)
-    height = np.maximum(edges.measure_relative_strength(grid).reshape(shape) - np.exp(-0.5 * (depth / _BOUNDARY_EDGE_WIDTH) ** 2), 0.0)
+    height = np.maximum(
+        edges.measure_relative_strength(grid).reshape(shape) - np.exp(-0.5 * (depth / _BOUNDARY_EDGE_WIDTH) ** 2), 0.0
+    )
     levels = np.round(_LANDSCAPE_LEVELS * np.clip(height - np.minimum(depth / deep, 1.0), -1.0, 1.0))
     found = skimage.segmentation.watershed(levels, seeds, mask=inside | (seeds > 0))  # type: ignore[no-untyped-call]
     around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
@@ -268,7 +284,9 @@ def _refine_cut(cut: Array, area: Any, edges: _ObjectEdges) -> Array:
     return edges.snap_to_edges(np.array(line.coords)) if line and area.buffer(_LINE_GRID).covers(line) else cut
 
 
-def _divide_object(item: SegmentedObject, cuts: Sequence[Array], on_second: Callable[[Any], bool], edges: _ObjectEdges) -> Halves:
+def _divide_object(
+    item: SegmentedObject, cuts: Sequence[Array], on_second: Callable[[Any], bool], edges: _ObjectEdges
+) -> Halves:
     """Divide an object into the two on the sides of cuts."""
     import shapely  # noqa: PLC0415 - needed for few edits
 

@@ -172,7 +172,7 @@ def _match_pieces(first: Mask, last: Mask, pixel: tuple[float, ...]) -> list[tup
         [numbers == n for n in range(1, count + 1)]
         for numbers, count in (scipy.ndimage.label(each, np.ones((3, 3))) for each in (first, last))
     )
-    meet = np.array([[(a & b).has_object() for b in other] for a in one])
+    meet = np.array([[(a & b).any() for b in other] for a in one])
     away = np.array([[np.linalg.norm((_find_center(a) - _find_center(b)) * pixel) for b in other] for a in one])
     for joined, distances in ((meet, away), (meet.T, away.T)):
         alone = ~joined.any(axis=1)

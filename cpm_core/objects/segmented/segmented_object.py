@@ -169,7 +169,11 @@ class SegmentedObject:
         if len(self.boundary) == 1:
             return self.boundary
         around = [
-            sum(bool(polyline.points_inside(other, np.array(curve[:1]))[0]) for other in self.boundary if other is not curve)
+            sum(
+                bool(polyline.points_inside(other, np.array(curve[:1]))[0])
+                for other in self.boundary
+                if other is not curve
+            )
             for curve in self.boundary
         ]
         return tuple(curve for curve, count in zip(self.boundary, around, strict=True) if count % 2 == 0)
@@ -215,7 +219,7 @@ class SegmentedObject:
             window, plane = voxels.mask[at], (float(above + at),)
         else:
             (*first,), window = self._rasterize_window(shape)
-        if not window.has_object():
+        if not window.any():
             return self.boundary[0][0]
         depth = scipy.ndimage.distance_transform_edt(np.pad(window, 1))[1:-1, 1:-1]
         row, col = np.unravel_index(int(np.argmax(depth)), window.shape)

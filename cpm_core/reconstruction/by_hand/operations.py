@@ -94,7 +94,9 @@ class Contact:
         return self.line.source is other.line.source
 
 
-def apply_edits_to_result(result: Result, edits: Sequence[HandEdit], scale_field: ScaleField | None) -> tuple[Result, Integers]:
+def apply_edits_to_result(
+    result: Result, edits: Sequence[HandEdit], scale_field: ScaleField | None
+) -> tuple[Result, Integers]:
     """Apply edits by hand to a result, without the bridges they have removed; also return the missed edits.
 
     Contours that have changed are measured in the fields of the image, where these are given.
@@ -131,7 +133,10 @@ def connect_by_path(path: Array, begin: Contact | None = None, end: Contact | No
             stretch = line.part_between(begin.along, end.along)
             if line.closed:
                 other = line.part_between(end.along, begin.along + line.length)
-                if polyline.distances_to_path(path, other.path).mean() < polyline.distances_to_path(path, stretch.path).mean():
+                if (
+                    polyline.distances_to_path(path, other.path).mean()
+                    < polyline.distances_to_path(path, stretch.path).mean()
+                ):
                     stretch, begin, end, path = other, end, begin, path[::-1]
             return (_replace_stretch(stretch, path, begin, end),)
         if not end.at_end:
@@ -139,7 +144,9 @@ def connect_by_path(path: Array, begin: Contact | None = None, end: Contact | No
         if not begin.at_end:
             inward = min(_ANCHOR_DISTANCE, 0.5 * abs(end.along - begin.along))
             behind = begin.place_at_offset(inward if end.at_last else -inward)
-            return HandEdit(removed=(_round_place(begin.place),)), HandEdit((), round_path(path), False, (behind,), end.behind)
+            return HandEdit(removed=(_round_place(begin.place),)), HandEdit(
+                (), round_path(path), False, (behind,), end.behind
+            )
     before = begin.behind if begin is not None else ()
     after = end.behind if end is not None else ()
     return (HandEdit((), round_path(path), False, before, after),)

@@ -16,7 +16,7 @@ import skimage
 from cpm_core.contours.contour import Bridge
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.polyline import path_length, lengths_along, resample_path
+from cpm_core.numerics.polyline import lengths_along, path_length, resample_path
 from cpm_core.numerics.segments import first_crossing
 from cpm_core.numerics.types import Array, Index, Integers, Mask, record
 
@@ -150,11 +150,14 @@ class _BridgeSite:
     def is_free(self, path: Array, spared: Integers) -> bool:
         """Return whether a path, shape (K, 2), crosses neither a contour nor a barrier."""
         return (
-            not self.scale_field.barrier_map.is_crossed_by(path[:-1], path[1:]).any() and self.find_crossing(path, spared) is None
+            not self.scale_field.barrier_map.is_crossed_by(path[:-1], path[1:]).any()
+            and self.find_crossing(path, spared) is None
         )
 
 
-def _bridges_between_ends(graph: Graph, site: _BridgeSite, ends: dict[int, Array], longest: float) -> Iterator[_BridgeCandidate]:
+def _bridges_between_ends(
+    graph: Graph, site: _BridgeSite, ends: dict[int, Array], longest: float
+) -> Iterator[_BridgeCandidate]:
     """Yield bridges from end to end."""
     number = np.array(list(ends))
     pairs = number[sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest))].reshape(-1, 2)
@@ -174,7 +177,9 @@ def _bridges_between_ends(graph: Graph, site: _BridgeSite, ends: dict[int, Array
             yield _BridgeCandidate(way[0], a, b, way[1])
 
 
-def _bridges_to_sides(graph: Graph, site: _BridgeSite, ends: dict[int, Array], longest: float) -> Iterator[_BridgeCandidate]:
+def _bridges_to_sides(
+    graph: Graph, site: _BridgeSite, ends: dict[int, Array], longest: float
+) -> Iterator[_BridgeCandidate]:
     """Yield bridges from an end to the side of a contour ahead."""
     sides = np.flatnonzero(graph.degrees > 1)
     if not len(sides):
@@ -199,7 +204,9 @@ def _bridges_to_sides(graph: Graph, site: _BridgeSite, ends: dict[int, Array], l
         total, path = _find_cheapest_path(costs, places[0, 0], place, graph.points[near])
         goal = np.argmin(np.linalg.norm(graph.points[near] - path[-1], axis=1))
         way = _stop_at_contour(graph, site, end, smooth_pixel_path(path, place, graph.points[near[goal]]))
-        gap = np.inf if way is None else graph.distance_between(end, way.other)  # it may have stopped at a farther vertex
+        gap = (
+            np.inf if way is None else graph.distance_between(end, way.other)
+        )  # it may have stopped at a farther vertex
         if way is not None and gap <= longest and path_length(way.path) <= _MAX_BRIDGE_DETOUR * gap:
             yield _BridgeCandidate(_SIDE_COST_FACTOR * total, end, way.other, way.path)
 
@@ -297,7 +304,9 @@ def _find_loose_ends(graph: Graph, scale_field: ScaleField, least: float) -> dic
     part = graph.label_components()
     long = np.bincount(part, ways.lengths)[part] >= least
     ends = np.intersect1d(graph.loose_ends(), np.concatenate([ways.first[long], ways.last[long]]))
-    direction = np.array([direction_at_end(graph.points[graph.branch_from(end)]) for end in ends.tolist()]).reshape(-1, 2)
+    direction = np.array([direction_at_end(graph.points[graph.branch_from(end)]) for end in ends.tolist()]).reshape(
+        -1, 2
+    )
     place = graph.points[ends]
     blocked = scale_field.barrier_map.is_crossed_by(place, place + _BARRIER_LOOKAHEAD * least * direction)
     return dict(zip(ends[~blocked].tolist(), direction[~blocked], strict=True))

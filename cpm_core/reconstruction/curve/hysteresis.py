@@ -90,7 +90,9 @@ def least_contour_length(smoothing: float, parameters: Parameters) -> float:
     return max(LEAST_LENGTH_IN_SPACINGS * parameters.d_min, _LEAST_LENGTH_IN_SIGMA * smoothing)
 
 
-def select_contours(contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters) -> tuple[Contour, ...]:
+def select_contours(
+    contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters
+) -> tuple[Contour, ...]:
     """Select the contours that are neither too short nor degenerate, with their strength and contrast."""
     least = max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length)
     chosen = [c for c in contours if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)]

@@ -11,7 +11,13 @@ from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.end_linking import link_loose_ends
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps
-from cpm_core.reconstruction.curve.hysteresis import LEAST_LENGTH_IN_SPACINGS, select_contours, drop_unreached, drop_weak, least_contour_length
+from cpm_core.reconstruction.curve.hysteresis import (
+    LEAST_LENGTH_IN_SPACINGS,
+    drop_unreached,
+    drop_weak,
+    least_contour_length,
+    select_contours,
+)
 from cpm_core.reconstruction.curve.ridge_tracing import trace_ridges
 from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 
@@ -76,7 +82,9 @@ def find_contours(
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
     bridges = bridge_gaps(graph, scale_field, parameters.max_gap, spacing, LEAST_LENGTH_IN_SPACINGS * parameters.d_min)
     contours = select_contours(
-        graph.extract_contours(max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length)), scale_field, parameters
+        graph.extract_contours(max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length)),
+        scale_field,
+        parameters,
     )
     return contours, select_bridges_on(bridges, contours)
 

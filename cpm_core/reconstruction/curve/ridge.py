@@ -94,4 +94,6 @@ def slope_across_edge(ridge: Ridge, row: float, col: float) -> float:
     """Compute the difference of the edge map on both sides of a position, along the image gradient."""
     down, right = uphill_direction(ridge, row, col)
     ahead = interpolate_spline(ridge.spline, row + RIDGE_PROBE_DISTANCE * down, col + RIDGE_PROBE_DISTANCE * right)
-    return ahead - interpolate_spline(ridge.spline, row - RIDGE_PROBE_DISTANCE * down, col - RIDGE_PROBE_DISTANCE * right)
+    return ahead - interpolate_spline(
+        ridge.spline, row - RIDGE_PROBE_DISTANCE * down, col - RIDGE_PROBE_DISTANCE * right
+    )

@@ -16,7 +16,12 @@ from cpm_core.image.regions import BarrierMap
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, ridge_arrays
-from cpm_core.reconstruction.curve.ridge_tracing_kernels import RidgeSearchLimits, RidgeSeeds, place_on_ridge, trace_seed_paths
+from cpm_core.reconstruction.curve.ridge_tracing_kernels import (
+    RidgeSearchLimits,
+    RidgeSeeds,
+    place_on_ridge,
+    trace_seed_paths,
+)
 
 _MAX_STEP = 0.4
 """Greatest length of a step [px]."""
@@ -41,7 +46,7 @@ _LEAST_SEEDS_PER_THREAD = 300
 """Least number of seeds for a thread."""
 
 _FADING_LENGTH = 1.6
-"""Length over which an edge must not fade to less than `FAINTEST`, in d_min / 2; twice as much for a loose end, as an
+"""Length over which an edge must not fade to less than `EDGE_END_FRACTION`, in d_min / 2; twice as much for a loose end, as an
 abrupt end is blurred."""
 
 
@@ -134,7 +139,9 @@ class _RidgeWalks:
             while first < last:
                 room = 4 * (last - first) + 2 * self._longest
                 vertices, edges = np.empty((room, 2)), np.empty((room, 2), np.int64)
-                first, added, joined = trace_seed_paths(*self._walked, seeds, met, sign, loose, first, last, way, vertices, edges)
+                first, added, joined = trace_seed_paths(
+                    *self._walked, seeds, met, sign, loose, first, last, way, vertices, edges
+                )
                 own.append((vertices[:added], edges[:joined]))
 
         run_in_parallel(follow_share, len(seeds), _LEAST_SEEDS_PER_THREAD)

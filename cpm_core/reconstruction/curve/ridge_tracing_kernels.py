@@ -189,7 +189,15 @@ def _follow_ridge(
 
 @compiled
 def _find_met_seed(
-    seeds: RidgeSeeds, i: int, sign: float, row: float, col: float, down: float, right: float, length: float, step: float
+    seeds: RidgeSeeds,
+    i: int,
+    sign: float,
+    row: float,
+    col: float,
+    down: float,
+    right: float,
+    length: float,
+    step: float,
 ) -> int:
     """Find the seed near a position on the path with the same direction; -1 for none."""
     near = _MEETING_DISTANCE * step
@@ -253,7 +261,9 @@ def _fraction_inside(image: Array, row: float, col: float, to_row: float, to_col
 
 
 @compiled
-def _clip_to_image(image: Array, row: float, col: float, to_row: float, to_col: float, part: float) -> tuple[float, float]:
+def _clip_to_image(
+    image: Array, row: float, col: float, to_row: float, to_col: float, part: float
+) -> tuple[float, float]:
     """Return the end of a straight line, cut off at the image border."""
     if part < 1.0:
         to_row = min(max(row + part * (to_row - row), 0.0), image.shape[0] - 1.0)

@@ -8,7 +8,13 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.reconstruction.curve.ridge import RIDGE_PROBE_DISTANCE, Ridge, ridge_arrays, interpolate_spline, uphill_direction
+from cpm_core.reconstruction.curve.ridge import (
+    RIDGE_PROBE_DISTANCE,
+    Ridge,
+    interpolate_spline,
+    ridge_arrays,
+    uphill_direction,
+)
 
 MAX_RIDGE_DISTANCE = 2.5
 """Greatest distance of a particle from the ridge that it belongs to [px]."""
@@ -53,7 +59,11 @@ def refine_to_ridge(positions: Array, scale_field: ScaleField) -> tuple[Array, M
     place = np.array(positions, dtype=float)
     move, bend = np.full(len(place), np.inf), np.zeros(len(place))
     for _ in range(_MAX_REFINEMENTS):
-        run_in_parallel(lambda first, last: _step_uphill(ridge, place, move, bend, first, last), len(place), _LEAST_POINTS_PER_THREAD)
+        run_in_parallel(
+            lambda first, last: _step_uphill(ridge, place, move, bend, first, last),
+            len(place),
+            _LEAST_POINTS_PER_THREAD,
+        )
         if np.abs(move).max(initial=0.0) < _REFINEMENT_TOLERANCE:
             break
     inside = ((place >= 0.0) & (place <= np.array(scale_field.shape) - 1.0)).all(axis=1)

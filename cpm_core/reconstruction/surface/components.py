@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.grids import Labels, ConnectedParts, find_connected_parts
+from cpm_core.numerics.grids import ConnectedParts, Labels, find_connected_parts
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Sides, Single
 
@@ -97,7 +97,9 @@ def fill_unknown_regions(height: Single) -> None:
     region, nor do others that are infinite.
     """
     parts, votes = vote_on_unknown_regions(height)
-    parts.fill_voxels(np.where(votes > 0, np.float32(HEIGHT_AWAY_FROM_PARTICLES), np.float32(-HEIGHT_AWAY_FROM_PARTICLES)), height)
+    parts.fill_voxels(
+        np.where(votes > 0, np.float32(HEIGHT_AWAY_FROM_PARTICLES), np.float32(-HEIGHT_AWAY_FROM_PARTICLES)), height
+    )
 
 
 def vote_on_unknown_regions(height: Single) -> tuple[ConnectedParts, Index]:

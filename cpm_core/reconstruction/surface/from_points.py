@@ -15,7 +15,12 @@ from cpm_core.contours.surface import Surface, check_rows_of_three
 from cpm_core.numerics.grids import label_joined_pairs, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.reconstruction.surface.components import fill_unknown_regions, set_border_voxels, has_point_within, typical_distance
+from cpm_core.reconstruction.surface.components import (
+    fill_unknown_regions,
+    has_point_within,
+    set_border_voxels,
+    typical_distance,
+)
 
 _STEPS_PER_POINT = 2.0
 """Steps of the grid between neighboring points."""

@@ -24,11 +24,11 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import Labels, ConnectedParts, find_connected_parts, find_root
+from cpm_core.numerics.grids import ConnectedParts, Labels, find_connected_parts, find_root
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single, record
+from cpm_core.reconstruction.surface.blur_correction import interpolate_gray
 from cpm_core.reconstruction.surface.components import HEIGHT_AWAY_FROM_PARTICLES
-from cpm_core.reconstruction.surface.sharpened import interpolate_gray
 
 MAX_SADDLE_DEPTH = 1.5
 """Largest depth of a saddle below the threshold [steps of the slope of the edges around]."""
@@ -103,7 +103,7 @@ class SaddleSurroundings:
         near = self._places.query_ball_point(at, _SADDLE_RADIUS)
         along, toward = (self._places.data[near] - at) @ across, self.normals[near] @ across
         one_bank, other_bank = toward[along < _BANK_OVERLAP], -toward[along > -_BANK_OVERLAP]
-        return bool((one_bank > _FACING_COSINE).has_object() and (other_bank > _FACING_COSINE).has_object())
+        return bool((one_bank > _FACING_COSINE).any() and (other_bank > _FACING_COSINE).any())
 
     def _second_derivatives(self, at: Index) -> Array:
         found, steps = np.empty((3, 3)), np.eye(3)
@@ -239,7 +239,9 @@ def _flood_basins(height: Single, own: Labels, low: Index, count: int, basin: In
     return met
 
 
-def find_path_through_saddle(values: Single, parts: ConnectedParts, saddle: Index, one: int, other: int, reach: int) -> Index | None:
+def find_path_through_saddle(
+    values: Single, parts: ConnectedParts, saddle: Index, one: int, other: int, reach: int
+) -> Index | None:
     """Find the shortest path, shape (K, 3), between two parts through a saddle, over voxels no lower; None without.
 
     Both ends are included. Voxels up to `reach` from the saddle are examined.
@@ -254,7 +256,7 @@ def find_path_through_saddle(values: Single, parts: ConnectedParts, saddle: Inde
     for wanted in (one, other):
         ends = voxels[part == wanted]
         cost = reached[tuple(ends.T)]
-        if not len(ends) or not np.isfinite(cost).has_object():
+        if not len(ends) or not np.isfinite(cost).any():
             return None
         halves.append(np.array(costs.traceback(tuple(ends[cost.argmin()]))) + low)
     return np.concatenate([halves[0][::-1], halves[1][1:]])

@@ -46,7 +46,9 @@ class VoxelBox(NamedTuple):
     shape: tuple[int, int, int]
 
 
-def height_over_threshold(volume: Single, box: VoxelBox, levels: LocalThresholds, size: Array, width: float, band: float) -> Single:
+def height_over_threshold(
+    volume: Single, box: VoxelBox, levels: LocalThresholds, size: Array, width: float, band: float
+) -> Single:
     """Compute the height over the local threshold within `band` of a particle, in steps of the slope; NaN elsewhere.
 
     It is about the distance to the edge, in smallest sides of a voxel.
@@ -81,7 +83,9 @@ def height_over_threshold(volume: Single, box: VoxelBox, levels: LocalThresholds
     weight = -0.5 / width**2
 
     def compute_planes(first: int, last: int) -> None:
-        _compute_height(volume, box.begin, found, points, thresholds, slopes, begin, cells, size, reach, weight, first, last)
+        _compute_height(
+            volume, box.begin, found, points, thresholds, slopes, begin, cells, size, reach, weight, first, last
+        )
 
     run_in_parallel(compute_planes, len(found), _LEAST_PLANES_PER_THREAD)
     return found

@@ -15,16 +15,16 @@ from cpm_core.field.volume_field import pitch_of
 from cpm_core.field.volume_surface import project_all_to_ridge
 from cpm_core.numerics.grids import bridge_corner_contacts, zero_surface
 from cpm_core.numerics.types import Array, Mask, Sides, Single
+from cpm_core.reconstruction.surface.blur_correction import blurred_edge_width, measure_local_thresholds
 from cpm_core.reconstruction.surface.components import (
     fill_unknown_regions,
-    set_border_voxels,
     has_point_within,
-    typical_distance,
     keep_supported_components,
+    set_border_voxels,
+    typical_distance,
 )
 from cpm_core.reconstruction.surface.joints import RAISED_HEIGHT, SaddleSurroundings, bridge_necks, bridge_thin_vessels
-from cpm_core.reconstruction.surface.local_threshold import VoxelBox, LocalThresholds, height_over_threshold
-from cpm_core.reconstruction.surface.sharpened import measure_local_thresholds, blurred_edge_width
+from cpm_core.reconstruction.surface.local_threshold import LocalThresholds, VoxelBox, height_over_threshold
 
 _THRESHOLD_SPREAD = 0.75
 """Width of the Gaussian that spreads the thresholds [distances between particles]."""
@@ -91,7 +91,9 @@ def find_surface(
     return keep_supported_components(vertices, faces, points, supported, spacing, unit)
 
 
-def find_local_thresholds(volume: Single, edges: EdgeBricks, points: Array, size: Array, smoothing: float) -> tuple[LocalThresholds, Array]:
+def find_local_thresholds(
+    volume: Single, edges: EdgeBricks, points: Array, size: Array, smoothing: float
+) -> tuple[LocalThresholds, Array]:
     """Move particles, shape (N, 3) [voxels], to the ridge; return their thresholds, and their normals away from bright.
 
     The arguments are those of `find_surface`, and `size` holds the sides of a voxel.

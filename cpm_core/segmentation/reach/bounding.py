@@ -7,7 +7,7 @@ Meyer 1994, doi:10.1016/0165-1684(94)90060-4). They meet on the edges that are h
 Two pieces in one object, with no edge between them, share a basin. Areas within a basin that other edges, strong enough
 to hold particles, enclose are left out again.
 
-A closed line may also have been drawn around an object (`surrounded`). Then it is bounded by the edges of that object,
+A closed line may also have been drawn around an object (`find_surrounded_object`). Then it is bounded by the edges of that object,
 if these are stronger than those around the whole start.
 """
 
@@ -24,8 +24,14 @@ from cpm_core.field.edge_map import background_strength, smoothed_gradient, vect
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.numerics.grids import Labels, label_joined_pairs
 from cpm_core.numerics.types import Array, Extent, Mask
-from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area, hollow_part, is_everywhere, typical_radius
-from cpm_core.segmentation.reach.surrounded import flood_from_markers, find_surrounded_object
+from cpm_core.segmentation.reach.drawn_area import (
+    MIN_DRAWN_PLACES,
+    drawn_area,
+    hollow_part,
+    is_everywhere,
+    typical_radius,
+)
+from cpm_core.segmentation.reach.surrounded_object import find_surrounded_object, flood_from_markers
 
 _SIGMA_PER_RADIUS = 0.1
 """Smoothing of the edge map in radii of the start: details much smaller than the start do not bound it."""
@@ -133,7 +139,7 @@ def find_bounds(values: Array, start: Array, closed: Mask, beta: float) -> Bound
 def object_enclosed_by(values: Array, places: Array, closed: Mask) -> Mask | None:
     """Return the object, shape (H, W), that places, shape (N, 2) [px], are drawn around; None when they lie in it.
 
-    `closed` is as for `bounds_of`.
+    `closed` is as for `find_bounds`.
     """
     if len(places) < MIN_DRAWN_PLACES:
         return None
@@ -165,7 +171,9 @@ def _compute_bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta:
     shut = closed[::stride, ::stride] | _border_frame(strength.shape, sigma / stride)
     drawn = _label_pieces(area, closed, stride)
     pieces, labels = _split_basins(strength, drawn, shut, beta)
-    things = _find_enclosed_objects(values[::stride, ::stride], strength, drawn, hollow[::stride, ::stride], labels, shut)
+    things = _find_enclosed_objects(
+        values[::stride, ::stride], strength, drawn, hollow[::stride, ::stride], labels, shut
+    )
     if things.any():
         rest = np.where(np.isin(drawn, np.setdiff1d(drawn[things], 0)), 0, drawn).astype(np.int32)
         pieces, labels = _split_basins(strength, rest, shut | things, beta)
@@ -187,7 +195,9 @@ def _split_basins(strength: Array, pieces: Labels, shut: Mask, beta: float) -> t
     return pieces, _label_basin_parts(strength, pieces, basins, beta)
 
 
-def _find_enclosed_objects(values: Array, strength: Array, pieces: Labels, hollow: Mask, labels: Labels, shut: Mask) -> Mask:
+def _find_enclosed_objects(
+    values: Array, strength: Array, pieces: Labels, hollow: Mask, labels: Labels, shut: Mask
+) -> Mask:
     """Return the objects that pieces of a start have been drawn around."""
     found, rim = np.zeros(pieces.shape, bool), _dilate_once(shut)
     boxes = scipy.ndimage.find_objects(pieces)
@@ -201,7 +211,9 @@ def _find_enclosed_objects(values: Array, strength: Array, pieces: Labels, hollo
         ):
             continue
         bounded = np.isin(labels, np.setdiff1d(labels[box][piece], 0))
-        if _usual_strength(strength[box], thing, rim[box]) > _MIN_OBJECT_STRENGTH * _usual_strength(strength, bounded, rim):
+        if _usual_strength(strength[box], thing, rim[box]) > _MIN_OBJECT_STRENGTH * _usual_strength(
+            strength, bounded, rim
+        ):
             found[box] |= thing
     return found
 
@@ -245,19 +257,19 @@ def _flood_basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, 
     large[0], large[:, 0] = False, False
     open_ = np.zeros(count + 1, bool)
     open_[flat[_dilate_once(shut)]] = True
-    enclosed, opened = (large & ~open_).has_object(axis=1), (large & open_).has_object(axis=1)
+    enclosed, opened = (large & ~open_).any(axis=1), (large & open_).any(axis=1)
     pieces = np.where((enclosed & opened)[pieces] & ~(large & ~open_)[pieces, flat], 0, pieces).astype(np.int32)
     background = int(pieces.max()) + 1
-    markers = np.where(shut | (large & open_)[enclosed].has_object(axis=0)[flat], background, 0).astype(np.int32)
+    markers = np.where(shut | (large & open_)[enclosed].any(axis=0)[flat], background, 0).astype(np.int32)
     bounded = (pieces > 0) & ~(opened & ~enclosed)[pieces]
     markers[bounded] = pieces[bounded]
     basins = np.where(shut, background, 1).astype(np.int32)
-    if bounded.has_object():
+    if bounded.any():
         basins = flood_from_markers(strength, markers)
     number = _join_weak_borders(strength, basins, background)
     number[0], number[background] = 0, 0
     in_open = opened & ~enclosed
-    if in_open.has_object():
+    if in_open.any():
         number = np.append(number, number.max() + 1)
         number[np.flatnonzero(in_open)] = number[-1]
         basins[(basins == background) & ~shut] = background + 1

@@ -11,7 +11,7 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.numerics.grids import Window, expand_window, bounding_window, whole_window
+from cpm_core.numerics.grids import Window, bounding_window, expand_window, whole_window
 from cpm_core.numerics.types import Array, Extent, Mask
 
 _LINK_FACTOR = 0.75

@@ -17,7 +17,7 @@ from cpm_core.model.plane.enclosed_regions import BARRIER_CLEARANCE
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.reach.reach_map import ReachMap, creeping_distance, is_limited, build_reach_map
+from cpm_core.segmentation.reach.reach_map import ReachMap, build_reach_map, creeping_distance, is_limited
 
 _KEPT_LOCAL_FIELDS = 6
 """Number of limited fields, and of parts of fields, that are kept: those of all scales of a run."""
@@ -36,7 +36,10 @@ class LocalFields:
         self._field_of = field_of
         self._regions = regions
         self._map: tuple[tuple[object, ...], Array, ReachMap | None] | None = None
-        self._limited, self._part = lru_cache(_KEPT_LOCAL_FIELDS)(_limit_to_reached), lru_cache(_KEPT_LOCAL_FIELDS)(_crop_field)
+        self._limited, self._part = (
+            lru_cache(_KEPT_LOCAL_FIELDS)(_limit_to_reached),
+            lru_cache(_KEPT_LOCAL_FIELDS)(_crop_field),
+        )
         self._lock = Lock()
 
     def field_at(self, scale: int, start: Array, parameters: Parameters, window: Window | None) -> ScaleField:

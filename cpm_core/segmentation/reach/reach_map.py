@@ -22,7 +22,7 @@ from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.reach.bounding import MIN_DAMPING, Bounds, find_bounds
-from cpm_core.segmentation.reach.certain import unambiguous_edges
+from cpm_core.segmentation.reach.unambiguous import unambiguous_edges
 
 REACH_WAYS: tuple[ReachedBy, ...] = ("", "flight", "weak", "junction", "launched")
 """Ways by their numbers in a `ReachMap`."""
@@ -63,7 +63,7 @@ class ReachMap:
     Attributes
     ----------
     way : ndarray of uint8, shape (H, W)
-        Index in `WAYS` of each pixel of an edge, 0 off edges.
+        Index in `REACH_WAYS` of each pixel of an edge, 0 off edges.
     ridge : ndarray of bool, shape (H, W)
         Pixels on the ridge of an edge.
     crept : ndarray of float32, shape (H, W)

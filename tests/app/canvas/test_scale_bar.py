@@ -41,7 +41,9 @@ def show(window, unit: str | None) -> None:
     session = window.session
     values = np.random.default_rng(0).uniform(size=(64, 64))
     image = Image(values, spacing=(0.25, 0.5), unit=unit)
-    session.set_scene(replace(session.scene, image=image, display=DisplayImage.from_shades(np.zeros((64, 64), np.uint8))))
+    session.set_scene(
+        replace(session.scene, image=image, display=DisplayImage.from_shades(np.zeros((64, 64), np.uint8)))
+    )
 
 
 def test_the_bar_follows_the_zoom_and_is_shown_only_with_a_unit(window, hand):

@@ -173,7 +173,11 @@ def test_files_are_replaced_only_where_the_user_agrees(two, hand, monkeypatch) -
 
 
 def test_every_format_is_offered() -> None:
-    assert {*list_export_formats("objects"), *list_export_formats("contours")} == set(CONTOURS_WRITABLE) - {".tiff", ".nii", ".roi"}
+    assert {*list_export_formats("objects"), *list_export_formats("contours")} == set(CONTOURS_WRITABLE) - {
+        ".tiff",
+        ".nii",
+        ".roi",
+    }
     for what in ("objects", "contours"):
         names = [export_file_name("a", what, suffix, False) for suffix in list_export_formats(what)]
         assert len(set(names)) == len(names)

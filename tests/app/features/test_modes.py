@@ -171,4 +171,7 @@ def test_objects_have_a_skeleton_of_their_own_that_follows_them(window, hand) ->
     session.edit("larger", lambda document: replace(document, objects=SegmentedObjects((larger,))))
     hand.wait(lambda: session.scene.skeleton not in (None, first) and session.idle)
     assert np.concatenate(session.scene.skeleton.radii).max() == pytest.approx(6.0, abs=0.1)
-    assert from_session_file(to_session_file(session.document, {}), IMAGE, PRESETS["noisy"]).outlined == session.document.outlined
+    assert (
+        from_session_file(to_session_file(session.document, {}), IMAGE, PRESETS["noisy"]).outlined
+        == session.document.outlined
+    )

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, particle_age, color_particles, particle_speed
+from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, color_particles, particle_age, particle_speed
 from cpm_app.model.display.lengths import round_up
-from cpm_app.session.timeline.moments import BranchFigures
+from cpm_app.session.timeline.timeline_nodes import BranchFigures
 from cpm_app.views.theme import color_maps
 from hypothesis import given
 from hypothesis import strategies as st
@@ -57,7 +57,9 @@ def test_a_higher_shade_is_brighter(name):
 
 def test_speeds_of_all_scales_are_in_px_of_the_image():
     state = moment(5)
-    assert particle_speed(replace(state, scale=2), NOBODY_BORN) == pytest.approx(4.0 * particle_speed(state, NOBODY_BORN))
+    assert particle_speed(replace(state, scale=2), NOBODY_BORN) == pytest.approx(
+        4.0 * particle_speed(state, NOBODY_BORN)
+    )
 
 
 def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(compiled_loops):

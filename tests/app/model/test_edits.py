@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
-from cpm_app.model.parameters.controls import build_controls, slider_range, control_value
+from cpm_app.model.parameters.controls import build_controls, control_value, slider_range
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -29,4 +29,7 @@ def test_an_error_stays_until_it_is_dismissed() -> None:
 
 def test_another_image_takes_away_all_but_what_was_said_about_opening_it() -> None:
     refused = Message("a.png is no image.", error=True, category="opening")
-    assert Messages().with_message(LOST).with_message(refused).with_message(SAVED).only_categories("opening").shown is refused
+    assert (
+        Messages().with_message(LOST).with_message(refused).with_message(SAVED).only_categories("opening").shown
+        is refused
+    )

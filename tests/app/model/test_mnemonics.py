@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cpm_app.model.text.keys import make_mnemonics_unique, find_mnemonic
+from cpm_app.model.text.keys import find_mnemonic, make_mnemonics_unique
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -87,10 +87,15 @@ def test_deleting_the_object_that_is_being_changed_ends_the_change(document) -> 
 
 
 def test_names_colors_classes_and_states_are_those_of_the_objects_given(document) -> None:
-    changed = objects.update_objects(objects.update_objects(document, (1,), hidden=True, color="#123456"), (2,), frozen=True)
+    changed = objects.update_objects(
+        objects.update_objects(document, (1,), hidden=True, color="#123456"), (2,), frozen=True
+    )
     frame, dot = changed.objects.items
     assert (frame.hidden, frame.frozen, dot.hidden, dot.frozen) == (True, False, False, True)
-    assert (changed.objects.color_of(frame), changed.objects.color_of(dot)) == ("#123456", changed.objects.classes[1].color)
+    assert (changed.objects.color_of(frame), changed.objects.color_of(dot)) == (
+        "#123456",
+        changed.objects.classes[1].color,
+    )
     again = objects.classify_objects(changed, (1,), 3)
     assert again.objects.color_of(again.objects[1]) == again.objects.classes[2].color
 

@@ -7,7 +7,13 @@ from cpm_app.model.display import lengths
 from cpm_app.model.display.lengths import PixelSize, preferred_pixel_size
 from cpm_app.model.preferences import shortcuts
 from cpm_app.model.preferences.shortcuts import ActionKeys
-from cpm_app.model.preferences.table import CONTOUR_WIDTH, ALL_PREFERENCES, THEME_PREFERENCE, ChoicePreference, NumberPreference
+from cpm_app.model.preferences.table import (
+    ALL_PREFERENCES,
+    CONTOUR_WIDTH,
+    THEME_PREFERENCE,
+    ChoicePreference,
+    NumberPreference,
+)
 from cpm_app.session.storage.preferences import Preferences
 from hypothesis import given
 from hypothesis import strategies as st

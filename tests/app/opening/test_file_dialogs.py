@@ -76,7 +76,9 @@ def test_without_an_image_of_the_user_a_dialog_begins_where_the_last_one_ended(q
     preferences, sample = Preferences(), of_image(load_samples()[0].path)
     assert initial_folder(preferences, sample, "export") == Path.home()
     remember_folder(preferences, of_image(tmp_path / "a.png"), "export", tmp_path / "a.svg")
-    assert initial_folder(preferences, sample, "export") == initial_folder(preferences, Document(), "export") == tmp_path
+    assert (
+        initial_folder(preferences, sample, "export") == initial_folder(preferences, Document(), "export") == tmp_path
+    )
     assert initial_folder(preferences, sample, "open") == Path.home()
     remember_folder(preferences, Document(), "export", tmp_path / "gone" / "a.svg")
     assert initial_folder(preferences, Document(), "export") == Path.home()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.preferences.table import SAVE_IN_FOLDER
-from cpm_app.session.tasks.opening import sibling_images, find_adjacent_session
+from cpm_app.session.tasks.opening import find_adjacent_session, sibling_images
 from cpm_app.views.features.files import FolderFeature, OpenSaveFeature
 from cpm_app.views.window.window import MainWindow
 from hypothesis import given

@@ -29,7 +29,9 @@ LINE = Contour(np.array([(5.0, 5.0), (10.0, 30.0)]), False)
 
 def file_of(tmp_path: Path, *contours: Contour, suffix: str = ".geojson") -> Path:
     path = tmp_path / f"drawn{suffix}"
-    path.write_bytes(to_bytes(replace(RESULT, contours=contours, shape=(64, 64), spacing=(1.0, 1.0), unit=None), suffix))
+    path.write_bytes(
+        to_bytes(replace(RESULT, contours=contours, shape=(64, 64), spacing=(1.0, 1.0), unit=None), suffix)
+    )
     return path
 
 

@@ -15,7 +15,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFileDialog
 
 from cpm_core import Result, centerlines, export
-from cpm_core.contours.surface import voxelize_surface, surface_from_labels
+from cpm_core.contours.surface import surface_from_labels, voxelize_surface
 from cpm_core.formats import find_format_suffix
 from cpm_core.shapes import Points, Stroke
 from tests.app.conftest import Hand
@@ -73,7 +73,10 @@ def test_a_dropped_surface_gives_an_object_for_each_body(volume, hand, tmp_path)
         drop(volume, tmp_path / "a.obj")
         hand.wait(lambda: bool(volume.session.document.objects.items))
     items = volume.session.document.objects.items
-    assert sorted(int(voxelize_surface(item.unpacked_surface, SHAPE).sum()) for item in items) == [int(SMALL.sum()), int(INSIDE.sum())]
+    assert sorted(int(voxelize_surface(item.unpacked_surface, SHAPE).sum()) for item in items) == [
+        int(SMALL.sum()),
+        int(INSIDE.sum()),
+    ]
     for item in items:
         plane, row, col = map(int, item.inside[0])
         assert voxelize_surface(item.unpacked_surface, SHAPE)[plane, row, col]

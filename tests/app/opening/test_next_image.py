@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.model.document.modes import initial_parameters, adapt_shapes_to_mode
+from cpm_app.model.document.modes import adapt_shapes_to_mode, initial_parameters
 from cpm_app.model.preferences.table import KEEP_PARAMETERS
 from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.views.features.files import OpenSaveFeature

@@ -11,7 +11,7 @@ import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.document.samples import load_samples
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.session.storage.pictures import THUMBNAIL_SIZE
+from cpm_app.session.storage.thumbnails import THUMBNAIL_SIZE
 from cpm_app.views.application import make_application
 from cpm_app.views.features.files import OpenSaveFeature, StartFeature
 from cpm_app.views.files.start_screen import StartScreen

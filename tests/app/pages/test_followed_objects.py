@@ -158,7 +158,9 @@ def test_a_division_is_reported_with_its_page_and_the_table_and_files_hold_the_n
     assert sorted(zip(table.column_texts("page"), table.column_texts("track"), strict=True)) == [
         ("1", "1"), ("2", "1"), ("3", "1"), ("3", "2"), ("4", "1"), ("4", "2")]  # fmt: skip
     assert "splits off track 1" in table.column_texts("happens")
-    assert all(float(gray) == pytest.approx(190.0, abs=20.0) for gray in table.column_texts("gray")), table.column_texts("gray")
+    assert all(float(gray) == pytest.approx(190.0, abs=20.0) for gray in table.column_texts("gray")), (
+        table.column_texts("gray")
+    )
     labels, rows = export(hand.qtbot, window, tmp_path, "pages:.tif", "pages:.measures.csv")
     hand.wait(lambda: labels.exists() and rows.exists())
     assert [sorted(np.unique(one)) for one in tifffile.imread(labels)] == [[0, 1], [0, 1], [0, 1, 2], [0, 1, 2]]

@@ -132,7 +132,9 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
     assert table.column_texts("page") == ["1", "2", "3", "4", "5"]
     assert table.column_texts("track") == ["1", "1", "1", "–", "1"]
     assert "constant" in table.column_texts("happens")[3]
-    assert [float(area) for area in table.column_texts("area") if area != "–"] == pytest.approx([np.pi * 81] * 4, rel=0.05)
+    assert [float(area) for area in table.column_texts("area") if area != "–"] == pytest.approx(
+        [np.pi * 81] * 4, rel=0.05
+    )
     columns = [float(col) for col in table.column_texts("col") if col != "–"]
     np.testing.assert_allclose(np.diff(columns), [5, 5, 5], atol=0.3)
     assert "4 of 5 pages finished; tracks: 1. 1 could not be used." in feature.panel.summary.text()

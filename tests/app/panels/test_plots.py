@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cpm_app.model.display.lengths import format_short_number
 from cpm_app.model.display.plots import PLOTS, RunMetrics
-from cpm_app.session.timeline.moments import BranchFigures
+from cpm_app.session.timeline.timeline_nodes import BranchFigures
 from cpm_app.views.panels.run import Chart
 
 from cpm_core import Engine, Parameters

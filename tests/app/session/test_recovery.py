@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from cpm_app.model.document import edits
-from cpm_app.session.storage.recovery import JOURNAL_KEY, journals_folder, find_leftovers
+from cpm_app.session.storage.recovery import JOURNAL_KEY, find_leftovers, journals_folder
 from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
 from PySide6.QtWidgets import QMessageBox
 
@@ -19,7 +19,9 @@ def leave(folder: Path, image: Path, name: str = "left.cpm", session: str = "") 
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}-journal.cpm"
     shapes = (Circle((30.0, 30.0), 7.0), Circle((10.0, 10.0), 5.0))
-    save_session(SessionFile(ImageFile(str(image)), shapes, extra={JOURNAL_KEY: {"session": session, "name": name}}), path)
+    save_session(
+        SessionFile(ImageFile(str(image)), shapes, extra={JOURNAL_KEY: {"session": session, "name": name}}), path
+    )
     return path
 
 

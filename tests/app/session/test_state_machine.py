@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
-from cpm_app.session.features.timeline import TimelineNavigation
+from cpm_app.session.features.timeline_navigation import TimelineNavigation
 from cpm_app.session.session import Session
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.session.storage.recovery import Journal, find_leftovers
@@ -219,7 +219,10 @@ class SessionMachine(RuleBasedStateMachine):
     def branch(self, share: float, beta: float) -> None:
         if not self.stands() or self.session.status.stale:
             return
-        before = {branch.identity: self.navigation.last_step(branch.identity) for branch in self.navigation.timeline_state.branches}
+        before = {
+            branch.identity: self.navigation.last_step(branch.identity)
+            for branch in self.navigation.timeline_state.branches
+        }
         branch, last = self.navigation.current_step[0], self.navigation.last_step(self.navigation.current_step[0])
         step = min(round(share * last), last - 1)
         self.navigation.go_to(branch, step)

@@ -11,7 +11,7 @@ import pytest
 from cpm_app.model.export import ExportFile, ExportOrder
 from cpm_app.session.exchange.messages import CommandFailed, CoreFunctions, Report
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.session.tasks.tasks import Cancelled, BackgroundTask, TaskManager
+from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled, TaskManager
 from cpm_app.session.worker.commands import WorkerCommand
 from cpm_app.views.application import make_application
 from cpm_app.views.features.run import TasksFeature

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from cpm_app.model.document.document import Document
-from cpm_app.session.timeline.moments import StepAction
 from cpm_app.session.timeline.timeline import MAX_TIMELINE_RUNS, Timeline
+from cpm_app.session.timeline.timeline_nodes import StepAction
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule

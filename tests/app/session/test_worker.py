@@ -14,9 +14,17 @@ from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.export import ExportFile, ExportOrder
 from cpm_app.session.exchange.mailbox import Mailbox
-from cpm_app.session.exchange.messages import CoreFunctions, ImageOpened, Reconstruction, RunFailed, SeedsFound, Snapshot, RunContinued
+from cpm_app.session.exchange.messages import (
+    CoreFunctions,
+    ImageOpened,
+    Reconstruction,
+    RunContinued,
+    RunFailed,
+    SeedsFound,
+    Snapshot,
+)
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_app.session.worker.commands import find_seeds, call_run, start_run, compile_kernels, write_files
+from cpm_app.session.worker.commands import call_run, compile_kernels, find_seeds, start_run, write_files
 from cpm_app.session.worker.run import Run
 from cpm_app.session.worker.worker_thread import WorkerThread
 
@@ -416,7 +424,9 @@ def test_a_mailbox_gives_the_newest_once() -> None:
 
 def export(bench: Bench, shown: Reconstruction | None = None) -> None:
     order = ExportOrder((ExportFile(Path("a.csv"), "contours", ".csv"),))
-    bench.worker_thread.post_command(write_files(BackgroundTask("Writing a.csv…"), shown, Document(), order, lambda contents: None))
+    bench.worker_thread.post_command(
+        write_files(BackgroundTask("Writing a.csv…"), shown, Document(), order, lambda contents: None)
+    )
 
 
 def test_what_is_written_is_the_very_reconstruction_that_is_shown(bench: Bench) -> None:

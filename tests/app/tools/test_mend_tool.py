@@ -76,7 +76,9 @@ def test_words_and_pointer_say_before_a_press_what_it_will_do(mended, hand) -> N
         assert said in words.text()
     center, reach = ring(hand).mean(axis=1), np.ptp(ring(hand), axis=1) / 2
     assert center == pytest.approx((60, 3), abs=0.5)
-    assert reach == pytest.approx(2 * [mended.workspace.object_list.brush_radius], rel=0.02), "the brush in its true size"
+    assert reach == pytest.approx(2 * [mended.workspace.object_list.brush_radius], rel=0.02), (
+        "the brush in its true size"
+    )
 
 
 def test_a_boundary_is_pulled_onto_the_edge_in_one_step_of_undo(mended, hand) -> None:

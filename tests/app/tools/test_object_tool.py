@@ -307,7 +307,8 @@ def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, 
 
     def found(partition, task):
         likely = [
-            replace(each, selection=replace(each.selection, confidence=0.9)) for each in find_all_objects(partition, task)
+            replace(each, selection=replace(each.selection, confidence=0.9))
+            for each in find_all_objects(partition, task)
         ]
         doubtful = replace(partition.select(np.array([corner])), confidence=0.4)
         return (*likely, Proposal(doubtful, (Click((corner,)),)))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from cpm_app.session.storage import recovery
-from cpm_app.session.storage.recovery import JOURNAL_KEY, journals_folder, find_leftovers
+from cpm_app.session.storage.recovery import JOURNAL_KEY, find_leftovers, journals_folder
 from cpm_app.views.features.files import RecoveryFeature
 
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session

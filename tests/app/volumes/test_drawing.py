@@ -157,5 +157,8 @@ def test_limits_and_charges_act_on_the_run_and_come_back_with_the_session(volume
 def test_the_palette_names_tools_as_they_are_called_in_volumes(volume) -> None:
     buttons = volume.findChild(ToolPalette).buttons
     assert all(button.isVisible() for button in buttons.values())
-    assert [action.text() for action in buttons[MEND_GROUP].menu().actions() if action.isVisible()] == ["&Brush", "Spli&t"]
+    assert [action.text() for action in buttons[MEND_GROUP].menu().actions() if action.isVisible()] == [
+        "&Brush",
+        "Spli&t",
+    ]
     assert (buttons[MEND_GROUP].text(), buttons[CIRCLE_GROUP].text()) == ("Brush", "Sphere")

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cpm_app.model.volume.slices import Slices, slice_directions, find_edge_labels, find_front_axis
+from cpm_app.model.volume.slices import Slices, find_edge_labels, find_front_axis, slice_directions
 from cpm_app.views.features.offers import FilePartsFeature
 from cpm_app.views.features.volumes import SlicesFeature
 from hypothesis import given

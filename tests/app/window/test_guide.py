@@ -11,7 +11,7 @@ import pytest
 from cpm_app.model.document.samples import find_sample_named
 from cpm_app.model.text.assets import find_asset, read_guide_page
 from cpm_app.views.features.help import HelpFeature
-from cpm_app.views.window.guide import KEYS_PAGE, GUIDE_PAGES, Guide
+from cpm_app.views.window.guide import GUIDE_PAGES, KEYS_PAGE, Guide
 from PySide6.QtCore import Qt, QUrl
 from PySide6.QtGui import QKeySequence
 

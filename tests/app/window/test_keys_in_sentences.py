@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from cpm_app.model.text.keys import ActionName, use_action_names, insert_keys
+from cpm_app.model.text.keys import ActionName, insert_keys, use_action_names
 from cpm_app.views.features.help import HelpFeature
 from cpm_app.views.widgets.actions import native_key_text
 from PySide6.QtCore import Qt

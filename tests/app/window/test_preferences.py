@@ -96,7 +96,9 @@ def test_without_autosave_there_is_no_journal(ready, hand) -> None:
     dialog = ready.get_feature(PreferencesFeature).open_preferences()
     dialog.turn_to("files")
     hand.qtbot.mouseClick(
-        dialog.rows[AUTOSAVE_PREFERENCE.label], Qt.MouseButton.LeftButton, pos=dialog.rows[AUTOSAVE_PREFERENCE.label].rect().topLeft()
+        dialog.rows[AUTOSAVE_PREFERENCE.label],
+        Qt.MouseButton.LeftButton,
+        pos=dialog.rows[AUTOSAVE_PREFERENCE.label].rect().topLeft(),
     )
     dialog.rows[AUTOSAVE_PREFERENCE.label].setChecked(False)
     journal.write()

@@ -50,5 +50,5 @@ def pools(outlined: Sequence[Path], folder_of_drawings: Path) -> dict[str, list[
 
 def _slim(example: Example) -> Example:
     """An example of one channel, a third of the memory, if all its channels are equal."""
-    gray = not np.ptp(example.image, axis=-1).has_object()
+    gray = not np.ptp(example.image, axis=-1).any()
     return example._replace(image=example.image[..., :1].copy()) if gray else example

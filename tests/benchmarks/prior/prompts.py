@@ -1,6 +1,6 @@
 """Prompts: parts of images, varied, with what a user might do there, as the maps that the network gets.
 
-`cpm_core/objects/prior/prior.py` makes the same maps of what a user does.
+`cpm_core/objects/prior/object_predictor.py` makes the same maps of what a user does.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.objects.prior.windows import NETWORK_LUMINANCE_WEIGHTS, CROP_SIDE
+from cpm_core.objects.prior.crops import CROP_SIDE, NETWORK_LUMINANCE_WEIGHTS
 from tests.benchmarks.prior.pictures import Example
 from tests.benchmarks.prior.textures import blurred, noise
 

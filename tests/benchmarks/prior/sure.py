@@ -79,7 +79,7 @@ def overlap(one: Mask, other: Mask) -> float:
 def answers(example: pictures.Example, rng: np.random.Generator) -> Iterator[tuple[str, cpm.Selection]]:
     """What is selected by clicks of a robot user, the first one in the middle or anywhere, by a circle and by a box."""
     image, truth, hit = example
-    values = image[..., 0] if not np.ptp(image, axis=-1).has_object() else image
+    values = image[..., 0] if not np.ptp(image, axis=-1).any() else image
     cut = cpm.partition(cpm.Image(values))
     where = truth if hit is None else hit
     middle, depth = deepest(where)

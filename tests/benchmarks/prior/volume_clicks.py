@@ -135,7 +135,7 @@ def grab_cut(values: Array, _: tuple[float, ...]) -> Answer:
         known = np.full(picture.shape[:2], cv2.GC_PR_BGD, np.uint8)
         if former is not None:
             known[former] = cv2.GC_PR_FGD
-        elif (seeds == 1).has_object():
+        elif (seeds == 1).any():
             known[scipy.ndimage.distance_transform_edt(seeds != 1) < 0.1 * min(known.shape)] = cv2.GC_PR_FGD
         known[seeds == 1], known[seeds == 2] = cv2.GC_FGD, cv2.GC_BGD
         known[[0, -1]] = cv2.GC_BGD

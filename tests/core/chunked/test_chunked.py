@@ -58,7 +58,9 @@ def serial(function, jobs, _title):
 
 
 def found_in(source, tmp_path, kind="grid", compute=serial, max_steps=None, objects=False) -> ChunkedContours:
-    return run_chunks(ChunkedTask(source, PARAMETERS, kind, RunStore(tmp_path / "chunks"), max_steps, objects), compute, SIDE)
+    return run_chunks(
+        ChunkedTask(source, PARAMETERS, kind, RunStore(tmp_path / "chunks"), max_steps, objects), compute, SIDE
+    )
 
 
 @pytest.fixture(scope="module")

@@ -78,7 +78,9 @@ def test_a_start_around_the_object_is_one_when_it_is_said_so(image, mask, told):
 
 
 def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, told, tmp_path):
-    compared = MethodComparison(("morph_gac", "geodesic"), around=True).with_settings("geodesic", GeodesicSettings(balloon=0.4))
+    compared = MethodComparison(("morph_gac", "geodesic"), around=True).with_settings(
+        "geodesic", GeodesicSettings(balloon=0.4)
+    )
     shapes = (Ellipse((27.0, 30.0), (22.0, 22.0)),)
     session, file = tmp_path / "a.cpm", tmp_path / "a.json"
     save_session(SessionFile(image=None, shapes=shapes, comparison=compared), session)

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from cpm_app.model.document.document import ImageReference
-from cpm_app.session.timeline.plain_runs import runs_from_json
+from cpm_app.session.timeline.runs_json import runs_from_json
 
 from cpm_core import load_centerlines, load_contours, load_image, load_surface, load_volume
 from cpm_core.formats.sessions.session_file import load_session

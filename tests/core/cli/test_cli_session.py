@@ -42,7 +42,9 @@ def session(disks, tmp_path):
     """Path of a session that starts in the left disk."""
     path = tmp_path / "left.cpm"
     shapes = (Circle(CENTERS[0], 6.0),)
-    save_session(SessionFile(ImageFile(str(disks), compute_fingerprint(disks), (80, 105)), shapes, Parameters(scales=2)), path)
+    save_session(
+        SessionFile(ImageFile(str(disks), compute_fingerprint(disks), (80, 105)), shapes, Parameters(scales=2)), path
+    )
     return path
 
 
@@ -203,7 +205,9 @@ def test_a_second_batch_does_only_what_is_not_done_in_the_same_way(command, sess
 
     assert done(disks, bad, *short) == (1, ["disks.png", "bad.png"], False)
     (first, _) = table(out)
-    assert first["image_sha256"] == compute_fingerprint(disks) and first["session_sha256"] == compute_fingerprint(session)
+    assert first["image_sha256"] == compute_fingerprint(disks) and first["session_sha256"] == compute_fingerprint(
+        session
+    )
     assert (first["version"], first["files"]) == (cpm_core.__version__, "disks_contours.svg")
     assert first["settings"] == "max_steps=2 export=.svg" and first["finished"].endswith("Z")
     shutil.copy(disks, bad)  # it has been repaired

@@ -14,7 +14,7 @@ from cpm_app import __main__ as program
 
 from cpm_core import cli
 from cpm_core.cli import CLI_COMMANDS
-from cpm_core.cli.output import SCHEMA_VERSION, SCHEMA_FILE
+from cpm_core.cli.output import SCHEMA_FILE, SCHEMA_VERSION
 from cpm_core.formats.common.provenance import VERSION
 
 VALIDATOR = jsonschema.Draft202012Validator(json.loads(SCHEMA_FILE.read_text("utf-8")))

@@ -50,7 +50,10 @@ def test_a_contour_in_another_is_a_hole_by_default():
     truth = truth_from_mask(mask)
     assert compare([*ring, core], truth).dice == 1.0
     assert compare([core, *ring], truth).dice == 1.0
-    assert compare([*ring, core], truth, holes=False).jaccard == truth.labels.sum() / rasterize_mask([ring[0]], SHAPE).sum()
+    assert (
+        compare([*ring, core], truth, holes=False).jaccard
+        == truth.labels.sum() / rasterize_mask([ring[0]], SHAPE).sum()
+    )
     nested = truth_from_contours(ring, SHAPE, holes=False)
     assert compare(ring, nested, holes=False).dice == 1.0
     assert nested.labels.max() == 2

@@ -146,7 +146,9 @@ def test_branches_and_neighbors_are_those_of_the_edges(made):
         path = linked.branch(end)
         assert graph.branch_from(end).tolist() == path
         lengths = [linked.length(path[: n + 1]) for n in range(len(path))]
-        np.testing.assert_allclose(graph.path_lengths_between(np.full(len(path), end), np.array(path)), lengths, atol=1e-9)
+        np.testing.assert_allclose(
+            graph.path_lengths_between(np.full(len(path), end), np.array(path)), lengths, atol=1e-9
+        )
 
 
 @pytest.mark.parametrize("operation", ["drop_spurs", "drop_specks", "drop_ties", "merge_junctions"])

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.review import Mark, find_anchors, apply_marks, capture_outline, restore_kept_contours
+from cpm_core.contours.review import Mark, apply_marks, capture_outline, find_anchors, restore_kept_contours
 from tests.core.contours.test_review import line, result_of, ring
 
 

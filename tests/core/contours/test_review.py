@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from cpm_core import Parameters, circle, segment
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark, find_anchors, apply_marks, assign_anchors, pair_with_marks
+from cpm_core.contours.review import Mark, apply_marks, assign_anchors, find_anchors, pair_with_marks
 
 
 def ring(row: float, col: float, radius: float, count: int = 60, turn: float = 0.0) -> Contour:
@@ -37,7 +37,9 @@ def grid_of_rings() -> list[Contour]:
 )
 def test_marks_find_contours_that_have_moved_turned_and_changed_their_order(order, turn, down, right, chosen):
     first = grid_of_rings()
-    marks = [Mark(at, "rejected", f"ring {index}") for at, index in zip(find_anchors(first, chosen), chosen, strict=True)]
+    marks = [
+        Mark(at, "rejected", f"ring {index}") for at, index in zip(find_anchors(first, chosen), chosen, strict=True)
+    ]
     again = [ring(30 + 40 * (i // 3) + down, 30 + 40 * (i % 3) + right, 8.0 + i // 3 + 3 * (i % 3), 47, turn)
              for i in order]  # fmt: skip
     for one in pair_with_marks(again, marks):
@@ -66,7 +68,9 @@ def test_the_exported_result_has_no_rejected_contours_and_has_names_and_colors()
 
 def test_a_bridge_is_dropped_with_its_contour() -> None:
     bridges = tuple(Bridge(np.array([[20.0, c - 1.0], [20.0, c], [20.0, c + 1.0]]), 2.0, 1.0) for c in (30.0, 90.0))
-    written = apply_marks(result_of(ring(30, 30, 10), ring(30, 90, 10), bridges=bridges), [Mark((30.0, 40.0), "rejected")])
+    written = apply_marks(
+        result_of(ring(30, 30, 10), ring(30, 90, 10), bridges=bridges), [Mark((30.0, 40.0), "rejected")]
+    )
     assert written.bridges == bridges[1:]
 
 

@@ -19,7 +19,9 @@ NEIGHBOR_RANGE = 8.0
 
 def edge_contact(positions: Array, scale_field: ScaleField, distance: float) -> EdgeContact:
     """Edge contact of particles, with neighbors up to a distance."""
-    return EdgeContact(*edge_contact_at(positions, scale_field), build_plane_cells(positions, scale_field.shape, distance))
+    return EdgeContact(
+        *edge_contact_at(positions, scale_field), build_plane_cells(positions, scale_field.shape, distance)
+    )
 
 
 def even_scale_field(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cpm_core import Parameters, Regions
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import build_scale_field
-from cpm_core.model.plane.births import SearchMasks, select_survivors, examine_contacts, find_insertions, search_range
+from cpm_core.model.plane.births import SearchMasks, examine_contacts, find_insertions, search_range, select_survivors
 from cpm_core.model.plane.motion import edge_contact_at
 from cpm_core.model.plane.repulsion import build_plane_cells
 from cpm_core.model.state import Particles
@@ -132,7 +132,9 @@ def births_of(
         np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy() for mask in masks
     )
     contact = replace(edge_contact(points, scale_field, search_range(asked)), on_edge=contact_at)
-    return find_insertions(contact, SearchMasks(there, searching, careful, searching_ahead), scale_field, d_max, asked, turn)
+    return find_insertions(
+        contact, SearchMasks(there, searching, careful, searching_ahead), scale_field, d_max, asked, turn
+    )
 
 
 def births_between(scale_field, points, d_max=3.0, on_edge=True, d_min=2.0):

@@ -12,7 +12,7 @@ from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import VolumeField, build_volume_field
 from cpm_core.model.coverage import cover_surfaces, no_surface_coverage
 from cpm_core.model.state import Particles, SurfaceContact
-from cpm_core.model.volume.births import select_spaced, find_surface_insertions, select_surface_survivors
+from cpm_core.model.volume.births import find_surface_insertions, select_spaced, select_surface_survivors
 from cpm_core.model.volume.motion import build_volume_cells, move_in_volume
 from cpm_core.model.volume.step import _mark_near
 

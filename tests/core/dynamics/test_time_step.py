@@ -10,7 +10,7 @@ from cpm_core.field.scale_field import build_scale_field
 from cpm_core.model.coverage import idle_steps_at
 from cpm_core.model.equations import IDLE_STEPS, STILL_DISTANCE, equilibrium_epsilon
 from cpm_core.model.plane.motion import current_mesh_force, move_in_plane
-from cpm_core.model.plane.step import move_particles, insert_and_delete
+from cpm_core.model.plane.step import insert_and_delete, move_particles
 
 from ..scenes import disk
 from .moving import cloud

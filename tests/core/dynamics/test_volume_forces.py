@@ -61,9 +61,9 @@ def test_the_forces_are_those_of_eq_12():
         field = engine().scale_field(VOLUME)
         slope = np.stack(
             [
-                np.array([np.asarray(interpolate_field(field.smoothed[None], (position + s) / SPACING)) for s in (d, -d)])[
-                    ..., 0
-                ]
+                np.array(
+                    [np.asarray(interpolate_field(field.smoothed[None], (position + s) / SPACING)) for s in (d, -d)]
+                )[..., 0]
                 for d in np.eye(3)
             ]
         )

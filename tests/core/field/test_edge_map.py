@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from cpm_core import edge_map, electric_field
 from cpm_core.field.convolution import convolved_potential
-from cpm_core.field.edge_map import automatic_smoothing, background_strength, smoothed_gradient, prepare_for_edges
+from cpm_core.field.edge_map import automatic_smoothing, background_strength, prepare_for_edges, smoothed_gradient
 
 from ..scenes import disk
 

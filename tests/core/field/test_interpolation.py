@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from cpm_core.field.interpolation import pixel_before, interpolate_component, interpolate_field, value_at
+from cpm_core.field.interpolation import interpolate_component, interpolate_field, pixel_before, value_at
 
 
 def random_field(shape, channels, seed):

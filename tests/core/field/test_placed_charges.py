@@ -9,15 +9,15 @@ from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, PlacedCharge, circle
 from cpm_core.field.placed_charges import (
-    MAX_PLACED_FORCE,
     CHARGE_RADIUS,
     CHARGE_REACH,
-    charges_at_scale,
+    MAX_PLACED_FORCE,
     changed_charges,
-    sort_charges,
+    charge_radius_at,
+    charges_at_scale,
     placed_forces,
     placed_potential,
-    charge_radius_at,
+    sort_charges,
 )
 from cpm_core.image.pyramid import to_image
 from cpm_core.model.coverage import idle_steps_at
@@ -39,7 +39,10 @@ def law(charge, points):
     h = 1e-4
     steps = h * np.eye(2)
     one = charges_at_scale([charge], 0, SHAPE)
-    slope = [placed_potential(one, CHARGE_RADIUS, points + d) - placed_potential(one, CHARGE_RADIUS, points - d) for d in steps]
+    slope = [
+        placed_potential(one, CHARGE_RADIUS, points + d) - placed_potential(one, CHARGE_RADIUS, points - d)
+        for d in steps
+    ]
     return -np.stack(slope, axis=-1) / (2.0 * h)
 
 
@@ -92,7 +95,9 @@ def test_forces_are_the_slopes_of_the_potentials_added_up_and_cut(placed):
     force = placed_forces(charges_at_scale(placed, 0, SHAPE), CHARGE_RADIUS, grid(20, 23))
     np.testing.assert_allclose(force[tuple(points.astype(int).T)], want, atol=1e-5)
     apart = sum(placed_potential(charges_at_scale([charge], 0, SHAPE), CHARGE_RADIUS, points) for charge in placed)
-    np.testing.assert_allclose(placed_potential(charges_at_scale(placed, 0, SHAPE), CHARGE_RADIUS, points), apart, atol=1e-9)
+    np.testing.assert_allclose(
+        placed_potential(charges_at_scale(placed, 0, SHAPE), CHARGE_RADIUS, points), apart, atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("scale", [1, 2, 3])

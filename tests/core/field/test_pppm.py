@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.special import erf
 
 from cpm_core import edge_map, electric_field
-from cpm_core.field.pppm import CELLS_PER_CUTOFF, mesh_field, direct_field
+from cpm_core.field.pppm import CELLS_PER_CUTOFF, direct_field, mesh_field
 
 from ..scenes import disk, ring, u_shape
 

@@ -12,7 +12,7 @@ from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field import scale_space as scale_space_module
 from cpm_core.image.regions import Regions
 from cpm_core.model.image_fields import ImageFields
-from cpm_core.parameters import START_PARAMETERS, VOLUME_PARAMETERS, PARAMETERS, Parameters, find_invalidating
+from cpm_core.parameters import PARAMETERS, START_PARAMETERS, VOLUME_PARAMETERS, Parameters, find_invalidating
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 
 from ..scenes import disk

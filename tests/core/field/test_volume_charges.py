@@ -9,7 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.field.placed_charges import MAX_PLACED_FORCE, CHARGE_RADIUS, charges_at_scale, placed_force, placed_forces, placed_potential
+from cpm_core.field.placed_charges import (
+    CHARGE_RADIUS,
+    MAX_PLACED_FORCE,
+    charges_at_scale,
+    placed_force,
+    placed_forces,
+    placed_potential,
+)
 
 VOLUME = cpm.PRESETS["volume"]
 SPACING = (2.0, 1.0, 1.0)
@@ -51,7 +58,10 @@ def test_the_force_is_the_slope_of_the_potential_up_to_its_largest_size(placed, 
     force = np.array(placed_force(charges, CHARGE_RADIUS, place))
     steps = 1e-4 * np.eye(3)
     slope = np.array(
-        [placed_potential(charges, CHARGE_RADIUS, place + s) - placed_potential(charges, CHARGE_RADIUS, place - s) for s in steps]
+        [
+            placed_potential(charges, CHARGE_RADIUS, place + s) - placed_potential(charges, CHARGE_RADIUS, place - s)
+            for s in steps
+        ]
     )
     slope /= -2e-4
     assert np.linalg.norm(force) <= MAX_PLACED_FORCE + 1e-9

@@ -8,7 +8,13 @@ import pytest
 
 import cpm_core.formats.common.content as module
 from cpm_core.formats.common.content import compute_fingerprint
-from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, find_session_image, load_session, save_session
+from cpm_core.formats.sessions.session_file import (
+    ImageFile,
+    SessionFile,
+    find_session_image,
+    load_session,
+    save_session,
+)
 
 LARGEST = 2**30
 

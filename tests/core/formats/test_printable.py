@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpm_core.formats import CONTOURS_WRITABLE, to_bytes, load_contours
+from cpm_core.formats import CONTOURS_WRITABLE, load_contours, to_bytes
 from cpm_core.formats.common.printable import escape_cell, make_printable, unescape_cell
 
 from .drawn import LINE_AND_SQUARE, RESULT

@@ -22,9 +22,9 @@ import tifffile
 from pycocotools.coco import COCO
 
 import cpm_core
-from cpm_core import Image, Parameters, PlacedCharge, Regions, circle, to_bytes, load_image, objects_result, partition
+from cpm_core import Image, Parameters, PlacedCharge, Regions, circle, load_image, objects_result, partition, to_bytes
 from cpm_core.formats import CONTOURS_WRITABLE
-from cpm_core.formats.common.provenance import VERSION, flatten_provenance, describe_provenance, record_drawn_shapes
+from cpm_core.formats.common.provenance import VERSION, describe_provenance, flatten_provenance, record_drawn_shapes
 from cpm_core.formats.writers import FIGURE_SUFFIXES
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import Barrier, Circle, Points
@@ -177,7 +177,9 @@ def test_no_folder_is_told_and_a_skeleton_has_its_own_parameters():
 
 
 def test_programs_that_know_no_quoted_cells_read_the_tables():
-    facts = describe_provenance(record_drawn_shapes(FOUND, (Circle((30.0, 35.0), 5.0), Barrier(((1.0, 2.0), (3.0, 4.0))))))
+    facts = describe_provenance(
+        record_drawn_shapes(FOUND, (Circle((30.0, 35.0), 5.0), Barrier(((1.0, 2.0), (3.0, 4.0)))))
+    )
     texts = flatten_provenance(facts | {"stop_reason": 'stopped, as "asked"'})
     assert texts["shapes"] == "shape=circle center=30.0 35.0 radius=5.0; shape=barrier points=1.0 2.0 3.0 4.0"
     assert texts["parameters"] == "reach=2.0 smoothing=auto scales=3"

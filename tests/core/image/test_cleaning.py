@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cpm_core.field.edge_map import smoothed_gradient, vector_magnitudes
-from cpm_core.image.denoising import remove_noise, noise_level, minimize_total_variation
+from cpm_core.image.denoising import minimize_total_variation, noise_level, remove_noise
 
 from ..scenes import disk
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.image.denoising import noise_level, minimize_total_variation
+from cpm_core.image.denoising import minimize_total_variation, noise_level
 
 
 @pytest.mark.parametrize("deviation", [1.0, 20.0, 120.0])

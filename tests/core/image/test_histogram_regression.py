@@ -18,6 +18,9 @@ def step_and_noise(image):
 def test_levels_that_objects_have_kept_stand_out_of_replaced_pixels(share):
     replaced = RNG.random(HALVES.shape) < share
     image = np.where(replaced, RNG.uniform(0.0, 255.0, HALVES.shape), HALVES)
-    (before, noise_before), (after, noise_after) = step_and_noise(image), step_and_noise(regress_gray_levels(image, HALVES))
+    (before, noise_before), (after, noise_after) = (
+        step_and_noise(image),
+        step_and_noise(regress_gray_levels(image, HALVES)),
+    )
     assert after == pytest.approx(before, rel=0.1)
     assert noise_after < 0.6 * noise_before

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.image.pyramid import max_scales, build_pyramid, shape_at_scale, to_image, to_scale
+from cpm_core.image.pyramid import build_pyramid, max_scales, shape_at_scale, to_image, to_scale
 
 shapes = st.tuples(st.integers(32, 75), st.integers(32, 75))
 

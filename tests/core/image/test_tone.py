@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from cpm_core import Parameters, segment, uniform_grid
-from cpm_core.image.gray_levels import automatic_gamma, apply_gamma
+from cpm_core.image.gray_levels import apply_gamma, automatic_gamma
 
 from ..scenes import disk
 

@@ -15,7 +15,7 @@ from cpm_core import (
     uniform_grid,
 )
 from cpm_core.numerics.real_numbers import check_finite_number
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 
 
 @pytest.mark.parametrize("value", [None, "2", [1.0], np.nan, np.inf, -1, 10**400, 1j, object(), np.float32(-1.0)])

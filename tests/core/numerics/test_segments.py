@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from cpm_core.numerics.segments import (
     SegmentTree,
     first_crossing,
-    segments_meet,
     nearest_distances,
+    segments_meet,
 )
 
 places = st.tuples(st.integers(-9, 9), st.integers(-9, 9))

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import tifffile
 
-from cpm_core import Image, to_bytes, objects_result
-from cpm_core.contours.rasterize import rasterize_mask, rasterize_labels
-from cpm_core.objects.boundaries.ground import build_boundary_guides
+from cpm_core import Image, objects_result, to_bytes
+from cpm_core.contours.rasterize import rasterize_labels, rasterize_mask
+from cpm_core.objects.boundaries.boundary_guides import build_boundary_guides
 from cpm_core.objects.outline import compute_outlines
 from cpm_core.objects.selection import Selection
 

@@ -10,7 +10,7 @@ from cpm_core import edge_map
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.rasterize import rasterize_mask
 from cpm_core.numerics.segments import first_crossing, path_segments
-from cpm_core.objects.boundaries.ground import build_boundary_guides
+from cpm_core.objects.boundaries.boundary_guides import build_boundary_guides
 from cpm_core.objects.outline import compute_outlines
 
 from ..scenes import disk, square
@@ -35,7 +35,9 @@ def test_the_outlines_of_any_mask_contain_exactly_its_pixels_and_never_cross(see
     mask = ndimage.gaussian_filter(random.random(shape), random.choice([0.0, 1.0])) > 0.5
     values = random.random(shape)
     lines = [random.uniform(-2.0, 18.0, (5, 2))]
-    contours = tuple(outline.contour for outline in compute_outlines(mask, build_boundary_guides(values, values, lines)))
+    contours = tuple(
+        outline.contour for outline in compute_outlines(mask, build_boundary_guides(values, values, lines))
+    )
     assert np.array_equal(rasterize_mask(contours, shape), mask)
     for contour in contours:
         assert contour.closed

@@ -215,7 +215,10 @@ def test_one_of_the_distinct_candidates_is_what_is_selected_and_each_holds_what_
     areas = [np.count_nonzero(one.mask) for one in found]
     assert areas == sorted(areas)
     for one in found:
-        assert one.contains(np.array(inside, float)).all() and not one.contains(np.array(outside, float).reshape(-1, 2)).any()
+        assert (
+            one.contains(np.array(inside, float)).all()
+            and not one.contains(np.array(outside, float).reshape(-1, 2)).any()
+        )
         assert all(overlap(one.mask, other.mask) < 0.9 for other in found if other is not one)
 
 

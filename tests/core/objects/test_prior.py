@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
+from cpm_core.objects.prior.crops import NETWORK_LUMINANCE_WEIGHTS, Crop2D, ImageSampler, sample_bilinear
 from cpm_core.objects.prior.network import Network
-from cpm_core.objects.prior.prior import ObjectPredictor, Prompt
-from cpm_core.objects.prior.windows import NETWORK_LUMINANCE_WEIGHTS, ImageSampler, Crop2D, sample_bilinear
+from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prompt
 
 SIDE = 128
 ROW, COL = np.indices((SIDE, SIDE))
@@ -58,7 +58,10 @@ def test_what_is_seen_does_not_depend_on_the_units_of_gray_levels(factor, offset
     values = ndi.gaussian_filter(np.random.default_rng(1).normal(size=(SIDE, SIDE)), 3.0)
     window = Crop2D(np.array([60.0, 50.0]), 60.0)
     np.testing.assert_allclose(
-        ImageSampler(factor * values + offset).sample_crop(window), ImageSampler(values).sample_crop(window), rtol=1e-2, atol=2e-2
+        ImageSampler(factor * values + offset).sample_crop(window),
+        ImageSampler(values).sample_crop(window),
+        rtol=1e-2,
+        atol=2e-2,
     )
 
 

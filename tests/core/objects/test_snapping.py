@@ -28,7 +28,9 @@ def test_a_boundary_near_a_contour_becomes_that_contour(off):
 def test_only_where_the_contour_is_it_moves(off):
     path = ring(18.0)
     halves = np.split(path, np.flatnonzero(np.diff(path[:, 0] > 31.0)) + 1)
-    found = snap_to_contours(disk(18.0 + off), find_crossings([half for half in halves if half[0, 0] > 31.0], ROW.shape), 2.5)
+    found = snap_to_contours(
+        disk(18.0 + off), find_crossings([half for half in halves if half[0, 0] > 31.0], ROW.shape), 2.5
+    )
     there, elsewhere = ROW > 34, ROW < 28
     assert np.array_equal(found[there], disk(18.0)[there])
     assert np.array_equal(found[elsewhere], disk(18.0 + off)[elsewhere])

@@ -233,7 +233,10 @@ def test_what_a_click_gives_stays_in_the_region_of_interest(side):
     assert not (found.mask & ~scipy.ndimage.binary_dilation(allowed)).any()
     assert (found.mask & ~allowed).sum() < 0.002 * found.mask.sum()
     beyond = cut.select([center - 6.0])
-    assert (beyond.has_boundary, beyond.remark) == (False, "A place outside the regions of interest counts for nothing.")
+    assert (beyond.has_boundary, beyond.remark) == (
+        False,
+        "A place outside the regions of interest counts for nothing.",
+    )
 
 
 def test_a_click_deep_in_an_organ_has_it_among_its_candidates_next_to_the_whole():

@@ -4,7 +4,18 @@ import numpy as np
 import pytest
 import scipy
 
-from cpm_core import PRESETS, Image, seeds_on_box, circle, seeds_everywhere, seeds_in_slice, seeds_on_strong_edges, segment, sphere, stroke
+from cpm_core import (
+    PRESETS,
+    Image,
+    circle,
+    seeds_everywhere,
+    seeds_in_slice,
+    seeds_on_box,
+    seeds_on_strong_edges,
+    segment,
+    sphere,
+    stroke,
+)
 
 
 def test_particles_lie_evenly_on_a_sphere():

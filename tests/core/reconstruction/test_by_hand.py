@@ -19,8 +19,8 @@ from cpm_core.reconstruction.by_hand.operations import (
     connect_by_path,
     cut_contour,
     delete_stretch,
-    pull_contour,
     live_wire_from,
+    pull_contour,
 )
 from tests.core.scenes import circle_points, disk
 
@@ -100,7 +100,9 @@ def test_from_an_end_to_its_own_side_a_contour_is_closed_and_the_rest_stays():
     contour = Contour(np.concatenate([tail, arc(0.0, 6.1).points]), False)
     last = ends(contour)[1]
     side = Contact.from_nearest_place(contour, at(0.0))
-    found, missed = apply_hand_edits([contour], connect_by_path(LiveWire(field(), last.place).path_to(side.place), last, side))
+    found, missed = apply_hand_edits(
+        [contour], connect_by_path(LiveWire(field(), last.place).path_to(side.place), last, side)
+    )
     assert missed == () and [one.closed for one in found] == [True, False]
     assert found[0].area == pytest.approx(AREA, rel=3e-3) and found[1].length == pytest.approx(20.0, abs=0.1)
 
@@ -110,7 +112,8 @@ def test_a_path_to_the_side_of_another_contour_ends_on_a_junction():
     first = Contour(np.array([[40.0, 40.0], [20.0, 40.0]]), False)
     end = ends(first)[1]
     found, missed = apply_hand_edits(
-        [first, other], connect_by_path(np.array([end.place, (5.0, 40.0)]), end, Contact.from_nearest_place(other, (5.0, 40.0)))
+        [first, other],
+        connect_by_path(np.array([end.place, (5.0, 40.0)]), end, Contact.from_nearest_place(other, (5.0, 40.0))),
     )
     assert missed == () and other in found
     grown = next(one for one in found if one is not other)
@@ -121,7 +124,9 @@ def test_a_path_between_two_sides_takes_the_place_of_the_nearer_stretch():
     angle = np.linspace(0.4, -0.4, 30)
     path = np.stack(at(angle, RADIUS + 6.0 * np.cos(np.pi * angle / 0.8)), axis=1)
     contour = whole()
-    edits = connect_by_path(path, Contact.from_nearest_place(contour, path[0]), Contact.from_nearest_place(contour, path[-1]))
+    edits = connect_by_path(
+        path, Contact.from_nearest_place(contour, path[0]), Contact.from_nearest_place(contour, path[-1])
+    )
     (one,), missed = apply_hand_edits([contour], edits)
     assert missed == () and one.closed and one.area > AREA + 50.0
     assert off_circle(one.points).max() == pytest.approx(6.0, abs=0.1)
@@ -154,7 +159,9 @@ def test_a_stretch_beside_the_edge_snaps_to_it_when_it_is_pulled_there():
 
 def test_without_edges_a_pulled_stretch_bends_to_the_place():
     contour = whole()
-    (one,), missed = apply_hand_edits([contour], [pull_contour(Contact.from_nearest_place(contour, at(0.0)), at(0.0, RADIUS + 10.0))])
+    (one,), missed = apply_hand_edits(
+        [contour], [pull_contour(Contact.from_nearest_place(contour, at(0.0)), at(0.0, RADIUS + 10.0))]
+    )
     assert missed == () and one.closed
     assert np.linalg.norm(one.points - at(0.0, RADIUS + 10.0), axis=1).min() < 0.5
     assert off_circle(one.points).max() == pytest.approx(10.0, abs=0.2)

@@ -50,7 +50,9 @@ def test_the_same_contours_are_found_with_few_of_the_seeds(monkeypatch):
     whole, many = ended(Engine(values, parameters), seeds, parameters)
     assert len(found.contours) == len(whole.contours) >= 20
     for some, others in ((found, whole), (whole, found)):
-        assert distances_to_contours(np.concatenate([one.points for one in some.contours]), others.contours).max() < 0.05
+        assert (
+            distances_to_contours(np.concatenate([one.points for one in some.contours]), others.contours).max() < 0.05
+        )
     assert few[-1] < many[-1] - 0.6 * len(seeds)
 
 

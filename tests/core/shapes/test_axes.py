@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from cpm_core import Image
-from cpm_core.formats.common.plain import shape_to_json
+from cpm_core.formats.common.json_values import shape_to_json
 from cpm_core.formats.sessions.session_file import SessionFile, decode_session, encode_session
 from cpm_core.shapes import Circle, Everywhere, Points, Shape, Sphere
-from cpm_core.shapes.document_shapes import count_axes, check_axes, compute_seeds
+from cpm_core.shapes.document_shapes import check_axes, compute_seeds, count_axes
 from tests.faults.fuzzing.inputs.session_samples import IMAGE, SAMPLES, VOLUME
 
 DISK, BALL = Circle((20.0, 20.0), 6.0), Sphere((9.0, 9.0, 9.0), 4.0)

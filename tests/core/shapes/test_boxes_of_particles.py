@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpm_core import Image, seeds_at_centers, seeds_everywhere, example, segment
-from cpm_core.formats.common.plain import shape_from_json, shape_to_json
+from cpm_core import Image, example, seeds_at_centers, seeds_everywhere, segment
+from cpm_core.formats.common.json_values import shape_from_json, shape_to_json
 from cpm_core.model.volume.starts import volume_edge_strength
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import BoxGrid, BoxThreshold, Threshold

@@ -73,7 +73,9 @@ def wound_around(corners, position) -> bool:
 def test_a_moved_shape_is_as_far_from_a_moved_position(shape, by, position) -> None:
     there = (position[0] + by[0], position[1] + by[1])
     assert shape.translated(by).distance_to(there) == pytest.approx(shape.distance_to(position), abs=1e-6)
-    assert shape.translated(by).translated((-by[0], -by[1])).distance_to(position) == pytest.approx(shape.distance_to(position))
+    assert shape.translated(by).translated((-by[0], -by[1])).distance_to(position) == pytest.approx(
+        shape.distance_to(position)
+    )
 
 
 @given(ellipses | polygons, positions)
@@ -134,7 +136,9 @@ def test_the_particles_of_a_grid_fill_its_area_at_its_spacing(grid) -> None:
     reach = np.ceil((high - low) / grid.spacing) + 1
     steps = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in reach), indexing="ij"), axis=-1).reshape(-1, 2)
     every = seeds[0] + grid.spacing * steps
-    well_inside = polyline.points_inside(grid.points, every) & (polyline.distances_to_path(grid.outline.tolist(), every) > 1e-6)
+    well_inside = polyline.points_inside(grid.points, every) & (
+        polyline.distances_to_path(grid.outline.tolist(), every) > 1e-6
+    )
     assert len(seeds) >= np.count_nonzero(well_inside)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import tifffile
 
 from cpm_core import to_bytes
-from cpm_core.cli import main, build_parser
+from cpm_core.cli import build_parser, main
 from cpm_core.formats import CONTOURS_WRITABLE
 from cpm_core.formats.writers import VOLUMES_WRITABLE
 from cpm_core.warm_up import warm_up

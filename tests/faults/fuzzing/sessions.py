@@ -10,7 +10,7 @@ from random import Random
 
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.session.features.kept_pages import StackSource, StoredPages
-from cpm_app.session.timeline import plain_runs
+from cpm_app.session.timeline import runs_json
 
 from cpm_core.cli import main
 from cpm_core.formats.sessions.session_file import SessionFile, decode_session, encode_session, load_session
@@ -62,8 +62,10 @@ def read(path: Path, of: str) -> SessionFile | None:
             f"{kinds} axes on an image of {sides}"
         )
         image = ImageReference(of, str(path.parent / of), SHAPES[of], 180.0)
-        _, fault = plain_runs.runs_from_json(session.runs, image)
-        pages = StoredPages.from_json(session.pages, Document(image), StackSource(image.path, PAGES if of == STACK else 0))
+        _, fault = runs_json.runs_from_json(session.runs, image)
+        pages = StoredPages.from_json(
+            session.pages, Document(image), StackSource(image.path, PAGES if of == STACK else 0)
+        )
         for sentence in filter(None, (fault, pages.error)):
             check_sentence(ValueError(sentence))
     return session

@@ -11,7 +11,18 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
-from cpm_core import PARAMETERS, PRESETS, Image, Parameters, Result, seeds_on_box, centerlines, to_bytes, segment, sphere
+from cpm_core import (
+    PARAMETERS,
+    PRESETS,
+    Image,
+    Parameters,
+    Result,
+    centerlines,
+    seeds_on_box,
+    segment,
+    sphere,
+    to_bytes,
+)
 from cpm_core.formats.writers import VOLUMES_WRITABLE
 from cpm_core.numerics.types import Array
 
@@ -75,7 +86,12 @@ def settings_of_runs(draw: st.DrawFn) -> Parameters:
 _seeds = st.one_of(
     st.just(None),
     st.builds(sphere, st.tuples(*[st.floats(0.0, 20.0)] * 3), st.floats(0.5, 20.0), st.integers(1, 80)),
-    st.builds(seeds_on_box, st.tuples(*[st.floats(-5.0, 6.0)] * 3), st.tuples(*[st.floats(7.0, 30.0)] * 3), st.floats(2.0, 9.0)),
+    st.builds(
+        seeds_on_box,
+        st.tuples(*[st.floats(-5.0, 6.0)] * 3),
+        st.tuples(*[st.floats(7.0, 30.0)] * 3),
+        st.floats(2.0, 9.0),
+    ),
     st.lists(st.tuples(*[st.floats(-5.0, 30.0)] * 3), min_size=1, max_size=12).map(np.array),
 )
 

@@ -31,7 +31,10 @@ _KEY = "kills/number"
 def work(folder: Path) -> None:
     """Draw circles, each of which is in the journal before the next, and save now and then."""
     window = opened(folder)
-    document_file, journal = window.get_feature(OpenSaveFeature).document_file, window.get_feature(RecoveryFeature).journal
+    document_file, journal = (
+        window.get_feature(OpenSaveFeature).document_file,
+        window.get_feature(RecoveryFeature).journal,
+    )
     assert journal is not None
     noted = os.open(folder / "noted", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     for number in range(1, _CIRCLES + 1):

@@ -53,7 +53,7 @@ class Quantity:
     ----------
     title, tip : str
         Its name, and a sentence on it.
-    of : callable
+    measure : callable
         Function of a state and the metrics of its run that gives its values, shape (N,).
     """
 
@@ -75,8 +75,8 @@ class ParticleColors:
 
     Attributes
     ----------
-    marks : ndarray of uint8, shape (N,)
-        Color of each particle, from 0 to `SHADES` - 1; `SHADES` where the value is not known.
+    color_indices : ndarray of uint8, shape (N,)
+        Color of each particle, from 0 to `SHADE_COUNT` - 1; `SHADE_COUNT` where the value is not known.
     high : float
         Value of the last color; the first one is 0.
     """

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from cpm_app.model.display.lengths import format_short_number
-from cpm_app.model.parameters.controls import Control, slider_range, control_value, set_control_value
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.parameters.controls import Control, control_value, set_control_value, slider_range
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_core import CONTOUR_METHODS, Parameters
 from cpm_core.numerics.types import frozen, record
 from cpm_core.objects.methods import MethodComparison
@@ -74,7 +74,11 @@ def plan_method_trials(compared: MethodComparison, parameters: Parameters) -> tu
     if not compared.methods:
         raise ValueError(tr("Choose at least one method."))
     return tuple(
-        Trial(translate_core_text(method.title), parameters if method.of_particles else compared.settings_of(name), method=name)
+        Trial(
+            translate_core_text(method.title),
+            parameters if method.of_particles else compared.settings_of(name),
+            method=name,
+        )
         for name, method in ((name, CONTOUR_METHODS[name]) for name in compared.methods)
     )
 
@@ -113,7 +117,9 @@ def parse_values(control: Control, text: str) -> tuple[float, ...]:
         values.add(value)
     if not MIN_AXIS_VALUES <= len(values) <= MAX_AXIS_VALUES:
         message = tr("{title} has {count} different values but must have from {fewest} to {most}.")
-        raise ValueError(message.format(title=control.title, count=len(values), fewest=MIN_AXIS_VALUES, most=MAX_AXIS_VALUES))
+        raise ValueError(
+            message.format(title=control.title, count=len(values), fewest=MIN_AXIS_VALUES, most=MAX_AXIS_VALUES)
+        )
     return tuple(sorted(values))
 
 

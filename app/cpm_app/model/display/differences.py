@@ -73,7 +73,7 @@ class SurfaceDifference:
         Triangles of the true surface without a found one nearby, or of the found surface without a true one.
     surface : Surface
         The triangles.
-    away : ndarray, shape (N,)
+    distances : ndarray, shape (N,)
         Distance of each of its vertices, in the unit of the spacing.
     """
 
@@ -82,7 +82,9 @@ class SurfaceDifference:
     distances: Array
 
     @classmethod
-    def from_distances(cls, kind: Literal["missing", "wrong"], whole: Surface, away: Array, tolerance: float) -> SurfaceDifference:
+    def from_distances(
+        cls, kind: Literal["missing", "wrong"], whole: Surface, away: Array, tolerance: float
+    ) -> SurfaceDifference:
         """Take the triangles with a corner farther away than the tolerance, ready for slices.
 
         Parameters
@@ -110,10 +112,16 @@ class SurfaceDifference:
             yield _describe_part(self.kind, self.surface.vertices[members], self.distances[members])
 
 
-def find_surface_differences(surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison) -> tuple[SurfaceDifference, ...]:
+def find_surface_differences(
+    surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison
+) -> tuple[SurfaceDifference, ...]:
     """Return where a surface and the true one differ by more than the tolerance."""
     missing = SurfaceDifference.from_distances("missing", truth.surface, found.missing, found.tolerance)
-    return (missing,) if surface is None else (missing, SurfaceDifference.from_distances("wrong", surface, found.wrong, found.tolerance))
+    return (
+        (missing,)
+        if surface is None
+        else (missing, SurfaceDifference.from_distances("wrong", surface, found.wrong, found.tolerance))
+    )
 
 
 def cut_truth(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:

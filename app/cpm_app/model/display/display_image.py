@@ -88,7 +88,9 @@ class DisplayImage:
     @staticmethod
     def from_image(image: Image, window: IntensityWindow, channel: str = "luminance") -> DisplayImage:
         """Return the shades of a channel of an image in an intensity window."""
-        whole = DisplayImage.from_shades(apply_window(image.stored if image.colors is None else image.gray_levels(channel), window))
+        whole = DisplayImage.from_shades(
+            apply_window(image.stored if image.colors is None else image.gray_levels(channel), window)
+        )
         finer = tuple(FileLevel(level, window) for level in image.finer)
         return DisplayImage((*finer, *whole.levels), -len(finer), image.shape) if finer else whole
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from cpm_app.model.display.lengths import format_measured_length
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.parameters.controls import RATIO_CONTROL
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_core import Parameters, State
 from cpm_core.contours import Measures
 from cpm_core.segmentation import MethodState
@@ -46,7 +46,9 @@ def describe_effects(
     speed = tr("{speed} px per step", speed=localize_number(f"{found['beta']:.2f}"))
     words["beta"] = tr("at rest") if state.converged else speed
     if length:
-        words[RATIO_CONTROL] = tr("{length} of contours", length=format_measured_length(length, image.spacing, image.unit, 0))
+        words[RATIO_CONTROL] = tr(
+            "{length} of contours", length=format_measured_length(length, image.spacing, image.unit, 0)
+        )
     words["annealing"] = tr("fills gaps up to {length} px", length=localize_number(f"{found['annealing']:.1f}"))
     return words
 

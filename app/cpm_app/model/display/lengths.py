@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_core.image import KNOWN_UNITS, ScaleBar, fit_scale_bar
 from cpm_core.numerics.types import Sides, frozen
 
@@ -35,7 +35,7 @@ _preferred_unit = _IMAGE_UNIT
 
 
 def prefer_unit(name: str) -> None:
-    """Show lengths in a unit of `UNITS`."""
+    """Show lengths in a unit of `UNIT_TITLES`."""
     global _preferred_unit  # noqa: PLW0603  # one for all windows, as the language is
     _preferred_unit = name
 
@@ -65,7 +65,7 @@ def preferred_pixel_size(spacing: Sequence[float], unit: str | None) -> PixelSiz
 
 
 def find_scale_bar(max_length: float, spacing: float, unit: str | None) -> ScaleBar:
-    """Find the longest scale bar of round length, in a readable unit or in the preferred one; see `longest_bar`."""
+    """Find the longest scale bar of round length, in a readable unit or in the preferred one; see `fit_scale_bar`."""
     return fit_scale_bar(max_length, spacing, unit, keep_unit=_preferred_unit != _IMAGE_UNIT)
 
 
@@ -89,7 +89,11 @@ def format_measured_length(pixels: float, spacing: Sequence[float], unit: str | 
     if size.unit is None or len(set(size.spacing)) > 1:
         return localize_number(f"{pixels:,.{decimals}f} {_PIXEL_UNIT}")
     length = pixels * size.spacing[0]
-    return localize_number(f"{length:,.0f} {size.unit}") if length >= 1000.0 else localize_number(f"{length:.4g} {size.unit}")
+    return (
+        localize_number(f"{length:,.0f} {size.unit}")
+        if length >= 1000.0
+        else localize_number(f"{length:.4g} {size.unit}")
+    )
 
 
 def round_up(value: float) -> float:

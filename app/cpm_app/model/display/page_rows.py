@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_core import Page, measure
 from cpm_core.contours import Measures, compute_centroid
 from cpm_core.numerics.types import record
@@ -32,7 +32,7 @@ class PageRow:
         Its center [px].
     gray : float or None
         Mean gray value inside.
-    happens : str
+    event : str
         What happens to the track, or why the page could not be used; empty for nothing.
     """
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_core import Contour, Engine, Evolution, Result, State
-from cpm_core.contours import HandEdit, Mark, KeptOutline, Verdict, apply_marks, capture_outline, restore_kept_contours
+from cpm_core.contours import HandEdit, KeptOutline, Mark, Verdict, apply_marks, capture_outline, restore_kept_contours
 from cpm_core.numerics import Position
 from cpm_core.numerics.types import record
 from cpm_core.shapes import ImageSeeds
@@ -81,7 +81,9 @@ def color_contours(document: Document, targets: Iterable[MarkTarget], color: str
     return _update_marks(document, targets, lambda mark, _: replace(mark, color=color))
 
 
-def _update_marks(document: Document, targets: Iterable[MarkTarget], update: Callable[[Mark, MarkTarget], Mark]) -> Document:
+def _update_marks(
+    document: Document, targets: Iterable[MarkTarget], update: Callable[[Mark, MarkTarget], Mark]
+) -> Document:
     """Change some marks, with new ones last, and drop empty ones."""
     marks = list(document.marks)
     for target in targets:

@@ -12,9 +12,9 @@ import numpy as np
 from cpm_app.model.document.document import Document
 from cpm_app.model.parameters import controls
 from cpm_core import Parameters
-from cpm_core.numerics import Array, Place, Position, polyline, check_voxel_sides
+from cpm_core.numerics import Array, Place, Position, check_voxel_sides, polyline
 from cpm_core.numerics.types import Sides, frozen
-from cpm_core.shapes import Everywhere, SeedingKind, Points, Shape
+from cpm_core.shapes import Everywhere, Points, SeedingKind, Shape
 
 
 def add_shape(document: Document, shape: Shape) -> Document:
@@ -120,7 +120,9 @@ class ShapeHit:
     handle: Position | None = field(default=None, compare=False)
 
 
-def find_shape_at(shapes: tuple[Shape, ...], position: Position, tolerance: float, selected: int | None = None) -> ShapeHit | None:
+def find_shape_at(
+    shapes: tuple[Shape, ...], position: Position, tolerance: float, selected: int | None = None
+) -> ShapeHit | None:
     """Find the shape under a position (row, col) [px of the image]: first the selected one, then the last drawn.
 
     `tolerance` is the distance up to which a line, handle or point is hit [px of the image]. Only the selected shape

@@ -19,7 +19,7 @@ from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Extent, Texts, record
 from cpm_core.objects.segmented import Click, SegmentedObject, round_line
-from cpm_core.shapes import Points, Polygon, Stroke, start_from_surface, starts_from_contours, starts_from_centerlines
+from cpm_core.shapes import Points, Polygon, Stroke, start_from_surface, starts_from_centerlines, starts_from_contours
 
 MAX_IMPORTED = 1000
 """Largest number of contours: each becomes a shape or an object that can be moved and named by itself."""
@@ -43,7 +43,7 @@ class ImportedContent:
         Objects from the closed contours, or from the bodies.
     classes : tuple of str
         Names of their classes, empty where a file has none.
-    open : int
+    open_count : int
         Number of open ones, which enclose no object.
     notes : tuple of str
         What was left out or assumed, one sentence each.
@@ -81,7 +81,9 @@ class ImportedContent:
         closed = [contour for contour in found.contours if contour.closed]
         starts = starts_from_contours(found.contours, found.points)
         classes = tuple(parts[0].category for parts in _group_boundaries(closed))
-        return cls(name, count, starts, objects_from_contours(closed), count - len(closed), found.notes, classes=classes)
+        return cls(
+            name, count, starts, objects_from_contours(closed), count - len(closed), found.notes, classes=classes
+        )
 
 
 def _check_import_count(message: str, name: str, count: int) -> None:

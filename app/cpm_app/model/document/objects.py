@@ -27,8 +27,8 @@ from cpm_core.objects.segmented import (
     SegmentedObjects,
     contours_from_object,
     lies_on,
-    round_line,
     paint_voxels,
+    round_line,
     unite_objects,
 )
 from cpm_core.objects.segmented.in_volumes import Part
@@ -105,7 +105,10 @@ def reject_objects(document: Document, numbers: Iterable[int], offered: Iterable
 def add_selections(document: Document, selections: Iterable[Selection], category: int) -> Document:
     """Add an object of a class for each selection; the selection in progress stays."""
     found = ((each, (Click(as_line(each.inside)),)) for each in selections if each.has_boundary)
-    return accept_objects(document, (object_from_selection(each, clicks, document.objects.next_number, category) for each, clicks in found))
+    return accept_objects(
+        document,
+        (object_from_selection(each, clicks, document.objects.next_number, category) for each, clicks in found),
+    )
 
 
 def object_from_contours(number: int, category: int, contours: Contours, gaps: Iterable[Array] = ()) -> SegmentedObject:
@@ -134,7 +137,9 @@ def object_from_contours(number: int, category: int, contours: Contours, gaps: I
 def replace_boundaries(document: Document, found: Iterable[SelectionUpdate]) -> Document:
     """Replace the boundaries of existing objects by those of selections."""
     known = {item.number for item in document.objects.items}
-    return accept_objects(document, (object_from_selection(*each, 1) for each in found if each[2] in known and each[0].has_boundary))
+    return accept_objects(
+        document, (object_from_selection(*each, 1) for each in found if each[2] in known and each[0].has_boundary)
+    )
 
 
 def object_from_selection(selection: AnySelection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
@@ -186,7 +191,9 @@ def merge_objects(document: Document, numbers: Iterable[int]) -> Document:
 
 def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:
     """Replace several objects by their union, which has the number of one of them."""
-    return accept_objects(delete_objects(document, [item.number for item in merged if item.number != whole.number]), (whole,))
+    return accept_objects(
+        delete_objects(document, [item.number for item in merged if item.number != whole.number]), (whole,)
+    )
 
 
 def replace_by_halves(document: Document, whole: SegmentedObject, halves: Halves) -> Document:
@@ -210,7 +217,9 @@ def name_class(document: Document, category: int, name: str, color: str = "") ->
 
 def add_objects_as_starts(document: Document, numbers: Iterable[int]) -> Document:
     """Add the outlines of objects as starts; in a volume, points all over their surfaces."""
-    return _add_objects_as_shapes(document, numbers, Polygon, lambda surface: Points(_sample_surface_points(surface.surface)))
+    return _add_objects_as_shapes(
+        document, numbers, Polygon, lambda surface: Points(_sample_surface_points(surface.surface))
+    )
 
 
 def add_objects_as_regions(document: Document, numbers: Iterable[int]) -> Document:
@@ -220,7 +229,9 @@ def add_objects_as_regions(document: Document, numbers: Iterable[int]) -> Docume
 
 def add_objects_as_barriers(document: Document, numbers: Iterable[int]) -> Document:
     """Add the boundaries of objects as barriers."""
-    return _add_objects_as_shapes(document, numbers, lambda curve: Barrier((*curve, curve[0])), EnclosingWall, holes=True)
+    return _add_objects_as_shapes(
+        document, numbers, lambda curve: Barrier((*curve, curve[0])), EnclosingWall, holes=True
+    )
 
 
 def _add_objects_as_shapes(
@@ -322,7 +333,7 @@ def _replace_objects(document: Document, **parts: Any) -> Document:
 def paint_volume_object(
     document: Document, number: int, part: Part, adds: bool = True, over_others: bool = True
 ) -> Document:
-    """Add voxels to an object of a volume, or to a new one, or remove them; see `painted_in`."""
+    """Add voxels to an object of a volume, or to a new one, or remove them; see `paint_voxels`."""
     return replace(document, objects=paint_voxels(document.objects, number, part, adds, over_others))
 
 

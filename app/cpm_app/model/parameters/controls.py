@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, replace
 
-from cpm_app.model.text.language import translate_core_text, tr, localize_number
+from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.model.text.wording import format_symbol
 from cpm_core import PARAMETERS, Parameters
 from cpm_core.numerics.types import JsonDict, Texts, frozen
@@ -225,7 +225,7 @@ class ChoiceControl:
         Its label, and one sentence that says what it is.
     choices : tuple
         Value, name in the window, and effect of each choice.
-    acts : str
+    effect_text : str
         When a change takes effect, in words.
     """
 
@@ -249,7 +249,10 @@ def build_choice_controls() -> tuple[ChoiceControl, ...]:
             name,
             translate_core_text(info.title),
             translate_core_text(info.meaning),
-            tuple((value, _CHOICE_TITLES.get(value, value), translate_core_text(about)) for value, about in info.choices.items()),
+            tuple(
+                (value, _CHOICE_TITLES.get(value, value), translate_core_text(about))
+                for value, about in info.choices.items()
+            ),
             _EFFECT_TEXTS[info.invalidates],
         )
         for name, info in CHOICE_PARAMETERS.items()

@@ -151,7 +151,9 @@ class ViewInSpace:
             self._draw_surfaces(picture, camera, style)
         return picture
 
-    def draw_particles(self, picture: Picture, particles: ShownParticles | None, camera: Camera, style: SpaceStyle) -> None:
+    def draw_particles(
+        self, picture: Picture, particles: ShownParticles | None, camera: Camera, style: SpaceStyle
+    ) -> None:
         """Draw particles into a picture, if they are shown."""
         if particles is not None and self.shown.particles:
             places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut

@@ -80,7 +80,11 @@ def _draw_projection(
                 if i >= voxels.shape[0] or j >= voxels.shape[1] or k >= voxels.shape[2]:
                     break
                 if maxima[i // _MAXIMA_BLOCK_SIDE, j // _MAXIMA_BLOCK_SIDE, k // _MAXIMA_BLOCK_SIDE] <= found:
-                    leave = min(_find_block_exit(z, away[0], i), _find_block_exit(y, away[1], j), _find_block_exit(x, away[2], k))
+                    leave = min(
+                        _find_block_exit(z, away[0], i),
+                        _find_block_exit(y, away[1], j),
+                        _find_block_exit(x, away[2], k),
+                    )
                     at = max(leave, at) + 1e-3
                 else:
                     found = max(found, voxels[i, j, k])

@@ -17,7 +17,7 @@ class Message:
         One sentence or several.
     error : bool
         Whether it reports an error.
-    topic : str
+    category : str
         The kind of attempt that it belongs to, such as ``"export"``; empty for none.
     """
 

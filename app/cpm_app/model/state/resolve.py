@@ -10,7 +10,7 @@ from cpm_app.model.document.modes import MODES, needs_start
 from cpm_app.model.state.situation import RunStatus, Situation, has_volume
 from cpm_app.model.state.surface_figures import SURFACE_LABEL, VOLUME_LABEL, format_surface_figures
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import translate_core_text, tr, localize_number
+from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_core import Result, Skeleton
 from cpm_core.numerics.types import frozen
 from cpm_core.shapes import (
@@ -141,7 +141,9 @@ def _suggest_next_action(situation: Situation) -> str:
             "Drag the {shape} of strength {strength} or move it with arrow keys; [ and ] make it weaker and stronger; "
             "{key:delete} removes it."
         )
-        return insert_keys(message, shape=translate_core_text(shape.title), strength=localize_number(f"{abs(shape.strength):g}"))
+        return insert_keys(
+            message, shape=translate_core_text(shape.title), strength=localize_number(f"{abs(shape.strength):g}")
+        )
     elif status.started:
         message = ""
     elif not needs_start(document.mode):
@@ -239,7 +241,11 @@ def _format_skeleton_numbers(status: RunStatus, image: ImageReference | None) ->
         (tr("Branches"), localize_number(f"{len(found.contours):,}"), tr("Center lines between tips and forks.")),
         (tr("Length"), _format_image_length(found.length, image, 0), tr("Length of all branches together.")),
         (tr("Thickness"), thickness, tr("95 % of the length is thinner than this.")),
-        (tr("Skeleton of"), describe_skeleton_objects(found.polarity, found.width), tr("The objects whose skeleton is shown.")),
+        (
+            tr("Skeleton of"),
+            describe_skeleton_objects(found.polarity, found.width),
+            tr("The objects whose skeleton is shown."),
+        ),
     )
     return _dash_unknown(bool(found.contours), numbers)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from cpm_app.model.display.lengths import preferred_pixel_size
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_core import Surface
 from cpm_core.numerics.types import Texts
 
@@ -31,13 +31,22 @@ def format_surface_figures(found: Surface | None) -> tuple[tuple[str, str, str],
         tr("Volume that a closed surface encloses."),
         tr("Fraction of the surface with particles nearby; the rest is interpolated."),
     )
-    return tuple(zip((SURFACE_LABEL, CLOSED_LABEL, EULER_LABEL, AREA_LABEL, VOLUME_LABEL, SUPPORT_LABEL), texts, tips, strict=True))
+    return tuple(
+        zip(
+            (SURFACE_LABEL, CLOSED_LABEL, EULER_LABEL, AREA_LABEL, VOLUME_LABEL, SUPPORT_LABEL),
+            texts,
+            tips,
+            strict=True,
+        )
+    )
 
 
 def _format_figure_values(found: Surface) -> Texts:
     size = preferred_pixel_size(found.spacing, found.unit)
     unit = size.unit or tr("voxels")
-    parts = tr("1 part") if found.components == 1 else tr("{count} parts", count=localize_number(f"{found.components:,}"))
+    parts = (
+        tr("1 part") if found.components == 1 else tr("{count} parts", count=localize_number(f"{found.components:,}"))
+    )
     if found.left_out:
         parts = tr("{parts}, {count} left out", parts=parts, count=localize_number(f"{found.left_out:,}"))
     edges = found.free_edges + found.nonmanifold_edges

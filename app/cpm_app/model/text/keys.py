@@ -80,7 +80,10 @@ def make_mnemonics_unique(texts: Sequence[str]) -> list[str]:
     for text in texts:
         kept = text
         if "" != find_mnemonic(text) in taken:
-            kept = next((other for other in _mark_other_letters(text) if find_mnemonic(other) not in own | taken), _remove_mnemonic(text))
+            kept = next(
+                (other for other in _mark_other_letters(text) if find_mnemonic(other) not in own | taken),
+                _remove_mnemonic(text),
+            )
         taken.add(find_mnemonic(kept))
         made.append(kept)
     return made

@@ -101,8 +101,8 @@ def use_language(name: str, system_languages: Sequence[str] = ()) -> None:
     Parameters
     ----------
     name : str
-        A name of `languages`; any other one chooses the language of the environment.
-    of_the_system : sequence of str
+        A name of `list_languages`; any other one chooses the language of the environment.
+    system_languages : sequence of str
         Names of the languages of the system, such as ``"de-DE"``, the preferred one first. They count where the
         environment names none, as on Windows and macOS.
     """

@@ -29,17 +29,17 @@ class FileParts:
         Points in time and channels of each.
     series : tuple of str
         Names of all series; empty where a file has none.
-    number : int
+    series_number : int
         Series that the other values belong to, from 1.
     word : str
         Word for a page: plane, page or frame.
-    usual : int
+    default_page : int
         The page that is read by default, from 1.
     spacing, unit
         Size of a voxel in the file, along (plane, row, col), and its unit; None where it has none.
-    deep : bool
+    is_volume : bool
         Whether pages are planes of a volume: the file gives their distance, or its format is one of volumes.
-    planes : int
+    volume_planes : int
         Number of pages that make a volume.
     doubts : tuple of str
         Sentences of the core on faults of that volume, such as missing planes.

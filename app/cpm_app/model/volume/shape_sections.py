@@ -219,7 +219,11 @@ def _cut_box(box: Cuboid, here: Slice) -> Iterator[Section]:
     row, col = 0.5 * (top + bottom), 0.5 * (left + right)
     held = (*corners, (top, col), (row, right), (bottom, col), (row, left))
     if isinstance(box, Box):
-        yield StartSection(Polygon(corners), held, _keep_one_per_pixel(_select_near(box.seeds(), here, max(NEAR_SLICE_DISTANCE, 0.6 * box.particle_spacing))))
+        yield StartSection(
+            Polygon(corners),
+            held,
+            _keep_one_per_pixel(_select_near(box.seeds(), here, max(NEAR_SLICE_DISTANCE, 0.6 * box.particle_spacing))),
+        )
     elif isinstance(box, BoxGrid):
         reach = max(NEAR_SLICE_DISTANCE, 0.5 * box.spacing) / box.sides[here.axis]
         yield StartSection(Grid(corners, box.spacing), held, _select_near(box.seeds(), here, reach))
@@ -265,7 +269,9 @@ def _cut_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
             if end - begin > 1e-6:
                 ends = ((shape.first, begin), (shape.first, end), (shape.last, end), (shape.last, begin))
                 middle = 0.5 * (begin + end)
-                yield RegionSection(order_axes(*ends), slice_handles=order_axes((shape.first, middle), (shape.last, middle)))
+                yield RegionSection(
+                    order_axes(*ends), slice_handles=order_axes((shape.first, middle), (shape.last, middle))
+                )
     else:
         for at in cuts:
             yield Barrier(order_axes((shape.first, at), (shape.last, at)))
@@ -304,7 +310,11 @@ def _outline_middle_cuts(shape: Sphere | EnclosedRegion | EnclosingWall) -> Arra
     pieces = [np.empty((0, 2, 3))]
     for axis, at in enumerate(shape.center):
         here, place = Slice(axis, round(at)), at if isinstance(shape, Sphere) else round(at)
-        cuts = [_build_section_circle(shape, here, shape.radius)] if isinstance(shape, Sphere) else _iterate_cuts(shape, here, ())
+        cuts = (
+            [_build_section_circle(shape, here, shape.radius)]
+            if isinstance(shape, Sphere)
+            else _iterate_cuts(shape, here, ())
+        )
         pieces += [_split_into_segments(np.insert(cut.outline, axis, place, axis=1)) for cut in cuts]
     return np.concatenate(pieces)
 

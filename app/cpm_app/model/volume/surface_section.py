@@ -151,7 +151,7 @@ def _find_near_stretches(path: Array, radii: Array, here: Slice) -> list[tuple[A
     found = []
     for run in polyline.find_marked_runs(scipy.ndimage.binary_dilation(near)):
         flat = here.project_points(path[run])
-        distinct = np.append(True, (np.diff(flat, axis=0) != 0.0).has_object(axis=1))
+        distinct = np.append(True, (np.diff(flat, axis=0) != 0.0).any(axis=1))
         if distinct.sum() > 1:
             found.append((flat[distinct], radii[run][distinct]))
     return found

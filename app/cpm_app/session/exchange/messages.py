@@ -27,9 +27,9 @@ from cpm_core import (
     Parameters,
     Result,
     Skeleton,
-    to_bytes,
     load_image,
     load_volume,
+    to_bytes,
 )
 from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT_READING
@@ -49,7 +49,7 @@ class CoreFunctions:
 
     `load_image` and `load_volume` take a path, a callback that raises once the image is no longer wanted, and as
     keywords the part of the file to read; `methods` make a method from an image, parameters and regions; `encode` makes
-    the bytes of a file, as `cpm_core.formats.encoded` does; `warm_up` compiles or loads the kernels until its first
+    the bytes of a file, as `cpm_core.formats.to_bytes` does; `warm_up` compiles or loads the kernels until its first
     argument returns True, and calls its second one with the compiled fraction; `warm_up_volumes` does so for volumes.
     """
 
@@ -134,7 +134,7 @@ class Snapshot:
 class Reconstruction:
     """The contours of a recent snapshot, with manual edits; `tracked` is None for a skeleton.
 
-    `missed` are the indices of the edits without a matching contour, known once no other snapshot follows.
+    `unmatched_edits` are the indices of the edits without a matching contour, known once no other snapshot follows.
     """
 
     generation: int
@@ -143,7 +143,9 @@ class Reconstruction:
     unmatched_edits: Integers = ()
 
     @classmethod
-    def from_result(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
+    def from_result(
+        cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool
+    ) -> Reconstruction:
         """Identify and measure the contours of a run."""
         if isinstance(result, Skeleton):
             return cls(generation, result, None)
@@ -170,7 +172,7 @@ class Overlays:
 
     See `cpm_app.session.worker.prepared_methods`.
 
-    `trouble` is the error of those that are missing.
+    `error` is the error of those that are missing.
     """
 
     generation: int
@@ -187,7 +189,7 @@ class Report:
 
 @frozen
 class WorkFinished(Report):
-    """Work on another thread is done; `then` is called on the window's thread."""
+    """Work on another thread is done; `callback` is called on the window's thread."""
 
     callback: Callback
 
@@ -196,8 +198,8 @@ class WorkFinished(Report):
 class SavedSession(Report):
     """A session file has been written or read; `path` is None for work that has none yet.
 
-    If `recovered`, it was found after a crash and is not saved yet. If `turned`, it is another page of the open stack,
-    and `known` is the document of that page in the file, None if the file has a different one.
+    If `recovered`, it was found after a crash and is not saved yet. If `is_other_page`, it is another page of the open stack,
+    and `saved_document` is the document of that page in the file, None if the file has a different one.
     """
 
     path: Path | None
@@ -211,8 +213,8 @@ class SavedSession(Report):
 class ImageOpened(Report):
     """An image is opened: it has been read, and a method is ready.
 
-    `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images of its
-    folder, including itself, and `beside` is a session of it that has not been opened with it. A volume has no
+    `parameters` have as many of the requested `scales` as the image has room for. `folder_images` are the images of its
+    folder, including itself, and `adjacent_session` is a session of it that has not been opened with it. A volume has no
     `display`; each view makes one of its slice. `parts` are the contents of the file, None if unknown, and `reading`
     says which of them is open.
     """
@@ -288,7 +290,7 @@ class FilesExported(Report):
 
 @frozen
 class CommandFailed(Report):
-    """A command failed and nothing changed; `topic` is the category of the message."""
+    """A command failed and nothing changed; `category` is the category of the message."""
 
     message: str
     category: str = ""

@@ -42,10 +42,12 @@ class LatestOnlyWorker(QObject):
         """Whether there is no work."""
         return self._newest is None or self._newest.done()
 
-    def submit(self, compute: Callable[[], Made], on_result: Callable[[Made], object], on_error: Callback = lambda: None) -> None:
+    def submit(
+        self, compute: Callable[[], Made], on_result: Callable[[Made], object], on_error: Callback = lambda: None
+    ) -> None:
         """Do this work in place of work that is still waiting; after `close` nothing is done.
 
-        On the window's thread, `then` is called with the result, or `failed` after an error.
+        On the window's thread, `on_result` is called with the result, or `on_error` after an error.
         """
         self.drop_waiting()
         if self._pool is not None:

@@ -12,14 +12,19 @@ import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.display.comparison import Trial, set_control_values
-from cpm_app.model.display.differences import SurfaceDifference, Difference, find_surface_differences, find_boundary_differences
+from cpm_app.model.display.differences import (
+    Difference,
+    SurfaceDifference,
+    find_boundary_differences,
+    find_surface_differences,
+)
 from cpm_app.model.document.document import NOTHING_TO_START_FROM, Document
-from cpm_app.model.document.imported import add_objects, objects_from_surface, objects_from_contours
+from cpm_app.model.document.imported import add_objects, objects_from_contours, objects_from_surface
 from cpm_app.model.document.objects import build_objects_result
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
-from cpm_app.session.features.timeline import TimelineNavigation
+from cpm_app.session.features.timeline_navigation import TimelineNavigation
 from cpm_app.session.features.trials import run_trials, scene_from_result, start_for_methods
 from cpm_app.session.scene import ReviewedContours, Scene
 from cpm_app.session.session import Session
@@ -216,7 +221,11 @@ class ComparedResults(QObject):
         """Remove all rows, because another image has been opened."""
         self.cancel()
         self._latest.drop_waiting()
-        self.rows, self._truth_path, self._made = {CURRENT_KEY: ComparisonRow(CURRENT_KEY, tr("Shown now"))}, None, IdentityCache()
+        self.rows, self._truth_path, self._made = (
+            {CURRENT_KEY: ComparisonRow(CURRENT_KEY, tr("Shown now"))},
+            None,
+            IdentityCache(),
+        )
         self.reference = self.selected = CURRENT_KEY
         self.selection_changed.emit()
         self.set_reference(CURRENT_KEY)
@@ -254,7 +263,7 @@ class ComparedResults(QObject):
                 tr("Adding objects from {name}…", name=row.title),
                 lambda task: _objects_from_row(row, found, image),
                 tr("adding objects from {name}", name=row.title),
-                partial(CommandFailed, topic=_COMPARISON_CATEGORY),
+                partial(CommandFailed, category=_COMPARISON_CATEGORY),
                 on_result=lambda made: self._session.edit(
                     tr("add objects from {name}", name=row.title), lambda document: add_objects(document, made)
                 ),
@@ -290,7 +299,7 @@ class ComparedResults(QObject):
             tr("Reading {name}…", name=file.name),
             lambda task: _read_truth(file, image, holes),
             tr("reading {name}", name=file.name),
-            partial(CommandFailed, topic=_COMPARISON_CATEGORY),
+            partial(CommandFailed, category=_COMPARISON_CATEGORY),
             on_result=add_truth,
         )
 
@@ -377,7 +386,9 @@ class ComparedResults(QObject):
     def _current_result(self) -> Result | None:
         """The present result: the objects, if there are any, or else the contours of the run."""
         scene = self._session.scene
-        objects = self._seen.get_named("objects", lambda: build_objects_result(scene.document), scene.document.objects.items)
+        objects = self._seen.get_named(
+            "objects", lambda: build_objects_result(scene.document), scene.document.objects.items
+        )
         return objects or self._seen.get(_without_rejected, scene.contours)
 
     def _on_scene_changed(self) -> None:
@@ -419,7 +430,9 @@ class ComparedResults(QObject):
             make, named = partial(_truth_from_row, reference, holes), self._made.get_named
             truth = reference.truth or named("reference", make, reference.found, holes)
             agreed = {
-                key: named(key, partial(_compare_with_truth, found, truth, tolerance, holes), found, truth, tolerance, holes)
+                key: named(
+                    key, partial(_compare_with_truth, found, truth, tolerance, holes), found, truth, tolerance, holes
+                )
                 for key, found in rows
             }
             return truth, agreed, _find_differences(subject.found, truth, agreed.get(subject.key))
@@ -490,7 +503,9 @@ def _with_spacing_of(truth: VolumeTruth, found: Result) -> VolumeTruth:
     return replace(truth, spacing=found.spacing, unit=found.unit)
 
 
-def _find_differences(found: Result | None, truth: Truth | VolumeTruth, agreed: TruthComparison | None) -> _MarkedDifferences:
+def _find_differences(
+    found: Result | None, truth: Truth | VolumeTruth, agreed: TruthComparison | None
+) -> _MarkedDifferences:
     """Find where a result differs from the reference, the largest first; in a volume also as parts of surfaces."""
     if found is None or agreed is None:
         return (), ()
@@ -516,7 +531,9 @@ def _objects_from_row(row: ComparisonRow, found: Result, image: Image) -> tuple[
             ]
         )
     else:
-        made = objects_from_contours(closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed])
+        made = objects_from_contours(
+            closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed]
+        )
     if not made:
         raise ValueError(tr("There is no closed contour, so there is no object to add."))
     return made

@@ -13,7 +13,7 @@ from cpm_app.session.features.background import is_same_input
 from cpm_app.session.scene import NO_CONTOURS, ContourItem, ReviewedContours
 from cpm_app.session.session import Session
 from cpm_core import Result
-from cpm_core.contours import find_anchors, build_path_tree
+from cpm_core.contours import build_path_tree, find_anchors
 from cpm_core.numerics import Array, Index, PathTree, Position, polyline
 from cpm_core.numerics.types import Line
 
@@ -34,9 +34,9 @@ _MAX_CACHED_LINES = 4096
 
 
 class ContourReview(QObject):
-    """Finds and selects the contours of the scene; if `rejected_seen`, rejected ones are shown and can be picked.
+    """Finds and selects the contours of the scene; if `shows_rejected`, rejected ones are shown and can be picked.
 
-    There is one selection: objects, proposals and contours are selected together by `choose`.
+    There is one selection: objects, proposals and contours are selected together by `select`.
     """
 
     changed = Signal()
@@ -80,7 +80,7 @@ class ContourReview(QObject):
         return tuple(item for item in self.items if item.key in selected) if selected else ()
 
     def contours_near(self, place: Position, distance: float) -> list[ContourItem]:
-        """Find the shown contours within `reach` [px] of a place (row, col), nearest first."""
+        """Find the shown contours within `distance` [px] of a place (row, col), nearest first."""
         if self._around is None:
             self._around = build_path_tree([item.contour for item in self.items])
         return list(filter(self.is_shown, map(self.items.__getitem__, self._around.paths_near(place, distance))))

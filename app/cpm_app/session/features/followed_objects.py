@@ -11,14 +11,14 @@ from PySide6.QtCore import QObject, QTimer
 
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.text.language import translate_core_text, tr
-from cpm_app.session.features.kept_pages import StackSource, without_results, with_taken_numbers
-from cpm_app.session.features.object_selection import ObjectSelection, ObjectSearch
-from cpm_app.session.features.selector import EverywhereRun, partition_from_everywhere, parameters_everywhere
+from cpm_app.model.text.language import tr, translate_core_text
+from cpm_app.session.features.kept_pages import StackSource, with_taken_numbers, without_results
+from cpm_app.session.features.object_selection import ObjectSearch, ObjectSelection
+from cpm_app.session.features.selector import EverywhereRun, parameters_everywhere, partition_from_everywhere
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Proposal
+from cpm_app.session.scene_store import RUNNING_CATEGORY
 from cpm_app.session.session import Session
-from cpm_app.session.signals import RUNNING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Image, Partition, TrackEvent
 from cpm_core.numerics.types import record
@@ -47,7 +47,9 @@ class PreviousPages:
             _feed_follower(made, self.source.pages[number - 1], document)
         return made
 
-    def find_proposals(self, number: int, session: Session, partition: Partition, task: BackgroundTask) -> tuple[Proposal, ...]:
+    def find_proposals(
+        self, number: int, session: Session, partition: Partition, task: BackgroundTask
+    ) -> tuple[Proposal, ...]:
         """Find the objects on a page as proposals; parts that have split off get their numbers when accepted."""
         found, events = self.make_follower().find_on_page(number, partition, task.check_cancelled)
         items = _make_objects(found, self.pages[-1][1].objects.items)
@@ -81,7 +83,9 @@ class FollowedObjects(QObject):
         session, pages, here = self._session, self._pages, self._session.document
         session.clear_messages(RUNNING_CATEGORY)
         if not here.objects.items:
-            session.show_message(tr("There is nothing to follow: accept an object on this page first."), True, RUNNING_CATEGORY)
+            session.show_message(
+                tr("There is nothing to follow: accept an object on this page first."), True, RUNNING_CATEGORY
+            )
             return
         documents, former, base = pages.documents, self._previous_pages(pages.number + 1), without_results(here)
         source, numbers = pages.source, range(pages.number + 1, pages.count + 1)
@@ -108,7 +112,9 @@ class FollowedObjects(QObject):
             return happened, 0
 
         title = tr("Following objects on {count} pages…", count=len(numbers))
-        self._task = session.tasks.start_task(title, follow_objects, tr("following objects"), on_result=self._on_followed)
+        self._task = session.tasks.start_task(
+            title, follow_objects, tr("following objects"), on_result=self._on_followed
+        )
 
     # Internal
 

@@ -20,9 +20,23 @@ from cpm_core.contours import HandEdit, build_path_tree
 from cpm_core.field import ScaleField
 from cpm_core.numerics import Array, PathTree, Position
 from cpm_core.numerics.types import Callback, Integers
-from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_from_object, mark_gaps, redraw_boundary
+from cpm_core.objects.segmented import (
+    SegmentedObject,
+    SegmentedObjects,
+    contours_from_object,
+    mark_gaps,
+    redraw_boundary,
+)
 from cpm_core.parameters import find_invalidating
-from cpm_core.reconstruction import Contact, LiveWire, chain_contours, cut_contour, delete_stretch, snap_place_to_ridge, live_wire_from
+from cpm_core.reconstruction import (
+    Contact,
+    LiveWire,
+    chain_contours,
+    cut_contour,
+    delete_stretch,
+    live_wire_from,
+    snap_place_to_ridge,
+)
 
 PathFinder = Callable[[Position], Array]
 """Finds the path from a fixed place to another one, shape (K, 2) [px]."""
@@ -71,7 +85,11 @@ class HandEditing(QObject):
     def request_edges(self) -> None:
         """Request the edges of the image, unless they are there or have been requested."""
         document, generation = self._session.document, self._session.image_generation
-        wanted = (generation, document.regions, *(getattr(document.parameters, name) for name in find_invalidating("field")))
+        wanted = (
+            generation,
+            document.regions,
+            *(getattr(document.parameters, name) for name in find_invalidating("field")),
+        )
         if document.image is not None and wanted != self._asked:
             self._asked = wanted
             self._session.clear_messages(EDGES_CATEGORY)
@@ -95,7 +113,10 @@ class HandEditing(QObject):
             self._ends = contours, np.array([contour.points[[0, -1]] for contour in contours]).reshape(-1, 2)
         contours, places = self._ends
         away = np.linalg.norm(places - at, axis=1)
-        near = [Contact.from_contour_ends(contours[index // 2])[index % 2] for index in np.flatnonzero(away <= reach).tolist()]
+        near = [
+            Contact.from_contour_ends(contours[index // 2])[index % 2]
+            for index in np.flatnonzero(away <= reach).tolist()
+        ]
         near = [end for end in near if self._find_item(end) is not None]
         if near:
             return min(near, key=lambda end: end.line.project_point(at)[1])
@@ -199,7 +220,8 @@ class HandEditing(QObject):
             self._session.show_message(tr("Select an open contour to close it, or several to join them."))
             return
         self._session.edit(
-            tr("close contours") if closing else HAND_EDIT_NAMES["join"], lambda document: add_hand_edits(document, edits)
+            tr("close contours") if closing else HAND_EDIT_NAMES["join"],
+            lambda document: add_hand_edits(document, edits),
         )
 
     @property
@@ -240,4 +262,6 @@ class HandEditing(QObject):
         new = [index for index in missed if index not in self._reported]
         self._reported = missed
         if new:
-            self._session.show_message(_UNMATCHED_TEXT.format(count=len(missed), all=len(self._session.document.hand_edits)))
+            self._session.show_message(
+                _UNMATCHED_TEXT.format(count=len(missed), all=len(self._session.document.hand_edits))
+            )

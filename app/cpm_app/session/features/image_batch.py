@@ -42,14 +42,18 @@ def apply_to_folder(session: Session, folder: Path, on_done: Callable[[BatchDone
     session.clear_messages(BATCH_CATEGORY)
     document = session.document
     if document.mode == "skeleton":
-        session.show_message(tr("Skeletons are found image by image: choose another mode to run many images."), True, BATCH_CATEGORY)
+        session.show_message(
+            tr("Skeletons are found image by image: choose another mode to run many images."), True, BATCH_CATEGORY
+        )
         return ENDED_TASK
     if not document.starts:
         session.show_message(document.nothing_to_start_from, True, BATCH_CATEGORY)
         return ENDED_TASK
     name = tr("Running the images of {folder}…", folder=folder.name)
     work = partial(_run_batch, to_session_file(document, {}), folder)
-    return session.tasks.start_task(name, work, tr("running many images"), partial(CommandFailed, topic=BATCH_CATEGORY), on_result=on_done)
+    return session.tasks.start_task(
+        name, work, tr("running many images"), partial(CommandFailed, category=BATCH_CATEGORY), on_result=on_done
+    )
 
 
 def _run_batch(session: SessionFile, folder: Path, task: BackgroundTask) -> BatchDone:
@@ -63,7 +67,11 @@ def _run_batch(session: SessionFile, folder: Path, task: BackgroundTask) -> Batc
         output.mkdir(exist_ok=True)
     except OSError as error:
         raise ValueError(
-            tr("{folder} is not a folder and cannot be created: {reason}.", folder=output, reason=explain_system_error(error))
+            tr(
+                "{folder} is not a folder and cannot be created: {reason}.",
+                folder=output,
+                reason=explain_system_error(error),
+            )
         ) from error
     save_session(session, output / _APPLIED_SESSION)
     batch = Batch(images, session, output / _APPLIED_SESSION, output, DEFAULT_SUFFIXES)

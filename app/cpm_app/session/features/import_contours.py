@@ -15,8 +15,8 @@ from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_core import Image, load_centerlines, load_points
 from cpm_core.formats import (
-    CONTOURS_READABLE,
     CENTERLINES_WRITABLE,
+    CONTOURS_READABLE,
     decode_contours,
     describe_plane,
     read_contours,
@@ -67,12 +67,20 @@ def read_pasted(session: Session, content: bytes, on_read: Callable[[ImportedDra
 
 
 def _read_in_background(
-    session: Session, name: str, work: Callable[[BackgroundTask], ImportedDrawing], activity: str, on_read: Callable[[ImportedDrawing], object]
+    session: Session,
+    name: str,
+    work: Callable[[BackgroundTask], ImportedDrawing],
+    activity: str,
+    on_read: Callable[[ImportedDrawing], object],
 ) -> None:
     """Read on a thread, and use the content unless another image has been opened."""
     image = session.image_generation
-    then: Callable[[ImportedDrawing], object] = lambda found: on_read(found) if image == session.image_generation else None  # noqa: E731
-    session.tasks.start_task(tr("Reading {name}…", name=name), work, activity, on_result=then)
+
+    def use_if_current(drawing: ImportedDrawing) -> None:
+        if image == session.image_generation:
+            on_read(drawing)
+
+    session.tasks.start_task(tr("Reading {name}…", name=name), work, activity, on_result=use_if_current)
 
 
 def save_pasted_picture(session: Session, picture: QImage, on_saved: Callable[[Path], object]) -> None:
@@ -90,7 +98,9 @@ def save_pasted_picture(session: Session, picture: QImage, on_saved: Callable[[P
         write_together([(path, content)])
         return path
 
-    session.tasks.start_task(tr("Reading {name}…", name=tr("the clipboard")), write_picture, "keeping the picture", on_result=on_saved)
+    session.tasks.start_task(
+        tr("Reading {name}…", name=tr("the clipboard")), write_picture, "keeping the picture", on_result=on_saved
+    )
 
 
 def pasted_pictures_folder() -> Path:

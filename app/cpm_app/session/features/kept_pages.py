@@ -17,8 +17,8 @@ from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.exchange.messages import explain_failure
-from cpm_app.session.tasks.tasks import Cancelled, BackgroundTask
-from cpm_app.session.timeline.plain_runs import read_valid_entries
+from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
+from cpm_app.session.timeline.runs_json import read_valid_entries
 from cpm_app.session.undo_history import UndoHistory
 from cpm_core import Engine, Page, Result, State, load_pages
 from cpm_core.contours import contour_midpoint
@@ -26,7 +26,7 @@ from cpm_core.formats import Pages, Reading, decode_session, encode_session, pag
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.pages import ContourFollower, StackResult, limit_scales, pages_from_results, describe_error, strip_image
+from cpm_core.pages import ContourFollower, StackResult, describe_error, limit_scales, pages_from_results, strip_image
 from cpm_core.shapes import SeedCache, Start, check_axes
 
 
@@ -44,7 +44,7 @@ class StackSource:
         Whether its pages are its channels, because it has neither planes nor times.
     reading : Reading
         How its pages are read.
-    usual : int
+    default_page : int
         The page that is read by default.
     """
 
@@ -94,9 +94,9 @@ class KeptPage:
         Its runs, as plain JSON.
     history : History
         Its undo history.
-    known : Document or None
+    saved_document : Document or None
         Its document in the session file; None if the file has a different one.
-    given : tuple of Start
+    given_starts : tuple of Start
         Starts taken from the results of the previous page, not drawn by the user.
     runs_unsaved : bool
         Whether there are runs that are in no file.
@@ -165,7 +165,7 @@ def link_pages(
     documents: Mapping[int, Document],
     measured: MeasuredObjects,
 ) -> LinkedPages:
-    """Link the contours of all pages to tracks, page by page, and measure objects that are not `known`."""
+    """Link the contours of all pages to tracks, page by page, and measure objects that are not `measured`."""
     follower = ContourFollower()
     pages = [found[number] for number in sorted(found)]
     pages = [follower.add_page(page.number, page.result) if page.result else page for page in pages]
@@ -200,7 +200,7 @@ def pages_to_json(
 ) -> JsonDict:
     """Encode the pages of a stack for a session file, to be read by `StoredPages`; runs are left out beyond a size.
 
-    `others` are the pages that are not open, `given` is whether the open page was given its starts.
+    `others` are the pages that are not open, `given_starts` is whether the open page was given its starts.
     """
     if not others and result is None:
         return {}
@@ -235,9 +235,9 @@ class StoredPages:
         Whether each page starts from the contours of the previous one.
     drawn : tuple of mapping
         Shapes drawn before all pages were run.
-    given : tuple of Start
+    given_starts : tuple of Start
         Starts of the open page, if they were given by the previous one.
-    trouble : str
+    error : str
         Message on what had to be left out, or "".
     """
 
@@ -347,7 +347,9 @@ def run_pages(
             raise
         except Exception as error:  # one page must not end the others
             known = isinstance(error, ValueError | MemoryError)
-            trouble = describe_error(error) if known else explain_failure(error, tr("running page {number}", number=number))
+            trouble = (
+                describe_error(error) if known else explain_failure(error, tr("running page {number}", number=number))
+            )
             yield PageDone(Page(number, None, error=trouble), document, given)
             continue
         page = follower.add_page(number, result)

@@ -20,8 +20,8 @@ from cpm_app.model.volume.surface_section import object_contains, object_size
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker, is_same_input
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.scene import ContourItem, Proposal
+from cpm_app.session.scene_store import EDITING_CATEGORY
 from cpm_app.session.session import Session
-from cpm_app.session.signals import EDITING_CATEGORY
 from cpm_core import Image, Surface
 from cpm_core.contours import select_bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
@@ -31,10 +31,10 @@ from cpm_core.objects.segmented import (
     SegmentedObject,
     SegmentedObjects,
     fill_between_slices,
-    voxelize_brush,
     paint_boundary,
     split_painted_object,
     unite_objects,
+    voxelize_brush,
 )
 from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.shapes import relative_sides
@@ -54,7 +54,7 @@ class ObjectFigures:
     gray : float
         Mean gray value; NaN if it has no pixel.
     counts : tuple of int
-        Numbers of pixels in `BINS` equal steps of gray value, over the range of the image.
+        Numbers of pixels in `GRAY_HISTOGRAM_BINS` equal steps of gray value, over the range of the image.
     volume, area : float
         Volume and surface area of an object in a volume, in the unit of the image; 0 in an image, as are the rest.
     parts, euler : int
@@ -128,7 +128,7 @@ def _surface_or_boundary(item: SegmentedObject) -> object:
 
 
 def gray_histogram(values: Array, image: Image) -> tuple[int, ...]:
-    """Count the values in each of `BINS` equal steps of the gray range of an image; `values` have any shape."""
+    """Count the values in each of `GRAY_HISTOGRAM_BINS` equal steps of the gray range of an image; `values` have any shape."""
     low, high = image.gray_range
     return tuple(np.histogram(values, GRAY_HISTOGRAM_BINS, (low, max(high, low + 1e-9)))[0].tolist())
 
@@ -299,23 +299,27 @@ class ObjectList(QObject):
         return min(around, key=object_size).number if around else 0
 
     def objects_near(self, places: Array, distance: float) -> list[SegmentedObject]:
-        """Find the shown objects whose bounding boxes are within `reach` of places, shape (N, 2) [px]."""
+        """Find the shown objects whose bounding boxes are within `distance` of places, shape (N, 2) [px]."""
         shown = [item for item in self.objects.items if not item.hidden and item.boundary]
         low, high = np.array([item.box for item in shown]).reshape(-1, 2, 2).swapaxes(0, 1)
         meets = ((low <= places.max(axis=0) + distance) & (high >= places.min(axis=0) - distance)).all(axis=1)
         return [item for item, near in zip(shown, meets.tolist(), strict=True) if near]
 
     def row_at(self, place: Place, distance: float, inside_counts: bool = True) -> RowKey | None:
-        """Find the row at a place: a contour within `reach` [px], or else the smallest row that contains it.
+        """Find the row at a place: a contour within `distance` [px], or else the smallest row that contains it.
 
-        The inside of a closed contour counts only if `areas`; the inside of objects and proposals always does.
+        The inside of a closed contour counts only if `inside_counts`; the inside of objects and proposals always does.
         """
         lines = self._review.contours_near(place, distance) if len(place) == 2 else []
         listed = {row.key for row in self.rows}
         for item in lines:
             if ("contour", item.key) in listed:
                 return "contour", item.key
-        close = {("object", item.number) for item in self.objects_near(np.array([place]), 0.0)} if len(place) == 2 else listed
+        close = (
+            {("object", item.number) for item in self.objects_near(np.array([place]), 0.0)}
+            if len(place) == 2
+            else listed
+        )
         rows = [row for row in self.rows if row.key in close or (row.kind != "object" and (inside_counts or row.item))]
         around = [row for row in rows if _row_contains(row, place)]
         if around:
@@ -388,13 +392,13 @@ class ObjectList(QObject):
 
     @property
     def rows_to_accept(self) -> list[ObjectRow]:
-        """The `open_rows` that Enter accepts: doubtful ones among others only if they are selected."""
+        """The `pending_rows` that Enter accepts: doubtful ones among others only if they are selected."""
         rows, picked = self.pending_rows, bool(self.selected_keys)
         sure = [row for row in rows if picked or (row.item is not None and row.item.confidence >= MIN_SURE_CONFIDENCE)]
         return sure or rows
 
     def accept_pending(self) -> None:
-        """Make objects of proposals and closed contours, and keep open ones; see `meant`.
+        """Make objects of proposals and closed contours, and keep open ones; see `rows_to_accept`.
 
         Rejected rows among them are restored.
         """
@@ -405,7 +409,9 @@ class ObjectList(QObject):
         self._accept_rows(tr("accept {what}"), rows)
         self._session.end_gesture()
         if len(rows) < len(offered):
-            self._session.show_message(tr("Doubtful proposals are left: select one to accept it."), topic=EDITING_CATEGORY)
+            self._session.show_message(
+                tr("Doubtful proposals are left: select one to accept it."), category=EDITING_CATEGORY
+            )
 
     def reject_selected(self) -> None:
         """Dismiss the selected proposals, remove objects, and reject contours, including those along their boundaries.
@@ -432,7 +438,9 @@ class ObjectList(QObject):
         """Remove the selected objects, and dismiss or reject the rest; rejected objects are removed for good."""
         rows = self.selected_rows
         if all(row.key[0] == "object" for row in rows):
-            self._edit_rows(tr("delete {what}"), rows, lambda d: objects.delete_objects(d, [row.key[1] for row in rows]))
+            self._edit_rows(
+                tr("delete {what}"), rows, lambda d: objects.delete_objects(d, [row.key[1] for row in rows])
+            )
         else:
             self.reject_selected()
 
@@ -488,7 +496,7 @@ class ObjectList(QObject):
         self.edit_selected(words[state][on], lambda d, numbers: objects.update_objects(d, numbers, **{state: on}))
 
     def edit_selected(self, undo_text: str, edit: Callable[[Document, Collection[int]], Document]) -> None:
-        """Edit the selected objects; `words` name the edit of ``{what}`` for undo."""
+        """Edit the selected objects; `undo_text` name the edit of ``{what}`` for undo."""
         rows = [row for row in self.selected_rows if row.kind == "object"]
         numbers = [row.key[1] for row in rows]
         self._edit_rows(undo_text, rows, lambda document: edit(document, numbers))
@@ -523,7 +531,9 @@ class ObjectList(QObject):
                 self._session.show_message(tr("{name} has no gap between the slices across this axis.", name=name))
                 return
             words = tr("fill {what} between slices", what=name)
-            self._session.edit(words, partial(paint_volume_object, number=item.number, part=part, over_others=over_others))
+            self._session.edit(
+                words, partial(paint_volume_object, number=item.number, part=part, over_others=over_others)
+            )
             self._session.show_message(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
 
         self._change_in_background(items, lambda: fill_between_slices(item.surface[0], axis, image.spacing), add_part)
@@ -561,8 +571,12 @@ class ObjectList(QObject):
         edit_accepted: Callable[[Document, Collection[int]], Document] = lambda document, _: document,
     ) -> None:
         """Make objects of rows, keep open contours, and then edit the objects with the numbers of all of them."""
-        given = [row.item for row in rows if row.item is not None and row.kind != "object"] + self._objects_from_contours(rows)
-        kept, undecided = (self._contour_targets([row for row in rows if row.kind == kind]) for kind in ("open", "rejected"))
+        given = [
+            row.item for row in rows if row.item is not None and row.kind != "object"
+        ] + self._objects_from_contours(rows)
+        kept, undecided = (
+            self._contour_targets([row for row in rows if row.kind == kind]) for kind in ("open", "rejected")
+        )
         ends = any(row.key == _DRAFT_KEY for row in rows)
         old = {row.key[1] for row in rows if row.kind == "object"}
         numbers: list[int] = []
@@ -582,7 +596,9 @@ class ObjectList(QObject):
 
     def _contour_targets(self, rows: Sequence[ObjectRow]) -> list[MarkTarget]:
         """Return the targets of the contours of rows, and of contours along the boundaries of rows."""
-        apart = {item.key for item in self._review.not_on_boundary(_boundary_lines(row.item for row in rows if row.item))}
+        apart = {
+            item.key for item in self._review.not_on_boundary(_boundary_lines(row.item for row in rows if row.item))
+        }
         left = apart - {row.contour.key for row in rows if row.contour}
         return self._review.edit_targets(item for item in self._review.items if item.key not in left)
 
@@ -699,10 +715,12 @@ class ObjectBrush:
         """Whether a stroke is going on."""
         return bool(self._path)
 
-    def begin_stroke(self, at: Place, radius: float, adds: bool, gesture: str, axis: int | None, makes_new: bool) -> None:
+    def begin_stroke(
+        self, at: Place, radius: float, adds: bool, gesture: str, axis: int | None, makes_new: bool
+    ) -> None:
         """Begin a stroke at a place, in a volume across an axis; `gesture` merges it into one undo step.
 
-        If `fresh`, the stroke makes a new object.
+        If `makes_new`, the stroke makes a new object.
         """
         self._path, self._radius, self.adds, self._gesture, self._axis = [at], radius, adds, gesture, axis
         self._number = self._list.objects.next_number if makes_new else 0

@@ -15,15 +15,15 @@ from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import AnySelection
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
     MAX_OFFERED_PIXELS,
     AnyPartition,
-    SeededStart,
     Offer,
     PartitionUpdater,
+    SeededStart,
     Selector,
     find_all_objects,
     measure_extent,
@@ -51,7 +51,7 @@ def format_confidence(selection: AnySelection) -> str:
 class SelectionRequest:
     """A request for the object of some clicks, and for what the run offers.
 
-    `pointed` also asks for the effect of one more click, at the pointer; `stepped` for a candidate that is some steps
+    `preview_prompt` also asks for the effect of one more click, at the pointer; `candidate_step` for a candidate that is some steps
     larger, or smaller below 0. Both come with their selector and the clicks before.
     """
 
@@ -70,7 +70,9 @@ class SelectionRequest:
             rest = [each for each, within in zip(rest, held, strict=True) if not within]
             offered = (Proposal(selection, clicks, selector.edited), *rest)
         for each in offered:
-            _ = each.proposed_object if each.selection.has_boundary else None  # cached on this thread, not on the window's
+            _ = (
+                each.proposed_object if each.selection.has_boundary else None
+            )  # cached on this thread, not on the window's
         preview, candidate = None, None
         if self.preview_prompt is not None:
             selector, before, click = self.preview_prompt
@@ -111,7 +113,8 @@ class ObjectSelection(QObject):
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
         self._finding = ENDED_TASK
         self.partition_updater = PartitionUpdater(
-            session, lambda: self._in_use or self.selecting or bool(self._offered_starts) or self.followed_search() is not None
+            session,
+            lambda: self._in_use or self.selecting or bool(self._offered_starts) or self.followed_search() is not None,
         )
         self.partition_updater.changed.connect(self._request_answer)
         self.partition_updater.changed.connect(self.changed)
@@ -176,7 +179,11 @@ class ObjectSelection(QObject):
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
         place = np.array([at], float)
         around = [each for each in self.proposals if each.key and each.selection.contains(place)[0]]
-        return min(around, key=lambda each: measure_extent(each.selection)).key if around else self._list.object_number_at(at)
+        return (
+            min(around, key=lambda each: measure_extent(each.selection)).key
+            if around
+            else self._list.object_number_at(at)
+        )
 
     def set_in_use(self, in_use: bool) -> None:
         """Set whether the tool is in use, so that the partition is kept up to date."""
@@ -281,10 +288,14 @@ class ObjectSelection(QObject):
             if not found:
                 self._session.show_message(tr("No other object like this one was found."))
                 return
-            self._session.edit(tr("all like this"), lambda document: objects.add_selections(document, found, example.category))
+            self._session.edit(
+                tr("all like this"), lambda document: objects.add_selections(document, found, example.category)
+            )
             self._session.show_message(tr("{count} objects like this one were found.").format(count=len(found)))
 
-        self._session.tasks.start_task(tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found)
+        self._session.tasks.start_task(
+            tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found
+        )
 
     def close(self) -> None:
         """End the threads."""
@@ -294,7 +305,11 @@ class ObjectSelection(QObject):
     # Internal
 
     def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:
-        followed = [each.proposed_object for each in self.proposals if each.number == number and each.followed_object is not None]
+        followed = [
+            each.proposed_object
+            for each in self.proposals
+            if each.number == number and each.followed_object is not None
+        ]
 
         def accept_and_select(document: Document) -> Document:
             """Accept an object of the previous page as it is, so that it can be changed like any other."""
@@ -328,7 +343,7 @@ class ObjectSelection(QObject):
     def _offered_starts(self) -> tuple[Start, ...]:
         """The starts whose objects are offered, because the run from them has ended with a result.
 
-        On a large image, or if `offers_for` is False for the document, there are none unless the tool for objects is in
+        On a large image, or if `should_offer` is False for the document, there are none unless the tool for objects is in
         use.
         """
         document, result = self._session.document, self._session.scene.contours.result
@@ -348,7 +363,11 @@ class ObjectSelection(QObject):
 
     def _make_offer(self, partition: AnyPartition) -> Offer:
         """Return the objects of the previous page, or the offer of the run: everything if it has started everywhere."""
-        starts, source, rejected = self._offered_starts, self.partition_updater.source, self._session.document.objects.rejected
+        starts, source, rejected = (
+            self._offered_starts,
+            self.partition_updater.source,
+            self._session.document.objects.rejected,
+        )
         search = self.followed_search()
         if not (isinstance(partition, Partition) and (search or any(isinstance(each, Everywhere) for each in starts))):
             return Offer(tuple(start for start in starts if isinstance(start, SeededStart)), (), rejected)
@@ -389,7 +408,9 @@ class ObjectSelection(QObject):
             return
         changed = self._request is not None and known.items is not self._request.selector.items
         gone = {item.clicks for item in known.items} if changed else set()  # accepted meanwhile
-        self._set_proposals(tuple(each for each in self.proposals if each.clicks not in gone and (each.key or known.clicks)))
+        self._set_proposals(
+            tuple(each for each in self.proposals if each.clicks not in gone and (each.key or known.clicks))
+        )
         pointed, stepped = None, None
         if self._pointed is not None:
             clicks, number = self._clicks_before(self._find_corrected(self._pointed))

@@ -38,7 +38,7 @@ from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, frozen
 from cpm_core.objects import EVERYWHERE_PARAMETERS, compute_iou
-from cpm_core.objects.everywhere import find_objects_everywhere
+from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, collect_points, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
@@ -70,7 +70,7 @@ class PartitionUpdater(QObject):
     """Makes partitions on other threads: from the contours of the run, or without one, from a run from everywhere.
 
     Until the latter ends, a partition without contours is used. `wanted` returns whether a partition is needed now;
-    call `look` whenever its answer may have changed.
+    call `update_partition` whenever its answer may have changed.
     """
 
     changed = Signal()
@@ -297,7 +297,9 @@ class Selector:
         elif made is None:
             made = self.partition.select(inside, **self._other_arguments(clicks))
         if isinstance(made, VolumeSelection):
-            known = (one for one in self._known.values() if isinstance(one, VolumeSelection) and one.has_same_region(made))
+            known = (
+                one for one in self._known.values() if isinstance(one, VolumeSelection) and one.has_same_region(made)
+            )
             made = next((one for one in known if one.remark == made.remark), made)
             if made.has_boundary:
                 _ = made.packed_body, made.contains(inside)  # cached on this thread, not on the window's

@@ -15,7 +15,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.edits import ShapeHit, find_shape_at
 from cpm_app.model.volume.shape_sections import Section, cut_shape
 from cpm_app.model.volume.slices import SampledForce, Slice, Slices
-from cpm_app.model.volume.surface_section import cut_objects, cut_selection, cut_skeleton, build_unmeasured_row
+from cpm_app.model.volume.surface_section import build_unmeasured_row, cut_objects, cut_selection, cut_skeleton
 from cpm_app.model.volume.surface_section import cut_surface as lines_of
 from cpm_app.session.exchange.messages import Reconstruction, Snapshot
 from cpm_app.session.features.background import AsyncCache, IdentityCache
@@ -109,7 +109,9 @@ class Sections:
             return DisplayImage.from_shades(apply_window(image.values, window))
 
         if image.values.size > MAX_SYNC_PIXELS and self.later is not None:
-            return self.later.get_named("display", make_display, lambda: DisplayImage.from_subsample(image.values, window), image)
+            return self.later.get_named(
+                "display", make_display, lambda: DisplayImage.from_subsample(image.values, window), image
+            )
         return self._parts.get_named("display", make_display, image)
 
     def _slice_overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, SliceOverlay]:
@@ -117,9 +119,13 @@ class Sections:
         found: dict[str, SliceOverlay] = {}
         for name, drawn in scene.overlays.items():
             if isinstance(drawn, DisplayVolume):
-                found[name] = self._parts.get_named(name, partial(DisplayImage.from_shades, here.slice_array(drawn.shades)), drawn, here)
+                found[name] = self._parts.get_named(
+                    name, partial(DisplayImage.from_shades, here.slice_array(drawn.shades)), drawn, here
+                )
             elif isinstance(drawn, SampledForce):
-                found[name] = self._parts.get_named(name, partial(drawn.interpolate_slice, here, image.shape), drawn, here)
+                found[name] = self._parts.get_named(
+                    name, partial(drawn.interpolate_slice, here, image.shape), drawn, here
+                )
         return self._parts.get_named("overlays", lambda: found, *found, *found.values())
 
 

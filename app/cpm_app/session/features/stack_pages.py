@@ -20,30 +20,30 @@ from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.features.kept_pages import (
     EMPTY_TABLE,
     KeptPage,
+    LazyJsonPages,
     LinkedPages,
     ListedKind,
     MeasuredObjects,
     PageDone,
-    LazyJsonPages,
     StackSource,
-    StoredPages,
     StackTable,
-    without_results,
+    StoredPages,
     link_pages,
-    with_taken_numbers,
     pages_to_json,
     run_pages,
     with_starts,
+    with_taken_numbers,
+    without_results,
 )
+from cpm_app.session.scene_store import EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.session import Session
-from cpm_app.session.signals import EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.storage.session_file import DocumentFile, SessionWritten
 from cpm_app.session.tasks.opening import OpenRequest
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.contours import apply_marks, compute_centroid
-from cpm_core.formats import ImageFile, export_stack, describe_shapes
+from cpm_core.formats import ImageFile, describe_shapes, export_stack
 from cpm_core.numerics.types import JsonObject
 from cpm_core.pages import StackResult
 from cpm_core.shapes import Start, starts_from_contours
@@ -230,7 +230,9 @@ class StackPages(QObject):
         if not self.count or self.wanted_page == self.number:
             return
         here = self._kept[self.number] = self._describe_open_page()
-        self._begin_page(self.wanted_page, self._kept.get(self.wanted_page) or self._make_fresh_page(self.wanted_page, here))
+        self._begin_page(
+            self.wanted_page, self._kept.get(self.wanted_page) or self._make_fresh_page(self.wanted_page, here)
+        )
 
     def _begin_page(self, number: int, page: KeptPage) -> None:
         """Open a page with its kept state; the image stays where it is on the canvas."""
@@ -251,7 +253,14 @@ class StackPages(QObject):
     def _describe_open_page(self) -> KeptPage:
         """Return the state of the open page."""
         session, runs = self._session, self._file.runs
-        return KeptPage(session.document, runs.runs_json, session.history, self._file.saved_document, self._given_starts, runs.unsaved)
+        return KeptPage(
+            session.document,
+            runs.runs_json,
+            session.history,
+            self._file.saved_document,
+            self._given_starts,
+            runs.unsaved,
+        )
 
     def _make_fresh_page(self, number: int, here: KeptPage) -> KeptPage:
         """Make the state of an untouched page: with the shapes of the open page, or starts from the previous page."""
@@ -265,7 +274,7 @@ class StackPages(QObject):
     def _on_image_opened(self, opened: ImageOpened) -> None:
         """Take over an opened page of the stack, or another file."""
         if opened.saved is not None and opened.saved.is_other_page:
-            # another page may be requested by now: the state of this one is kept until `_turn` leaves it
+            # another page may be requested by now: the state of this one is kept until `_open_wanted_page` leaves it
             self.number = self.source.page_number(opened.reading)
             page = self._kept.get(self.number)
             if page is not None:
@@ -304,7 +313,9 @@ class StackPages(QObject):
 
         def run_and_report(task: BackgroundTask) -> None:
             for done in run_pages(source, numbers, document_of, before, task):
-                self._session.tasks.call_in_window(partial(self._on_page_done, source.path, kept.get(done.page.number), done))
+                self._session.tasks.call_in_window(
+                    partial(self._on_page_done, source.path, kept.get(done.page.number), done)
+                )
 
         title = tr("Running {count} pages…", count=len(numbers))
         self.task = self._session.tasks.start_task(title, run_and_report, tr("running the pages"))

@@ -15,8 +15,8 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import TrackedContours
 from cpm_app.session.exchange.messages import Reconstruction, explain_failure
 from cpm_app.session.scene import ReviewedContours, Scene
-from cpm_app.session.tasks.tasks import Cancelled, BackgroundTask
-from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, report_run, measure, iterate_method
+from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
+from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, iterate_method, measure, report_run
 from cpm_core.numerics import count_cores
 from cpm_core.objects.methods import build_method_result
 from cpm_core.shapes import SeedCache, drawn_outlines
@@ -32,7 +32,9 @@ def scene_from_result(found: Result) -> Scene:
     if found.surface is not None:
         return Scene(reconstruction=Reconstruction(0, found, None))
     measures = measure(found.contours, found.spacing, contrast=False)
-    return Scene(contours=ReviewedContours.from_tracked(TrackedContours(found, tuple(range(len(measures))), measures), ()))
+    return Scene(
+        contours=ReviewedContours.from_tracked(TrackedContours(found, tuple(range(len(measures))), measures), ())
+    )
 
 
 def run_trials(

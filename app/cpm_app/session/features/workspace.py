@@ -12,7 +12,7 @@ from cpm_app.session.features.object_selection import ObjectSelection
 from cpm_app.session.features.skeleton import SkeletonUpdater
 from cpm_app.session.features.slices import SliceNavigation
 from cpm_app.session.features.stack_pages import StackPages
-from cpm_app.session.features.timeline import TimelineNavigation
+from cpm_app.session.features.timeline_navigation import TimelineNavigation
 from cpm_app.session.session import Session
 
 

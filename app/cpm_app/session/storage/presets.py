@@ -10,7 +10,14 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from cpm_app.model.parameters.presets import PRESET_SUFFIX, Preset, built_in_presets, check_preset_name, decode_preset, encode_preset
+from cpm_app.model.parameters.presets import (
+    PRESET_SUFFIX,
+    Preset,
+    built_in_presets,
+    check_preset_name,
+    decode_preset,
+    encode_preset,
+)
 from cpm_app.model.text.language import tr
 from cpm_app.session.storage.preferences import open_settings
 from cpm_core.formats import write_together

@@ -53,7 +53,7 @@ class Journal(QObject):
     write_ended = Signal(str)
     """The journal has been written or removed; an error message if that has failed, else ""."""
     _write_ended_on_thread = Signal(str)
-    """Like `put`, but sent by the thread that writes."""
+    """Like `write_ended`, but sent by the thread that writes."""
 
     def __init__(self, document_file: DocumentFile, folder: Path, preferences: Preferences) -> None:
         super().__init__(document_file)

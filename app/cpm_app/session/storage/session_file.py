@@ -14,9 +14,9 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.saving import View, describe_changes, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, Report
+from cpm_app.session.scene_store import SAVING_CATEGORY
 from cpm_app.session.session import Session
-from cpm_app.session.signals import SAVING_CATEGORY
-from cpm_app.session.storage.run_keeping import RunCollector
+from cpm_app.session.storage.run_collector import RunCollector
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core.formats import SESSION_SUFFIX, SessionFile, TruthFile, save_session
 from cpm_core.numerics.types import JsonObject, Texts, record
@@ -117,7 +117,7 @@ class DocumentFile(QObject):
             tr("Saving {name}…", name=path.name),
             write_file,
             tr("saving {name}", name=path.name),
-            partial(CommandFailed, topic=SAVING_CATEGORY),
+            partial(CommandFailed, category=SAVING_CATEGORY),
             cancellable=False,
             on_result=self._announce_written,
         )
@@ -153,7 +153,9 @@ class DocumentFile(QObject):
         self.path, self._file = (saved.path, saved.file) if saved else (None, None)
         self.saved_document = self._session.document
         if saved is not None and (saved.recovered or saved.is_other_page):
-            self.saved_document = saved.saved_document and replace(saved.saved_document, image=self._session.document.image)
+            self.saved_document = saved.saved_document and replace(
+                saved.saved_document, image=self._session.document.image
+            )
         if saved is not None:
             self.restored.emit(saved.file.view)
         self._announce_state()
@@ -166,7 +168,7 @@ class DocumentFile(QObject):
         if self.is_current(written):
             self.path, self._file, self.saved_document = written.path, written.file, written.document
             self.runs.mark_saved(written.edition)
-        self._session.show_message(tr("Saved: {path}", path=written.path), topic=SAVING_CATEGORY)
+        self._session.show_message(tr("Saved: {path}", path=written.path), category=SAVING_CATEGORY)
         self._announce_state()
 
     def _announce_state(self) -> None:

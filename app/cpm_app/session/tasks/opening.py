@@ -11,7 +11,14 @@ from cpm_app.model.display.display_image import build_display_image
 from cpm_app.model.export import EXPORT_TITLES
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.model.volume.parts import FileParts
-from cpm_app.session.exchange.messages import CoreFunctions, ImageReady, OpeningFailed, ImageOpened, Report, SavedSession
+from cpm_app.session.exchange.messages import (
+    CoreFunctions,
+    ImageOpened,
+    ImageReady,
+    OpeningFailed,
+    Report,
+    SavedSession,
+)
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask, TaskManager
 from cpm_core import PRESETS, Image, Parameters
 from cpm_core.formats import (
@@ -19,10 +26,10 @@ from cpm_core.formats import (
     SESSION_SUFFIX,
     Reading,
     UnreadableError,
-    find_sibling_dicom_files,
     find_session_image,
-    natural_sort_key,
+    find_sibling_dicom_files,
     load_session,
+    natural_sort_key,
     open_stack,
 )
 from cpm_core.formats.images import raster
@@ -177,7 +184,7 @@ def _read_image(
 ) -> tuple[Image, Texts]:
     """Read the image or the volume of a file and compute its range of gray levels.
 
-    If the volume of a file cannot be used and was not explicitly `asked` for, one plane of it is read, and the message
+    If the volume of a file cannot be used and was not explicitly `as_volume` for, one plane of it is read, and the message
     says why.
     """
     chosen, refused, image = reading.arguments, tuple[str, ...](), None
@@ -227,7 +234,7 @@ class Opener:
         return self._task
 
     def call_when_opened(self, callback: Callback) -> None:
-        """Call `do` as soon as no image is being opened."""
+        """Call `callback` as soon as no image is being opened."""
         self._afterwards.append(callback)
         self._on_tasks_changed()
 

@@ -1,7 +1,7 @@
 """Long tasks: their list, progress and cancellation.
 
-A `Task` is the handle that the work shares with the window. Work that needs no run gets a thread of its own by
-`Tasks.start`; a command of the worker gets its task from `Tasks.begin`, updates its progress and ends it.
+A `BackgroundTask` is the handle that the work shares with the window. Work that needs no run gets a thread of its own by
+`TaskManager.start_task`; a command of the worker gets its task from `TaskManager.begin_task`, updates its progress and ends it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TypeVar
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.state.situation import estimate_seconds_left
-from cpm_app.session.exchange.messages import CommandFailed, WorkFinished, Report, explain_failure
+from cpm_app.session.exchange.messages import CommandFailed, Report, WorkFinished, explain_failure
 from cpm_core.numerics.types import Callback
 
 Outcome = TypeVar("Outcome")
@@ -91,7 +91,7 @@ ENDED_TASK.end()
 class TaskManager(QObject):
     """The long tasks of a session.
 
-    `report` sends a report to the window, from any thread; `wake` has `look` called in each display frame while there
+    `report` sends a report to the window, from any thread; `wake` has `announce_changes` called in each display frame while there
     are tasks.
     """
 
@@ -120,9 +120,9 @@ class TaskManager(QObject):
         return not self._tasks and not self._threads
 
     def begin_task(self, name: str, cancellable: bool = True) -> BackgroundTask:
-        """Announce a task whose work is done elsewhere, which has to call `Task.end`.
+        """Announce a task whose work is done elsewhere, which has to call `BackgroundTask.end`.
 
-        The work of a cancellable task has to check `Task.cancelled`, or call `Task.advance`.
+        The work of a cancellable task has to check `BackgroundTask.is_cancelled`, or call `BackgroundTask.advance`.
         """
         task = BackgroundTask(name, cancellable)
         self._tasks = (*self._tasks, task)
@@ -142,7 +142,7 @@ class TaskManager(QObject):
     ) -> BackgroundTask:
         """Do a long task on a separate thread.
 
-        The result of `work` is passed to `then` on the window's thread, or without `then` is reported, unless the task
+        The result of `compute` is passed to `on_result` on the window's thread, or without `on_result` is reported, unless the task
         has been cancelled. An error is reported by `failure_report`; `activity` follows "while" in its message.
         """
         task = self.begin_task(name, cancellable)

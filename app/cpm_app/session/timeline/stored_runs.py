@@ -7,7 +7,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import field
 
 from cpm_app.model.document.document import Document
-from cpm_app.session.timeline.moments import BranchStep, RunAction
+from cpm_app.session.timeline.timeline_nodes import BranchStep, RunAction
 from cpm_core.numerics import Array, Position
 from cpm_core.numerics.types import frozen, record
 from cpm_core.segmentation import MethodState
@@ -81,7 +81,7 @@ class StoredRuns:
 
 
 def starts_from_sources(sources: Counter[Hashable]) -> tuple[Start, ...]:
-    """Return the starts that sources of particles belong to, all points as one; see `Document.sources`."""
+    """Return the starts that sources of particles belong to, all points as one; see `Document.start_counts`."""
     points = tuple(source for source in sources.elements() if isinstance(source, tuple))
     starts = tuple(source for source in sources.elements() if isinstance(source, Start))
     return (*starts, Points(points)) if points else starts

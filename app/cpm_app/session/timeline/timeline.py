@@ -19,8 +19,15 @@ from cpm_app.model.display.plots import RunMetrics
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import explain_error, tr
-from cpm_app.session.timeline.moments import BranchStep, StateCache, TimelineNode, RunAction, BranchFigures, StepAction
-from cpm_app.session.timeline.stored_runs import TimelineBranch, StoredBranch, StoredRun, StoredRuns
+from cpm_app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns, TimelineBranch
+from cpm_app.session.timeline.timeline_nodes import (
+    BranchFigures,
+    BranchStep,
+    RunAction,
+    StateCache,
+    StepAction,
+    TimelineNode,
+)
 from cpm_core import Method, Parameters
 from cpm_core.image import AnyRegions
 from cpm_core.numerics.types import Texts, record
@@ -52,13 +59,13 @@ class TimelineState:
         The current branch, 0 before there is one.
     parameters : Parameters or None
         Parameters of the current step; None for the first.
-    fallen : tuple of str
+    dropped_runs : tuple of str
         Names of the runs that were removed to make room.
     edition : int
         Changes whenever something is recorded, renamed or removed.
     steered : bool
         Whether there is more than a single run without interventions.
-    began : int
+    run_generation : int
         Generation of the current run, 0 before there is one.
     """
 
@@ -75,7 +82,7 @@ class TimelineState:
 class _Branch:
     """A branch with the last node of each step, from the first step of its run; branches share their common beginning.
 
-    `scales` are first steps and numbers of its scales, `record` has its figures for plots; `steered` is whether its
+    `scales` are first steps and numbers of its scales, `figures` has its figures for plots; `steered` is whether its
     state or its parameters were changed between steps.
     """
 
@@ -183,7 +190,7 @@ class Timeline:
         return self._get_branch(branch).run
 
     def compute_state(self, branch: int, step: int, is_wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
-        """Return the state of a step, as `go` does, without going there."""
+        """Return the state of a step, as `go_to` does, without going there."""
         moment, missing = self._get_branch(branch).node_at(step), []
         while (state := self._states.get(moment)) is None:
             missing.append(moment)
@@ -221,7 +228,9 @@ class Timeline:
             run = self._numbered + 1
             self._begun[run] = document, generation
             self.edition += 1
-            self._set_current(self._add_branch([TimelineNode(run, 0)], [(0, state.scale)], run, tr("Run {number}")), state)
+            self._set_current(
+                self._add_branch([TimelineNode(run, 0)], [(0, state.scale)], run, tr("Run {number}")), state
+            )
 
     def record_step(self, action: RunAction, state: MethodState, measures: Mapping[str, float]) -> None:
         """Add the step after the current one, with its figures.
@@ -249,7 +258,7 @@ class Timeline:
     def amend_state(self, action: RunAction, state: MethodState, on_own_branch: bool = False) -> None:
         """Change the current state without a step.
 
-        If other steps have followed from it, the change begins a new branch. It also does so if `apart`, so that the
+        If other steps have followed from it, the change begins a new branch. It also does so if `on_own_branch`, so that the
         state before it can be visited again.
         """
         line, moment = self._current_branch, self._states.current
@@ -271,7 +280,7 @@ class Timeline:
     def go_to(self, branch: int, step: int, is_wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """Go to a step, or to the nearest one of its branch, and return its state, exactly as it was.
 
-        `wanted` is called between steps that have to be repeated; if it returns False, nothing changes and the
+        `is_wanted` is called between steps that have to be repeated; if it returns False, nothing changes and the
         result is None. Raises ValueError if there is no such branch.
         """
         state = self.compute_state(branch, step, is_wanted)
@@ -303,7 +312,10 @@ class Timeline:
         if len(self._branches_by_number) == 1:
             raise ValueError(tr("The only run cannot be deleted."))
         rest = [other for other in self._branches_by_number.values() if other.run == line.run and other is not line]
-        if any(not other.count_common_nodes(rest[0]) and rest[0].nodes[0] not in other.nodes[0].nodes_of_step for other in rest):
+        if any(
+            not other.count_common_nodes(rest[0]) and rest[0].nodes[0] not in other.nodes[0].nodes_of_step
+            for other in rest
+        ):
             raise ValueError(
                 tr("{name} cannot be deleted: several branches begin with its step {step}.", name=line.name, step=0)
             )
@@ -333,12 +345,16 @@ class Timeline:
     # Stored runs
 
     def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
-        """Return all runs for a session; `drawn` are the sources of the particles of each, by its generation."""
+        """Return all runs for a session; `sources` are the sources of the particles of each, by its generation."""
         runs = []
         for run, (document, generation) in self._begun.items():
-            branches = tuple(self._to_stored_branch(line) for line in self._branches_by_number.values() if line.run == run)
+            branches = tuple(
+                self._to_stored_branch(line) for line in self._branches_by_number.values() if line.run == run
+            )
             runs.append(StoredRun(document, sources.get(generation, document.start_counts), branches))
-        places = {(line.identity, line.last) for line in self._branches_by_number.values()} | ({self.current_step} if self.current_step else set())
+        places = {(line.identity, line.last) for line in self._branches_by_number.values()} | (
+            {self.current_step} if self.current_step else set()
+        )
         kept = ((place, self._states.get(self._branches_by_number[place[0]].node_at(place[1]))) for place in places)
         return StoredRuns(tuple(runs), self.current_step, {place: state for place, state in kept if state is not None})
 
@@ -428,7 +444,9 @@ class Timeline:
         branches = run != self._numbered
         self._named[branches] += 1
         name = name.format(number=self._named[branches])
-        line = self._branches_by_number[self._numbered] = _Branch(self._numbered, name, run, path, scales, steered=branches)
+        line = self._branches_by_number[self._numbered] = _Branch(
+            self._numbered, name, run, path, scales, steered=branches
+        )
         self._shown_branches = None
         return line
 
@@ -457,7 +475,9 @@ class Timeline:
         if self.current_run == run:
             self.leave_run()
         del self._begun[run]
-        self._branches_by_number = {branch: line for branch, line in self._branches_by_number.items() if line.run != run}
+        self._branches_by_number = {
+            branch: line for branch, line in self._branches_by_number.items() if line.run != run
+        }
         self._states.keep_only(run, set())
         self._mark_changed()
 
@@ -466,7 +486,9 @@ class Timeline:
         self._states.evict_states()
         while self._states.used > self._states.budget or len(self._begun) > MAX_TIMELINE_RUNS:
             roots = [self._first_branch(run) for run in tuple(self._begun)[:-1]]
-            oldest = min((one for one in roots if one.run != self.current_run), key=lambda one: one.renamed, default=None)
+            oldest = min(
+                (one for one in roots if one.run != self.current_run), key=lambda one: one.renamed, default=None
+            )
             if oldest is None:
                 return
             self._dropped_runs = (*self._dropped_runs, oldest.name)

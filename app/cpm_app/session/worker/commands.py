@@ -17,24 +17,24 @@ from typing import Concatenate, ParamSpec
 
 from cpm_app.model.display import stamps
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.export import ExportOrder, ExportKind, prepare_export, describe_export, simplify_result
+from cpm_app.model.export import ExportKind, ExportOrder, describe_export, prepare_export, simplify_result
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
     CompilationProgress,
     CoreFunctions,
     FilesExported,
-    WorkFinished,
     Reconstruction,
     Report,
+    RunContinued,
     RunFailed,
     RunsKept,
     SeedsFound,
     WarmedUp,
-    RunContinued,
+    WorkFinished,
 )
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_app.session.timeline.plain_runs import runs_from_json, runs_to_json
+from cpm_app.session.timeline.runs_json import runs_from_json, runs_to_json
 from cpm_app.session.worker.run import Run
 from cpm_core import Result, Skeleton
 from cpm_core.formats import FIGURE_SUFFIXES, encode_descriptions, set_relative_source, write_together
@@ -75,13 +75,13 @@ class WorkerCommand:
 
     Attributes
     ----------
-    work : callable
+    execute : callable
         Does the work.
     activity : str
         Description of the work that follows "while" in an error message.
     kind : object
         Only the newest posted command of a kind is executed, for example while a slider is moved; if None, every one.
-    failed : callable
+    failure_report : callable
         Makes the report for a failure from an error message.
     """
 
@@ -148,7 +148,7 @@ def write_files(
     order: ExportOrder,
     on_encoded: Callable[[tuple[bytes, ...]], object] | None = None,
 ) -> WorkerCommand:
-    """Encode all files of an order and write them, or pass their contents to `then`.
+    """Encode all files of an order and write them, or pass their contents to `on_encoded`.
 
     During a run these are the contours `shown` in the window. Of a paused run they are the contours of its last state,
     which the window shows as soon as they are reconstructed.
@@ -194,7 +194,7 @@ def write_files(
             task.end()
 
     activity = tr("writing {name}", name=order.files[0].path.name)
-    return WorkerCommand(encode_and_write, activity, failure_report=partial(CommandFailed, topic="exporting"))
+    return WorkerCommand(encode_and_write, activity, failure_report=partial(CommandFailed, category="exporting"))
 
 
 def compile_kernels(volumes: bool = False) -> WorkerCommand:
@@ -237,10 +237,12 @@ class RunsCollected(Report):
     error: str = ""
 
 
-def collect_runs(generation: int, sources: Mapping[int, Counter[Hashable]], found: Future[RunsCollected]) -> WorkerCommand:
+def collect_runs(
+    generation: int, sources: Mapping[int, Counter[Hashable]], found: Future[RunsCollected]
+) -> WorkerCommand:
     """Encode the runs on the image opened as `generation` as plain JSON; `found` has the report for other threads.
 
-    `drawn` are the sources of their particles, by generation. A failure is reported too, so that the file can still be
+    `sources` are the sources of their particles, by generation. A failure is reported too, so that the file can still be
     written without runs.
     """
 

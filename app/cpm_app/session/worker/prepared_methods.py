@@ -90,7 +90,9 @@ _MAX_FIELD_VOXELS = 1 << 26
 """Largest volume whose field is computed, which takes 800 MB for this one [voxels]."""
 
 
-def compute_overlay(name: str, method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> OverlayData:
+def compute_overlay(
+    name: str, method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]
+) -> OverlayData:
     """Compute an overlay of the image.
 
     These are display images of the edge map and of the potential, shape (H, W), or (P, R, C) for a volume; and the

@@ -69,7 +69,9 @@ def apply_hand_edits(
     """Apply manual edits to contours; return also the edits without a matching contour. A skeleton stays as it is."""
     if not edits or isinstance(found, Skeleton):
         return found, ()
-    return apply_edits_to_result(found, edits, method.scale_field(parameters) if isinstance(method, ImageFields) else None)
+    return apply_edits_to_result(
+        found, edits, method.scale_field(parameters) if isinstance(method, ImageFields) else None
+    )
 
 
 class Reconstructor:
@@ -105,7 +107,7 @@ class Reconstructor:
     def wait_for_latest(self, generation: int, is_wanted: Callable[[], bool]) -> Reconstruction | None:
         """Wait for the contours of the newest request of a run and return them.
 
-        None if there are none, or if `wanted`, which is called while they are being made, returns False. Raises
+        None if there are none, or if `is_wanted`, which is called while they are being made, returns False. Raises
         ValueError if they could not be made, because the previous ones belong to another state.
         """
         with self._changed:

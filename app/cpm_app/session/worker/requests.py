@@ -11,9 +11,9 @@ import numpy as np
 from cpm_app.model.display.display_image import DisplayImage, IntensityWindow
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import ContourTracker
-from cpm_app.session.exchange.messages import CommandFailed, WorkFinished, Reconstruction, Report, Snapshot
+from cpm_app.session.exchange.messages import CommandFailed, Reconstruction, Report, Snapshot, WorkFinished
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_app.session.worker.commands import WorkerCommand, CommandContext
+from cpm_app.session.worker.commands import CommandContext, WorkerCommand
 from cpm_core import Image, Parameters
 from cpm_core.field import ScaleField
 from cpm_core.model import ImageFields
@@ -53,7 +53,7 @@ class ForcesProbed(Report):
         of a voxel.
     sizes : mapping
         Magnitude of each force, also where a slice shows only a component of it.
-    trouble : str
+    error : str
         Error of their computation.
     """
 
@@ -67,7 +67,7 @@ class ForcesProbed(Report):
 
 
 def probe_forces(generation: int, place: Place, max_distance: float) -> WorkerCommand:
-    """Report the forces on the particle nearest to a place (row, col), within `reach` [px of the image]."""
+    """Report the forces on the particle nearest to a place (row, col), within `max_distance` [px of the image]."""
 
     def report_forces(context: CommandContext) -> None:
         method, state = context.run.method, context.run.state
@@ -97,7 +97,7 @@ def probe_forces(generation: int, place: Place, max_distance: float) -> WorkerCo
 
 @record
 class FrameTaken:
-    """Everything shown in one frame, or an error message; `moment` is None if the run has been replaced."""
+    """Everything shown in one frame, or an error message; `snapshot` is None if the run has been replaced."""
 
     snapshot: Snapshot | None = None
     contours: Reconstruction | None = None
@@ -105,9 +105,14 @@ class FrameTaken:
 
 
 def take_frame(
-    task: BackgroundTask, generation: int, branch: int, step: int, contours: bool, on_taken: Callable[[FrameTaken], object]
+    task: BackgroundTask,
+    generation: int,
+    branch: int,
+    step: int,
+    contours: bool,
+    on_taken: Callable[[FrameTaken], object],
 ) -> WorkerCommand:
-    """Pass everything shown of one step of a branch to `then`; the run itself continues.
+    """Pass everything shown of one step of a branch to `on_taken`; the run itself continues.
 
     Nothing is done once the task is over.
     """
@@ -129,7 +134,9 @@ def take_frame(
             found = Reconstruction.from_result(generation, result, ContourTracker(), thorough=False)
         context.report(make_report(moment, found))
 
-    return WorkerCommand(report_frame, tr("drawing a step"), failure_report=lambda sentence: make_report(sentence=sentence))
+    return WorkerCommand(
+        report_frame, tr("drawing a step"), failure_report=lambda sentence: make_report(sentence=sentence)
+    )
 
 
 @record
@@ -155,12 +162,16 @@ EDGES_CATEGORY = "edges"
 """Category of messages about the edges."""
 
 
-def find_edges(image_generation: int, parameters: Parameters, on_found: Callable[[ScaleField], object]) -> WorkerCommand:
-    """Pass the fields of the image at its full size to `then`, if it is still current and its method has any."""
+def find_edges(
+    image_generation: int, parameters: Parameters, on_found: Callable[[ScaleField], object]
+) -> WorkerCommand:
+    """Pass the fields of the image at its full size to `on_found`, if it is still current and its method has any."""
 
     def report_fields(context: CommandContext) -> None:
         fields: object = context.run.method
         if image_generation == context.run.image_generation and isinstance(fields, ImageFields):
             context.report(WorkFinished(partial(on_found, fields.scale_field(parameters))))
 
-    return WorkerCommand(report_fields, tr("looking for edges"), "edges", partial(CommandFailed, topic=EDGES_CATEGORY))
+    return WorkerCommand(
+        report_fields, tr("looking for edges"), "edges", partial(CommandFailed, category=EDGES_CATEGORY)
+    )

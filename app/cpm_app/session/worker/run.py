@@ -14,11 +14,11 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import ContourTracker
 from cpm_app.session.exchange.mailbox import Mailbox, Pacer
 from cpm_app.session.exchange.messages import Overlays, Reconstruction, Snapshot, explain_failure
-from cpm_app.session.timeline.moments import EraseAction, JoinAction, RunAction, StepAction
 from cpm_app.session.timeline.stored_runs import StoredRuns
 from cpm_app.session.timeline.timeline import Timeline
+from cpm_app.session.timeline.timeline_nodes import EraseAction, JoinAction, RunAction, StepAction
 from cpm_app.session.worker.prepared_methods import PreparedMethods, compute_overlay
-from cpm_app.session.worker.reconstruction import Reconstructor, ReconstructionRequest, apply_hand_edits
+from cpm_app.session.worker.reconstruction import ReconstructionRequest, Reconstructor, apply_hand_edits
 from cpm_core import Image, Method, Parameters, PlacedCharge, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.formats import describe_shapes
@@ -92,10 +92,12 @@ class Run:
     def restore_runs(self, stored: StoredRuns) -> str:
         """Take over the runs of a session, none of which is shown yet; return the first error, or ""."""
         self._tracker = ContourTracker(stored.numbers)
-        return self.timeline.restore_runs(stored, lambda method, document: method.start(self._prepared.compute_seeds(document)))
+        return self.timeline.restore_runs(
+            stored, lambda method, document: method.start(self._prepared.compute_seeds(document))
+        )
 
     def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
-        """Return all runs for a session, with the numbers of their contours; `drawn` as for `Timeline.stored`."""
+        """Return all runs for a session, with the numbers of their contours; `sources` as for `Timeline.to_stored_runs`."""
         return replace(self.timeline.to_stored_runs(sources), numbers=self._tracker.places)
 
     def compute_image_seeds(self, document: Document) -> ImageSeeds:
@@ -158,7 +160,7 @@ class Run:
             self.go_to(*(before if back else after), lambda: True)
 
     def _apply_action(self, action: RunAction, on_own_branch: bool = False) -> None:
-        """Apply an action to the current state; if `apart`, on a branch of its own."""
+        """Apply an action to the current state; if `on_own_branch`, on a branch of its own."""
         assert self.method is not None
         self.state = action.apply_to(self.method, self.state)
         self.timeline.amend_state(action, self.state, on_own_branch)
@@ -271,7 +273,9 @@ class Run:
         """Use and show a state of the timeline; `before` is the number of the previous run."""
         self.state = state
         if self.timeline.current_run != before:
-            self.method = self.timeline.method_of_run(self.timeline.current_run, None if self.method is None else self.method.regions)
+            self.method = self.timeline.method_of_run(
+                self.timeline.current_run, None if self.method is None else self.method.regions
+            )
         self._send_snapshot(looking_back=True)
 
     def rename_branch(self, branch: int, name: str) -> None:
@@ -288,7 +292,9 @@ class Run:
         """Set the largest number of steps per second; None for no limit."""
         self.pacer.set_limit(steps_per_second)
 
-    def wait_for_reconstruction(self, shown: Reconstruction | None, is_wanted: Callable[[], bool]) -> Reconstruction | None:
+    def wait_for_reconstruction(
+        self, shown: Reconstruction | None, is_wanted: Callable[[], bool]
+    ) -> Reconstruction | None:
         """Return the contours that the user sees: `shown` during a run, else the contours of its last state.
 
         Waits for contours that are still being made; None if they are no longer wanted.
@@ -356,5 +362,7 @@ class Run:
         # While the user scrubs, only the step at which this ends needs its contours at once.
         last = not self.is_stepping and not looking_back
         self.reconstructor.submit(
-            ReconstructionRequest(self.generation, self.method, self.state, self.parameters, last, self.hand_edits, self._tracker)
+            ReconstructionRequest(
+                self.generation, self.method, self.state, self.parameters, last, self.hand_edits, self._tracker
+            )
         )

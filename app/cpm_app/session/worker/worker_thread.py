@@ -11,7 +11,7 @@ from contextlib import suppress
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CoreFunctions, Report, RunFailed, explain_failure
-from cpm_app.session.worker.commands import QUIT_COMMAND, WorkerCommand, CommandContext
+from cpm_app.session.worker.commands import QUIT_COMMAND, CommandContext, WorkerCommand
 from cpm_app.session.worker.prepared_methods import PreparedMethods
 from cpm_app.session.worker.run import Run
 
@@ -22,8 +22,8 @@ IDLE_BEFORE_RELEASE = 1.0
 class WorkerThread:
     """One thread that owns the run.
 
-    Commands are sent by `post`, in order and never lost. Snapshots, contours and overlays are left in mailboxes of the
-    run, in which the newest wins; messages that must not be missed are in `reports`. The thread never calls the window,
+    Commands are sent by `post_command`, in order and never lost. Snapshots, contours and overlays are left in mailboxes of the
+    run, in which the newest wins; messages that must not be missed are in `take_reports`. The thread never calls the window,
     which takes these messages itself.
     """
 

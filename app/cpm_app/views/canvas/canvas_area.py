@@ -8,16 +8,16 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from cpm_app.model.document import edits
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.session.signals import PROGRAM_CATEGORIES, OPENING_CATEGORY
+from cpm_app.session.scene_store import OPENING_CATEGORY, PROGRAM_CATEGORIES
 from cpm_app.views.canvas.canvas import Canvas, ToolDispatcher
 from cpm_app.views.canvas.crosshair import Crosshair
 from cpm_app.views.canvas.flow import ParticleFlow
 from cpm_app.views.canvas.image_view import ImageView
+from cpm_app.views.canvas.item_picker import ItemPicker, rectangle_around, selected_places
 from cpm_app.views.canvas.legend import CanvasStrip
-from cpm_app.views.canvas.pointed import ItemPicker, rectangle_around, selected_places
 from cpm_app.views.layers.image_layer import LevelDrag
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.select import SelectTool
@@ -124,7 +124,9 @@ class CanvasArea(QWidget):
             point_in_view = view.map_from_image(keyed)
         else:
             return self._item_picker.selected_kind, self.rect().center()
-        kind = self._item_picker.select_item_at(view.place_at(view.map_to_image(point_in_view)), view.hit_tolerance(), view.shown_slice)
+        kind = self._item_picker.select_item_at(
+            view.place_at(view.map_to_image(point_in_view)), view.hit_tolerance(), view.shown_slice
+        )
         return kind, view.mapTo(self, point_in_view.toPoint())
 
     def cancel_or_deselect(self) -> None:
@@ -196,7 +198,11 @@ class CanvasArea(QWidget):
 
     def _handle_key(self, event: QKeyEvent) -> bool:
         key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected_shape
-        tool, keyed, objects = self.canvas.dispatcher.tool, self.crosshair.position is not None, self._workspace.object_list
+        tool, keyed, objects = (
+            self.canvas.dispatcher.tool,
+            self.crosshair.position is not None,
+            self._workspace.object_list,
+        )
         given, self._has_focus_from_field = self._has_focus_from_field, False
         accepts = key in ENTER_KEYS and not keyed and (objects.pending_rows or objects.selected_keys)
         if given and accepts:

@@ -17,7 +17,7 @@ from cpm_app.views.layers.layer import NoRequests, WorkerRequests
 from cpm_app.views.theme import theme
 from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics import Place, Position
-from cpm_core.numerics.types import JsonDict, Extent, JsonObject
+from cpm_core.numerics.types import Extent, JsonDict, JsonObject
 
 _FIT_PADDING = 0.04
 """Padding around the whole image, as a fraction of its extent."""
@@ -214,7 +214,9 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     @property
     def _flips(self) -> tuple[bool, bool]:
         """Whether the view is upside down, and whether it is mirrored, by the radiological convention."""
-        return find_slice_flips(self.drawn_scene.full_image, None if self.shown_slice is None else self.shown_slice.axis)
+        return find_slice_flips(
+            self.drawn_scene.full_image, None if self.shown_slice is None else self.shown_slice.axis
+        )
 
 
 def _pixel_aspect(scene: Scene) -> float:

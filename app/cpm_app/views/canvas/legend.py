@@ -8,7 +8,7 @@ from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
 
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.views.canvas.message_line import MessageLine
 from cpm_app.views.layers.layer import LegendEntry
 from cpm_app.views.theme import theme

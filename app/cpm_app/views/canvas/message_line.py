@@ -10,7 +10,7 @@ from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.containers import ElidedLabel, fill_layout, create_flat_button
+from cpm_app.views.widgets.containers import ElidedLabel, create_flat_button, fill_layout
 
 _MESSAGE_DURATION = 6000
 """Time after which a message that is not an error disappears [ms]."""
@@ -119,4 +119,6 @@ class MessageLine(QFrame):
 
     def _tint_icon(self) -> None:
         if self._theme is not None:
-            self._button.setIcon(load_icon("close", self._theme.error_text if self.is_error else self._theme.message_text))
+            self._button.setIcon(
+                load_icon("close", self._theme.error_text if self.is_error else self._theme.message_text)
+            )

@@ -9,7 +9,7 @@ from cpm_app.model.display.lengths import format_pixel_size
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import AXIS_NAMES, Slices, name_slices
-from cpm_app.views.widgets.containers import fill_layout, create_flat_button
+from cpm_app.views.widgets.containers import create_flat_button, fill_layout
 from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core import Image
 

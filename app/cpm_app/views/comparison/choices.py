@@ -24,19 +24,19 @@ from PySide6.QtWidgets import (
 
 from cpm_app.model.display.comparison import (
     FIRST_AXES,
-    TrialAxis,
     Trial,
+    TrialAxis,
+    parse_values,
     plan_method_trials,
     plan_parameter_trials,
-    parse_values,
     propose_values,
 )
 from cpm_app.model.display.lengths import format_short_number
 from cpm_app.model.document.modes import find_effective_controls
 from cpm_app.model.parameters.controls import Control, build_controls
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.session import Session
-from cpm_app.views.widgets.containers import fill_layout, create_wrapped_label
+from cpm_app.views.widgets.containers import create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import CONTOUR_METHODS
 from cpm_core.objects.methods import MethodComparison, Settings
@@ -93,7 +93,11 @@ class AxisRow(QWidget):
 
     def read_axis(self) -> TrialAxis | None:
         """Return the selected parameter with its values; raise ValueError for invalid values."""
-        return None if self.selected_control is None else TrialAxis(self.selected_control, parse_values(self.selected_control, self.values.text()))
+        return (
+            None
+            if self.selected_control is None
+            else TrialAxis(self.selected_control, parse_values(self.selected_control, self.values.text()))
+        )
 
 
 class MethodChoice(QWidget):
@@ -105,7 +109,11 @@ class MethodChoice(QWidget):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
-        self.list, self.about, self.around = QListWidget(), create_wrapped_label(), QCheckBox(tr("The start lies around the object"))
+        self.list, self.about, self.around = (
+            QListWidget(),
+            create_wrapped_label(),
+            QCheckBox(tr("The start lies around the object")),
+        )
         self.fields: dict[str, QDoubleSpinBox] = {}
         self._shown: tuple[str, Settings] | None = None
         for name, method in CONTOUR_METHODS.items():
@@ -173,7 +181,9 @@ class MethodChoice(QWidget):
         body, self.fields = QWidget(), {}
         form = QFormLayout(body, rowWrapPolicy=QFormLayout.RowWrapPolicy.WrapAllRows)
         if method.of_particles:
-            form.addRow(create_wrapped_label(tr("These are the parameters of the window: change them there and run again.")))
+            form.addRow(
+                create_wrapped_label(tr("These are the parameters of the window: change them there and run again."))
+            )
         else:
             for field_name, info in settings.describe_parameters().items():
                 decimals = max(0, -math.floor(math.log10(info.step)))

@@ -10,7 +10,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.scene import Scene
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.theme import theme
-from cpm_app.views.widgets.containers import mark_own_escape, claim_key
+from cpm_app.views.widgets.containers import claim_key, mark_own_escape
 
 _GRAB_HALF_WIDTH = 9
 """Half the width in which the divider can be grabbed [px]."""

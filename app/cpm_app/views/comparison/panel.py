@@ -23,14 +23,14 @@ from PySide6.QtWidgets import (
 
 from cpm_app.model.display.differences import Difference
 from cpm_app.model.display.lengths import PixelSize, preferred_pixel_size
-from cpm_app.model.text.language import explain_error, tr, localize_number
+from cpm_app.model.text.language import explain_error, localize_number, tr
 from cpm_app.session.features.comparison import CURRENT_KEY, ComparedResults, ComparisonRow
-from cpm_app.session.features.timeline import TimelineNavigation
+from cpm_app.session.features.timeline_navigation import TimelineNavigation
 from cpm_app.session.session import Session
 from cpm_app.views.comparison.choices import MethodChoice, ParameterChoice
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel, create_menu_button, create_wide_button
 from cpm_app.views.widgets.actions import add_menu_action
-from cpm_app.views.widgets.containers import VerticalScrollArea, FoldableSection, fill_layout, create_wrapped_label
+from cpm_app.views.widgets.containers import FoldableSection, VerticalScrollArea, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import MarkedSlider
 from cpm_core.contours import DEFAULT_TOLERANCE
 from cpm_core.numerics.types import Callback
@@ -174,7 +174,11 @@ class ComparePanel(QWidget):
         self.tolerance.moved_to.connect(self._show_comparison)
         self.tolerance.restored.connect(lambda: self.tolerance.move_to(DEFAULT_TOLERANCE))
         self.pages = QStackedWidget()
-        for page in (self._create_results_page(), self._create_choice_page(self.methods), self._create_choice_page(self.values)):
+        for page in (
+            self._create_results_page(),
+            self._create_choice_page(self.methods),
+            self._create_choice_page(self.values),
+        ):
             self.pages.addWidget(page)
         fill_layout(QVBoxLayout(self), self.pages)
         compared.changed.connect(self._show_comparison)
@@ -220,7 +224,9 @@ class ComparePanel(QWidget):
             fill_layout(QHBoxLayout(), self.add, self.keep, spacing=6),
             self.table,
             self.summary,
-            fill_layout(QHBoxLayout(), self._create_action_button("use"), self._create_action_button("refer"), spacing=6),
+            fill_layout(
+                QHBoxLayout(), self._create_action_button("use"), self._create_action_button("refer"), spacing=6
+            ),
             fill_layout(QHBoxLayout(), self._create_action_button("next"), self.export, spacing=6),
             FoldableSection(tr("How it is compared"), how),
             margins=(12, 8, 12, 8),
@@ -264,7 +270,9 @@ class ComparePanel(QWidget):
                        tr("Run snakes, level sets and others from the same start."))  # fmt: skip
             add_menu_action(menu, tr("&Parameter values…"), partial(self.pages.setCurrentIndex, 2),
                        tr("Run with several values of one or two parameters."))  # fmt: skip
-        add_menu_action(menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference."))
+        add_menu_action(
+            menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference.")
+        )
 
     def _show_comparison(self) -> None:
         compared, has_image = self._compared, self._session.image is not None

@@ -28,19 +28,19 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.export import (
     EXPORT_TITLES,
     ExportFile,
-    ExportOrder,
     ExportKind,
-    prepare_export,
+    ExportOrder,
+    describe_export,
     export_file_name,
     list_export_formats,
-    describe_export,
+    prepare_export,
     simplify_result,
 )
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.session import Session
 from cpm_app.session.storage.preferences import Preferences
-from cpm_app.views.export.frames import MIN_FRAME_WIDTH, MAX_FRAME_WIDTH, AnimationPlan, sample_steps, frame_size
-from cpm_app.views.widgets.containers import AcceptButtons, fill_layout, create_wrapped_label
+from cpm_app.views.export.frames import MAX_FRAME_WIDTH, MIN_FRAME_WIDTH, AnimationPlan, frame_size, sample_steps
+from cpm_app.views.widgets.containers import AcceptButtons, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Skeleton
@@ -252,7 +252,11 @@ class ExportDialog(QDialog):
     def _fill_format_tree(self) -> None:
         """List what can be exported, with the formats of the last export checked."""
         moving = ("run:", "turntable:")  # these take long and are never written unasked
-        checked = [key for key in self._preferences.read_key(CHECKED_FORMATS_KEY, _DEFAULT_FORMATS) if not key.startswith(moving)]
+        checked = [
+            key
+            for key in self._preferences.read_key(CHECKED_FORMATS_KEY, _DEFAULT_FORMATS)
+            if not key.startswith(moving)
+        ]
         self.list.blockSignals(True)  # the summary is updated once, after the last row
         for what, count in self._count_items().items():
             group = QTreeWidgetItem([f"{EXPORT_TITLES[what][0]} ({count})" if count > 1 else EXPORT_TITLES[what][0]])
@@ -293,7 +297,9 @@ class ExportDialog(QDialog):
             row.setText(1, export_file_name(base, what, suffix, what == first))
         self.list.blockSignals(False)
         folder = str(self.folder)
-        self._folder_button.setText(self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _LIST_WIDTH - 60))
+        self._folder_button.setText(
+            self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _LIST_WIDTH - 60)
+        )
         self._folder_button.setToolTip(folder)
         order = self.export_order
         whats = {file.kind for file in order.files}

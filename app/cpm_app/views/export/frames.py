@@ -88,7 +88,9 @@ class FrameRenderer:
         """Draw a step of the run; return RGB values of shape (H, W, 3) and dtype uint8."""
         tracked = taken.contours.tracked if taken.contours is not None else None
         contours = ReviewedContours.from_tracked(tracked, self._scene.document.marks)
-        self._view.draw_scene(replace(self._scene, snapshot=taken.snapshot, reconstruction=taken.contours, contours=contours))
+        self._view.draw_scene(
+            replace(self._scene, snapshot=taken.snapshot, reconstruction=taken.contours, contours=contours)
+        )
         picture = QImage(*self._size, QImage.Format.Format_RGB32)
         painter = QPainter(picture)
         self._view.finish_drawing()
@@ -147,7 +149,9 @@ def create_frame_source(
             except Exception as error:  # reported by the thread that waits for the frame
                 found.set_exception(error)
 
-        session.tasks.call_in_window(lambda: session.post_command(take_frame(task, generation, *place, shown, draw_taken)))
+        session.tasks.call_in_window(
+            lambda: session.post_command(take_frame(task, generation, *place, shown, draw_taken))
+        )
         return found
 
     def produce_frames(task: BackgroundTask) -> Iterator[Pixels]:

@@ -9,7 +9,7 @@ from cpm_app.views.features.exchange import BatchFeature, ClipboardFeature, Expo
 from cpm_app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from cpm_app.views.features.help import HelpFeature, PreferencesFeature
 from cpm_app.views.features.objects import ObjectsFeature
-from cpm_app.views.features.offers import InitialSettingsFeature, PixelSizeFeature, FilePartsFeature
+from cpm_app.views.features.offers import FilePartsFeature, InitialSettingsFeature, PixelSizeFeature
 from cpm_app.views.features.run import (
     RunControlFeature,
     TasksFeature,

@@ -11,8 +11,8 @@ from PySide6.QtCore import QRectF
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import CommandFailed, FilesExported, Report
+from cpm_app.session.scene_store import FILMING_CATEGORY
 from cpm_app.session.session import Session
-from cpm_app.session.signals import FILMING_CATEGORY
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.export.frames import AnimationPlan, FrameRenderer, create_frame_source
 from cpm_app.views.items.item import image_rectangle
@@ -38,11 +38,15 @@ def provenance_comment(session: Session) -> str:
 def start_writing_task(session: Session, path: Path, write_file: Callable[[BackgroundTask], Report]) -> BackgroundTask:
     """Start the task that writes a file on another thread."""
     doing, done = tr("Writing {name}…", name=path.name), tr("writing {name}", name=path.name)
-    return session.tasks.start_task(doing, write_file, done, partial(CommandFailed, topic=FILMING_CATEGORY))
+    return session.tasks.start_task(doing, write_file, done, partial(CommandFailed, category=FILMING_CATEGORY))
 
 
 def start_animation_task(
-    session: Session, path: Path, frames: Callable[[BackgroundTask], Iterator[Pixels]], count: int, frames_per_second: float
+    session: Session,
+    path: Path,
+    frames: Callable[[BackgroundTask], Iterator[Pixels]],
+    count: int,
+    frames_per_second: float,
 ) -> BackgroundTask:
     """Start the task that writes an animation of `count` frames, which `frames` yields, on another thread."""
     comment = provenance_comment(session)

@@ -35,7 +35,9 @@ class CompareFeature(Feature):
             kinds = {TABLE_SUFFIX: tr("Table of all results")}
             path = window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
             if path is not None:
-                rows: list[dict[str, object]] = [{**row, "name": escape_cell(str(row["name"]))} for row in self.panel.result_records]
+                rows: list[dict[str, object]] = [
+                    {**row, "name": escape_cell(str(row["name"]))} for row in self.panel.result_records
+                ]
 
                 def write_table(_: BackgroundTask) -> Report:
                     write_together([(path, encode_csv_rows(rows))])
@@ -44,7 +46,12 @@ class CompareFeature(Feature):
                 start_writing_task(self.session, path, write_table)
 
         self.panel = ComparePanel(
-            self.session, compared, window.workspace.navigation, self._ask_for_truth, export_table, self._show_difference
+            self.session,
+            compared,
+            window.workspace.navigation,
+            self._ask_for_truth,
+            export_table,
+            self._show_difference,
         )
         self.panels = (Panel("compare", "Compare", self.panel, "F12", shown_at_start=False),)
         self.panel.table.zoom_wanted.connect(self.panel.jump_to_next)
@@ -92,7 +99,9 @@ class CompareFeature(Feature):
     def _show_difference(self, difference: Difference) -> None:
         slices = self.window.workspace.slices
         slices.go_through(difference.place)
-        points = difference.points if slices.current is None else slices.current.current.project_points(difference.points)
+        points = (
+            difference.points if slices.current is None else slices.current.current.project_points(difference.points)
+        )
         low, high = points.min(axis=0), points.max(axis=0)
         span = max(_MIN_DIFFERENCE_SPAN, 1.4 * float((high - low).max()))
         row, col = (0.5 * (low + high)).tolist()

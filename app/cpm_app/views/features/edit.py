@@ -9,7 +9,7 @@ from cpm_app.model.document.document import Mode
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.state.resolve import resolve_texts
 from cpm_app.model.state.situation import Situation, has_image, has_shapes
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.views.canvas.canvas_area import FIRST_TOOL
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.widgets.actions import ActionSpec

@@ -13,18 +13,18 @@ from PySide6.QtWidgets import QApplication
 
 from cpm_app.model.document import edits, imported
 from cpm_app.model.document.imported import ImportedContent
-from cpm_app.model.export import ExportFile, ExportOrder, ExportKind, has_objects_to_export
+from cpm_app.model.export import ExportFile, ExportKind, ExportOrder, has_objects_to_export
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_particles, has_volume
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.exchange.messages import ImageOpened
 from cpm_app.session.features.image_batch import BATCH_CATEGORY, BatchDone, apply_to_folder
 from cpm_app.session.features.import_contours import (
     ImportedDrawing,
-    save_pasted_picture,
     read_contour_file,
     read_pasted,
+    save_pasted_picture,
 )
-from cpm_app.session.signals import EXPORTING_CATEGORY, OPENING_CATEGORY
+from cpm_app.session.scene_store import EXPORTING_CATEGORY, OPENING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK
 from cpm_app.views.export.dialog import CHECKED_FORMATS_KEY, Exportable, ExportDialog
 from cpm_app.views.export.frames import AnimationPlan
@@ -33,7 +33,7 @@ from cpm_app.views.features.volumes import SpaceFeature
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.dialogs import ALL_FILES, AnswerButton, FileKind, QuestionDialog
 from cpm_app.views.window.window import Feature
-from cpm_core.formats import CONTOURS_READABLE, CENTERLINES_WRITABLE, IMAGES_READABLE, SURFACES_READABLE
+from cpm_core.formats import CENTERLINES_WRITABLE, CONTOURS_READABLE, IMAGES_READABLE, SURFACES_READABLE
 from cpm_core.shapes import Points
 
 
@@ -94,7 +94,9 @@ class ExportFeature(Feature):
         for file in order.files:
             self._written.add(file.path)
             if file.kind == "run":
-                self.window.get_feature(AnimationFeature).export_animation(workspace.navigation.current_step[0], animation, file.path)
+                self.window.get_feature(AnimationFeature).export_animation(
+                    workspace.navigation.current_step[0], animation, file.path
+                )
             elif file.kind in ("space", "turntable"):
                 space.write_view(file.path, file.kind == "turntable")
             elif file.kind == "pages":
@@ -148,7 +150,9 @@ class ClipboardFeature(Feature):
         session = self.session
         chosen = session.scene.objects.selected
         contours = frozenset(item.measures.number for item in self.window.workspace.review.selected_items)
-        what: ExportKind = "objects" if chosen or (has_objects_to_export(session.document) and not contours) else "contours"
+        what: ExportKind = (
+            "objects" if chosen or (has_objects_to_export(session.document) and not contours) else "contours"
+        )
         suffixes = (".svg", ".geojson", ".table.csv" if what == "objects" else ".measures.csv")
         files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in suffixes)
         session.export_files(ExportOrder(files, chosen or None, contours or None), self._put_on_clipboard)
@@ -156,7 +160,7 @@ class ClipboardFeature(Feature):
     def copy_view(self) -> None:
         """Copy the view of the canvas as a picture."""
         QApplication.clipboard().setImage(self.canvas.grab().toImage())
-        self.session.show_message(tr("The view was copied."), topic=EXPORTING_CATEGORY)
+        self.session.show_message(tr("The view was copied."), category=EXPORTING_CATEGORY)
 
     def _put_on_clipboard(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
@@ -164,14 +168,15 @@ class ClipboardFeature(Feature):
             data.setData(kind, content)
         data.setText(contents[-1].decode())  # most programs read only text: the table
         QApplication.clipboard().setMimeData(data)
-        self.session.show_message(tr("Copied as a drawing and a table."), topic=EXPORTING_CATEGORY)
+        self.session.show_message(tr("Copied as a drawing and a table."), category=EXPORTING_CATEGORY)
 
 
 VOLUME_ONLY_SUFFIXES = frozenset((*SURFACES_READABLE, *CENTERLINES_WRITABLE))
 """Suffixes of files that can be imported only into a volume."""
 
 _VOLUME_IMPORT_FILES = FileKind(
-    tr("Surfaces, labels and center lines"), (*SURFACES_READABLE, *CENTERLINES_WRITABLE, *IMAGES_READABLE, ".points.csv")
+    tr("Surfaces, labels and center lines"),
+    (*SURFACES_READABLE, *CENTERLINES_WRITABLE, *IMAGES_READABLE, ".points.csv"),
 )
 """Kinds of files that can be imported into a volume."""
 
@@ -251,7 +256,9 @@ class ImportFeature(Feature):
         question = tr("Use {name} as a start?") if whole else tr("What should {name} be used for?")
         buttons = _create_answer_buttons(found, path is not None)
         text = question.format(name=found.name)
-        answer = QuestionDialog(self.window, _QUESTION_TITLES[found.kind], text, _explain_choices(found), buttons).wait_for_answer()
+        answer = QuestionDialog(
+            self.window, _QUESTION_TITLES[found.kind], text, _explain_choices(found), buttons
+        ).wait_for_answer()
         if answer == "start":
             name = tr("start from {name}", name=found.name)
             session.edit(name, lambda document: edits.set_shapes(document, (*document.shapes, *found.starts)))

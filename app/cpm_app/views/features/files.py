@@ -15,22 +15,31 @@ from cpm_app.model.document.samples import find_sample_at, load_samples
 from cpm_app.model.preferences.table import SAVE_IN_FOLDER
 from cpm_app.model.state.situation import has_image
 from cpm_app.model.text.language import elide_middle, tr
-from cpm_app.session.exchange.messages import ImageReady, OpeningFailed, ImageOpened
-from cpm_app.session.signals import JOURNAL_CATEGORY, PROGRAM_CATEGORIES, OPENING_CATEGORY, RECOVERY_CATEGORY
-from cpm_app.session.storage.pictures import THUMBNAIL_SIZE, ThumbnailStore, thumbnails_folder, crop_middle
-from cpm_app.session.storage.recovery import Journal, Leftover, journals_folder, find_leftovers
+from cpm_app.session.exchange.messages import ImageOpened, ImageReady, OpeningFailed
+from cpm_app.session.scene_store import JOURNAL_CATEGORY, OPENING_CATEGORY, PROGRAM_CATEGORIES, RECOVERY_CATEGORY
+from cpm_app.session.storage.recovery import Journal, Leftover, find_leftovers, journals_folder
 from cpm_app.session.storage.session_file import SessionWritten
+from cpm_app.session.storage.thumbnails import THUMBNAIL_SIZE, ThumbnailStore, crop_middle, thumbnails_folder
 from cpm_app.views.features.exchange import ImportFeature
 from cpm_app.views.files.recent_files import RecentFiles
 from cpm_app.views.files.start_screen import StartEntry, StartScreen
 from cpm_app.views.widgets.actions import Actions, ActionSpec, Submenu
-from cpm_app.views.widgets.containers import fill_layout, create_dim_label
+from cpm_app.views.widgets.containers import create_dim_label, fill_layout
 from cpm_app.views.window import dialogs
 from cpm_app.views.window.dialogs import ALL_FILES, SESSION_FILES, AnswerButton, FileKind, QuestionDialog
 from cpm_app.views.window.window import Feature
-from cpm_core.formats import CONTOURS_READABLE, CENTERLINES_WRITABLE, IMAGES_READABLE, SESSION_SUFFIX, SURFACES_READABLE, Reading
+from cpm_core.formats import (
+    CENTERLINES_WRITABLE,
+    CONTOURS_READABLE,
+    IMAGES_READABLE,
+    SESSION_SUFFIX,
+    SURFACES_READABLE,
+    Reading,
+)
 
-CONTOUR_SUFFIXES = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *CENTERLINES_WRITABLE)) - frozenset(IMAGES_READABLE)
+CONTOUR_SUFFIXES = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *CENTERLINES_WRITABLE)) - frozenset(
+    IMAGES_READABLE
+)
 """Suffixes of files that hold contours or points for the open document rather than a document."""
 
 _SEGMENTATION_ENDINGS = (".seg.nrrd", ".seg.dcm")
@@ -91,7 +100,9 @@ class OpenSaveFeature(Feature):
             self.session.open_file(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
-                self.session.show_message(message.format(count=len(documents), name=documents[0].name), topic=OPENING_CATEGORY)
+                self.session.show_message(
+                    message.format(count=len(documents), name=documents[0].name), category=OPENING_CATEGORY
+                )
 
     def open_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
         """Open a part of a file as a volume or as an image."""
@@ -110,7 +121,10 @@ class OpenSaveFeature(Feature):
 
     def ask_for_document(self) -> None:
         """Ask for an image or a session and open it."""
-        both, images = FileKind(tr("Images and sessions"), (*IMAGES_READABLE, SESSION_SUFFIX)), FileKind(tr("Images"), tuple(IMAGES_READABLE))
+        both, images = (
+            FileKind(tr("Images and sessions"), (*IMAGES_READABLE, SESSION_SUFFIX)),
+            FileKind(tr("Images"), tuple(IMAGES_READABLE)),
+        )
         chosen = self.window.files.ask_for_file("open", tr("Open"), (both, images, SESSION_FILES, ALL_FILES))
         if chosen is not None:
             self.open_files([chosen])
@@ -233,7 +247,9 @@ class StartFeature(Feature):
     def show_start_screen(self, error: str = "") -> None:
         """Show the start screen in place of the image, with the `error` of a file that could not be opened."""
         shown = [
-            StartEntry(sample.path, crop_middle(QImage(str(sample.picture)), THUMBNAIL_SIZE), sample.title, "", sample.about)
+            StartEntry(
+                sample.path, crop_middle(QImage(str(sample.picture)), THUMBNAIL_SIZE), sample.title, "", sample.about
+            )
             for sample in load_samples()
         ]
         recent = []

@@ -9,13 +9,19 @@ from PySide6.QtGui import QCursor, QKeyEvent
 from PySide6.QtWidgets import QMenu
 
 from cpm_app.model.document.modes import switch_to_skeleton
-from cpm_app.model.document.objects import add_objects_as_barriers, add_objects_as_regions, add_objects_as_starts, class_title, list_classes
+from cpm_app.model.document.objects import (
+    add_objects_as_barriers,
+    add_objects_as_regions,
+    add_objects_as_starts,
+    class_title,
+    list_classes,
+)
 from cpm_app.model.preferences.table import UNIT_PREFERENCE
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_volume
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import RowKey, RowKind
 from cpm_app.views.panels.objects import ObjectPanel
-from cpm_app.views.theme.icons import fill_colors, create_swatch
+from cpm_app.views.theme.icons import create_swatch, fill_colors
 from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_menu_action
 from cpm_app.views.widgets.containers import DELETE_KEYS
 from cpm_app.views.window.docks import Panel
@@ -192,7 +198,10 @@ class ObjectsFeature(Feature):
 
     def _on_double_clicked(self) -> None:
         """Rename the item that was double-clicked with the selection tool."""
-        if self.window.canvas_area.canvas.dispatcher.tool.name == "select" and len(self._object_list.selected_keys) == 1:
+        if (
+            self.window.canvas_area.canvas.dispatcher.tool.name == "select"
+            and len(self._object_list.selected_keys) == 1
+        ):
             self.ask_for_name()
 
     def _change_by_clicks(self) -> None:
@@ -214,7 +223,9 @@ class ObjectsFeature(Feature):
             (tr("Region of &interest"), tr("region of interest of {what}"), add_objects_as_regions),
             (tr("&Barrier"), tr("barrier around {what}"), add_objects_as_barriers),
         ):
-            add_menu_action(menu, text, partial(self._object_list.edit_selected, words, edit)).setEnabled(bool(self._object_list.selected_numbers))
+            add_menu_action(menu, text, partial(self._object_list.edit_selected, words, edit)).setEnabled(
+                bool(self._object_list.selected_numbers)
+            )
 
     def _find_skeleton(self) -> None:
         """Find the skeleton of the selected objects, else of the selected closed contours, else of all not rejected."""

@@ -12,12 +12,12 @@ from cpm_app.model.document.modes import PRESET_OFFERS, switch_mode
 from cpm_app.model.document.samples import find_copied_sample
 from cpm_app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from cpm_app.model.state.situation import has_image, has_volume
-from cpm_app.model.text.language import translate_core_text, tr, localize_number
+from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.model.volume.parts import FileParts
-from cpm_app.session.exchange.messages import WorkFinished, ImageOpened
+from cpm_app.session.exchange.messages import ImageOpened, WorkFinished
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.tasks.opening import inspect_file
-from cpm_app.session.worker.commands import WorkerCommand, CommandContext
+from cpm_app.session.worker.commands import CommandContext, WorkerCommand
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.files.part_dialog import PartDialog
 from cpm_app.views.files.pixel_size_dialog import PixelSizeDialog
@@ -79,7 +79,9 @@ class InitialSettingsFeature(Feature):
                 smoothing=localize_number(f"{settings.smoothing:g}"),
             )
             enlarge = partial(_apply_large_image_settings, settings=settings)
-            offers.add_offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
+            offers.add_offer(
+                sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge))
+            )
 
     def _on_preference_changed(self) -> None:
         self.session.keeps_parameters = self.window.preferences.read_preference(KEEP_PARAMETERS)
@@ -164,7 +166,9 @@ class FilePartsFeature(Feature):
             offer(f"{opened.path.name}: {' '.join(map(translate_core_text, parts.doubts))}", *answers)
         elif parts.has_volume_choice or (parts.has_choice and not volume):
             if parts.can_be_volume and not volume:
-                answers.insert(0, (tr("Open as volume"), partial(self._open_part, True, replace(opened.reading, page=None))))
+                answers.insert(
+                    0, (tr("Open as volume"), partial(self._open_part, True, replace(opened.reading, page=None)))
+                )
             sentence = tr(
                 "{name} contains {parts}. Open now: {open}.",
                 name=opened.path.name,
@@ -215,11 +219,15 @@ class PixelSizeFeature(Feature):
         image = self.session.document.image
         if image is None:
             return
-        stated = "" if self._stated_size is None or self._stated_size[1] is None else format_pixel_size(*self._stated_size)
+        stated = (
+            "" if self._stated_size is None or self._stated_size[1] is None else format_pixel_size(*self._stated_size)
+        )
         self.dialog = PixelSizeDialog(self.window, image.spacing, image.unit, stated)
         self.dialog.reset_button.setEnabled(self._stated_size is not None and image.reading.spacing is not None)
         self.dialog.size_selected.connect(self._set_pixel_size)
-        self.dialog.reset_requested.connect(lambda: self._set_pixel_size(*self._stated_size, by_hand=False) if self._stated_size else None)
+        self.dialog.reset_requested.connect(
+            lambda: self._set_pixel_size(*self._stated_size, by_hand=False) if self._stated_size else None
+        )
         self.dialog.finished.connect(self.dialog.deleteLater)
         self.dialog.open()
 

@@ -11,7 +11,7 @@ from cpm_app.model.document.modes import needs_start
 from cpm_app.model.preferences.table import TIMELINE_MEMORY, UNIT_PREFERENCE
 from cpm_app.model.state.resolve import resolve_texts
 from cpm_app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
 from cpm_app.session.worker.commands import call_run

@@ -8,7 +8,7 @@ from functools import partial
 from PySide6.QtWidgets import QApplication
 
 from cpm_app.model.state.situation import has_image
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.views.canvas.canvas import WHEEL_ZOOM_FACTOR
 from cpm_app.views.layers.image_layer import AUTOMATIC_RANGE, WHOLE_RANGE, format_window
 from cpm_app.views.layers.layer import Layer
@@ -47,7 +47,9 @@ class LayersFeature(Feature):
 
         def show_range() -> None:
             low, high = layers.image.window
-            text = tr("Black {low}, white {high}", low=localize_number(f"{low:.4g}"), high=localize_number(f"{high:.4g}"))
+            text = tr(
+                "Black {low}, white {high}", low=localize_number(f"{low:.4g}"), high=localize_number(f"{high:.4g}")
+            )
             area.strip.show_hint(f"{text}: {format_window((low, high))}")
 
         area.level_drag.moved.connect(show_range)

@@ -17,14 +17,14 @@ from cpm_app.session.features.background import AsyncCache
 from cpm_app.session.scene import Scene
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.canvas.image_view import ImageView
-from cpm_app.views.canvas.side_view import SliceCross, SideView
+from cpm_app.views.canvas.side_view import SideView, SliceCross
 from cpm_app.views.canvas.slice_bar import SliceBar
-from cpm_app.views.features.animation import start_animation_task, start_writing_task, provenance_comment
+from cpm_app.views.features.animation import provenance_comment, start_animation_task, start_writing_task
 from cpm_app.views.panels.pages import PageBar, PagePanel
-from cpm_app.views.volume.seen_in_space import SpaceViewBuilder
 from cpm_app.views.volume.space_clicks import draw_shape_at, select_body_at
-from cpm_app.views.volume.space_marks import TURN_FRAMES, FRAMES_PER_SECOND, animation_size, render_picture, render_turn
+from cpm_app.views.volume.space_marks import FRAMES_PER_SECOND, TURN_FRAMES, animation_size, render_picture, render_turn
 from cpm_app.views.volume.space_panel import SpacePanel, space_action_specs
+from cpm_app.views.volume.space_view_builder import SpaceViewBuilder
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.widgets.fields import PLACE_JUMP
 from cpm_app.views.window.docks import Panel
@@ -302,4 +302,6 @@ class SpaceFeature(Feature):
         self.window.docks.set_tab_available("space", self.window.session.scene.slices is not None)
 
     def _show_space(self, *_: object) -> None:
-        self.panel.show_contents(self._seen.build_view(self.window.canvas_area.flow.scene, self._layers, self._objects.bodies))
+        self.panel.show_contents(
+            self._seen.build_view(self.window.canvas_area.flow.scene, self._layers, self._objects.bodies)
+        )

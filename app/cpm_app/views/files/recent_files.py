@@ -43,7 +43,9 @@ class RecentFiles:
     def paths(self) -> list[Path]:
         """Recent files, the newest first."""
         return [
-            Path(path) for path in self._preferences.read_key(_RECENT_FILES_KEY, [""]) if 0 < len(path) <= _MAX_PATH_LENGTH
+            Path(path)
+            for path in self._preferences.read_key(_RECENT_FILES_KEY, [""])
+            if 0 < len(path) <= _MAX_PATH_LENGTH
         ]
 
     def add_path(self, path: Path) -> None:

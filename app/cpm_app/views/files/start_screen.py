@@ -11,7 +11,14 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton,
 
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.containers import PictureGrid, VerticalScrollArea, fill_layout, create_dim_label, mark_own_escape, create_wrapped_label
+from cpm_app.views.widgets.containers import (
+    PictureGrid,
+    VerticalScrollArea,
+    create_dim_label,
+    create_wrapped_label,
+    fill_layout,
+    mark_own_escape,
+)
 from cpm_core.numerics.types import record
 
 _PICTURE_SIZE = QSize(192, 120)
@@ -70,14 +77,18 @@ class StartScreen(QWidget):
         parent.installEventFilter(self)
         self.hide()
 
-    def show_entries(self, recent: Sequence[StartEntry], samples: Sequence[StartEntry], can_go_back: bool, error: str = "") -> None:
+    def show_entries(
+        self, recent: Sequence[StartEntry], samples: Sequence[StartEntry], can_go_back: bool, error: str = ""
+    ) -> None:
         """Show files in place of the image, below an `error`; `can_go_back` offers to return to the image."""
         self.error_label.setText(error)
         self.error_label.setVisible(bool(error))
         for grid, entries in ((self.recent, recent), (self.samples, samples)):
             grid.clear()
             for entry in entries:
-                grid.add_picture(_create_grid_picture(entry.picture), f"{entry.name}\n{entry.subtitle}", entry.path, entry.tooltip)
+                grid.add_picture(
+                    _create_grid_picture(entry.picture), f"{entry.name}\n{entry.subtitle}", entry.path, entry.tooltip
+                )
             grid.setVisible(bool(entries))
         self._nothing.setVisible(not recent)
         self.back_button.setVisible(can_go_back)
@@ -118,7 +129,9 @@ class StartScreen(QWidget):
         fill_layout(
             QVBoxLayout(content),
             self.error_label,
-            fill_layout(QHBoxLayout(), _create_heading(tr("Recent work")), None, self.back_button, self.open_button, spacing=6),
+            fill_layout(
+                QHBoxLayout(), _create_heading(tr("Recent work")), None, self.back_button, self.open_button, spacing=6
+            ),
             self._nothing,
             self.recent,
             _create_heading(tr("Samples")),

@@ -72,7 +72,11 @@ class MultiPartItem(ImageOverlay):
             same = set()  # the stacking order has changed
         gone = self._boxes[:, [key not in same for key in self._keys]]
         self._waiting = {*keys} - (same - self._waiting)
-        self._keys, self._boxes, self._corners = keys, bounding_boxes(paths), np.array([len(path) for path in paths], int)
+        self._keys, self._boxes, self._corners = (
+            keys,
+            bounding_boxes(paths),
+            np.array([len(path) for path in paths], int),
+        )
         new = self._boxes[:, [key in self._waiting for key in keys]]
         self._changed = np.unique(np.concatenate([self._changed, gone, new], axis=1), axis=1)
         self.count = len(keys)
@@ -87,7 +91,10 @@ class MultiPartItem(ImageOverlay):
 
     def _fits_in_turn(self, changed: Array) -> bool:
         """Tell whether one turn has time for all parts in the changed boxes, shape (4, N)."""
-        return not changed.size or self._corners[find_overlapping(self._boxes, enclosing_box(changed))].sum() <= _MAX_CORNERS_PER_TURN
+        return (
+            not changed.size
+            or self._corners[find_overlapping(self._boxes, enclosing_box(changed))].sum() <= _MAX_CORNERS_PER_TURN
+        )
 
     def _redraw_parts(self, count: int) -> None:
         """Draw the first `count` changed boxes now, and the others in later turns."""
@@ -176,7 +183,12 @@ class Curves(MultiPartItem):
         seen = [(line, color) for ((_, line), color), is_seen in zip(near, visible.tolist(), strict=True) if is_seen]
         if self._rim_of_halo:
             # The rim of the halo is equally wide beside lines of any width.
-            painter.setPen(line_pen(theme.CANVAS_HALO_COLOR, self._width * get_canvas_style().width_factor(self._kind) + self._rim_of_halo))
+            painter.setPen(
+                line_pen(
+                    theme.CANVAS_HALO_COLOR,
+                    self._width * get_canvas_style().width_factor(self._kind) + self._rim_of_halo,
+                )
+            )
             for line, _ in seen:
                 painter.drawPolyline(line)
         pens = {color: line_pen(color, self._width, self._kind) for color in set(self.colors)}
@@ -194,7 +206,8 @@ class Curves(MultiPartItem):
             self._made_for, self._pieces = zoom, {}
         missing = [index for index in indices if self._keys[index] not in self._pieces]
         lines = [
-            [*split_into_pieces(path)] for path in drop_flat_corners([self._paths[index] for index in missing], _MAX_UNSEEN_OFFSET / zoom)
+            [*split_into_pieces(path)]
+            for path in drop_flat_corners([self._paths[index] for index in missing], _MAX_UNSEEN_OFFSET / zoom)
         ]
         each = [line for own in lines for line in own]
         made = zip(bounding_boxes(each).T, map(_build_polygon, each), strict=True)

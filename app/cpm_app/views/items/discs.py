@@ -133,7 +133,11 @@ class Discs(ImageOverlay):
     def _stamp_for(self, ratio: float, zoom: float) -> QImage:
         """Draw the discs of all colors side by side, for `ratio` device pixels per point, at magnification `zoom`."""
         diameter = round(
-            ratio * self._size_factor * get_canvas_style().points * min(self._diameter, max(_MIN_DISC_DIAMETER, _DISC_SPAN * zoom)), 1
+            ratio
+            * self._size_factor
+            * get_canvas_style().points
+            * min(self._diameter, max(_MIN_DISC_DIAMETER, _DISC_SPAN * zoom)),
+            1,
         )
         colors = tuple(get_canvas_style().resolve_color(color) for color in self._colors)
         if self._stamped != (diameter, ratio, colors):

@@ -103,7 +103,7 @@ class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no typ
         self.setVisible(True)
 
     def show_markers(self, positions: Collection[Place] | Array, **look: Any) -> None:
-        """Show markers at positions (row, col), shape (N, 2) [px]; `look` overrides their appearance."""
+        """Show markers at positions (row, col), shape (N, 2) [px]; `get_canvas_style` overrides their appearance."""
         x, y = to_xy(np.array([*positions], dtype=float).reshape(-1, 2))
         self.setData(x=x, y=y, **look)
         self.setVisible(self._shown)

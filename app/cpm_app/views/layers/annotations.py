@@ -38,7 +38,9 @@ class ScaleBarLayer(Layer):
     tip = tr("A bar of round length, if the pixel size is known.")
     shortcut = "Alt+Shift+0"
     shown_in_slices = True
-    options = (SwitchOption("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),)
+    options = (
+        SwitchOption("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),
+    )
 
     def create_items(self) -> None:
         """Create the items of the layer."""
@@ -66,7 +68,8 @@ class ScaleBarLayer(Layer):
             pixel = float(self.view.viewPixelSize()[0])
             size = preferred_pixel_size(image.spacing, image.unit)
             longest = min(
-                MAX_SCALE_BAR_LENGTH, max(0.5 * self.view.boundingRect().width() - _CENTER_LETTER_ROOM, _MIN_SCALE_BAR_LENGTH)
+                MAX_SCALE_BAR_LENGTH,
+                max(0.5 * self.view.boundingRect().width() - _CENTER_LETTER_ROOM, _MIN_SCALE_BAR_LENGTH),
             )
             self.bar = find_scale_bar(longest * pixel, size.spacing[1], size.unit)
             self.item.show_html(_SCALE_BAR_HTML.format(label=self.bar.label, length=round(self.bar.pixels / pixel)))

@@ -59,12 +59,19 @@ class ContourLayer(Layer):
         self._selected = Curves(theme.SELECTED_COLOR, 3.8, width=6.5, halo=8.5)
         self.rejected = Curves(theme.REJECTED_COLOR, 3.9, width=1.2, halo=0.0, dashed=True)
         self.short = Curves(theme.CONTOUR_COLOR, 3.95, width=1.0, halo=0.0)
-        self._curves, self._colored = Curves(theme.CONTOUR_COLOR, 4.1, width=1.5, halo=3.2), Curves(theme.CONTOUR_COLOR, 4.12)
+        self._curves, self._colored = (
+            Curves(theme.CONTOUR_COLOR, 4.1, width=1.5, halo=3.2),
+            Curves(theme.CONTOUR_COLOR, 4.12),
+        )
         self.bridges = Curves(theme.CANVAS_HALO_COLOR, 4.2, width=1.5, halo=0.0, dashed=True)
         self.by_hand = Curves(theme.BY_HAND_COLOR, 4.25, halo=0.0, dashed=True)
         self._names = TextLabels(5.7)
-        self.junctions = Markers(5.5, size=8.0, symbol="d", pen=pg.mkPen(theme.CANVAS_HALO_COLOR), brush=pg.mkBrush(theme.JUNCTION_COLOR))
-        self.add_items(self._hovered, self._selected, self.short, self._curves, self._colored, self.bridges, self.by_hand)
+        self.junctions = Markers(
+            5.5, size=8.0, symbol="d", pen=pg.mkPen(theme.CANVAS_HALO_COLOR), brush=pg.mkBrush(theme.JUNCTION_COLOR)
+        )
+        self.add_items(
+            self._hovered, self._selected, self.short, self._curves, self._colored, self.bridges, self.by_hand
+        )
         self.add_items(self.rejected, switch="rejected")
         self.add_items(self._names, switch="names")
         self.add_items(self.junctions, switch="junctions")
@@ -96,9 +103,13 @@ class ContourLayer(Layer):
         if other:
             self._show_contours()
         if other or scene.selected_contours is not before.selected_contours:
-            self._selected.show_paths(_contour_paths([item for item in scene.contours.items if item.key in scene.selected_contours]))
+            self._selected.show_paths(
+                _contour_paths([item for item in scene.contours.items if item.key in scene.selected_contours])
+            )
         if other or scene.hovered_contour != before.hovered_contour:
-            self._hovered.show_paths(_contour_paths([item for item in scene.contours.items if item.key == scene.hovered_contour]))
+            self._hovered.show_paths(
+                _contour_paths([item for item in scene.contours.items if item.key == scene.hovered_contour])
+            )
 
     def _show_contours(self) -> None:
         items, counting = self.scene.contours.items, self._counted_items
@@ -161,7 +172,9 @@ class TruthLayer(Layer):
         true, missing, wrong = self.counts
         return (
             LegendEntry(true, tr("true"), tr("Boundaries of the ground truth."), theme.TRUTH_COLOR),
-            LegendEntry(missing, tr("missing"), tr("True boundaries without a contour."), theme.MISSING_COLOR, "dashed"),
+            LegendEntry(
+                missing, tr("missing"), tr("True boundaries without a contour."), theme.MISSING_COLOR, "dashed"
+            ),
             LegendEntry(wrong, tr("wrong"), tr("Contours away from true boundaries."), theme.WRONG_COLOR),
         )
 

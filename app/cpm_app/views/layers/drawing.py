@@ -16,7 +16,7 @@ from cpm_app.model.volume.shape_sections import ChargeSection, Section, StartSec
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.discs import NO_POSITIONS, Discs
-from cpm_app.views.items.item import Markers, ImageOverlay, enable_caching, line_pen, to_xy
+from cpm_app.views.items.item import ImageOverlay, Markers, enable_caching, line_pen, to_xy
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.theme import theme
 from cpm_core.field import CHARGE_RADIUS, CHARGE_REACH
@@ -29,11 +29,11 @@ from cpm_core.shapes import (
     Ellipse,
     Everywhere,
     Grid,
-    SeedingKind,
     Limit,
     Points,
     Polygon,
     Region,
+    SeedingKind,
     Sphere,
     Start,
     Stroke,
@@ -118,7 +118,9 @@ class DraftItems:
 
     def __init__(self, view: pg.ViewBox) -> None:
         self.path, self._closing, self._ring = (pg.PlotCurveItem(antialias=True) for _ in range(3))
-        self._corners = Markers(_DRAFT_Z + 0.5, size=6.0, symbol="s", pen=pg.mkPen(theme.CANVAS_HALO_COLOR), brush=pg.mkBrush("w"))
+        self._corners = Markers(
+            _DRAFT_Z + 0.5, size=6.0, symbol="s", pen=pg.mkPen(theme.CANVAS_HALO_COLOR), brush=pg.mkBrush("w")
+        )
         for item in (self.path, self._closing, self._ring):
             item.setZValue(_DRAFT_Z)
             item.hide()
@@ -164,7 +166,13 @@ class DrawingLayer(Layer):
     """Another draft is shown: the arguments of `show_draft`."""
     ring_shown = Signal(object, float, str, object)
     """Another ring is shown: the arguments of `show_ring`."""
-    colors = (theme.DRAWING_COLOR, theme.REGION_COLOR, theme.BARRIER_COLOR, theme.ATTRACTING_COLOR, theme.REPELLING_COLOR)
+    colors = (
+        theme.DRAWING_COLOR,
+        theme.REGION_COLOR,
+        theme.BARRIER_COLOR,
+        theme.ATTRACTING_COLOR,
+        theme.REPELLING_COLOR,
+    )
 
     def create_items(self) -> None:
         """Create the items of the layer."""
@@ -177,7 +185,11 @@ class DrawingLayer(Layer):
         self._seeds = Discs(theme.MOVING_COLOR, 6.0, _START_Z + 0.6)
         self._selected_points = Discs(theme.SELECTED_COLOR, 9.0, _START_Z + 0.7)
         self._handles = Markers(
-            _START_Z + 0.8, size=10.0, symbol="s", pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2), brush=pg.mkBrush(theme.SELECTED_COLOR)
+            _START_Z + 0.8,
+            size=10.0,
+            symbol="s",
+            pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2),
+            brush=pg.mkBrush(theme.SELECTED_COLOR),
         )
         self._starts = (self._lines, self._areas, self._seeds, self._selected_points)
         self._dim = RegionVeil()
@@ -187,7 +199,9 @@ class DrawingLayer(Layer):
         self._reach = _create_shape_curves(theme.SELECTED_COLOR, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
         self._charges = Markers(_CHARGE_Z, size=_CHARGE_DIAMETER)
         self._signs = Markers(_CHARGE_Z + 0.1, size=_CHARGE_SIGN_SIZE, pen=None, brush=pg.mkBrush("w"))
-        self.add_items(self._lines, self._areas, self._selected_lines, *self.computed.values(), self._seeds, self._selected_points)
+        self.add_items(
+            self._lines, self._areas, self._selected_lines, *self.computed.values(), self._seeds, self._selected_points
+        )
         self.add_items(self._handles, self._dim, self._regions, self._barriers, self._rings, self._reach)
         self.add_items(self._charges, self._signs)
         self._draft = DraftItems(self.view)
@@ -282,7 +296,9 @@ class DrawingLayer(Layer):
         rest = [shape for shape in shapes if shape is not selected]
         self._lines.show_paths([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
         self._areas.show_paths([shape.outline for shape in rest if _is_area(shape)])
-        self._selected_lines.show_paths(_shape_outlines([selected] if isinstance(selected, _Line | Grid | Threshold | Limit) else []))
+        self._selected_lines.show_paths(
+            _shape_outlines([selected] if isinstance(selected, _Line | Grid | Threshold | Limit) else [])
+        )
         # A selected circle shows handles; a selected stroke can be recognized only by its particles.
         pointed = [selected] if isinstance(selected, Points | Stroke) else []
         self._selected_points.show_discs(_shape_seeds(pointed))
@@ -296,7 +312,9 @@ class DrawingLayer(Layer):
         seeds = {} if self.scene.has_particles else self.scene.image_seeds
         starts = [start for start in self.scene.document.image_starts if start in seeds]
         for kind, discs in self.computed.items():
-            discs.show_discs(_concatenate_positions([seeds[start] for start in starts if getattr(start, "kind", None) == kind]))
+            discs.show_discs(
+                _concatenate_positions([seeds[start] for start in starts if getattr(start, "kind", None) == kind])
+            )
 
     def _show_limits_and_charges(self) -> None:
         """Show regions, barriers and placed charges."""
@@ -306,12 +324,16 @@ class DrawingLayer(Layer):
         self._regions.show_paths(_shape_outlines(regions))
         self._barriers.show_paths(_shape_outlines([shape for shape in shapes if isinstance(shape, Barrier)]))
         charges = [shape for shape in shapes if isinstance(shape, _AnyCharge)]
-        self._rings.show_paths([_charge_ring(charge, CHARGE_RADIUS) for charge in charges], [_charge_color(charge) for charge in charges])
+        self._rings.show_paths(
+            [_charge_ring(charge, CHARGE_RADIUS) for charge in charges], [_charge_color(charge) for charge in charges]
+        )
         self._reach.show_paths([_charge_ring(selected, CHARGE_REACH)] if isinstance(selected, _AnyCharge) else [])
         charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
         places = [charge.position for charge in charges]
         rims = [
-            _cached_pen(theme.SELECTED_COLOR, width=2.6) if each is selected else _cached_pen(theme.CANVAS_HALO_COLOR, width=1.4)
+            _cached_pen(theme.SELECTED_COLOR, width=2.6)
+            if each is selected
+            else _cached_pen(theme.CANVAS_HALO_COLOR, width=1.4)
             for each in charges
         ]
         self._charges.show_markers(
@@ -350,7 +372,11 @@ def _shape_outlines(shapes: Sequence[_Line | Grid | Threshold | Limit]) -> list[
 
 
 def _charge_ring(charge: _AnyCharge, radius: float) -> Array:
-    return charge.cut_sphere_around(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
+    return (
+        charge.cut_sphere_around(radius)
+        if isinstance(charge, ChargeSection)
+        else Circle(charge.position, radius).outline
+    )
 
 
 def _charge_color(charge: _AnyCharge) -> str:

@@ -164,7 +164,9 @@ class FieldLayer(Layer):
         self._item.setVisible(field is not None)
         if field is not None:
             pixel = float(self.view.viewPixelSize()[0])
-            self._item.setData(*to_xy(build_arrow_lines(*find_arrow_ends(np.asarray(field), self.view.viewRect(), pixel))))
+            self._item.setData(
+                *to_xy(build_arrow_lines(*find_arrow_ends(np.asarray(field), self.view.viewRect(), pixel)))
+            )
 
 
 def find_arrow_ends(field: Array, seen: QRectF, pixel: float) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pyqtgraph as pg
 
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import ForcesProbed, probe_forces
 from cpm_app.views.items.item import FAINT_TEXT_COLOR, Markers, PinnedText, line_pen, to_xy
@@ -55,7 +55,9 @@ class ForceLayer(Layer):
     initially_shown = False
     shown_in_slices = True
     colors = (theme.COULOMB_COLOR, theme.LORENTZ_COLOR, theme.DAMPING_COLOR)
-    options = (AmountOption("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
+    options = (
+        AmountOption("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),
+    )
 
     def create_items(self) -> None:
         """Create the items of the layer."""
@@ -111,7 +113,9 @@ class ForceLayer(Layer):
         place = (seen.y(), seen.x()) if self._pointer is None else self._pointer
         reach = math.inf if self._pointer is None else _PROBE_RADIUS * float(self.view.viewPixelSize()[0])
         here = None if self.scene.slices is None else self.scene.slices.current
-        self.requests.post_command(probe_forces(snapshot.generation, place if here is None else here.lift_position(place), reach))
+        self.requests.post_command(
+            probe_forces(snapshot.generation, place if here is None else here.lift_position(place), reach)
+        )
 
     def _show_probed(self, probed: ForcesProbed | None) -> None:
         self.probed = probed

@@ -16,7 +16,7 @@ from cpm_app.model.display.display_image import (
     compute_color_curve,
     percentile_window,
 )
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import shade_image
 from cpm_app.views.items.item import enable_caching
@@ -75,7 +75,9 @@ class ImageLayer(Layer):
             _SHOW_COLORS,
             tr("A color image in its colors, or the channel in which a run finds edges."),
         ),
-        ChoiceOption("map", tr("Colors"), color_maps.COLOR_MAPS, color_maps.GRAY_MAP, tr("Colors from dark to bright.")),
+        ChoiceOption(
+            "map", tr("Colors"), color_maps.COLOR_MAPS, color_maps.GRAY_MAP, tr("Colors from dark to bright.")
+        ),
         ChoiceOption(
             "range",
             tr("Range"),
@@ -180,7 +182,9 @@ class ImageLayer(Layer):
         """Set the window from the selected range."""
         way, image = self.get_choice("range"), self.scene.full_image
         if image is not None and way != _MANUAL_RANGE:
-            self._apply_window(*(self.gray_range if way == WHOLE_RANGE else percentile_window(image.values, float(way))))
+            self._apply_window(
+                *(self.gray_range if way == WHOLE_RANGE else percentile_window(image.values, float(way)))
+            )
 
     def _apply_window(self, low: float, high: float) -> None:
         self.window = (low, high)
@@ -234,7 +238,7 @@ def format_window(window: Window) -> str:
 
 
 def drag_window(window: Window, ends: Window, right: float, down: float) -> Window:
-    """Return the window of gray values after a drag to the right and down [px of the screen], within `ends`."""
+    """Return the window of gray values after a drag to the right and down [px of the screen], within `gray_range`."""
     span = ends[1] - ends[0]
     width = window[1] - window[0] + span * right / _FULL_DRAG_LENGTH
     width = min(max(width, _MIN_WINDOW_WIDTH * span), span)

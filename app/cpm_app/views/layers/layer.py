@@ -26,9 +26,9 @@ class ChoiceOption:
     ----------
     name, title, tip : str
         Name in a session file, name in the panel, and a sentence on its effect.
-    ways : mapping
+    choices : mapping
         Names and titles of the alternatives.
-    first : str
+    default : str
         The default.
     """
 

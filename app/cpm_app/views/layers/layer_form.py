@@ -22,11 +22,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.views.layers.image_layer import CT_WINDOWS, ImageLayer, format_window, window_from_level
 from cpm_app.views.layers.layer import ChoiceOption, Layer, Option, SwitchOption
 from cpm_app.views.theme import color_maps
-from cpm_app.views.widgets.containers import fill_layout, create_dim_label
+from cpm_app.views.widgets.containers import create_dim_label, fill_layout
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Image
 

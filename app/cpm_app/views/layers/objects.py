@@ -12,7 +12,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import MIN_SURE_CONFIDENCE
 from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.scene import Scene
-from cpm_app.views.items.curves import FilledArea, Curves, Fills
+from cpm_app.views.items.curves import Curves, FilledArea, Fills
 from cpm_app.views.items.item import Markers, TextLabels
 from cpm_app.views.layers.layer import AmountOption, Layer, LegendEntry, SwitchOption
 from cpm_app.views.theme import theme
@@ -65,7 +65,10 @@ class ObjectLayer(Layer):
         self._gaps = Curves(theme.CANVAS_HALO_COLOR, 4.35, halo=0.0, dashed=True)
         self._selected = Curves(theme.SELECTED_COLOR, 4.25, width=5.0, halo=7.0)
         self._hovered = Curves(theme.HOVERED_COLOR, 4.24, width=5.0, halo=0.0)
-        self.proposal_fill, self._proposal_outlines = Fills(4.4), Curves(theme.PROPOSAL_COLOR, 4.55, width=2.2, halo=4.0, dashed=True)
+        self.proposal_fill, self._proposal_outlines = (
+            Fills(4.4),
+            Curves(theme.PROPOSAL_COLOR, 4.55, width=2.2, halo=4.0, dashed=True),
+        )
         self._doubtful = Curves(theme.PROPOSAL_COLOR, 4.5, width=1.4, halo=2.8, dashed=_DOUBTFUL_DASHES)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
         self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2))
@@ -73,7 +76,9 @@ class ObjectLayer(Layer):
         """Boundaries of the shown objects by object number, with the closed paths drawn for them."""
         self._names, self._probabilities = TextLabels(5.8), TextLabels(5.85, above=True)
         self.add_items(self.fills, self._outlines, self._gaps, self._selected, self._hovered, self.proposal_fill)
-        self.add_items(self._proposal_outlines, self._doubtful, self.added, self.removed, self._clicks, self._probabilities)
+        self.add_items(
+            self._proposal_outlines, self._doubtful, self.added, self.removed, self._clicks, self._probabilities
+        )
         self.add_items(self._names, switch="names")
 
     def legend_entries(self) -> Sequence[LegendEntry]:
@@ -84,7 +89,9 @@ class ObjectLayer(Layer):
             LegendEntry(
                 len(objects.items), tr("accepted"), tr("Objects, in the colors of their classes."), color, "area"
             ),
-            LegendEntry(len(offered), tr("proposed"), tr("Objects that can be accepted."), theme.PROPOSAL_COLOR, "dashed"),
+            LegendEntry(
+                len(offered), tr("proposed"), tr("Objects that can be accepted."), theme.PROPOSAL_COLOR, "dashed"
+            ),
         )
 
     def apply_option(self, name: str) -> None:
@@ -150,7 +157,9 @@ class ObjectLayer(Layer):
         sure = [each for each in found if each.confidence >= MIN_SURE_CONFIDENCE]
         doubtful = [each for each in found if each.confidence < MIN_SURE_CONFIDENCE]
         areas = [(_selection_curves(each), theme.PROPOSAL_COLOR, _PROPOSAL_OPACITY) for each in sure]
-        self.proposal_fill.show_areas([*areas, *((_selection_curves(each), theme.PROPOSAL_COLOR, _DOUBTFUL_OPACITY) for each in doubtful)])
+        self.proposal_fill.show_areas(
+            [*areas, *((_selection_curves(each), theme.PROPOSAL_COLOR, _DOUBTFUL_OPACITY) for each in doubtful)]
+        )
         self._proposal_outlines.show_paths(_selection_outlines(sure))
         self._doubtful.show_paths(_selection_outlines(doubtful))
 

@@ -10,7 +10,7 @@ from PySide6.QtCore import QUrl
 from PySide6.QtGui import QColor, QTextDocument
 
 from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, color_particles
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.discs import NO_POSITIONS, MovingDiscs
@@ -82,10 +82,19 @@ class ParticleLayer(Layer):
     shortcut = "Alt+1"
     shown_in_slices = True
     colors = (theme.MOVING_COLOR, theme.RESTING_COLOR)
-    color_choices: ClassVar = {_BY_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
+    color_choices: ClassVar = {
+        _BY_STATE: tr("Moving or at rest"),
+        **{name: kind.title for name, kind in QUANTITIES.items()},
+    }
     """Names and titles of the quantities that the color can show."""
     options = (
-        ChoiceOption("colour", tr("Color by"), color_choices, _BY_STATE, " ".join(quantity.tip for quantity in QUANTITIES.values())),
+        ChoiceOption(
+            "colour",
+            tr("Color by"),
+            color_choices,
+            _BY_STATE,
+            " ".join(quantity.tip for quantity in QUANTITIES.values()),
+        ),
         ChoiceOption(
             "map",
             tr("Colors"),
@@ -129,7 +138,9 @@ class ParticleLayer(Layer):
         """Return the factor for the diameter of the particles of a snapshot; 0 if they are hidden after its run."""
         ended = snapshot is not None and snapshot.state.stop_reason
         return (
-            {_SAME_AFTER_RUN: 1.0, _SMALL_AFTER_RUN: _ENDED_DIAMETER_FACTOR, _HIDDEN_AFTER_RUN: 0.0}[self.get_choice("done")]
+            {_SAME_AFTER_RUN: 1.0, _SMALL_AFTER_RUN: _ENDED_DIAMETER_FACTOR, _HIDDEN_AFTER_RUN: 0.0}[
+                self.get_choice("done")
+            ]
             if ended
             else 1.0
         )
@@ -190,7 +201,7 @@ class ParticleLayer(Layer):
             shown = color_particles(quantity, snapshot.state, snapshot.metrics)
             marks = shown.color_indices if near is None else shown.color_indices[near.index]
             high = localize_number(f"{shown.high:g}")
-            unknown = tr("● too new") if (shown.color_indices == SHADE_COUNT).has_object() else ""
+            unknown = tr("● too new") if (shown.color_indices == SHADE_COUNT).any() else ""
             self.legend.show_html(
                 _LEGEND_HTML.format(title=quantity.title, map=self.get_choice("map"), high=high, unknown=unknown)
             )
@@ -207,4 +218,6 @@ class ParticleLayer(Layer):
 
 def _build_quantity_palette(name: str) -> list[str]:
     """Build the palette: colors from low to high, and one for unknown values."""
-    return [QColor(*map(int, row)).name() for row in color_maps.color_table(name, SHADE_COUNT, DARK_MAP_FRACTION)] + [UNKNOWN_COLOR]
+    return [QColor(*map(int, row)).name() for row in color_maps.color_table(name, SHADE_COUNT, DARK_MAP_FRACTION)] + [
+        UNKNOWN_COLOR
+    ]

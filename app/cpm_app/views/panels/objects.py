@@ -36,12 +36,21 @@ from cpm_app.model.display.lengths import preferred_pixel_size
 from cpm_app.model.document.objects import class_title, list_classes
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import BRUSH_RADIUS_RANGE, ROW_KINDS, ObjectFigures, RowKey, RowKind, ObjectList, ObjectRow, gray_histogram
+from cpm_app.session.features.object_list import (
+    BRUSH_RADIUS_RANGE,
+    ROW_KINDS,
+    ObjectFigures,
+    ObjectList,
+    ObjectRow,
+    RowKey,
+    RowKind,
+    gray_histogram,
+)
 from cpm_app.session.session import Session
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
 from cpm_app.views.theme import theme
-from cpm_app.views.theme.icons import fill_colors, create_swatch
-from cpm_app.views.widgets.containers import fill_layout, create_wrapped_label
+from cpm_app.views.theme.icons import create_swatch, fill_colors
+from cpm_app.views.widgets.containers import create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import Image
 from cpm_core.contours import Measures
@@ -86,7 +95,9 @@ def _describe_state(row: ObjectRow) -> str | None:
     return ", ".join(word for holds, word in words if holds) or None
 
 
-CONFIDENCE_TIP = tr("Confidence: the estimated probability that the object covers most of the true one and little else.")
+CONFIDENCE_TIP = tr(
+    "Confidence: the estimated probability that the object covers most of the true one and little else."
+)
 """Tooltip of the confidence."""
 
 
@@ -212,7 +223,11 @@ class ObjectTable(ItemTable):
         """Show the rows with lengths in the unit of the image."""
         image = self._session.image
         spacing, unit = (image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)
-        self.rows.update_items(self.listed_rows, preferred_pixel_size(spacing, unit), build_object_columns(self._object_list.objects, spacing))
+        self.rows.update_items(
+            self.listed_rows,
+            preferred_pixel_size(spacing, unit),
+            build_object_columns(self._object_list.objects, spacing),
+        )
 
     def _get_cell_look(self, row: ObjectRow, role: int, of_name: bool) -> Any:
         """Return the swatch next to a name; hidden and rejected rows are pale, rejected names struck out."""
@@ -366,7 +381,9 @@ class ObjectPanel(QWidget):
         session.image_changed.connect(
             lambda: self.name.setModified(False)
         )  # a typed name does not belong to the next image
-        self._update_timer = QTimer(self, singleShot=True, interval=0)  # deferred, so that several changes are shown at once
+        self._update_timer = QTimer(
+            self, singleShot=True, interval=0
+        )  # deferred, so that several changes are shown at once
         self._update_timer.timeout.connect(self.show_selected)
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
             changed.connect(self._update_timer.start)
@@ -455,7 +472,10 @@ class ObjectPanel(QWidget):
     def _describe_row(self, row: ObjectRow) -> str:
         """Describe the class, area, length and confidence of a row."""
         columns = {column.name: column for column in self.table.rows.columns}
-        parts = [columns["class"].format_cell(row, 1.0), *(self.table.describe_cell(row, columns[name]) for name in ("area", "length"))]
+        parts = [
+            columns["class"].format_cell(row, 1.0),
+            *(self.table.describe_cell(row, columns[name]) for name in ("area", "length")),
+        ]
         if row.item is not None and row.item.confidence:
             parts.append(tr("Confidence: {share}").format(share=columns["confidence"].format_cell(row, 1.0)))
         return " · ".join(filter(None, parts))

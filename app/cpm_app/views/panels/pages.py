@@ -24,8 +24,8 @@ from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.views.panels.run import Chart
-from cpm_app.views.panels.tables import Column, CellIndex, SortableTable, TableModel
-from cpm_app.views.widgets.containers import ENTER_KEYS, fill_layout, create_wrapped_label
+from cpm_app.views.panels.tables import CellIndex, Column, SortableTable, TableModel
+from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import PLACE_JUMP, PlaceBar
 from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers
@@ -109,7 +109,11 @@ class PagePanel(QWidget):
         super().__init__()
         self._pages = pages
         self._plotted: tuple[Integers, str] = ((), "")
-        self.table, self.summary, self.export = PageTable(), create_wrapped_label(dim=True), QPushButton(tr("Export all pages…"))
+        self.table, self.summary, self.export = (
+            PageTable(),
+            create_wrapped_label(dim=True),
+            QPushButton(tr("Export all pages…")),
+        )
         self.kind, self.chart = QComboBox(), Chart((), tr("Plot over the pages"))
         for name, title in (("objects", tr("Objects")), ("contours", tr("Contours"))):
             self.kind.addItem(title, name)
@@ -128,7 +132,9 @@ class PagePanel(QWidget):
         """Show the results of the pages."""
         found = self._pages.result
         first = None if found is None or not found.results else found.results[0][1]
-        size = preferred_pixel_size((1.0, 1.0), None) if first is None else preferred_pixel_size(first.spacing, first.unit)
+        size = (
+            preferred_pixel_size((1.0, 1.0), None) if first is None else preferred_pixel_size(first.spacing, first.unit)
+        )
         self.table.rows.update_items(self._pages.table[1], size)
         self.export.setEnabled(first is not None)
         self.kind.setVisible(len(self._pages.tables) > 1)

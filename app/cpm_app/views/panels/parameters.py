@@ -33,14 +33,14 @@ from cpm_app.model.parameters.controls import (
     build_controls,
     control_value,
 )
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.model.text.wording import PARAMETER_FORMULAS
 from cpm_app.session.scene import NO_CONTOURS, ReviewedContours
 from cpm_app.session.session import Session
 from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.actions import add_menu_action
-from cpm_app.views.widgets.containers import FoldableSection, fill_layout, create_dim_label
+from cpm_app.views.widgets.containers import FoldableSection, create_dim_label, fill_layout
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
 
@@ -64,7 +64,7 @@ def format_control_tip(control: Control) -> str:
 
 
 class ChoiceRow(QWidget):
-    """Parameter with a few values; `change` is called with its name and the value that the user selects."""
+    """Parameter with a few values; `set_parameter` is called with its name and the value that the user selects."""
 
     def __init__(self, control: ChoiceControl, change: Callable[[str, str], None]) -> None:
         super().__init__()
@@ -120,11 +120,15 @@ class ParameterRow(QWidget):
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             self._automatic.setToolTip(AUTOMATIC_TEXTS.get(control.name, ""))
-            self._automatic.clicked.connect(lambda on: self._report_single_change("auto" if on else self.number.value()))
+            self._automatic.clicked.connect(
+                lambda on: self._report_single_change("auto" if on else self.number.value())
+            )
         self._lay_out()
         self.set_control(control)
         add_menu_action(self, tr("&Restore the default"), self._restore_default)
-        add_menu_action(self, tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}"))
+        add_menu_action(
+            self, tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}")
+        )
         add_menu_action(
             self,
             tr("&Explain"),
@@ -148,7 +152,7 @@ class ParameterRow(QWidget):
         self._restore.setVisible(not same)
 
     def adapt_to_image(self, usual: Parameters, ndim: int, contrast: float) -> None:
-        """Adapt range, default and explanation to an image; see `adapted`."""
+        """Adapt range, default and explanation to an image; see `adapt_control`."""
         self.set_control(adapt_control(self._general, usual, ndim, contrast))
 
     def set_control(self, control: Control) -> None:
@@ -160,7 +164,9 @@ class ParameterRow(QWidget):
             field.setAccessibleDescription(f"{control.summary}. {control.meaning} {control.effect_of_larger}")
         self.setToolTip(format_control_tip(control))
         restore = tr("Restore the default, {default} (or double-click the slider or its name).")
-        self._restore.setToolTip(restore.format(default=default if numeric is None else localize_number(f"{numeric:.4g}")))
+        self._restore.setToolTip(
+            restore.format(default=default if numeric is None else localize_number(f"{numeric:.4g}"))
+        )
 
     def show_effect(self, words: str) -> None:
         """Show the effect of the current value below the slider."""
@@ -235,7 +241,9 @@ class ParametersPanel(QWidget):
             row.released.connect(session.end_gesture)
             row.slider.sliderPressed.connect(partial(self._on_slider_held, name, True))
             row.slider.sliderReleased.connect(partial(self._on_slider_held, name, False))
-        session.status_changed.connect(self._on_status_changed)  # not with each step: new words make Qt lay out all rows
+        session.status_changed.connect(
+            self._on_status_changed
+        )  # not with each step: new words make Qt lay out all rows
         session.document_changed.connect(self.show_document)
         self.show_document(session.document)
 
@@ -266,7 +274,12 @@ class ParametersPanel(QWidget):
     def _lay_out(self) -> FoldableSection:
         more = QWidget()
         others = (choice for name, choice in self.choices.items() if name != CHANNEL_CHOICE)
-        fill_layout(QVBoxLayout(more), *others, *(row for name, row in self.rows.items() if name not in MAIN_CONTROLS), spacing=0)
+        fill_layout(
+            QVBoxLayout(more),
+            *others,
+            *(row for name, row in self.rows.items() if name not in MAIN_CONTROLS),
+            spacing=0,
+        )
         section = FoldableSection(tr("More parameters"), more)
         heading = QLabel(tr("Preset"))
         heading.setObjectName("heading")
@@ -296,7 +309,9 @@ class ParametersPanel(QWidget):
             self._length = sum(item.measures.length for item in scene.contours.items)
             self._show_effects()
         state = None if scene.snapshot is None else scene.snapshot.state
-        for name, words in describe_effects(state, scene.document.parameters, self._length, scene.document.image).items():
+        for name, words in describe_effects(
+            state, scene.document.parameters, self._length, scene.document.image
+        ).items():
             self.rows[name].show_effect(words)
 
     def _show_effects(self) -> None:

@@ -40,8 +40,12 @@ class PresetButton(QToolButton):
         self.setToolTip(tr("Parameters that suit a kind of image, and your own presets."))
         self.popup = QMenu(self, toolTipsVisible=True)
         self.clicked.connect(self.open_menu)
-        self.save = self._create_action(tr("&Save as…"), self._save_preset, tr("Save the current parameters under a name."))
-        self.delete = self._create_action(tr("&Delete…"), self._delete_preset, tr("Delete the preset in use, if it is your own."))
+        self.save = self._create_action(
+            tr("&Save as…"), self._save_preset, tr("Save the current parameters under a name.")
+        )
+        self.delete = self._create_action(
+            tr("&Delete…"), self._delete_preset, tr("Delete the preset in use, if it is your own.")
+        )
         store.changed.connect(self._on_store_changed)
         window.session.document_changed.connect(self._on_document_changed)
         self._on_store_changed()
@@ -68,7 +72,9 @@ class PresetButton(QToolButton):
         """Fill a menu with the presets and the actions on them."""
         for preset in self.store.presets:
             current = self.current is not None and preset.name == self.current.name
-            add_menu_action(menu, preset.name.replace("&", "&&"), partial(self.use_preset, preset), preset.about, current)
+            add_menu_action(
+                menu, preset.name.replace("&", "&&"), partial(self.use_preset, preset), preset.about, current
+            )
         menu.addSeparator()
         menu.addActions([self.save, self.delete])
 
@@ -103,7 +109,10 @@ class PresetButton(QToolButton):
         self.setText(f"{name}  ▾")
 
     def _save_preset(self) -> None:
-        session, suggested = self._session, self.current.name if self.current is not None and self.current.is_own else ""
+        session, suggested = (
+            self._session,
+            self.current.name if self.current is not None and self.current.is_own else "",
+        )
         name = ask_for_text(self._window, tr("Name of the preset"), tr("Name:"), tr("Use this name"), suggested)
         if name:
             about = tr("Created for {image}.", image=session.document.image.name) if session.document.image else ""

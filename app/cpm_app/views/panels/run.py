@@ -12,12 +12,18 @@ from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPalette, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from cpm_app.model.display.plots import PLOTS, Metrics, Plot, RunMetrics, PlotCurve
+from cpm_app.model.display.plots import PLOTS, Metrics, Plot, PlotCurve, RunMetrics
 from cpm_app.model.state.resolve import LEADING_LABELS, WindowTexts
 from cpm_app.model.state.surface_figures import SURFACE_LABEL
 from cpm_app.model.text.language import tr
 from cpm_app.views.panels.parameters import ParametersPanel
-from cpm_app.views.widgets.containers import ElidedLabel, VerticalScrollArea, FoldableSection, fill_layout, create_dim_label
+from cpm_app.views.widgets.containers import (
+    ElidedLabel,
+    FoldableSection,
+    VerticalScrollArea,
+    create_dim_label,
+    fill_layout,
+)
 
 _WIDE_NUMBERS = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE_LABEL)
 """Names of the numbers that need a row of their own."""

@@ -35,7 +35,7 @@ from PySide6.QtWidgets import (
 
 from cpm_app.model.display.lengths import PixelSize
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import tr, localize_number
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.views.widgets.actions import add_menu_action
 from cpm_app.views.widgets.containers import DELETE_KEYS, ENTER_KEYS, claim_key
 from cpm_core.numerics.types import Callback, frozen
@@ -143,7 +143,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
     ----------
     columns : sequence of Column
         Columns in the order shown.
-    key : callable
+    item_key : callable
         Returns the key that identifies an item.
     look : callable, optional
         Icon, color or font of an item for a role; the third argument is whether the cell is that of the name.
@@ -200,7 +200,11 @@ class TableModel(QAbstractTableModel, Generic[Row]):
     def _sort_items(self, items: Iterable[Row]) -> list[Row]:
         if self._sort_column < 0:  # in the given order
             return [*items]
-        return sorted(items, key=self.columns[self._sort_column].sort_key, reverse=self._sort_order == Qt.SortOrder.DescendingOrder)
+        return sorted(
+            items,
+            key=self.columns[self._sort_column].sort_key,
+            reverse=self._sort_order == Qt.SortOrder.DescendingOrder,
+        )
 
     def _reorder_items(self, items: list[Row]) -> None:
         """Replace the items by others with the same keys, in their order."""
@@ -354,7 +358,9 @@ class SortableTable(QTableView):
         menu = QMenu(self, toolTipsVisible=True)
         for index, column in enumerate(self.rows.columns):
             title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
-            shown = add_menu_action(menu, title, partial(self._set_column_shown, index, hidden), insert_keys(column.tip), not hidden)
+            shown = add_menu_action(
+                menu, title, partial(self._set_column_shown, index, hidden), insert_keys(column.tip), not hidden
+            )
             shown.setEnabled(index != self._stretched_column)
         menu.aboutToHide.connect(menu.deleteLater)
         menu.popup(self.horizontalHeader().mapToGlobal(point))

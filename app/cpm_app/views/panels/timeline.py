@@ -29,12 +29,12 @@ from PySide6.QtWidgets import (
 from cpm_app.model.display.lengths import round_up
 from cpm_app.model.state.situation import RunStatus
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.timeline import TimelineNavigation
+from cpm_app.session.features.timeline_navigation import TimelineNavigation
 from cpm_app.session.timeline.stored_runs import TimelineBranch
 from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.actions import Actions, add_menu_action
-from cpm_app.views.widgets.containers import fill_layout, create_dim_label, claim_key
+from cpm_app.views.widgets.containers import claim_key, create_dim_label, fill_layout
 from cpm_app.views.window.dialogs import ask_for_text
 
 _BRANCH_HEIGHT = 20
@@ -244,7 +244,10 @@ class TimelineView(QWidget):
         pen.setCapStyle(Qt.PenCapStyle.RoundCap)
         painter.setPen(pen)
         painter.drawLine(begin, self.step_position(identity, self._navigation.last_step(identity)))
-        faint, text = self._palette_color(QPalette.ColorRole.PlaceholderText), self._palette_color(QPalette.ColorRole.WindowText)
+        faint, text = (
+            self._palette_color(QPalette.ColorRole.PlaceholderText),
+            self._palette_color(QPalette.ColorRole.WindowText),
+        )
         for step, scale in branch.scales:
             if step or scale:
                 at = self.step_position(identity, step)
@@ -263,7 +266,9 @@ class TimelineView(QWidget):
     def _draw_axis(self, painter: QPainter) -> None:
         """Draw the axis of the steps and its labels."""
         base, (left, width) = self._axis_y(), self._axis_range()
-        painter.fillRect(QRectF(0.0, base, self.width(), _AXIS_HEIGHT + 1), self._palette_color(QPalette.ColorRole.Window))
+        painter.fillRect(
+            QRectF(0.0, base, self.width(), _AXIS_HEIGHT + 1), self._palette_color(QPalette.ColorRole.Window)
+        )
         painter.setPen(self._palette_color(QPalette.ColorRole.PlaceholderText))
         painter.drawLine(QPointF(left, base), QPointF(left + width, base))
         half = self.fontMetrics().horizontalAdvance("0000000") / 2

@@ -39,7 +39,7 @@ def color_table(name: str, entries: int = 256, begin: float = 0.0) -> ColorTable
     Parameters
     ----------
     name : str
-        One of `MAPS`.
+        One of `COLOR_MAPS`.
     entries : int
         Number of colors.
     begin : float

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cpm_app.views.tools.brush_tools import EraserTool, SprayTool
-from cpm_app.views.tools.drawn import AttractTool, CircleTool, EllipseTool, PointTool, RepelTool
+from cpm_app.views.tools.gesture_tools import AttractTool, CircleTool, EllipseTool, PointTool, RepelTool
 from cpm_app.views.tools.mend import MendTool
 from cpm_app.views.tools.objects import ObjectTool
 from cpm_app.views.tools.outline import OutlineTool

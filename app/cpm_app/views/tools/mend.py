@@ -13,7 +13,7 @@ from PySide6.QtGui import QCursor
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import ObjectBrush
-from cpm_app.session.signals import EDITING_CATEGORY
+from cpm_app.session.scene_store import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_pointer
 from cpm_app.views.tools.brush_tools import RingTool
@@ -154,7 +154,7 @@ class MendTool(RingTool):
                 self._editing.add_edits(edits)
             elif item.frozen:
                 frozen = tr("{name} is frozen: unfreeze it to change it.").format(name=self._list.title_of(item))
-                self._session.show_message(frozen, topic=EDITING_CATEGORY)
+                self._session.show_message(frozen, category=EDITING_CATEGORY)
             else:
                 self._editing.redraw_boundary(item, held, edits[0], not self._is_removing)
         elif held is not None:
@@ -173,7 +173,9 @@ class MendTool(RingTool):
         if len(path) == 1:
             self._objects = self._session.document.objects
             axis = None if self.current_slice is None or self._list.ball else self.current_slice.axis
-            self._brush.begin_stroke(path[0], self.radius, not self._is_removing, self._gesture, axis, self._paints_new_object)
+            self._brush.begin_stroke(
+                path[0], self.radius, not self._is_removing, self._gesture, axis, self._paints_new_object
+            )
         else:
             self._brush.extend_stroke(path[-1])
 
@@ -259,7 +261,11 @@ class MendTool(RingTool):
             edit = pull_contour(held, at, None if self._is_removing else self._editing.edges)
             return (edit,), np.array(edit.added), [held.place]
         target = self._editing.find_contact(at, self._reach)
-        if target is not None and target.is_on_same_contour(held) and abs(target.along - held.along) <= 2.0 * self._reach:
+        if (
+            target is not None
+            and target.is_on_same_contour(held)
+            and abs(target.along - held.along) <= 2.0 * self._reach
+        ):
             target = None
         path = self._way(at if target is None else target.place)
         return connect_by_path(path, held, target), path, [held.place, *([] if target is None else [target.place])]

@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.hand_editing import PathFinder
-from cpm_app.session.signals import EDITING_CATEGORY
+from cpm_app.session.scene_store import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MIN_DRAWN_AREA, OBJECT_GROUP, Cursor, Tool
 from cpm_core.numerics import Array, Position, polyline
@@ -43,7 +43,9 @@ class OutlineTool(Tool):
     panel = "objects"
     tip = tr("Click along the boundary of an object: the line follows the edges, and becomes an object when closed.")
     works_by_clicks = True
-    keyboard_tip = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
+    keyboard_tip = tr(
+        "Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it."
+    )
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
@@ -129,7 +131,9 @@ class OutlineTool(Tool):
             return
         path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
         if closed and polyline.enclosed_area(path) < MIN_DRAWN_AREA:
-            self._session.show_message(tr("That is too small for an outline. {advice}", advice=self.tip), topic=EDITING_CATEGORY)
+            self._session.show_message(
+                tr("That is too small for an outline. {advice}", advice=self.tip), category=EDITING_CATEGORY
+            )
         elif closed:
             self._workspace.object_list.select_objects((self._editing.add_outline(path[:-1]),))
         else:

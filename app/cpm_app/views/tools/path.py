@@ -9,12 +9,20 @@ from PySide6.QtCore import Qt
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.signals import EDITING_CATEGORY
+from cpm_app.session.scene_store import EDITING_CATEGORY
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.drawn import box_between
-from cpm_app.views.tools.tool import AREA_GROUP, CIRCLE_GROUP, FREEHAND_SPACING, LIMIT_GROUP, MIN_DRAWN_AREA, STROKE_GROUP, Tool
+from cpm_app.views.tools.gesture_tools import box_between
+from cpm_app.views.tools.tool import (
+    AREA_GROUP,
+    CIRCLE_GROUP,
+    FREEHAND_SPACING,
+    LIMIT_GROUP,
+    MIN_DRAWN_AREA,
+    STROKE_GROUP,
+    Tool,
+)
 from cpm_core.numerics import Place, polyline
 from cpm_core.numerics.types import Line
 from cpm_core.shapes import (
@@ -136,18 +144,27 @@ class PathTool(Tool):
         path = tuple(self._corners) if self._boxed else polyline.simplify_path(self._corners)
         flat = path if begun is None or (self.is_spatial and not self.closed) else tuple(map(begun.drop_axis, path))
         shape: Shape | None = None
-        if polyline.enclosed_area(flat) >= MIN_DRAWN_AREA if self.closed else polyline.path_length(flat) >= _MIN_PATH_LENGTH:
+        if (
+            polyline.enclosed_area(flat) >= MIN_DRAWN_AREA
+            if self.closed
+            else polyline.path_length(flat) >= _MIN_PATH_LENGTH
+        ):
             if begun is None or volume is None or self.is_spatial:
                 shape = self.shape_class(path)
             else:
                 shape = self.build_solid(flat, begun, volume)
         self.cancel()
         if shape is None:
-            advice = tr("That is too small for a {shape}. {advice}", shape=translate_core_text(self.shape_class.title), advice=self.tip)
-            self._session.show_message(advice, topic=EDITING_CATEGORY)
+            advice = tr(
+                "That is too small for a {shape}. {advice}",
+                shape=translate_core_text(self.shape_class.title),
+                advice=self.tip,
+            )
+            self._session.show_message(advice, category=EDITING_CATEGORY)
             return
         self._session.edit(
-            tr("draw {shape}", shape=translate_core_text(shape.title)), lambda document: edits.add_shape(document, shape)
+            tr("draw {shape}", shape=translate_core_text(shape.title)),
+            lambda document: edits.add_shape(document, shape),
         )
         self._session.select_shape(len(self._session.document.shapes) - 1)
 

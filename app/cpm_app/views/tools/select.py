@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 
 from cpm_app.model.document.edits import ShapeHit
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.features.object_list import RowKey
 from cpm_app.session.features.slices import hit_shape
 from cpm_app.views.theme import theme
@@ -81,7 +81,9 @@ class SelectTool(ShapeTool):
         self._crossing = key is None and self.current_slice is not None
         self._met_keys = frozenset(() if key is None else (key,))
         self._removes = (
-            key in self._selected_before if self.modifiers & _SELECTION_MODIFIERS else bool(self.modifiers & _DESELECT_MODIFIER)
+            key in self._selected_before
+            if self.modifiers & _SELECTION_MODIFIERS
+            else bool(self.modifiers & _DESELECT_MODIFIER)
         )
         self._corner = self.position_in_slice(at) if self.current_slice is None else None
         if key is not None:
@@ -98,7 +100,9 @@ class SelectTool(ShapeTool):
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
-            self._put_shape(tr("reshape {shape}", shape=translate_core_text(shape.title)), shape.with_handle_at(self._anchor, at))
+            self._put_shape(
+                tr("reshape {shape}", shape=translate_core_text(shape.title)), shape.with_handle_at(self._anchor, at)
+            )
         else:
             by = tuple(map(operator.sub, at, self._anchor))
             self._put_shape(tr("move {shape}", shape=translate_core_text(shape.title)), shape.translated(by))
@@ -171,7 +175,9 @@ class SelectTool(ShapeTool):
         if self._removes:
             self._list.select_rows(self._selected_before - self._met_keys)
         else:
-            self._list.select_rows(self._met_keys | self._selected_before if self.modifiers & _SELECTION_MODIFIERS else self._met_keys)
+            self._list.select_rows(
+                self._met_keys | self._selected_before if self.modifiers & _SELECTION_MODIFIERS else self._met_keys
+            )
         self._on_advice_changed()
 
     def _end_frame(self) -> None:

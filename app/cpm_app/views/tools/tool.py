@@ -56,7 +56,17 @@ LIMIT_GROUP = tr("Limit")
 CHARGE_GROUP = tr("Charge")
 """Group of the placed charges."""
 
-TOOL_GROUPS = (OBJECT_GROUP, SELECT_GROUP, MEND_GROUP, CIRCLE_GROUP, STROKE_GROUP, AREA_GROUP, AUTO_GROUP, LIMIT_GROUP, CHARGE_GROUP)
+TOOL_GROUPS = (
+    OBJECT_GROUP,
+    SELECT_GROUP,
+    MEND_GROUP,
+    CIRCLE_GROUP,
+    STROKE_GROUP,
+    AREA_GROUP,
+    AUTO_GROUP,
+    LIMIT_GROUP,
+    CHARGE_GROUP,
+)
 """Groups of tools in display order."""
 
 _gestures = itertools.count()
@@ -76,7 +86,7 @@ class Tool:
     shortcut: str
     """Key that selects the tool."""
     group: str
-    """One of `GROUPS`."""
+    """One of `TOOL_GROUPS`."""
     panel: Literal["objects", "run"] = "run"
     """The tab of the right column that belongs to it."""
     tip: str = ""

@@ -51,7 +51,9 @@ def select_body_at(selection: ObjectSelection, camera: Camera, spacing: Sides, a
     partition = selection.partition_updater.partition
     way = min(spacing) * camera.axes[2] / np.array(spacing)
     places = np.array(at) + np.outer((0.0, *_INSIDE_DEPTHS), way)
-    within = partition.find_body_numbers(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
+    within = (
+        partition.find_body_numbers(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
+    )
     place = places[1 + int(np.argmax(within[1:]))] if np.any(within[1:]) else places[0]
     inside = not QGuiApplication.keyboardModifiers() & REMOVE_MODIFIER
     selection.add_click((tuple(place.tolist()),), inside)

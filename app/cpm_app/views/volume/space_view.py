@@ -26,7 +26,7 @@ from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import EMPTY_DEPTH, Picture
 from cpm_app.model.space.view_in_space import ShownParticles, ViewInSpace
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.slices import slice_directions, find_front_axis
+from cpm_app.model.volume.slices import find_front_axis, slice_directions
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.session import Session
 from cpm_app.views.theme import theme
@@ -153,7 +153,11 @@ class SpaceView(QWidget):
         """Show the whole volume from the initial direction."""
         if self._view is not None:
             image = self._view.image
-            self.set_camera(Camera.facing_box(self._view.lengths, self.picture_size, slice_directions(image)[find_front_axis(image)]))
+            self.set_camera(
+                Camera.facing_box(
+                    self._view.lengths, self.picture_size, slice_directions(image)[find_front_axis(image)]
+                )
+            )
 
     def look_along(self, axis: int) -> None:
         """Look along an axis, in the orientation of the slices across it."""
@@ -317,7 +321,10 @@ def _draw_frame(
 ) -> _SpaceFrame:
     """Draw a frame on the drawing thread."""
     begin, particles = time.perf_counter(), view.particles
-    look, seen = replace(CANVAS_LOOK, radius=max(CANVAS_LOOK.radius / coarseness, 0.6)), camera.enlarged(1.0 / coarseness)
+    look, seen = (
+        replace(CANVAS_LOOK, radius=max(CANVAS_LOOK.radius / coarseness, 0.6)),
+        camera.enlarged(1.0 / coarseness),
+    )
     if view.shown.opacity < 1.0:
         picture = view.render_picture(seen, size, look)
     else:  # everything except the particles is drawn only once

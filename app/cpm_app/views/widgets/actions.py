@@ -12,8 +12,8 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
 from cpm_app.model.state.situation import (
-    ICONS_IN_VOLUMES,
     HIDDEN_IN_VOLUMES,
+    ICONS_IN_VOLUMES,
     TEXTS_IN_VOLUMES,
     Condition,
     Situation,
@@ -50,7 +50,7 @@ class ActionSpec:
     text : str
         Text in the menu, in English or already translated.
     tip : str
-        One sentence for the tooltip and the status bar; it may name keys of actions (see `with_keys`).
+        One sentence for the tooltip and the status bar; it may name keys of actions (see `insert_keys`).
     do : callable
         Function that performs the action.
     keys : str
@@ -153,7 +153,9 @@ class Actions(dict[str, QAction]):
             action.setEnabled(spec.when(situation))
             if spec.checked_when is not None:
                 action.setChecked(spec.checked_when(situation))
-            if spec.text_for is not None and _without_mnemonic(action.text()) != _without_mnemonic(text := spec.text_for(situation)):
+            if spec.text_for is not None and _without_mnemonic(action.text()) != _without_mnemonic(
+                text := spec.text_for(situation)
+            ):
                 action.setText(text)
                 self._update_tips(name)
             if spec.icon_for is not None and self._icons[name] != (wanted := spec.icon_for(situation)):
@@ -167,7 +169,9 @@ class Actions(dict[str, QAction]):
         self._in_volume = volume
         for name, (in_volume, _) in TEXTS_IN_VOLUMES.items():
             action, text = self[name], in_volume if volume else self.specs[name].text
-            on_button = _without_mnemonic(text) if action.iconText() == _without_mnemonic(action.text()) else action.iconText()
+            on_button = (
+                _without_mnemonic(text) if action.iconText() == _without_mnemonic(action.text()) else action.iconText()
+            )
             action.setText(text)
             action.setIconText(on_button)
             if name in ICONS_IN_VOLUMES:

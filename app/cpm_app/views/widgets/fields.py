@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 from cpm_app.model.state.resolve import INITIAL_PACE_INDEX, RUN_PACES, format_pace
 from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
-from cpm_app.views.widgets.containers import fill_layout, create_dim_label
+from cpm_app.views.widgets.containers import create_dim_label, fill_layout
 
 _DECIMAL_POINT = "."
 """Decimal mark that is accepted in every language."""
@@ -286,7 +286,9 @@ class SpeedControl(QWidget):
         self.slider.setAccessibleName(tr("Speed"))
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.label = QLabel(format_pace(RUN_PACES[INITIAL_PACE_INDEX]))
-        self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(format_pace, RUN_PACES), key=len)) + 8)
+        self.label.setMinimumWidth(
+            self.label.fontMetrics().horizontalAdvance(max(map(format_pace, RUN_PACES), key=len)) + 8
+        )
         self.setToolTip(tr("Maximum number of steps per second."))
         fill_layout(QHBoxLayout(self), self.slider, self.label, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)

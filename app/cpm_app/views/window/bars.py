@@ -29,7 +29,7 @@ from cpm_app.views.theme.theme import Theme
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.tool import AUTO_GROUP, TOOL_GROUPS
 from cpm_app.views.widgets.actions import PRIMARY_ACTION, Actions
-from cpm_app.views.widgets.containers import VerticalScrollArea, fill_layout, create_dim_label, create_flat_button
+from cpm_app.views.widgets.containers import VerticalScrollArea, create_dim_label, create_flat_button, fill_layout
 from cpm_core.shapes import SEEDING_KINDS
 
 _FIRST_BAR_ACTIONS = ("open", "save", "", "undo", "redo")

@@ -87,14 +87,17 @@ def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Unsave
         parts = tr("{parts} and {last}", parts=", ".join(lost[:-1]), last=lost[-1])
         more = tr("{parts} are not saved.")
     more = more.format(parts=f"{parts[:1].upper()}{parts[1:]}")
-    return cast("Answer", QuestionDialog(parent, tr("Unsaved work"), text, more, buttons).wait_for_answer())
+    return cast("UnsavedAnswer", QuestionDialog(parent, tr("Unsaved work"), text, more, buttons).wait_for_answer())
 
 
 def ask_to_replace(parent: QWidget, name: str) -> bool:
     """Ask whether the file of this name may be replaced."""
     buttons = AnswerButton("keep", tr("&Keep it"), "cancel"), AnswerButton("replace", tr("&Replace"), "discard")
     more = tr("A file with this name exists; its contents would be lost.")
-    return QuestionDialog(parent, tr("Replace file"), tr("Replace “{name}”?", name=name), more, buttons).wait_for_answer() == "replace"
+    return (
+        QuestionDialog(parent, tr("Replace file"), tr("Replace “{name}”?", name=name), more, buttons).wait_for_answer()
+        == "replace"
+    )
 
 
 def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str) -> str | None:
@@ -178,7 +181,10 @@ class FileDialogs:
         known = [known for kind in kinds for known in kind.suffixes]
         suffix = max((known for known in known if name.endswith(known)), key=len, default=Path(name).suffix)
         first = next((kind.qt_filter for kind in kinds if suffix in kind.suffixes), "")
-        begin, filters = str((folder or self.find_starting_folder(purpose)) / name), ";;".join(kind.qt_filter for kind in kinds)
+        begin, filters = (
+            str((folder or self.find_starting_folder(purpose)) / name),
+            ";;".join(kind.qt_filter for kind in kinds),
+        )
         chosen, _ = QFileDialog.getSaveFileName(self._window, title, begin, filters, first, _HIDE_SUFFIXES)
         if not chosen:
             return None

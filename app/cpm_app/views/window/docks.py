@@ -9,7 +9,7 @@ from PySide6.QtCore import QByteArray, QEvent, QObject, Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QApplication, QBoxLayout, QDockWidget, QMainWindow, QTabWidget, QWidget
 
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.views.window.keyboard import Keyboard, find_focus_target, focus_and_reveal
 from cpm_core.numerics.types import record
 
@@ -63,7 +63,7 @@ def _tab_position(panel: Panel) -> int:
 
 
 class Docks(QObject):
-    """Column of tabs on the right of a window, and the panels in the layout `below` its canvas."""
+    """Column of tabs on the right of a window, and the panels in the layout `below_canvas` its canvas."""
 
     def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard, below: QBoxLayout) -> None:
         super().__init__(window)

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 from cpm_app.model.parameters.controls import build_controls
 from cpm_app.model.text.assets import find_asset, read_guide_page
 from cpm_app.model.text.keys import key_or_title
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.text.wording import format_symbol
 from cpm_app.views.widgets.actions import native_key_text
 from cpm_app.views.widgets.containers import PageList, fill_layout
@@ -38,7 +38,9 @@ _GUIDE_SIZE = QSize(780, 640)
 _GUIDE_PICTURE_WIDTH = 300
 """Width of a picture [px]."""
 
-_PARAMETER_LABELS = {control.name: f"“{control.title}” ({format_symbol(control.symbol)})" for control in build_controls()}
+_PARAMETER_LABELS = {
+    control.name: f"“{control.title}” ({format_symbol(control.symbol)})" for control in build_controls()
+}
 """Labels of parameters by their names."""
 
 
@@ -56,7 +58,9 @@ class Guide(QDialog):
         self._open_sample = open_sample
         for key in shortcuts.find_keys(KEYS_PAGE):
             QShortcut(QKeySequence(key), self, self.close)
-        self.contents = PageList(tr("Pages"), [translate_core_text(read_guide_page(name)[0].text) for name in GUIDE_PAGES])
+        self.contents = PageList(
+            tr("Pages"), [translate_core_text(read_guide_page(name)[0].text) for name in GUIDE_PAGES]
+        )
         self.text = QTextBrowser(openLinks=False)
         self.text.document().setDocumentMargin(14)
         self.text.anchorClicked.connect(self._on_link_clicked)

@@ -31,12 +31,20 @@ from PySide6.QtWidgets import (
 )
 
 from cpm_app.model.preferences.shortcuts import explain_reserved_key
-from cpm_app.model.preferences.table import PREFERENCES_BY_PAGE, PAGE_TITLES, ChoicePreference, ColorPreference, FlagPreference, NumberPreference, Preference
+from cpm_app.model.preferences.table import (
+    PAGE_TITLES,
+    PREFERENCES_BY_PAGE,
+    ChoicePreference,
+    ColorPreference,
+    FlagPreference,
+    NumberPreference,
+    Preference,
+)
 from cpm_app.model.text.language import tr
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.theme.icons import create_swatch
 from cpm_app.views.widgets.actions import native_key_text
-from cpm_app.views.widgets.containers import PageList, fill_layout, create_wrapped_label
+from cpm_app.views.widgets.containers import PageList, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField
 from cpm_app.views.window.shortcuts import Shortcuts
 from cpm_core.numerics.types import Callback
@@ -75,7 +83,9 @@ class PreferencesDialog(QDialog):
         self._field_updates: dict[str, Callback] = {}
         self.contents = PageList(tr("Pages of the preferences"), [*PAGE_TITLES.values()])
         preferences.changed.connect(self._on_preference_changed)
-        self._pages_by_name = {name: self._make_page(name) for name in PREFERENCES_BY_PAGE} | {"shortcuts": ShortcutsPage(shortcuts)}
+        self._pages_by_name = {name: self._make_page(name) for name in PREFERENCES_BY_PAGE} | {
+            "shortcuts": ShortcutsPage(shortcuts)
+        }
         for name in PAGE_TITLES:
             self._pages.addWidget(self._pages_by_name[name])
         self.contents.currentRowChanged.connect(self._pages.setCurrentIndex)
@@ -151,7 +161,9 @@ class PreferencesDialog(QDialog):
             self._field_updates[key]()
 
 
-def create_preference_field(preference: Preference[Any], preferences: Preferences) -> tuple[QWidget, Callable[[Any], object]]:
+def create_preference_field(
+    preference: Preference[Any], preferences: Preferences
+) -> tuple[QWidget, Callable[[Any], object]]:
     """Create the field of a preference, which stores a new value immediately.
 
     Returns the widget and the function that shows a value in it.
@@ -271,7 +283,9 @@ class ShortcutsPage(QWidget):
             self.keys.setKeySequence(QKeySequence(keys[0] if keys else ""))
         for widget in (self.keys, self.remove, self.restore):
             widget.setEnabled(bool(name))
-        self._show_message(tr("Choose the field and press the new key.") if name else tr("Select an action to change its key."))
+        self._show_message(
+            tr("Choose the field and press the new key.") if name else tr("Select an action to change its key.")
+        )
 
     def _show_message(self, text: str, wanted: str = "") -> None:
         self._conflicting_key = wanted

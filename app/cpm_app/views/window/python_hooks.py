@@ -12,8 +12,8 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import explain_failure
+from cpm_app.session.scene_store import UNEXPECTED_CATEGORY
 from cpm_app.session.session import Session
-from cpm_app.session.signals import UNEXPECTED_CATEGORY
 
 _COLLECTION_INTERVAL = 1000
 """Time between two checks [ms]."""
@@ -69,7 +69,9 @@ class UnexpectedErrors(QObject):
         """Restore the previous handlers."""
         sys.excepthook, threading.excepthook = self._previous_hooks
 
-    def _on_exception(self, kind: type[BaseException], error: BaseException | None, trace: TracebackType | None) -> None:
+    def _on_exception(
+        self, kind: type[BaseException], error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         if not isinstance(error, Exception):  # Ctrl+C and SystemExit
             if error is not None:
                 self._previous_hooks[0](kind, error, trace)

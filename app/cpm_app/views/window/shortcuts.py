@@ -34,7 +34,10 @@ class Shortcuts(QObject):
 
     def add_action(self, action: QAction, name: str, title: str, group: str) -> None:
         """Add an action that has its default keys."""
-        self._actions[name] = ActionKeys(name, title, group, tuple(key.toString() for key in action.shortcuts())), action
+        self._actions[name] = (
+            ActionKeys(name, title, group, tuple(key.toString() for key in action.shortcuts())),
+            action,
+        )
         action.setShortcuts([QKeySequence(key) for key in self.find_keys(name)])
 
     def find_keys(self, name: str) -> Texts:

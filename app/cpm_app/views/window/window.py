@@ -15,7 +15,14 @@ from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplicat
 from PySide6.QtWidgets import QMainWindow, QWidget
 
 from cpm_app.model.display.lengths import prefer_unit
-from cpm_app.model.preferences.table import CONTOUR_WIDTH, INK_PREFERENCES, POINT_SIZE, SHAPE_WIDTH, THEME_PREFERENCE, UNIT_PREFERENCE
+from cpm_app.model.preferences.table import (
+    CONTOUR_WIDTH,
+    INK_PREFERENCES,
+    POINT_SIZE,
+    SHAPE_WIDTH,
+    THEME_PREFERENCE,
+    UNIT_PREFERENCE,
+)
 from cpm_app.model.state.situation import HIDDEN_IN_VOLUMES
 from cpm_app.model.text.keys import use_action_names
 from cpm_app.model.text.language import tr
@@ -116,7 +123,9 @@ class MainWindow(QMainWindow):
         self.workspace = workspace
         self.session = session = workspace.session
         self.preferences = preferences or Preferences(self)
-        self.preferences.call_on_change(UNIT_PREFERENCE, lambda: prefer_unit(self.preferences.read_preference(UNIT_PREFERENCE)))
+        self.preferences.call_on_change(
+            UNIT_PREFERENCE, lambda: prefer_unit(self.preferences.read_preference(UNIT_PREFERENCE))
+        )
         self._garbage = GarbageCollector(self)  # before any widget is created: the worker thread is already running
         self.turns = Turns(self)
         self.setAcceptDrops(True)
@@ -128,7 +137,9 @@ class MainWindow(QMainWindow):
         canvas, slices = self.canvas_area.canvas, workspace.slices
         self._keyboard = Keyboard(self, canvas)
         self.offers = self.canvas_area.offers
-        session.add_listener(ImageOpened, lambda _: self.offers.clear())  # connected first, before any feature adds an offer
+        session.add_listener(
+            ImageOpened, lambda _: self.offers.clear()
+        )  # connected first, before any feature adds an offer
         self.files = FileDialogs(self, session, self.preferences)
         self.document_file = DocumentFile(session, lambda: {**canvas.view_state(), **slices.view_state()})
         self.document_file.truth = lambda: workspace.comparison.truth_file

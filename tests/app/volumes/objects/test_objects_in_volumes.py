@@ -215,7 +215,9 @@ def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, 
     inside = found.session.document.regions.voxel_mask(found.session.image.shape)
     assert inside.sum() == pytest.approx(BALL, rel=0.1)
     found.workspace.slices.go_through(ONE)
-    shown = [shape for shape in found.canvas_area.canvas.drawn_scene.document.shapes if isinstance(shape, RegionSection)]
+    shown = [
+        shape for shape in found.canvas_area.canvas.drawn_scene.document.shapes if isinstance(shape, RegionSection)
+    ]
     assert len(shown) == 1
     path, file = tmp_path / "region.cpm", found.get_feature(OpenSaveFeature).document_file
     assert file.save_and_wait(path)

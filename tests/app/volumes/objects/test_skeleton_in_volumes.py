@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.layers.skeleton import inscribed_disks
-from cpm_app.views.volume.seen_in_space import SpaceViewBuilder
+from cpm_app.views.volume.space_view_builder import SpaceViewBuilder
 from PySide6.QtCore import Qt
 
 from tests.app.exporting import asked, order

@@ -41,7 +41,9 @@ def on_screen(view, place) -> QPoint:
 
 def inks(view) -> set[str]:
     """The colors in the picture."""
-    return {"#" + bytes(color).hex() for color in np.unique(read_rgb_pixels(view.grab().toImage()).reshape(-1, 3), axis=0)}
+    return {
+        "#" + bytes(color).hex() for color in np.unique(read_rgb_pixels(view.grab().toImage()).reshape(-1, 3), axis=0)
+    }
 
 
 def test_what_is_drawn_is_seen_in_space_in_its_color(volume, hand, space) -> None:

@@ -10,7 +10,7 @@ from cpm_app.model.display.display_image import IntensityWindow
 from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import EMPTY_DEPTH, Picture, draw_balls, draw_lines
 from cpm_app.model.space.triangles import CutPlane, SurfaceMesh, draw_mesh
-from cpm_app.model.space.view_in_space import SpaceStyle, ShownParticles, ShownParts, ViewInSpace
+from cpm_app.model.space.view_in_space import ShownParticles, ShownParts, SpaceStyle, ViewInSpace
 from cpm_app.model.space.voxels import ShadedVolume, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slice, Slices
 from cpm_app.views.canvas.flow import start_positions
@@ -28,7 +28,9 @@ GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)
 
 angles = st.floats(-3.0, 3.0)
 cameras = st.builds(
-    lambda one, other, roll, scale: Camera.facing_box((20.0, 30.0, 40.0), SIZE).rotated(one, other).rolled(roll).zoomed(scale),
+    lambda one, other, roll, scale: (
+        Camera.facing_box((20.0, 30.0, 40.0), SIZE).rotated(one, other).rolled(roll).zoomed(scale)
+    ),
     angles,
     angles,
     angles,
@@ -205,7 +207,9 @@ def test_particles_come_from_where_those_of_the_same_number_were_and_new_ones_fr
         return SimpleNamespace(generation=1, position=rng.normal(size=(count, 3)), state=state)
 
     before, after = snapshot(4, 30, numbers[:30]), snapshot(5, 25, rng.permutation(numbers[15:]))
-    for begin, place, number in zip(start_positions(before, after), after.position, after.state.particles.identity, strict=True):
+    for begin, place, number in zip(
+        start_positions(before, after), after.position, after.state.particles.identity, strict=True
+    ):
         known = np.flatnonzero(numbers[:30] == number)
         assert begin.tolist() == (before.position[known[0]] if len(known) else place).tolist()
     assert start_positions(after, before) is start_positions(before, before) is None, "only from one step to the next"

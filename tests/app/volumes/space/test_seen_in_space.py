@@ -88,7 +88,7 @@ def test_the_picture_in_space_is_saved_as_it_is_seen(volume, hand, space, tmp_pa
 
 def test_a_turntable_is_one_full_turn(volume, hand, space, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(space_marks, "TURN_FRAMES", 8)
-    monkeypatch.setattr("cpm_app.views.features.volumes.FRAMES", 8)
+    monkeypatch.setattr("cpm_app.views.features.volumes.TURN_FRAMES", 8)
     hand.wait(lambda: space.view.is_idle)
     path = tmp_path / "turn.gif"
     volume.get_feature(SpaceFeature).write_view(path, True)

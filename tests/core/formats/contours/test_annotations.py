@@ -13,7 +13,7 @@ import shapely
 from pycocotools.coco import COCO
 
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats import to_bytes, export
+from cpm_core.formats import export, to_bytes
 
 from ..drawn import CELL, CORE, FIBRE, HOLE, RESULT
 

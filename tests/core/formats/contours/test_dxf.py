@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cpm_core import Contour
-from cpm_core.formats import to_bytes, export
+from cpm_core.formats import export, to_bytes
 
 from ..drawn import FIBRE, RESULT
 

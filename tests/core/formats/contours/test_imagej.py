@@ -10,7 +10,7 @@ import roifile
 from roifile import ROI_OPTIONS, ROI_TYPE
 
 from cpm_core import Contour
-from cpm_core.formats import to_bytes, export
+from cpm_core.formats import export, to_bytes
 
 from ..drawn import CELL, FIBRE, RESULT
 

@@ -10,7 +10,7 @@ import pytest
 from scipy import ndimage
 
 from cpm_core import Contour, Skeleton
-from cpm_core.formats import CONTOURS_WRITABLE, export, load_image, find_format_suffix
+from cpm_core.formats import CONTOURS_WRITABLE, export, find_format_suffix, load_image
 from tests.core.formats.masks.test_label_mask import indices
 
 SVG = "{http://www.w3.org/2000/svg}"

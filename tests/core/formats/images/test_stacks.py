@@ -160,7 +160,7 @@ def test_sizes_are_set_by_hand_where_a_file_does_not_tell(tmp_path, load):
 
 def test_a_volume_larger_than_memory_is_refused_before_it_is_read(tmp_path, monkeypatch):
     np.save(tmp_path / "a.npy", VALUES)
-    monkeypatch.setattr("cpm_core.numerics.memory.free", lambda: 1000.0)
+    monkeypatch.setattr("cpm_core.numerics.memory.available_memory", lambda: 1000.0)
     with pytest.raises(ValueError, match=r"a\.npy has 10 × 12 × 14 px, which need .* make it smaller"):
         load_volume(tmp_path / "a.npy")
     assert load_image(tmp_path / "a.npy").shape == (12, 14)

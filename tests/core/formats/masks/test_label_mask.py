@@ -6,9 +6,9 @@ import pytest
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
-from cpm_core.formats import MASK_SUFFIXES, to_bytes, export, count_left_out
+from cpm_core.formats import MASK_SUFFIXES, count_left_out, export, to_bytes
 from cpm_core.formats.ground_truth_file import load_truth
-from cpm_core.formats.masks.labels import paint_labels, label_palette
+from cpm_core.formats.masks.labels import label_palette, paint_labels
 
 
 def polygon_of(row, col, radius, count=40, rough=0.0, seed=0):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cpm_core import Contour, Geometry, Image, Result, export, load_surface
-from cpm_core.contours import Label, label_voxels, join_surfaces
+from cpm_core.contours import Label, join_surfaces, label_voxels
 from cpm_core.contours.surface import surface_from_labels
 
 from ..images.made import write_metaimage

@@ -11,7 +11,7 @@ import pytest
 import tifffile
 
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats import to_bytes, export, load_image
+from cpm_core.formats import export, load_image, to_bytes
 
 from ..drawn import FIBRE, RESULT
 

@@ -11,7 +11,7 @@ import tifffile
 
 from cpm_core import Geometry, Image, Result, Surface
 from cpm_core.contours.surface import label_voxels
-from cpm_core.formats import VOLUMES_WRITABLE, to_bytes, export
+from cpm_core.formats import VOLUMES_WRITABLE, export, to_bytes
 from cpm_core.numerics.grids import zero_surface
 
 SHAPE, SPACING = (16, 20, 24), (2.0, 0.5, 1.0)

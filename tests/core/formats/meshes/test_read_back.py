@@ -13,12 +13,12 @@ from cpm_core import (
     Image,
     Surface,
     centerlines,
-    to_bytes,
     export,
     load_centerlines,
     load_points,
     load_surface,
     load_volume_truth,
+    to_bytes,
 )
 from cpm_core.contours.surface_agreement import compare_surface
 from cpm_core.formats.surface_file import SURFACES_READABLE, decode_surface
@@ -49,7 +49,7 @@ def placed(geometry, spacing=SPACING, unit="mm", surface=SURFACE):
 
 def corners_of(surface):
     """The three corners of each triangle in order, the triangles in any."""
-    rows = surface.vertices[surface.faces].from_voxel_size(2)
+    rows = surface.vertices[surface.faces].round(2)
     first = np.lexsort(rows.transpose(2, 0, 1)[::-1].reshape(3, -1)).argsort().reshape(-1, 3).argmin(axis=1)
     return np.stack([np.roll(row, -k, axis=0) for row, k in zip(rows, first, strict=True)])
 

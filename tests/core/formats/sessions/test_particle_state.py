@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from cpm_core import PRESETS, Engine, Image, Parameters, PlacedCharge, sphere
-from cpm_core.formats.common.plain import array_from_json, array_to_json
+from cpm_core.formats.common.json_values import array_from_json, array_to_json
 from cpm_core.formats.sessions.particle_state import state_from_json, state_to_json
 from cpm_core.model.starts import circle
 from cpm_core.model.state import State

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cpm_core import VolumeRegions
-from cpm_core.formats.common.plain import regions_from_json, regions_to_json
+from cpm_core.formats.common.json_values import regions_from_json, regions_to_json
 from cpm_core.formats.sessions.session_file import decode_session
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, Voxels

@@ -20,7 +20,7 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface
 from cpm_core.contours.review import Mark, Verdict
 from cpm_core.formats.common.content import compute_fingerprint
-from cpm_core.formats.common.plain import LARGEST_NUMBER
+from cpm_core.formats.common.json_values import LARGEST_NUMBER
 from cpm_core.formats.sessions.session_file import (
     ImageFile,
     SessionFile,
@@ -67,7 +67,9 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
 CORNERS = np.array([(x, y, z) for z in (0, 3) for y in (0, 3) for x in (0, 3)], np.float32)
 SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 TRIANGLES = np.array([(a, *pair) for a, b, c, d in SIDES for pair in ((b, c), (c, d))])
-SURFACES = [PackedSurface.from_surface(cpm_core.Surface(corners, TRIANGLES)) for corners in (CORNERS, CORNERS / 3.0 - 7.0)]
+SURFACES = [
+    PackedSurface.from_surface(cpm_core.Surface(corners, TRIANGLES)) for corners in (CORNERS, CORNERS / 3.0 - 7.0)
+]
 
 
 def any_of(kind: type) -> st.SearchStrategy[Any]:

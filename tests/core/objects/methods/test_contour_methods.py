@@ -8,9 +8,9 @@ import skimage
 
 from cpm_core.contours.ground_truth import truth_from_mask
 from cpm_core.image.image import Image
-from cpm_core.objects.methods import CONTOUR_METHODS, Start, report_run, iterate_method, run_method
+from cpm_core.objects.methods import CONTOUR_METHODS, Start, iterate_method, report_run, run_method
 from cpm_core.objects.methods.level_sets import GeodesicSettings, advance_front, reinitialize_distance
-from cpm_core.objects.methods.method import trace_boundary, signed_region_distance, unit_gray
+from cpm_core.objects.methods.method import signed_region_distance, trace_boundary, unit_gray
 from cpm_core.objects.methods.regions import (
     MorphologicalChanVeseSettings,
     MorphologicalGacSettings,
@@ -185,7 +185,10 @@ def test_methods_of_scikit_image_give_step_by_step_what_its_functions_give():
         (lambda: Start(()), "There is no start"),
         (lambda: Start((np.zeros((2, 2)),)), "three or more corners"),
         (lambda: run_method(CONTOUR_METHODS["snake"], IMAGE, START, max_steps=0.5), "must be at least 0, and whole"),
-        (lambda: next(iterate_method(CONTOUR_METHODS["gvf"], IMAGE, START, {})), "must be GvfSnakeSettings, those of GVF"),
+        (
+            lambda: next(iterate_method(CONTOUR_METHODS["gvf"], IMAGE, START, {})),
+            "must be GvfSnakeSettings, those of GVF",
+        ),
         (
             lambda: next(iterate_method(CONTOUR_METHODS["gvf"], VOLUME, START)),
             "ball is a volume, but methods",

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.numerics import polyline
 from cpm_core.objects.segmented import SegmentedObject, split_object, split_object_along
-from cpm_core.objects.segmented.areas import polygon_from_boundary, boundary_from_polygon, lies_on
+from cpm_core.objects.segmented.areas import boundary_from_polygon, lies_on, polygon_from_boundary
 
 SHAPE = (96, 96)
 PIXELS = np.indices(SHAPE)

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from cpm_core.contours.packed_surface import PackedSurface, PackedVoxels
-from cpm_core.formats.common.plain import from_json, to_json
+from cpm_core.formats.common.json_values import from_json, to_json
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.objects.segmented import (
     SegmentedObject,
     SegmentedObjects,
     fill_between_slices,
-    voxelize_brush,
     paint_voxels,
     split_painted_object,
     unite_objects,
+    voxelize_brush,
 )
 
 SHAPE = (20, 30, 41)

@@ -115,7 +115,9 @@ def ridge_test(volume):
     """Whether a way along the middle row of a volume, over its middle, follows a ridge between edges of slope 20."""
     middle = np.array([12, 12, 12])
     beside = np.array([[12.0, 12.0, 14.0]])
-    surroundings = SaddleSurroundings(volume.astype(np.float32), 1.0, beside, np.array([ALONG]), np.array([20.0]), np.ones(3))
+    surroundings = SaddleSurroundings(
+        volume.astype(np.float32), 1.0, beside, np.array([ALONG]), np.array([20.0]), np.ones(3)
+    )
     return surroundings.lies_on_ridge(middle + np.arange(-2, 4)[:, None] * np.array([0, 1, 0]), middle)
 
 

@@ -15,8 +15,8 @@ import tifffile
 from cpm_core import Parameters, Surface
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.packed_surface import PackedSurface
-from cpm_core.contours.review import Mark, KeptOutline
-from cpm_core.formats.common.plain import shape_to_json
+from cpm_core.contours.review import KeptOutline, Mark
+from cpm_core.formats.common.json_values import shape_to_json
 from cpm_core.formats.contours.contour_json import page_to_json
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, TruthFile, encode_session

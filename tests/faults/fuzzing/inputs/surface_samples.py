@@ -28,7 +28,9 @@ def _own() -> list[Sample]:
     inside[4:9, 4:9, 4:36] = True
     found = replace(RESULT, particles=np.array([(1.0, 2.0, 3.25), (4.0, 5.0, 6.0)]))
     with tempfile.TemporaryDirectory() as folder:
-        files = [Path(folder, f"a{suffix}") for suffix in (*VOLUMES_WRITABLE, *CENTERLINES_WRITABLE) if suffix != ".seg.dcm"]
+        files = [
+            Path(folder, f"a{suffix}") for suffix in (*VOLUMES_WRITABLE, *CENTERLINES_WRITABLE) if suffix != ".seg.dcm"
+        ]
         for file in files:
             export(centerlines(inside) if file.suffix in CENTERLINES_WRITABLE else found, file)
         return [Sample(file.suffix, file.read_bytes()) for file in files]

@@ -17,7 +17,7 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core import Image
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats.contour_file import decode_contours, load_contours, describe_plane
+from cpm_core.formats.contour_file import decode_contours, describe_plane, load_contours
 
 NEAR = 0.02
 """Distance up to which lines stand for curves [px]."""

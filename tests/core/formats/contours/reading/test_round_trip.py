@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from cpm_core import Contour, Image
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.formats import CONTOURS_WRITABLE, to_bytes, export
-from cpm_core.formats.contour_file import decode_contours, load_contours, describe_plane, read_contours
+from cpm_core.formats import CONTOURS_WRITABLE, export, to_bytes
+from cpm_core.formats.contour_file import decode_contours, describe_plane, load_contours, read_contours
 from cpm_core.formats.writers import FIGURE_SUFFIXES
 
 from ...drawn import RESULT

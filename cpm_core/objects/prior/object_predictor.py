@@ -16,18 +16,18 @@ import scipy
 
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
-from cpm_core.objects.prior.network import Network, load_trained_network
-from cpm_core.objects.prior.windows import (
+from cpm_core.objects.prior.crops import (
     ANSWER_MARGIN,
     CROP_SIZE_RATIO,
     INSIDE_PROBABILITY,
     MAX_RELATIVE_SIDE,
     MIN_ANSWER_SIDE,
     MIN_FIRST_SIDE,
-    ImageSampler,
     Crop2D,
+    ImageSampler,
     mark_points,
 )
+from cpm_core.objects.prior.network import Network, load_trained_network
 
 _MIN_CROP_REFINEMENTS = 2
 """Number of crops around answers that refine a previous mask."""
@@ -66,13 +66,13 @@ class Prompt:
 
     Attributes
     ----------
-    inside, outside : ndarray of int64, shape (M, 2) and (K, 2)
+    positive, negative : ndarray of int64, shape (M, 2) and (K, 2)
         Pixels of positive and of negative points.
-    drawn : ndarray of bool, shape (H, W), optional
+    drawn_area : ndarray of bool, shape (H, W), optional
         What has been drawn in it, or across its boundary, such as a disk.
     box : tuple of float, optional
         First and last row, first and last column of a box around it [px].
-    former : ndarray of bool, shape (H, W), optional
+    previous_mask : ndarray of bool, shape (H, W), optional
         The previous mask that it corrects.
     """
 
@@ -93,11 +93,11 @@ class CropPrediction(NamedTuple):
 
     Attributes
     ----------
-    window : Window
+    crop : Window
         The crop.
-    seen : ndarray of float32, shape (SIDE, SIDE)
+    probability : ndarray of float32, shape (SIDE, SIDE)
         Probability of each of its pixels to lie in the object.
-    overlap : float
+    predicted_iou : float
         Overlap with the object that the network predicts.
     """
 
@@ -121,12 +121,12 @@ class CropPrediction(NamedTuple):
         first, last = np.array([line[[0, -1]] for line in self.crop.axis_positions]).T
         low, high = self.object_bounds
         border = np.array(shape) - 1
-        return bool(((low > 0) & (low <= first + near)).has_object() or ((high < border) & (high >= last - near)).has_object())
+        return bool(((low > 0) & (low <= first + near)).any() or ((high < border) & (high >= last - near)).any())
 
     def compute_score(self, areas: Array, drawn: Mask | None) -> float:
         """Compute the rank of the answer among those of other crops.
 
-        `areas`, shape (N,) [px²], are those of other objects, and `drawn`, shape (H, W), is what has been drawn.
+        `areas`, shape (N,) [px²], are those of other objects, and `drawn_area`, shape (H, W), is what has been drawn.
         """
         area = np.log(max(np.count_nonzero(self.probability > INSIDE_PROBABILITY) * self.crop.step_size**2, 1.0))
         off = float(np.abs(np.log(np.maximum(areas, 1.0)) - area).min()) if len(areas) else 0.0
@@ -138,7 +138,9 @@ class CropPrediction(NamedTuple):
     def mean_certainty(self) -> float:
         """Overlap with the object that is expected from its probabilities, pixel by pixel."""
         likely = self.probability > INSIDE_PROBABILITY
-        return float(self.probability[likely].sum()) / max(float(np.count_nonzero(likely) + self.probability[~likely].sum()), 1.0)
+        return float(self.probability[likely].sum()) / max(
+            float(np.count_nonzero(likely) + self.probability[~likely].sum()), 1.0
+        )
 
     def compute_iou_with(self, other: CropPrediction) -> float:
         """Compute the overlap with the answer in another crop, as sampled in the larger one of the two."""
@@ -153,11 +155,11 @@ class Prediction(NamedTuple):
     ----------
     mask : ndarray of bool, shape (H, W)
         Its pixels.
-    coarseness : float
+    downsampling : float
         Side of a pixel of the last crop [px].
-    overlap, clarity : float
+    predicted_iou, mean_certainty : float
         Overlap with the intended object that the network predicts, and that is expected from its probabilities.
-    steadiness, agreement : float
+    iou_to_previous, iou_to_other_crop : float
         Overlap of the last answer with the one before, and of the first with the most similar one in another crop.
     """
 
@@ -179,8 +181,8 @@ class ObjectPredictor:
         Gray levels, or colors.
     network : Network
         The network.
-    grays : tuple of float, optional
-        As of `Views`.
+    gray_range : tuple of float, optional
+        As of `ImageSampler`.
     """
 
     values: Numbers
@@ -199,14 +201,19 @@ class ObjectPredictor:
         """
         if prompt.previous_mask is not None and prompt.previous_mask.any():
             yield self._refine_prediction(
-                self._predict_crop(_crop_around(true_bounds(prompt.previous_mask), prompt), prompt, None), prompt, 1.0, _MIN_CROP_REFINEMENTS
+                self._predict_crop(_crop_around(true_bounds(prompt.previous_mask), prompt), prompt, None),
+                prompt,
+                1.0,
+                _MIN_CROP_REFINEMENTS,
             )
             return
         answers = [self._predict_crop(window, prompt, None) for window in self._propose_crops(prompt)]
         answers.sort(key=lambda answer: -answer.compute_score(areas, prompt.drawn_area))
         distinct: list[CropPrediction] = []
         for answer in answers:
-            if distinct and (not answer.has_object() or any(answer.compute_iou_with(one) > _SAME_OBJECT_IOU for one in distinct)):
+            if distinct and (
+                not answer.has_object() or any(answer.compute_iou_with(one) > _SAME_OBJECT_IOU for one in distinct)
+            ):
                 continue
             distinct.append(answer)
             others = [one for one in answers if one is not answer]
@@ -238,7 +245,9 @@ class ObjectPredictor:
         box, part = answer.crop.map_back(answer.probability, found.shape)
         found[box] = part > INSIDE_PROBABILITY
         steadiness = _compute_probability_iou(answer.probability, before)
-        return Prediction(found, answer.crop.step_size, answer.predicted_iou, answer.mean_certainty, steadiness, agreement)
+        return Prediction(
+            found, answer.crop.step_size, answer.predicted_iou, answer.mean_certainty, steadiness, agreement
+        )
 
     def _propose_crops(self, prompt: Prompt) -> Iterator[Crop2D]:
         """Propose crops around a prompt, the smallest first, and one of the whole image."""
@@ -294,13 +303,13 @@ def build_input_maps(
 
     Parameters
     ----------
-    seen : ndarray of float32, shape (3, SIDE, SIDE)
-        Brightness and two color differences, as `Views.through` samples them.
+    channels : ndarray of float32, shape (3, SIDE, SIDE)
+        Brightness and two color differences, as `ImageSampler.sample_crop` samples them.
     level : ndarray, shape (3,), or None
         Their values in the object, where these are known.
     inside, outside : ndarray of bool, shape (SIDE, SIDE)
         Pixels that hold positive and negative points.
-    drawn, before : ndarray of float32, shape (SIDE, SIDE)
+    drawn, previous : ndarray of float32, shape (SIDE, SIDE)
         What has been drawn, and the previous mask.
     """
     slope = np.hypot(*(scipy.ndimage.sobel(channels[0], axis, mode="mirror") for axis in range(2)))

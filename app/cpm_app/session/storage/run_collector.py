@@ -50,7 +50,7 @@ class RunCollector(QObject):
         return outline.steered or status.stale or (status.started and other)
 
     def collect_runs(self, on_collected: Callback | None = None) -> Future[RunsCollected]:
-        """Collect the runs, and call `then` afterwards; other threads can wait for the result."""
+        """Collect the runs, and call `on_collected` afterwards; other threads can wait for the result."""
         if on_collected is not None:
             self._then.append(on_collected)
         self._timer.stop()

@@ -23,7 +23,7 @@ class BoundaryGuides:
     ----------
     values, strength : ndarray, shape (H, W)
         Image, and its edge map.
-    strong : float
+    strong_edge_level : float
         Edge strength that counts as strong.
     contours, barriers, rims : Crossings
         Where contours, barriers, and the boundary of the regions of interest pass between pixels.

@@ -15,9 +15,22 @@ import numpy as np
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import explain_error, tr
-from cpm_app.session.timeline.moments import FIGURE_NAMES, BranchStep, EraseAction, JoinAction, RunAction, StepAction
-from cpm_app.session.timeline.stored_runs import TimelineBranch, StoredBranch, StoredRun, StoredRuns, starts_from_sources
+from cpm_app.session.timeline.stored_runs import (
+    StoredBranch,
+    StoredRun,
+    StoredRuns,
+    TimelineBranch,
+    starts_from_sources,
+)
 from cpm_app.session.timeline.timeline import MAX_TIMELINE_RUNS
+from cpm_app.session.timeline.timeline_nodes import (
+    FIGURE_NAMES,
+    BranchStep,
+    EraseAction,
+    JoinAction,
+    RunAction,
+    StepAction,
+)
 from cpm_core import Parameters, PlacedCharge, State
 from cpm_core.field import sort_charges
 from cpm_core.formats import (
@@ -27,10 +40,10 @@ from cpm_core.formats import (
     array_to_json,
     decode_session,
     encode_session,
-    from_json,
     expect_list,
     expect_mapping,
     expect_number,
+    from_json,
     parameters_from_json,
     regions_from_json,
     regions_to_json,
@@ -64,7 +77,7 @@ class _NumberedContour:
 
 
 def runs_to_json(stored: StoredRuns) -> JsonObject:
-    """Encode all runs; states, the shown one and then the newest, and figures as far as `MOST` characters allow."""
+    """Encode all runs; states, the shown one and then the newest, and figures as far as `MAX_STORED_CHARACTERS` characters allow."""
     if not stored.runs:
         return {}
     left, states = MAX_STORED_CHARACTERS, []
@@ -107,7 +120,9 @@ def runs_from_json(plain: JsonObject, image: ImageReference) -> tuple[StoredRuns
             runs.append(run)
 
     def read_state(entry: JsonObject) -> tuple[BranchStep, State] | None:
-        return _read_state(entry, branches, image) if entry.get("branch") in branches else None  # the oldest may be left out
+        return (
+            _read_state(entry, branches, image) if entry.get("branch") in branches else None
+        )  # the oldest may be left out
 
     def read_number(entry: JsonObject) -> tuple[int, Position]:
         contour = from_json(_NumberedContour, entry, "number of a contour")
@@ -126,8 +141,10 @@ def runs_from_json(plain: JsonObject, image: ImageReference) -> tuple[StoredRuns
     return StoredRuns(tuple(runs), here, states, numbers), fault
 
 
-def read_valid_entries(plain: JsonObject, name: str, read: Callable[[JsonObject], Entry], errors: list[Exception]) -> list[Entry]:
-    """Read the valid entries of a list; the errors of the others are added to `faults`."""
+def read_valid_entries(
+    plain: JsonObject, name: str, read: Callable[[JsonObject], Entry], errors: list[Exception]
+) -> list[Entry]:
+    """Read the valid entries of a list; the errors of the others are added to `errors`."""
     found, entries = [], plain.get(name, [])
     for entry in entries if isinstance(entries, list) else [entries]:
         try:
@@ -150,7 +167,9 @@ def _run_to_json(run: StoredRun) -> JsonDict:
         branches.append(plain)
     document = run.document
     acting = document.objects.barriers or document.outlined.objects  # a run depends on objects only then
-    bare = replace(to_session_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison)
+    bare = replace(
+        to_session_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison
+    )
     return {
         "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
         "document": json.loads(encode_session(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),
@@ -227,7 +246,9 @@ def _read_action(plain: JsonObject, usual: Parameters) -> RunAction:
     regions = regions_from_json(plain, "regions of a run")
     if "step" in plain:
         parameters, _ = parameters_from_json({**to_json(usual), **expect_mapping(plain["step"], "step")})
-        charges = tuple(from_json(PlacedCharge, one, "charge") for one in expect_list(plain.get("charges", []), "charges"))
+        charges = tuple(
+            from_json(PlacedCharge, one, "charge") for one in expect_list(plain.get("charges", []), "charges")
+        )
         return StepAction(parameters, charges, regions)
     if "join" in plain:
         axes = 3 if expect_mapping(plain["join"], "join").get("shape", [])[-1:] == [3] else 2

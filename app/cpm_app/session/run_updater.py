@@ -16,11 +16,11 @@ import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
-from cpm_app.session.signals import SceneStore
-from cpm_app.session.timeline.moments import EraseAction
+from cpm_app.session.scene_store import SceneStore
 from cpm_app.session.timeline.stored_runs import starts_from_sources
+from cpm_app.session.timeline.timeline_nodes import EraseAction
 from cpm_app.session.undo_history import Erasure
-from cpm_app.session.worker.commands import WorkerCommand, find_seeds, call_run
+from cpm_app.session.worker.commands import WorkerCommand, call_run, find_seeds
 from cpm_app.session.worker.run import Run
 from cpm_core.numerics import Place
 from cpm_core.shapes import Interest, Shape
@@ -154,4 +154,6 @@ class RunUpdater:
 
     def undo_or_redo_erasure(self, erasure: Erasure, back: bool) -> None:
         """Bring back the particles of an erasure and of the shapes it removed, or remove them again."""
-        self._set_current_sources(self._current_sources + erasure.sources if back else self._current_sources - erasure.sources)
+        self._set_current_sources(
+            self._current_sources + erasure.sources if back else self._current_sources - erasure.sources
+        )

@@ -54,7 +54,7 @@ class TimelineNode:
 
 
 class StateCache:
-    """States of at most `budget` bytes; the first of each run and the one at `here` are kept in any case.
+    """States of at most `budget` bytes; the first of each run and the one at `current` are kept in any case.
 
     States whose step is a multiple of the stride are kept, so that every other state is a few steps from one of them.
     States in between are kept until a newer one needs their memory, so that single steps backward are fast. When the
@@ -122,14 +122,14 @@ class StateCache:
 
 
 class BranchFigures:
-    """Figures of a branch for plots, step by step, each in the order of `FIGURES`."""
+    """Figures of a branch for plots, step by step, each in the order of `FIGURE_NAMES`."""
 
     def __init__(self, rows: Array | None = None) -> None:
         self._values = array("d", () if rows is None else rows.T.ravel())
 
     @property
     def rows(self) -> Array:
-        """The figures of N steps, shape (K, N), one row for each name of `FIGURES`."""
+        """The figures of N steps, shape (K, N), one row for each name of `FIGURE_NAMES`."""
         return np.array(self._values).reshape(-1, len(FIGURE_NAMES)).T
 
     def add_step(self, step: int, measures: Mapping[str, float]) -> None:

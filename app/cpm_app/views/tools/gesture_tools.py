@@ -9,9 +9,9 @@ import numpy as np
 from PySide6.QtCore import Qt
 
 from cpm_app.model.document.document import ImageReference
-from cpm_app.model.text.language import translate_core_text, tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.signals import EDITING_CATEGORY
+from cpm_app.session.scene_store import EDITING_CATEGORY
 from cpm_app.views.tools.tool import CHARGE_GROUP, CIRCLE_GROUP, STROKE_GROUP, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
@@ -64,7 +64,9 @@ class DraggedTool(ShapeTool):
     def on_release(self) -> None:
         """Keep the shape."""
         if self._index is not None and self._drawn_shape is None:
-            self._session.show_message(self.slip_message if self.volume is None else self.slip_message_in_volume, topic=EDITING_CATEGORY)
+            self._session.show_message(
+                self.slip_message if self.volume is None else self.slip_message_in_volume, category=EDITING_CATEGORY
+            )
         self.used = True
         super().on_release()
 
@@ -106,7 +108,10 @@ class EllipseTool(DraggedTool):
 
     def build_shape(self, begin: Position, at: Position) -> Ellipse | Box:
         """Build the ellipse in the dragged box, its first radius along the row; in a volume, the box."""
-        (top, left), (down, right) = self.position_in_slice(begin), map(operator.sub, self.position_in_slice(at), self.position_in_slice(begin))
+        (top, left), (down, right) = (
+            self.position_in_slice(begin),
+            map(operator.sub, self.position_in_slice(at), self.position_in_slice(begin)),
+        )
         high, wide = self.pixel_sides
         if self.modifiers & Qt.KeyboardModifier.ShiftModifier:
             size = max(abs(down) * high, abs(right) * wide)

@@ -22,22 +22,22 @@ import skimage
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Mask, Single, record
-from cpm_core.objects.prior.network import Network, load_trained_network
-from cpm_core.objects.prior.prior import build_input_maps
-from cpm_core.objects.prior.windows import (
+from cpm_core.objects.prior.crops import (
     ANSWER_MARGIN,
+    CROP_SIDE,
     CROP_SIZE_RATIO,
-    INSIDE_PROBABILITY,
     DEVIATION_OFFSET,
+    INSIDE_PROBABILITY,
     MAX_RELATIVE_SIDE,
     MIN_ANSWER_SIDE,
     MIN_FIRST_SIDE,
-    CROP_SIDE,
     Crop3D,
     VolumeSampler,
     mark_points,
     resample_with_tent,
 )
+from cpm_core.objects.prior.network import Network, load_trained_network
+from cpm_core.objects.prior.object_predictor import build_input_maps
 
 _CROP_WIDENING = 1.4
 """Factor by which a crop is widened whose sides a body touches."""
@@ -122,9 +122,9 @@ class BodyPrediction:
 
     Attributes
     ----------
-    cube : Cube
+    crop : Cube
         The crop that it lies in.
-    opinion, logits : ndarray of float32, shape (SIDE, SIDE, SIDE)
+    slice_logits, logits : ndarray of float32, shape (SIDE, SIDE, SIDE)
         Logits of the steps of the crop to lie in the body, by the slices alone, and in total.
     """
 
@@ -172,7 +172,7 @@ def logits_from_mask(mask: Mask, size: Array, cube: Crop3D) -> Single:
 class _SliceQuery(NamedTuple):
     """A slice of a crop that the network is asked about: the axis across it, the step on that axis, the answer so far.
 
-    What the next slice has added or removed is in `more` or `less`.
+    What the next slice has added or removed is in `added` or `removed`.
     """
 
     axis: int
@@ -207,7 +207,7 @@ class BodyPredictor:
     ----------
     values : ndarray, shape (P, R, C)
         Gray levels.
-    size : ndarray, shape (3,)
+    voxel_sides : ndarray, shape (3,)
         Sides of a voxel; the smallest is 1. Points are in the same unit.
     network : Network
         The network.
@@ -279,18 +279,30 @@ class BodyPredictor:
             opinion = cube.resample_from(before, opinion, -MAX_LOGIT)
         return body
 
-    def correct_body(self, body: BodyPrediction, place: Array, adds: bool, inside: Array, outside: Array) -> BodyPrediction:
+    def correct_body(
+        self, body: BodyPrediction, place: Array, adds: bool, inside: Array, outside: Array
+    ) -> BodyPrediction:
         """Correct a body by a point, shape (3,), that contradicts it, and `adds` to it or removes from it.
 
-        `inside` and `outside` are all points so far, shape (M, 3) and (K, 3).
+        `positive` and `negative` are all points so far, shape (M, 3) and (K, 3).
         """
         cube = self._widen_crop(body, place)
         while True:
-            before = BodyPrediction(cube, cube.resample_from(body.crop, body.slice_logits, -MAX_LOGIT), cube.resample_from(body.crop, body.logits, -MAX_LOGIT))
+            before = BodyPrediction(
+                cube,
+                cube.resample_from(body.crop, body.slice_logits, -MAX_LOGIT),
+                cube.resample_from(body.crop, body.logits, -MAX_LOGIT),
+            )
             within = self._build_context(cube, inside, outside)
             step = cube.to_crop_steps(place)
             near = _is_at_boundary(before, step)
-            changed = None if near else _add_by_watershed(within, before) if adds else _find_part_behind_neck(within, before, step)
+            changed = (
+                None
+                if near
+                else _add_by_watershed(within, before)
+                if adds
+                else _find_part_behind_neck(within, before, step)
+            )
             if changed is not None:
                 # at the rim of the change gray levels decide
                 weight = np.where(changed, 1.0, 0.0) + (_CORRECTION_WEIGHT - 1.0) * scipy.ndimage.binary_erosion(
@@ -313,13 +325,16 @@ class BodyPredictor:
         """Rank crops of all sizes around a point, with the probabilities in their slices; the clearest first."""
         largest = MAX_RELATIVE_SIDE * self._sampler.longest_side
         count = max(int(np.ceil(np.log(largest / MIN_FIRST_SIDE) / np.log(CROP_SIZE_RATIO) - 0.5)), 0)
-        cubes = [Crop3D(place, side) for side in (*(MIN_FIRST_SIDE * CROP_SIZE_RATIO**k for k in range(count)), largest)]
+        cubes = [
+            Crop3D(place, side) for side in (*(MIN_FIRST_SIDE * CROP_SIZE_RATIO**k for k in range(count)), largest)
+        ]
         asked = [self._prepare_slices(cube, place, None) for cube in cubes]
         answers = self._predict_slices([maps for each in asked for maps in each])
         seen = [answers.probability[k : k + 3] for k in range(0, len(answers.probability), 3)]
         expected = np.mean(np.reshape(answers.predicted_iou, (-1, 3)), axis=1)
         ratings = [
-            overlap + _AGREEMENT_WEIGHT * _measure_slice_agreement(slices) for overlap, slices in zip(expected, seen, strict=True)
+            overlap + _AGREEMENT_WEIGHT * _measure_slice_agreement(slices)
+            for overlap, slices in zip(expected, seen, strict=True)
         ]
         return [(cubes[k], seen[k]) for k in np.argsort(-np.array(ratings), kind="stable")]
 
@@ -376,11 +391,13 @@ class BodyPredictor:
                 )
                 known[head.axis][head.step] = _clipped_logit(found)
                 if sure:
-                    left.append((head._replace(before=found), way))
+                    left.append((head._replace(previous=found), way))
                 else:
                     known[head.axis][head.step] = np.minimum(known[head.axis][head.step], -MAX_LOGIT)
             heads = left
-        return np.mean([_interpolate_slices(known[axis], axis, -MAX_LOGIT)[0] for axis in range(3)], axis=0, dtype=np.float32)
+        return np.mean(
+            [_interpolate_slices(known[axis], axis, -MAX_LOGIT)[0] for axis in range(3)], axis=0, dtype=np.float32
+        )
 
     def _propagate_change(self, within: _CropContext, body: BodyPrediction, step: Array, adds: bool) -> Single:
         """Propagate a correction from the slices through its point, as long as more than a rim changes."""
@@ -415,7 +432,9 @@ class BodyPredictor:
         mean = np.sum([one * weight for one, weight in zip(opinions, weights, strict=True)], axis=0) / total
         blend = np.max(weights, axis=0)
         anew = np.clip(
-            _CORRECTION_WEIGHT * _CORRECTION_WEIGHT * mean, -_CORRECTION_WEIGHT * MAX_LOGIT, _CORRECTION_WEIGHT * MAX_LOGIT
+            _CORRECTION_WEIGHT * _CORRECTION_WEIGHT * mean,
+            -_CORRECTION_WEIGHT * MAX_LOGIT,
+            _CORRECTION_WEIGHT * MAX_LOGIT,
         )
         return np.asarray(blend * anew + (1.0 - blend) * body.slice_logits, np.float32)
 
@@ -430,12 +449,15 @@ class BodyPredictor:
         places = np.zeros_like(opinion)
         for steps, sign in ((within.positive, 1.0), (within.negative, -1.0)):
             for step in steps:
-                plane, row, col = np.exp(-0.5 * np.square((np.arange(CROP_SIDE) - step[:, None]) / _POINT_SIGMA)).astype(
-                    np.float32
-                )
+                plane, row, col = np.exp(
+                    -0.5 * np.square((np.arange(CROP_SIDE) - step[:, None]) / _POINT_SIGMA)
+                ).astype(np.float32)
                 places += (sign * _POINT_LOGIT * plane)[:, None, None] * np.multiply.outer(row, col)
         given = _SLICE_WEIGHT * opinion + places
-        half, coarse = _average_blocks(within.grays, _INTENSITY_BLOCK // 2), _average_blocks(given, _INTENSITY_BLOCK // 2)
+        half, coarse = (
+            _average_blocks(within.grays, _INTENSITY_BLOCK // 2),
+            _average_blocks(given, _INTENSITY_BLOCK // 2),
+        )
         logits = coarse
         for _ in range(_INTENSITY_ROUNDS):
             rule = _fit_likelihood_ratio(half, scipy.special.expit(logits))
@@ -598,7 +620,7 @@ def _add_by_watershed(within: _CropContext, body: BodyPrediction) -> Mask | None
     changed = (skimage.segmentation.watershed(edges, markers) == _BODY_BASIN) & ~before  # type: ignore[no-untyped-call]
     along = scipy.ndimage.binary_dilation(changed) & ~changed & ~scipy.ndimage.binary_dilation(before, iterations=2)
     around = before & ~scipy.ndimage.binary_erosion(before)
-    if not along.has_object() or not around.any() or np.median(edges[along]) < _MIN_ADDED_STRENGTH * np.median(edges[around]):
+    if not along.any() or not around.any() or np.median(edges[along]) < _MIN_ADDED_STRENGTH * np.median(edges[around]):
         return None
     return np.asarray(changed.repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2))
 
@@ -648,7 +670,9 @@ def _fit_likelihood_ratio(grays: Single, inside: Single) -> Single:
     rule: Single = np.zeros((3, *[len(grays) // 2] * 3), np.float32)
     for weight, sign in ((inside, -0.5), (1.0 - inside, 0.5)):
         blurred = [
-            scipy.ndimage.gaussian_filter(_average_blocks(weight * part, 2), _INTENSITY_SIGMA / _INTENSITY_BLOCK, truncate=2.5)
+            scipy.ndimage.gaussian_filter(
+                _average_blocks(weight * part, 2), _INTENSITY_SIGMA / _INTENSITY_BLOCK, truncate=2.5
+            )
             for part in (1.0, grays, np.square(grays))
         ]
         few = [_EMPTY_SIDE_WEIGHT * part.mean() / max(blurred[0].mean(), 1e-6) for part in blurred]

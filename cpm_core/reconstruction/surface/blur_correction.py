@@ -33,7 +33,9 @@ def blurred_edge_width(smoothing: float) -> float:
     return float(np.sqrt(smoothing**2 + _VOXEL_VARIANCE))
 
 
-def measure_local_thresholds(volume: Single, edges: EdgeBricks, points: Array, size: Array, width: float) -> tuple[LocalThresholds, Array]:
+def measure_local_thresholds(
+    volume: Single, edges: EdgeBricks, points: Array, size: Array, width: float
+) -> tuple[LocalThresholds, Array]:
     """Measure the thresholds and slopes of particles on a ridge, shape (N, 3) [voxels], and their normals (N, 3).
 
     Normals point away from the bright side. `size` holds the sides of a voxel, and `width` is that of a smoothed step,
@@ -59,7 +61,9 @@ def _normals_and_curvatures(volume: Single, points: Array, size: Array) -> tuple
         second[:, a, a] = (ahead[a] - 2.0 * at + behind[a]) / size[a] ** 2
         for b in range(a):
             mixed = sum(
-                s * t * interpolate_gray(volume, points + (s * steps[a] + t * steps[b])) for s in (1, -1) for t in (1, -1)
+                s * t * interpolate_gray(volume, points + (s * steps[a] + t * steps[b]))
+                for s in (1, -1)
+                for t in (1, -1)
             )
             second[:, a, b] = second[:, b, a] = mixed / (4.0 * size[a] * size[b])
     slope = np.stack([(ahead[a] - behind[a]) / (2.0 * size[a]) for a in range(3)], 1)

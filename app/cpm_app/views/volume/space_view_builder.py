@@ -39,7 +39,9 @@ class SpaceViewBuilder:
     def __init__(self) -> None:
         self._parts = IdentityCache()
 
-    def build_view(self, scene: Scene, layers: Layers, bodies: Mapping[int, Surface] = _NO_SURFACES) -> ViewInSpace | None:
+    def build_view(
+        self, scene: Scene, layers: Layers, bodies: Mapping[int, Surface] = _NO_SURFACES
+    ) -> ViewInSpace | None:
         """Build the view in space of a scene, with the settings of the layers on the canvas; None without a volume.
 
         `bodies` are the surfaces of painted objects by object number, which another thread computes.
@@ -50,7 +52,10 @@ class SpaceViewBuilder:
             return None
         get, layer, spacing = self._parts.get, layers.particles, image.spacing
         size = 1.0 if snapshot is None else layer.diameter_factor(snapshot)
-        inks = get_canvas_style().resolve_color(theme.MOVING_COLOR), get_canvas_style().resolve_color(theme.RESTING_COLOR)
+        inks = (
+            get_canvas_style().resolve_color(theme.MOVING_COLOR),
+            get_canvas_style().resolve_color(theme.RESTING_COLOR),
+        )
         objects = scene.document.objects if layers["objects"].shown else None
         drawn = scene.document.shapes if layers.drawing.shown else ()
         return get(
@@ -72,10 +77,16 @@ def _build_particles(
 ) -> ShownParticles | None:
     if snapshot is None or size == 0.0:
         return None
-    state, palette, marks = snapshot.state, np.array(list(map(_to_rgb, inks)), np.uint8), snapshot.resting.astype(np.uint8)
+    state, palette, marks = (
+        snapshot.state,
+        np.array(list(map(_to_rgb, inks)), np.uint8),
+        snapshot.resting.astype(np.uint8),
+    )
     if quantity in QUANTITIES:
         marks = color_particles(QUANTITIES[quantity], state, snapshot.metrics).color_indices
-        palette = np.vstack([color_maps.color_table(map_name, SHADE_COUNT, DARK_MAP_FRACTION), _to_rgb(UNKNOWN_COLOR)]).astype(np.uint8)
+        palette = np.vstack(
+            [color_maps.color_table(map_name, SHADE_COUNT, DARK_MAP_FRACTION), _to_rgb(UNKNOWN_COLOR)]
+        ).astype(np.uint8)
     return ShownParticles(snapshot.position, palette[marks], size)
 
 
@@ -98,15 +109,30 @@ def _build_object_meshes(
         (bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.unpacked_surface, objects.color_of(item))
         for item in seen if item.surface
     )  # fmt: skip
-    found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.has_boundary]
+    found = [
+        each.selection
+        for each in offered
+        if isinstance(each.selection, VolumeSelection) and each.selection.has_boundary
+    ]
     return (
-        *(_color_surface(body, spacing, get_canvas_style().resolve_color(color)) for body, color in shown if body is not None),
-        *(_color_surface(selection.surface, spacing, get_canvas_style().resolve_color(theme.PROPOSAL_COLOR)) for selection in found),
+        *(
+            _color_surface(body, spacing, get_canvas_style().resolve_color(color))
+            for body, color in shown
+            if body is not None
+        ),
+        *(
+            _color_surface(selection.surface, spacing, get_canvas_style().resolve_color(theme.PROPOSAL_COLOR))
+            for selection in found
+        ),
     )
 
 
 def _build_truth_mesh(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMesh, ...]:
-    return (_color_surface(truth.surface, spacing, get_canvas_style().resolve_color(theme.TRUTH_COLOR)),) if isinstance(truth, VolumeTruth) else ()
+    return (
+        (_color_surface(truth.surface, spacing, get_canvas_style().resolve_color(theme.TRUTH_COLOR)),)
+        if isinstance(truth, VolumeTruth)
+        else ()
+    )
 
 
 _MESH_CACHE: WeakKeyDictionary[Surface, SurfaceMesh] = WeakKeyDictionary()

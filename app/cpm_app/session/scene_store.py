@@ -17,16 +17,16 @@ from cpm_app.session.exchange.messages import (
     CommandFailed,
     CompilationProgress,
     FilesExported,
-    WorkFinished,
     ImageOpened,
     Reconstruction,
     ReconstructionFailed,
     Report,
+    RunContinued,
     RunFailed,
     SeedsFound,
     Snapshot,
     WarmedUp,
-    RunContinued,
+    WorkFinished,
 )
 from cpm_app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from cpm_app.session.worker.commands import RunsRestored
@@ -156,7 +156,7 @@ class SceneStore(QObject):
             take(report)
 
     def show_message(self, message: str, is_error: bool = False, category: str = "") -> None:
-        """Show one sentence to the user; its category, such as `EXPORTING`, decides when it is cleared."""
+        """Show one sentence to the user; its category, such as `EXPORTING_CATEGORY`, decides when it is cleared."""
         self.message_shown.emit(elide_middle(message), is_error, category)
 
     def set_error(self, message: str, category: str) -> None:
@@ -261,7 +261,9 @@ class SceneStore(QObject):
         match report:
             case RunsRestored(generation, _, True) if generation == self.generation:
                 # the state that is shown may have been taken before this report
-                self._run_status = replace(self._run_status, phase="finished" if self._run_status.stop_reason else "paused")
+                self._run_status = replace(
+                    self._run_status, phase="finished" if self._run_status.stop_reason else "paused"
+                )
             case RunFailed(generation, sentence) if generation == self.generation:
                 self._run_status = replace(self._run_status, phase="paused" if self._run_status.count else "ready")
                 self.show_message(sentence, True, RUNNING_CATEGORY)

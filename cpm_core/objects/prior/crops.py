@@ -67,11 +67,11 @@ def measure_gray_range(sample: NDArray[Any]) -> tuple[float, ...]:
 
 @record
 class Crop:
-    """A square of an image, or a cube of a volume, with `SIDE` steps along each axis.
+    """A square of an image, or a cube of a volume, with `CROP_SIDE` steps along each axis.
 
     Attributes
     ----------
-    middle : ndarray, shape (D,)
+    center : ndarray, shape (D,)
         Its center [px, or smallest sides of a voxel].
     side : float
         Length of its sides, in the same unit; it may extend beyond the image.
@@ -135,7 +135,7 @@ class ImageSampler:
     ----------
     values : ndarray, shape (H, W) or (H, W, 3)
         Gray levels, or colors.
-    grays : tuple of float, optional
+    gray_range : tuple of float, optional
         Gray levels that become 0 and 255, if those of a larger image are used.
     """
 
@@ -222,7 +222,7 @@ class Crop3D(Crop):
     """A cube of a volume."""
 
     def to_positions(self, steps: Array) -> Array:
-        """Convert steps of the crop, shape (N, 3), to points: the inverse of `steps`."""
+        """Convert steps of the crop, shape (N, 3), to points: the inverse of `to_crop_steps`."""
         return (steps - CROP_SIDE / 2) * self.step_size + self.center
 
     def resample_from(self, other: Crop3D, values: Single, beyond: float) -> Single:
@@ -244,7 +244,7 @@ class VolumeSampler:
     ----------
     values : ndarray, shape (P, R, C)
         Gray levels.
-    size : ndarray, shape (3,)
+    voxel_sides : ndarray, shape (3,)
         Sides of a voxel; the smallest is 1.
     """
 
@@ -256,7 +256,9 @@ class VolumeSampler:
 
         With `across`, of one slice at that place on an axis.
         """
-        lines = [np.array([across[axis]]) if across and axis in across else cube.axis_positions[axis] for axis in range(3)]
+        lines = [
+            np.array([across[axis]]) if across and axis in across else cube.axis_positions[axis] for axis in range(3)
+        ]
         low, high = self._gray_range
         voxels = [line / side for line, side in zip(lines, self.voxel_sides.tolist(), strict=True)]
         factor = 255.0 / (high - low) if high - low > _MAX_FLAT_RANGE * max(abs(low), abs(high)) else 0.0

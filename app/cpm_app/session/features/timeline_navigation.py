@@ -45,7 +45,9 @@ class TimelineNavigation(QObject):
 
         session.status_changed.connect(on_status_changed)
         session.image_changed.connect(lambda: self._show_timeline_state(EMPTY_TIMELINE))
-        session.add_listener(CommandFailed, lambda _: setattr(self, "_target", None))  # which may have failed to go there
+        session.add_listener(
+            CommandFailed, lambda _: setattr(self, "_target", None)
+        )  # which may have failed to go there
         session.add_listener(
             RunsKept,
             lambda kept: None if kept.generation != session.generation or session.status.started

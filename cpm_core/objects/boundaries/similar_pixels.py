@@ -28,7 +28,7 @@ def find_similar_pixels(values: Array, mask: Mask, interest: Mask) -> Mask:
     radius = np.sqrt(np.count_nonzero(mask) / np.pi)
     away = scipy.ndimage.distance_transform_edt(~mask)
     ring = (away > 1.0) & (away <= max(2.0, _SURROUNDINGS_RATIO * radius) + 1.0)
-    own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.has_object() else 0.0
+    own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.any() else 0.0
     smooth = scipy.ndimage.gaussian_filter(values, min(_MAX_GRAY_SMOOTHING, 0.2 * radius))
     share = (smooth - around) / (own - around) if own != around else np.zeros_like(smooth)
     found = (share >= _MIN_CONTRAST_RATIO) & (share <= _MAX_CONTRAST_RATIO) & interest

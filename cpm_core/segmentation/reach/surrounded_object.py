@@ -109,7 +109,9 @@ def _separate_object(bins: Index, depth: Array, extent: float) -> Mask:
     thing = depth > _SURROUNDINGS_WIDTH
     area = depth > 0.0
     for _ in range(_MAX_HISTOGRAM_ROUNDS):
-        ratio = np.asarray(np.log(_smoothed_histogram(bins[thing]) / _smoothed_histogram(bins[area & ~thing])), np.float64)
+        ratio = np.asarray(
+            np.log(_smoothed_histogram(bins[thing]) / _smoothed_histogram(bins[area & ~thing])), np.float64
+        )
         ratio = np.round(ratio, _RATIO_DECIMALS)
         likely = (scipy.ndimage.gaussian_filter(ratio[bins], extent, mode="nearest") > 0.0) & (depth > _MIN_LINE_GAP)
         filled = np.asarray(scipy.ndimage.binary_fill_holes(likely))
@@ -117,7 +119,7 @@ def _separate_object(bins: Index, depth: Array, extent: float) -> Mask:
         weight = np.bincount(parts.ravel(), depth.ravel(), count + 1)
         weight[0] = 0.0
         after = (weight >= _MIN_KEPT_WEIGHT * weight.max())[parts] & filled
-        if not after.has_object() or (after == thing).all():
+        if not after.any() or (after == thing).all():
             return after
         thing = after
     return thing

@@ -10,16 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.chunked.grid import Chunk, ChunkGrid, ChunkedSource
+from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
 from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, pack_force, weakest_edge
-from cpm_core.image.border import find_pixels_inside_border, dilate_by_distance
-from cpm_core.image.gray_levels import automatic_gamma, apply_power
+from cpm_core.image.border import dilate_by_distance, find_pixels_inside_border
+from cpm_core.image.gray_levels import apply_power, automatic_gamma
 from cpm_core.image.pyramid import build_pyramid
 from cpm_core.numerics.grids import relative_window, whole_window
 from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
 from cpm_core.objects.partition import ParentImage
-from cpm_core.objects.prior.windows import measure_gray_range, find_sample_step
+from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_edge_window
 
@@ -71,7 +71,7 @@ class GrayScaling:
     inside: Integers
 
     def scale_grays(self, values: Array) -> Array:
-        """Scale gray levels, of any shape, as `gray_levels.toned` scales those of the whole image."""
+        """Scale gray levels, of any shape, as `measure_gray_levels.toned` scales those of the whole image."""
         if self.exponent == 1.0 or self.high <= self.low:
             return values
         return apply_power(values, self.low, self.high, self.exponent)
@@ -87,11 +87,11 @@ class ImageStatistics:
 
     Attributes
     ----------
-    tone : Tone
+    scaling : Tone
         Scaling of its gray levels.
     strongest, floor : tuple of float
         Largest edge strength, and least edge strength for edge contact, at each scale [gray levels / px].
-    frame : Frame or None
+    parent : Frame or None
         The whole image, for the evaluation of objects; None where no objects are sought.
     """
 
@@ -156,7 +156,12 @@ def find_sample_spacing(shape: Extent) -> int:
 def measure_gray_levels(source: ChunkedSource, chunk: Chunk) -> ChunkGrayLevels:
     """Measure the gray levels of a chunk."""
     shape = source.shape
-    values, step, few, side = source.read_grays(chunk.core), find_sample_spacing(shape), find_sample_step(shape), find_block_side(shape)
+    values, step, few, side = (
+        source.read_grays(chunk.core),
+        find_sample_spacing(shape),
+        find_sample_step(shape),
+        find_block_side(shape),
+    )
     first, left = (-side.start % few for side in chunk.core)
     rows, cols = (-(-n // side) for n in values.shape)
     even = np.pad(values, ((0, rows * side - values.shape[0]), (0, cols * side - values.shape[1])), mode="edge")
@@ -174,7 +179,9 @@ def fixed_scaling(shape: Extent, parameters: Parameters) -> GrayScaling | None:
     return GrayScaling(0.0, 0.0, 1.0, float(parameters.smoothing), (0, 0, shape[0], shape[1]))
 
 
-def find_scaling(source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGrayLevels], parameters: Parameters) -> GrayScaling:
+def find_scaling(
+    source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGrayLevels], parameters: Parameters
+) -> GrayScaling:
     """Find the scaling of the gray levels of the whole image, from those of the chunks in the order of the grid."""
     low, high = min(one.low for one in seen), max(one.high for one in seen)
     sample = np.concatenate([one.sample for one in seen])
@@ -184,7 +191,9 @@ def find_scaling(source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGra
         smoothing = _find_smoothing(source, coarse, GrayScaling(low, high, exponent, 0.0, (0, 0, 0, 0)))
     sigma = max(float(smoothing) / side, 1.0 if side > 1 else 0.0)
     slopes = smoothed_gradient(GrayScaling(low, high, exponent, sigma, (0, 0, 0, 0)).scale_grays(coarse), sigma)
-    inside = find_pixels_inside_border(lambda part: slopes[(slice(None), *part)], vector_magnitudes(slopes), sigma, parameters.max_border)
+    inside = find_pixels_inside_border(
+        lambda part: slopes[(slice(None), *part)], vector_magnitudes(slopes), sigma, parameters.max_border
+    )
     ends = []
     for axis, n in enumerate(grid.shape):
         free = np.flatnonzero(inside.any(axis=1 - axis))
@@ -227,13 +236,17 @@ def measure_edges(source: ChunkedSource, chunk: Chunk, tone: GrayScaling, parame
     for scale, values in enumerate(build_pyramid(tone.scale_grays(source.read_grays(chunk.padded)), parameters.scales)):
         strength = vector_magnitudes(smoothed_gradient(values, tone.smoothing))
         size = 2**scale
-        part = strength[tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative_window(core, chunk.padded))]
+        part = strength[
+            tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative_window(core, chunk.padded))
+        ]
         strongest.append(float(part.max(initial=0.0)))
         samples.append(part[:: max(step // size, 1), :: max(step // size, 1)].ravel())
     return ChunkEdges(tuple(strongest), tuple(samples))
 
 
-def combine_statistics(tone: GrayScaling, seen: Sequence[ChunkEdges], parameters: Parameters, frame: ParentImage | None = None) -> ImageStatistics:
+def combine_statistics(
+    tone: GrayScaling, seen: Sequence[ChunkEdges], parameters: Parameters, frame: ParentImage | None = None
+) -> ImageStatistics:
     """Combine the edges of the chunks to the statistics of the whole image."""
     strongest = tuple(max(scale) for scale in zip(*(one.strongest for one in seen), strict=True))
     if not strongest[0]:

@@ -17,12 +17,12 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 from numpy.typing import DTypeLike
 
-from cpm_core.contours.packed_surface import MAX_BOX_VOXELS, PackedVoxels, encode_array, decode_array
+from cpm_core.contours.packed_surface import MAX_BOX_VOXELS, PackedVoxels, decode_array, encode_array
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
-from cpm_core.numerics.types import JsonDict, Numbers, JsonObject, Texts, frozen
+from cpm_core.numerics.types import JsonDict, JsonObject, Numbers, Texts, frozen
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import quote_value
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.shapes import SHAPES_BY_NAME, Shape
 
 T = TypeVar("T")
@@ -52,7 +52,11 @@ def to_json(value: object) -> Any:
     if isinstance(value, PackedVoxels):
         return to_json(value.voxels)
     if isinstance(value, Voxels):
-        return {"first": to_json(value.first), "shape": value.mask.shape, "voxels": encode_array(np.packbits(value.mask))}
+        return {
+            "first": to_json(value.first),
+            "shape": value.mask.shape,
+            "voxels": encode_array(np.packbits(value.mask)),
+        }
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_json(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, bool | str | int) or value is None:
@@ -161,7 +165,9 @@ def _parse_value(hint: Any, plain: object, where: str) -> Any:
         kind, *counts = inner
         found = _parse_value(kind, plain, where)
         if len(found) not in counts:
-            raise ValueError(f"{where} is {quote_value(plain)} but must be a list of {' or '.join(map(str, counts))} values.")
+            raise ValueError(
+                f"{where} is {quote_value(plain)} but must be a list of {' or '.join(map(str, counts))} values."
+            )
         return found
     if origin is tuple:
         listed = expect_list(plain, where)
@@ -172,7 +178,9 @@ def _parse_value(hint: Any, plain: object, where: str) -> Any:
         return tuple(_parse_value(each, item, where) for each, item in zip(inner, listed, strict=True))
     if origin is Literal:
         if plain not in inner or isinstance(plain, bool):
-            raise ValueError(f"{where} is {quote_value(plain)} but must be one of {', '.join(map(quote_value, inner))}.")
+            raise ValueError(
+                f"{where} is {quote_value(plain)} but must be one of {', '.join(map(quote_value, inner))}."
+            )
         return plain
     return _VALUE_PARSERS[hint](plain, where) if hint in _VALUE_PARSERS else from_json(hint, plain, where)
 

@@ -12,12 +12,12 @@ import skimage
 
 from cpm_core.numerics.grids import Window, bounding_window, running_maximum
 from cpm_core.numerics.types import Array, Callback, Extent, Index, Mask, record
-from cpm_core.objects.boundaries.alike import find_similar_pixels
 from cpm_core.objects.boundaries.crossings import find_crossings
 from cpm_core.objects.boundaries.necks import split_at_necks
+from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 from cpm_core.objects.partition import Candidate, Partition
-from cpm_core.objects.prior.prior import Prediction
+from cpm_core.objects.prior.object_predictor import Prediction
 from cpm_core.objects.selection import Selection
 
 _SIZE_RANGE = (0.2, 4.0)
@@ -85,7 +85,9 @@ def find_similar_objects(partition: Partition, chosen: Selection) -> Iterator[Se
     area = float(np.count_nonzero(chosen.mask))
     if not area:
         return
-    parts = split_at_necks(find_similar_pixels(partition.values, chosen.mask, partition.interest), float(np.sqrt(area / np.pi)))
+    parts = split_at_necks(
+        find_similar_pixels(partition.values, chosen.mask, partition.interest), float(np.sqrt(area / np.pi))
+    )
     parts[chosen.mask] = 0
     limit, strength = np.array(partition.shape) - 1, _measure_boundary_strength(chosen)
     boxes = enumerate(scipy.ndimage.find_objects(parts), start=1)
@@ -121,13 +123,13 @@ class ImageParts:
         The image with the contours.
     labels : ndarray of int64, shape (H, W)
         Numbers of the parts, from 1; a single part where the network is not used.
-    pixels : ndarray of int64, shape (N + 1,)
+    areas : ndarray of int64, shape (N + 1,)
         Area of each [px²].
-    bounded : ndarray, shape (N + 1,)
+    contour_fraction : ndarray, shape (N + 1,)
         Share of its boundary that runs along contours.
-    one, other : ndarray of int64, shape (L,)
+    link_part, link_neighbor : ndarray of int64, shape (L,)
         The two parts at each link between pixels of different parts, in both directions.
-    cut : ndarray of bool, shape (N + 1,)
+    may_change : ndarray of bool, shape (N + 1,)
         Which parts may look different in the larger image around this one; see `Frame`.
     """
 
@@ -192,7 +194,7 @@ class ImageParts:
             low, high = np.array([[side.start, side.stop] for side in box]).T
             reach = _CONTEXT_LENGTHS * (high - low).max() + _CONTEXT_MARGIN
             seen = 0.5 * (low + high) + np.array([[-reach], [reach]])
-            if (inner & [seen[0] < 0, seen[1] > shape]).has_object():
+            if (inner & [seen[0] < 0, seen[1] > shape]).any():
                 return False
         return not self.may_change[near].any()
 
@@ -212,13 +214,16 @@ class ImageParts:
             mask[box] = within
             return self.partition.evaluate_mask(mask)
 
-        answers = ((number, evaluate_part(number)) for number in np.flatnonzero(self._may_be_object & ~self.may_change).tolist())
+        answers = (
+            (number, evaluate_part(number))
+            for number in np.flatnonzero(self._may_be_object & ~self.may_change).tolist()
+        )
         return {number: one for number, one in answers if one is not None}
 
     def measure_boundary_ownership(self, judged: Mapping[int, Prediction]) -> Array:
         """Measure the share of its boundary that each part owns, shape (N + 1,), the image border left out.
 
-        `judged` holds the predictions by number; the part of higher predicted overlap owns the boundary between two.
+        `evaluate_parts` holds the predictions by number; the part of higher predicted overlap owns the boundary between two.
         """
         worth = np.zeros(len(self.areas))
         worth[list(judged)] = [one.predicted_iou for one in judged.values()]
@@ -248,7 +253,7 @@ def _measure_border_distance(shape: Extent, inner: Mask) -> Array:
 
 
 def find_object_candidates(parts: ImageParts, check: Callback = lambda: None) -> Iterator[Candidate]:
-    """Find the pixels of the objects of `everywhere`, without their outlines."""
+    """Find the pixels of the objects of `find_objects_everywhere`, without their outlines."""
     partition = parts.partition
     known: list[tuple[Window, Mask]] = []
     taken = np.zeros(partition.shape, bool)
@@ -263,7 +268,11 @@ def find_object_candidates(parts: ImageParts, check: Callback = lambda: None) ->
         mask = likely.mask & partition.interest
         pixels = np.count_nonzero(mask)
         signs = ConfidenceFeatures(*likely[2:], point_count=0)
-        if estimate_confidence(signs) < _MIN_CONFIDENCE or owned[number] < _MIN_OWNED_SHARE or pixels < _MIN_PROPOSAL_AREA:
+        if (
+            estimate_confidence(signs) < _MIN_CONFIDENCE
+            or owned[number] < _MIN_OWNED_SHARE
+            or pixels < _MIN_PROPOSAL_AREA
+        ):
             continue
         over = np.count_nonzero(mask & taken) / pixels
         if over <= _MAX_OVERLAP:
@@ -290,13 +299,19 @@ def _is_disjoint_or_nested(mask: Mask, box: Window, there: Mask) -> bool:
     return bool((~scipy.ndimage.binary_erosion(large, iterations=3))[rim].mean() <= _MAX_SHARED_RIM)
 
 
-def _build_proposal(partition: Partition, mask: Mask, signs: ConfidenceFeatures | None = None, *, certain: bool = False) -> Selection:
+def _build_proposal(
+    partition: Partition, mask: Mask, signs: ConfidenceFeatures | None = None, *, certain: bool = False
+) -> Selection:
     """Build the selection of some pixels, shape (H, W), with the deepest of them as its positive point."""
     box = bounding_window(mask)
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
     if signs is None:
-        signs = ConfidenceFeatures(*partition.evaluate_mask(mask, place)[2:], point_count=0) if partition.uses_network else ConfidenceFeatures(point_count=0)
+        signs = (
+            ConfidenceFeatures(*partition.evaluate_mask(mask, place)[2:], point_count=0)
+            if partition.uses_network
+            else ConfidenceFeatures(point_count=0)
+        )
     return partition.build_selection(mask, place, features=signs, unambiguous=certain)
 
 
