@@ -43,22 +43,22 @@ The model on one page
     and the kinetic and potential **energy**, which damping dissipates until the run is at rest (`model.measures`).
 
 `Engine` composes them step by step (`segmentation.engine`); `segment` is a whole run in one call, `evolve` an iterator
-over its steps, and `follow_pages` runs on each page of a stack, starting from the contours of the previous page (`pages`).
-`contours.measurements` measures each contour and finds its nesting; `Result.labels` and `Result.table` are the enclosed
-pixels and their measurements. Given a **ground truth**, as a mask or as contours, `compare` measures the agreement with
-it (`contours.agreement`, `contours.ground_truth`), and in a volume `compare_surface` that of the surface.
-`formats` reads and writes files: `export` selects the format of contours by the suffix, `to_bytes` returns the same as
-bytes; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation` shows a run
-frame by frame; `write_figure` draws image and contours for a publication, as does ``plot`` of images and results on
-axes of matplotlib.
+over its steps, and `follow_pages` runs on each page of a stack, starting from the contours of the previous page
+(`pages`). `contours.measurements` measures each contour and finds its nesting; `Result.labels` and `Result.table` are
+the enclosed pixels and their measurements. Given a **ground truth**, as a mask or as contours, `compare` measures the
+agreement with it (`contours.agreement`, `contours.ground_truth`), and in a volume `compare_surface` that of the
+surface. `formats` reads and writes files: `export` selects the format of contours by the suffix, `to_bytes` returns the
+same as bytes; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation` shows
+a run frame by frame; `write_figure` draws image and contours for a publication, as does ``plot`` of images and results
+on axes of matplotlib.
 
 The **skeleton** is the medial line of an object with the distance to its boundary, from which the object can be
 reconstructed (`medial_axis`). It needs no seeds. In a volume it consists of the center lines of vessels
 (`medial_axis.centerlines`). Contours and skeletons both come from a `Method`, which the same loop runs step by step.
 
 **Objects** are selected by points, scribbles and boxes, with `select` and `select_all`: an object is the region that a
-closed contour encloses unambiguously, elsewhere the one predicted by a network trained on outlined images (`find_objects`).
-In a notebook they are clicked in a `notebook_view`.
+closed contour encloses unambiguously, elsewhere the one predicted by a network trained on outlined images
+(`find_objects`). In a notebook they are clicked in a `notebook_view`.
 
 The **classical methods** to which the publication compares its own, snakes and level sets, are listed with the charged
 particles in `CONTOUR_METHODS`: from the same image and the same drawn `Start`, each yields the states of a run one by

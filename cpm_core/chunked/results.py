@@ -76,7 +76,7 @@ def write_label_image(found: ChunkedContours, path: Path, draft: Path, compute: 
 def build_label_image(
     source: ChunkedSource, grid: ChunkGrid, path: Path, paint: Callable[[Chunk], None], compute: Compute
 ) -> None:
-    """Write a label image in levels of resolution, the finest of which `rasterize_labels` writes in the core of each chunk."""
+    """Write a label image in levels of resolution; `rasterize_labels` writes the finest in the core of each chunk."""
     more = {"image-label": {"version": "0.5"}}
     count = create_multiscale(path, grid.shape, np.uint32, grid.side, source.levels.spacing, source.levels.unit, more)
     _wait_for_jobs(compute(paint, grid.chunks, "labels"))

@@ -1,9 +1,9 @@
 """Seams: which chunk a contour belongs to, and contours joined across the borders of chunks.
 
-A closed contour whose box is at most `ChunkGrid.max_whole_side` long belongs to the chunk with the middle of its box. That chunk sees
-all of it undisturbed, and so do all chunks whose cores it touches: no chunk asks another. Of longer contours each chunk
-keeps the pieces in its core and a little beyond, so that pieces of neighbors overlap; there they are joined, and
-stretches that a contour shares with another at its ends are kept once.
+A closed contour whose box is at most `ChunkGrid.max_whole_side` long belongs to the chunk with the middle of its box.
+That chunk sees all of it undisturbed, and so do all chunks whose cores it touches: no chunk asks another. Of longer
+contours each chunk keeps the pieces in its core and a little beyond, so that pieces of neighbors overlap; there they
+are joined, and stretches that a contour shares with another at its ends are kept once.
 """
 
 from __future__ import annotations

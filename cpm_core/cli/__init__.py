@@ -87,7 +87,8 @@ CLI_COMMANDS = {
     ),
     "compare": CliCommand(
         "compare methods on the same image and start",
-        f"Run the charged particles and classical methods from the same start, one after the other. {compare.METHODS_HELP}",
+        "Run the charged particles and classical methods from the same start, one after the other. "
+        f"{compare.METHODS_HELP}",
         compare.add_arguments,
         compare.run_comparison,
         (

@@ -148,8 +148,8 @@ def parse_part(arguments: argparse.Namespace, *, volume: bool = False, runs: boo
         size = _PIXEL_SIZE_PATTERN.fullmatch(arguments.pixel_size.replace(" ", ""))
         if size is None:
             raise ValueError(
-                f"--pixel-size is {quote_value(arguments.pixel_size)} but must be one to three sizes and a unit (nm, um, mm, "
-                "cm or m), such as 0.25um or 2x0.5x0.5mm."
+                f"--pixel-size is {quote_value(arguments.pixel_size)} but must be one to three sizes and a unit (nm, "
+                "um, mm, cm or m), such as 0.25um or 2x0.5x0.5mm."
             )
         part |= {"spacing": tuple(map(float, size[1].split("x"))), "unit": size[2]}
     return part

@@ -55,7 +55,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SUFFIX",
         nargs="+",
         default=DEFAULT_SUFFIXES,
-        help=f"formats to write (default: svg {MEASURES_NAME}, whose tables are joined, png; of {', '.join(CONTOURS_WRITABLE)})",
+        help=f"formats to write (default: svg {MEASURES_NAME}, whose tables are joined, png; "
+        f"of {', '.join(CONTOURS_WRITABLE)})",
     )
     add_options(outcome, "--max-steps")
     outcome.add_argument("--again", action="store_true", help="do also what the summary says is done")
@@ -213,7 +214,8 @@ class Batch:
         stems: dict[int, str] = {}
         tried: dict[str, int] = {}
         for job in self.jobs:
-            first = f"{make_printable(Path(job.row.image).stem).encode()[:_MAX_STEM_BYTES].decode(errors='ignore')}_contours"
+            start = make_printable(Path(job.row.image).stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
+            first = f"{start}_contours"
             for count in itertools.count(tried.get(first, 1)):
                 stem = first if count == 1 else f"{first}_{count}"
                 names = {f"{stem}{suffix}".lower() for suffix in self._suffixes}

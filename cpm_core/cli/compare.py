@@ -203,7 +203,8 @@ def _parse_settings(
             )
         if name not in _list_setting_names(method):
             raise ValueError(
-                f"{quote_value(name)} is not a setting of {method}: choose among {', '.join(_list_setting_names(method))}."
+                f"{quote_value(name)} is not a setting of {method}: "
+                f"choose among {', '.join(_list_setting_names(method))}."
             )
         changes.setdefault(method, {})[name] = parse_number_or_text(value)
     return {name: replace(settings, **changes.get(name, {})) for name, settings in found.items()}

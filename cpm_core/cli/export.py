@@ -69,7 +69,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         required=True,
-        help=f"files to write ({', '.join(dict.fromkeys((*CONTOURS_WRITABLE, *VOLUMES_WRITABLE, *CENTERLINES_WRITABLE)))})",
+        help="files to write "
+        f"({', '.join(dict.fromkeys((*CONTOURS_WRITABLE, *VOLUMES_WRITABLE, *CENTERLINES_WRITABLE)))})",
     )
     parser.add_argument("--outlines", action="store_true", help="lines in label masks, open ones too, instead of areas")
     add_options(parser, "--space")

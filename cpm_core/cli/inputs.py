@@ -64,7 +64,8 @@ def find_only_image(pattern: str) -> str:
     found = expand_paths([pattern])
     if len(found) > 1:
         raise ValueError(
-            f"{quote_value(pattern)} names {len(found)} images, but only one can be used here: name it, or use cpm batch."
+            f"{quote_value(pattern)} names {len(found)} images, but only one can be used here: "
+            "name it, or use cpm batch."
         )
     return found[0]
 

@@ -27,8 +27,8 @@ def check_color(what: str, color: str) -> None:
     """Raise a `ValueError` unless a color has the form "#rrggbb"; `what` names its owner."""
     if color and not re.fullmatch("#[0-9A-Fa-f]{6}", color):
         raise ValueError(
-            f'The color of {what} is {quote_value(color)} but must be "#rrggbb", two hexadecimal digits each for red, green '
-            "and blue, or empty."
+            f'The color of {what} is {quote_value(color)} but must be "#rrggbb", two hexadecimal digits each for red, '
+            "green and blue, or empty."
         )
 
 

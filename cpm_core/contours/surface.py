@@ -84,8 +84,9 @@ class Surface:
 
     def __repr__(self) -> str:
         return format_repr(
-            "Surface", format_count(len(self.vertices), "vertex", "vertices"), format_count(len(self.faces), "triangle"),
-            format_count(self.components, "part"), "closed" if self.closed else "open",
+            "Surface", format_count(len(self.vertices), "vertex", "vertices"),
+            format_count(len(self.faces), "triangle"), format_count(self.components, "part"),
+            "closed" if self.closed else "open",
         )  # fmt: skip
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:

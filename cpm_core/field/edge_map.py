@@ -192,8 +192,9 @@ def prepare_for_edges(values: Array) -> DenoisedImage:
     """Prepare a noisy image for its edges: the image to smooth, its sigma, and the noise that remains.
 
     Light noise is left to a Gaussian, and the image is returned as it is, with a floor of 0. Where the Gaussian would
-    have to be wide, total variation and averages along edges (`remove_noise`) first remove the noise and keep the position of
-    edges. Volumes, shape (P, H, W), are left to the Gaussian: the averages along edges exist in the plane only.
+    have to be wide, total variation and averages along edges (`remove_noise`) first remove the noise and keep the
+    position of edges. Volumes, shape (P, H, W), are left to the Gaussian: the averages along edges exist in the plane
+    only.
     """
     sigma = automatic_smoothing(values)
     if values.ndim != 2 or sigma <= _HEAVY_NOISE_SIGMA or noise_level(values) <= _FAINT_NOISE * float(values.std()):

@@ -31,7 +31,7 @@ def pixel_before(packed: Single, y: float, x: float) -> tuple[int, int, float, f
 
 @compiled
 def interpolate_component(packed: Single, c: int, place: tuple[int, int, float, float]) -> float:
-    """Interpolate component `c` of a packed force field, shape (H, W, C), at a position as `pixel_before` returns it."""
+    """Interpolate component `c` of a packed force field, shape (H, W, C), at a position from `pixel_before`."""
     row, col, down, right = place
     upper = packed[row, col, c] * (1.0 - right) + packed[row, col + 1, c] * right
     lower = packed[row + 1, col, c] * (1.0 - right) + packed[row + 1, col + 1, c] * right

@@ -1,16 +1,16 @@
 """Charges that the user places in the image, and the force by which they act on the particles.
 
 The fixed charges of the image act by the direction of their field alone: away from edges the Lorentz force has unit
-size, however strong the edges. This is the unit for placed charges. At the distance ``d``, in units of `CHARGE_RADIUS`, a
-charge of strength ``q`` has the potential of a charge that is softened, and faded out at `CHARGE_REACH`,
+size, however strong the edges. This is the unit for placed charges. At the distance ``d``, in units of `CHARGE_RADIUS`,
+a charge of strength ``q`` has the potential of a charge that is softened, and faded out at `CHARGE_REACH`,
 
     U(d) = -c q RADIUS (1 - (d / 4)^3)^3 / (1 + d^4)^(1/4),
 
 and its force is the slope of it. The potential is flat at the center, so that many particles have room there. The force
-is about ``q`` at `CHARGE_RADIUS`, near its maximum, 0.7 q at twice the distance, and 0.3 q at three times. A charge of one
-thus pulls at its radius as strongly as edges do, and a charge of two draws particles off edges there. The forces of
-several charges add up. Their sum is cut at `MAX_PLACED_FORCE`: beyond it a step would carry particles across edges. It counts in
-eq. (12) as a part of the Lorentz force, with the weight w2.
+is about ``q`` at `CHARGE_RADIUS`, near its maximum, 0.7 q at twice the distance, and 0.3 q at three times. A charge of
+one thus pulls at its radius as strongly as edges do, and a charge of two draws particles off edges there. The forces of
+several charges add up. Their sum is cut at `MAX_PLACED_FORCE`: beyond it a step would carry particles across edges. It
+counts in eq. (12) as a part of the Lorentz force, with the weight w2.
 """
 
 from __future__ import annotations
@@ -173,7 +173,8 @@ def windows_near_charges(
 def placed_forces(charges: Array, radius: float, places: Array) -> Array:
     """Return the force, shape (..., D), of charges at places, in units of the Lorentz force away from edges.
 
-    `charges` holds position and strength of each, shape (K, D + 1), `radius` is `CHARGE_RADIUS`, both in px of the scale.
+    `charges` holds position and strength of each, shape (K, D + 1), `radius` is `CHARGE_RADIUS`, both in px of the
+    scale.
     """
     force = np.zeros(places.shape)
     for *place, strength in charges:
@@ -225,7 +226,7 @@ HOLDING_FORCE = 0.8
 
 
 class ChargesAtScale(NamedTuple):
-    """Charges as felt by particles at a scale: position and strength of each, shape (K, 4), and `CHARGE_RADIUS` there."""
+    """Charges as felt at a scale: position and strength of each, shape (K, 4), and `CHARGE_RADIUS` there."""
 
     charges: Array
     radius: float

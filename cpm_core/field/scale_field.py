@@ -168,8 +168,8 @@ class ScaleField:
     def packed(self) -> Single:
         r"""Packed force field, float32 of shape (\*shape, 2 D + 1).
 
-        Normalized Lorentz force, `smoothed_gradient` and `edge_map` of each pixel side by side, so that a particle reads one
-        place in memory; single precision is enough for the force.
+        Normalized Lorentz force, `smoothed_gradient` and `edge_map` of each pixel side by side, so that a particle
+        reads one place in memory; single precision is enough for the force.
         """
         return self.force()
 

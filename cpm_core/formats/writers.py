@@ -223,7 +223,8 @@ def export(
     result : Result, Skeleton or Centerlines
         Outcome of a run, or of `skeleton`.
     *paths : path-like
-        Files to write; see `CONTOURS_WRITABLE`, `VOLUMES_WRITABLE` and `CENTERLINES_WRITABLE` for suffixes. Existing ones are replaced.
+        Files to write; see `CONTOURS_WRITABLE`, `VOLUMES_WRITABLE` and `CENTERLINES_WRITABLE` for suffixes. Existing
+        ones are replaced.
     outlines : bool
         Whether masks hold contours as lines, open ones too, instead of the insides of closed ones.
     image : path-like, optional
@@ -331,7 +332,8 @@ def to_bytes(
     result : Result, Skeleton or Centerlines
         Outcome of a run, or of `skeleton`.
     suffix : str
-        One of `CONTOURS_WRITABLE`, or of `VOLUMES_WRITABLE` and `CENTERLINES_WRITABLE` for results of a volume. Text is encoded as UTF-8.
+        One of `CONTOURS_WRITABLE`, or of `VOLUMES_WRITABLE` and `CENTERLINES_WRITABLE` for results of a volume. Text is
+        encoded as UTF-8.
     outlines : bool
         Whether masks hold contours as lines.
     space : {"LPS", "RAS"}

@@ -136,7 +136,8 @@ class Image(drawing.Pictured):
             )
         if min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
-                f"{self.source} is {format_size(given.shape)}, but an image needs at least {MINIMUM_SIDE} px along each side."
+                f"{self.source} is {format_size(given.shape)}, but an image needs at least {MINIMUM_SIDE} px "
+                "along each side."
             )
         if given.ndim == 3:
             check_field_memory(given.shape, _BYTES_PER_VOXEL, self.source)

@@ -192,7 +192,7 @@ def _alternating_sum(distance: Array) -> tuple[float, int]:
 
 
 def is_quiet(epsilon: float, moving: int, changed: int, count: int) -> bool:
-    """Return whether few of `count` particles moved or changed in a step; `equilibrium_epsilon` is that of eq. (23) [px]."""
+    """Return whether few of `count` particles moved or changed in a step; `epsilon` is that of eq. (23) [px]."""
     few = _QUIET_FRACTION * count
     return epsilon < EPSILON_BOUND and moving <= few and changed <= few
 

@@ -48,8 +48,8 @@ def check_field_memory(shape: Extent, bytes_per_pixel: float, source: str) -> No
         return
     fitting = tuple(int(side * (there / needed) ** (1.0 / len(shape))) for side in shape)
     raise ValueError(
-        f"{source} has {_format_shape(shape)} px, which need {needed / 1e9:.2g} GB of memory, and {there / 1e9:.2g} GB are "
-        f"free: make it smaller, about {_format_shape(fitting)} px, crop it, or close other programs."
+        f"{source} has {_format_shape(shape)} px, which need {needed / 1e9:.2g} GB of memory, and {there / 1e9:.2g} GB "
+        f"are free: make it smaller, about {_format_shape(fitting)} px, crop it, or close other programs."
     )
 
 

@@ -30,7 +30,7 @@ _limits = [_MAX_USEFUL_THREADS]
 
 
 def count_cores() -> int:
-    """Return the number of cores to use: those of the process, up to a sensible number or to the limit of `limit_cores`."""
+    """Return how many cores to use: those of the process, up to a sensible number or to the limit of `limit_cores`."""
     return min(_USABLE_CORES, _limits[-1])
 
 
@@ -52,8 +52,8 @@ def run_in_parallel(work: Callable[[int, int], object], count: int, min_part_siz
     """Process items 0 to `count` - 1 in parts that run in parallel.
 
     `work` gets the first item of a part and the one behind its last. It must release the interpreter's lock for a gain
-    in time, and write only what belongs to its items. A part has `min_part_size` items or more; if there are not enough items
-    for two parts, the caller does all the work.
+    in time, and write only what belongs to its items. A part has `min_part_size` items or more; if there are not enough
+    items for two parts, the caller does all the work.
     """
     threads = min(count_cores(), count // max(min_part_size, 1))
     if threads < 2:

@@ -90,13 +90,13 @@ def check_voxel_sides(name: str, values: ArrayLike) -> Array:
     sides = check_three_numbers(name, values, positive=True)
     if not (sides.min() >= _MIN_VOXEL_SIDE and sides.max() <= _MAX_VOXEL_SIDE):
         raise ValueError(
-            f"{name} is {quote_value(values)} but must be three numbers from {_MIN_VOXEL_SIDE:g} to {_MAX_VOXEL_SIDE:g}, "
-            "(plane, row, col): choose another unit."
+            f"{name} is {quote_value(values)} but must be three numbers from {_MIN_VOXEL_SIDE:g} to "
+            f"{_MAX_VOXEL_SIDE:g}, (plane, row, col): choose another unit."
         )
     if sides.max() > _MAX_SIDE_RATIO * sides.min():
         raise ValueError(
-            f"{name} is {quote_value(values)}, (plane, row, col), which makes a side of a voxel more than {_MAX_SIDE_RATIO} "
-            "times as long as another: correct it."
+            f"{name} is {quote_value(values)}, (plane, row, col), which makes a side of a voxel more than "
+            f"{_MAX_SIDE_RATIO} times as long as another: correct it."
         )
     return sides
 

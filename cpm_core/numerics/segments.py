@@ -1,7 +1,7 @@
 """Straight segments in the plane: distances, crossings, and the interior of polygons.
 
-Whether two segments meet and whether a polygon winds around a position is decided by the same signed area, `side_of_line`, in
-compiled loops, since a step of a run asks thousands of times.
+Whether two segments meet and whether a polygon winds around a position is decided by the same signed area,
+`side_of_line`, in compiled loops, since a step of a run asks thousands of times.
 """
 
 from __future__ import annotations
@@ -137,8 +137,8 @@ def segments_meet(segment: Array, a: Array, b: Array) -> bool:
 def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
     """Return the first segment of a path, shape (K, 2), that meets one of others, shape (S, 4), and which one; else -1.
 
-    It uses the formula of `side_of_line`, but in NumPy: a compiled loop may round a product and a sum as one, so that it does
-    not always find that a path which ends on a vertex of the others touches them.
+    It uses the formula of `side_of_line`, but in NumPy: a compiled loop may round a product and a sum as one, so that
+    it does not always find that a path which ends on a vertex of the others touches them.
     """
     p, q = segments[:, :2].T, segments[:, 2:].T
     low, high = path.min(axis=0)[:, None], path.max(axis=0)[:, None]

@@ -223,7 +223,7 @@ class ImageParts:
     def measure_boundary_ownership(self, judged: Mapping[int, Prediction]) -> Array:
         """Measure the share of its boundary that each part owns, shape (N + 1,), the image border left out.
 
-        `evaluate_parts` holds the predictions by number; the part of higher predicted overlap owns the boundary between two.
+        `judged` holds the predictions by number; the part of higher predicted overlap owns the boundary between two.
         """
         worth = np.zeros(len(self.areas))
         worth[list(judged)] = [one.predicted_iou for one in judged.values()]

@@ -76,7 +76,7 @@ def trace_outlines(mask: Mask) -> BoundaryLinks:
 
 @compiled
 def _trace_links(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
-    """Trace the fields of `BoundaryLinks` around a mask with a margin of one pixel; positions are those without the margin.
+    """Trace the fields of `BoundaryLinks` around a mask with a margin of one pixel; positions are without the margin.
 
     `total` is the number of links.
     """

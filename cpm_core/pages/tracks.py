@@ -96,8 +96,8 @@ def find_origins(events: Iterable[TrackEvent]) -> dict[int, int]:
 class TrackOverlaps(NamedTuple):
     """Overlaps of the contours of one page with the contours of another, each of shape (N, M).
 
-    `dice` decides which contours belong to one track; `part_fraction` is the share of the smaller area that lies in the other,
-    0 for open contours.
+    `dice` decides which contours belong to one track; `part_fraction` is the share of the smaller area that lies in the
+    other, 0 for open contours.
     """
 
     dice: Array

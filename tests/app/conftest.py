@@ -42,8 +42,8 @@ _COLLECTED_EVERY = 20
 """Number of tests after which garbage is collected, which takes as long as the quickest of them."""
 
 RESTS = (
-    (stack_pages, "_LINK_DELAY"), (stack_pages, "_LINK_DELAY_WHILE_RUNNING"), (selector, "_PARTITION_DELAY"), (comparison, "_COMPARISON_DELAY"),
-    (timeline_navigation, "_CONTOURS_DELAY"), (run_collector, "_COLLECT_DELAY"),
+    (stack_pages, "_LINK_DELAY"), (stack_pages, "_LINK_DELAY_WHILE_RUNNING"), (selector, "_PARTITION_DELAY"),
+    (comparison, "_COMPARISON_DELAY"), (timeline_navigation, "_CONTOURS_DELAY"), (run_collector, "_COLLECT_DELAY"),
 )  # fmt: skip
 """Times without a change after which work begins [ms]."""
 

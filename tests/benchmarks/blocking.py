@@ -132,9 +132,11 @@ def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:
         yield (
             f"take the brush for {name}",
             lambda radius=radius, in_space=in_space: (
-                window.canvas_area.use_tool("mend"), objects.set_brush_radius(radius), setattr(objects, "ball", in_space)
+                window.canvas_area.use_tool("mend"),
+                objects.set_brush_radius(radius),
+                setattr(objects, "ball", in_space),
             ),
-        )  # fmt: skip
+        )
         for act, col in (
             (QTest.mousePress, 100),
             (QTest.mouseMove, 110),

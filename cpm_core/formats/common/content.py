@@ -63,7 +63,7 @@ def format_location(file: Path) -> str:
 
 
 def read_content(file: Path, max_size: int = MAX_FILE_SIZE, head_size: int = -1) -> bytes:
-    """Return the bytes of a file, or its first `head_size` bytes; UnreadableError when it cannot be read or is too large."""
+    """Return the bytes of a file, or its first `head_size`; UnreadableError when it cannot be read or is too large."""
     try:
         known = file.stat()
         if stat.S_ISDIR(known.st_mode):
@@ -108,7 +108,8 @@ def compute_fingerprint(path: Path, check_cancelled: Callback | None = None) -> 
     """Return the hash of a file: SHA-256 as 64 hexadecimal digits.
 
     Above 1 GiB only the size and some blocks are hashed, the first and the last among them, and the hash begins with
-    "sampled:". `check_cancelled` is called between blocks and may raise to stop. ValueError when the file cannot be read.
+    "sampled:". `check_cancelled` is called between blocks and may raise to stop. ValueError when the file cannot be
+    read.
     """
     found, kind = hashlib.sha256(), ""
     try:

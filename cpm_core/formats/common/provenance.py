@@ -123,7 +123,7 @@ def describe_shapes(shapes: Iterable[Shape]) -> tuple[JsonDict, ...]:
 
 
 def record_drawn_shapes(result: Result, shapes: Iterable[Shape], described: Iterable[JsonObject] = ()) -> Result:
-    """Record the shapes that seeds, limits and charges of a run come from, and `described` already described as JSON."""
+    """Record the shapes that seeds, limits and charges of a run come from, and those already `described` as JSON."""
     return replace(result, provenance=replace(result.provenance, shapes=(*describe_shapes(shapes), *described)))
 
 

@@ -183,8 +183,8 @@ def encode_object_table(result: Outcome) -> bytes:
 def encode_page_vertices(found: StackResult) -> bytes:
     """Tabulate the vertices of the contours on all pages of a stack, one per row.
 
-    Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), and those of `encode_vertices` except
-    ``contour``; ``label`` is the label in the label stack: the track, or 0 when open.
+    Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), and those of
+    `encode_vertices` except ``contour``; ``label`` is the label in the label stack: the track, or 0 when open.
     """
     return encode_csv_rows(_build_page_rows(found, _build_vertex_rows), ("page", "track"))
 

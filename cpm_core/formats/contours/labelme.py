@@ -44,9 +44,9 @@ def encode_labelme(result: Outcome) -> bytes:
 
     The label of a shape is the class of the object, with its name as the description and its number as the group; for a
     contour without a class it is the name, or "contour". Coordinates are (x, y) in px from the corner of the image. The
-    image is referenced by the source of the result (see `set_relative_source`). Polygons of labelme have no holes: that of an
-    object with holes includes them through slits of zero width. Colors are left out, because labelme chooses them by
-    label. Provenance is an entry of the file, which labelme keeps when it saves the file.
+    image is referenced by the source of the result (see `set_relative_source`). Polygons of labelme have no holes: that
+    of an object with holes includes them through slits of zero width. Colors are left out, because labelme chooses them
+    by label. Provenance is an entry of the file, which labelme keeps when it saves the file.
     """
     rows, cols = result.shape
     holes: dict[int, list[Array]] = {}

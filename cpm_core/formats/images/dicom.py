@@ -221,7 +221,8 @@ def _unpack_pixels(dataset: Any, frame: DicomFrame, name: str) -> Numbers:
         )
         if codec is None and "missing dependencies" in str(error):
             raise UnreadableError(
-                f"{name} is packed as {make_printable(str(syntax.name))[:80]}, which is not read: save it without packing."
+                f"{name} is packed as {make_printable(str(syntax.name))[:80]}, which is not read: "
+                "save it without packing."
             ) from error
         colored = int(dataset.get("SamplesPerPixel", 1)) != 1 and dataset.get("PhotometricInterpretation") != "RGB"
         if codec is None or colored:

@@ -143,8 +143,8 @@ def read_volume(stack: Stack, reading: Reading) -> DecodedImage:
     rows, columns = stack.shape[1:]
     if count < MINIMUM_SIDE and stack.volume_range is not None:
         raise UnreadableError(
-            f"{stack.name}: {' '.join(stack.volume_notes)} A volume needs at least {MINIMUM_SIDE} planes: resample them "
-            "evenly with the program that made them, or take one as an image."
+            f"{stack.name}: {' '.join(stack.volume_notes)} A volume needs at least {MINIMUM_SIDE} planes: resample "
+            "them evenly with the program that made them, or take one as an image."
         )
     if count == 1:
         raise UnreadableError(
@@ -242,8 +242,8 @@ def find_data_file(header: Path, named: str) -> Path:
     data = header.parent / place
     if "\0" in named or place.is_absolute() or ".." in place.parts or not data.is_file():
         raise UnreadableError(
-            f"{header.name} keeps its values in {quote_value(place.name)}, which is not one file beside it: put both in one "
-            "folder, or save it as one file."
+            f"{header.name} keeps its values in {quote_value(place.name)}, which is not one file beside it: put both "
+            "in one folder, or save it as one file."
         )
     return data
 

@@ -111,8 +111,8 @@ def encode_label_png(result: Outcome, *, outlines: bool = False) -> bytes:
     count = _largest_label(result, outlines)
     if count > MAX_UINT16_LABELS:
         raise ValueError(
-            f"{result.source} has {count} labels, but a PNG mask can hold at most {MAX_UINT16_LABELS}: export to TIFF, or "
-            "raise min_length, min_strength or pruning."
+            f"{result.source} has {count} labels, but a PNG mask can hold at most {MAX_UINT16_LABELS}: export to TIFF, "
+            "or raise min_length, min_strength or pruning."
         )
     stream = io.BytesIO()
     pixels = paint_labels(result, outlines=outlines).astype(np.uint8 if count <= 255 else np.uint16)

@@ -357,8 +357,8 @@ def _parse_session(content: bytes, name: str) -> JsonObject:
     version = plain[SESSION_MARK]
     if version != SESSION_VERSION or isinstance(version, bool):
         raise ValueError(
-            f"{name} is a session file of version {quote_value(version)}, but only version {SESSION_VERSION} is known here: "
-            "get a newer CPM for it."
+            f"{name} is a session file of version {quote_value(version)}, but only version {SESSION_VERSION} is known "
+            "here: get a newer CPM for it."
         )
     return plain
 

@@ -142,7 +142,7 @@ def near_buffer(cells: VolumeCells) -> Index:
 def is_on_surface(slope: float, near: float, strength: float, floor: float) -> bool:
     """Return whether a particle is on the ridge of an edge that is strong enough.
 
-    `slope` is the relative slope of the edge map along the normal, to which that of placed charges is added, `find_near` its
+    `slope` is the relative slope of the edge map along the normal, to which that of placed charges is added, `near` its
     weight in the force.
     """
     return near >= 1.0 and abs(slope) < ON_RIDGE_SLOPE and strength >= floor

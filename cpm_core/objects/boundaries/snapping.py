@@ -14,7 +14,7 @@ MAX_BOUNDARY_SHIFT = 3.0
 
 
 def snap_to_contours(mask: Mask, lines: Crossings, width: float) -> Mask:
-    """Snap the boundary of an object, shape (H, W), to contours within `width`, at most `MAX_BOUNDARY_SHIFT`; shape (H, W).
+    """Snap the boundary of an object to contours within `width`, at most `MAX_BOUNDARY_SHIFT`; shapes (H, W).
 
     Pixels deeper in the object, or farther away from it, stay. Each pixel between goes to the side that
     is nearer along paths that cross no line. Where lines make no difference to that, it stays as it is.

@@ -6,8 +6,8 @@ A function phi is above 0 inside the contour. It follows::
 
 with the curvature ``kappa = div(grad phi / |grad phi|)``, weights a and b, and a velocity v on the pixels. The first
 term takes central differences, the second Godunov's, the third upwind differences (Osher and Sethian 1988,
-doi:10.1016/0021-9991(88)90002-2). The function moves near the contour only, within `FRONT_BAND` of it, and is made a signed
-distance again every few steps. Steps are as long as stability allows.
+doi:10.1016/0021-9991(88)90002-2). The function moves near the contour only, within `FRONT_BAND` of it, and is made a
+signed distance again every few steps. Steps are as long as stability allows.
 
 The geodesic active contour is short in a metric of edges; the geometric GVF contour, eq. (3), moves in the field of
 gradient vector flow.

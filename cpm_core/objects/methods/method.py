@@ -78,8 +78,8 @@ class Start:
                 )
             if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < _MIN_CORNERS:
                 raise ValueError(
-                    f"An outline of the start has the shape {quote_value(outline.shape)} but must have three or more corners "
-                    "(row, col)."
+                    f"An outline of the start has the shape {quote_value(outline.shape)} but must have three or more "
+                    "corners (row, col)."
                 )
 
     @property

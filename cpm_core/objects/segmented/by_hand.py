@@ -126,7 +126,8 @@ def split_object_along(
 ) -> Halves:
     """Split an object along a line across it; the larger half comes first.
 
-    The line, shape (K, 2) [px], is extended straight to the boundary, and moves onto an edge next to it; see `split_object`.
+    The line, shape (K, 2) [px], is extended straight to the boundary, and moves onto an edge next to it; see
+    `split_object`.
     """
     import shapely  # noqa: PLC0415 - needed for few edits
 

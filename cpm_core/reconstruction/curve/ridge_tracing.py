@@ -46,8 +46,8 @@ _LEAST_SEEDS_PER_THREAD = 300
 """Least number of seeds for a thread."""
 
 _FADING_LENGTH = 1.6
-"""Length over which an edge must not fade to less than `EDGE_END_FRACTION`, in d_min / 2; twice as much for a loose end, as an
-abrupt end is blurred."""
+"""Length over which an edge must not fade to less than `EDGE_END_FRACTION`, in d_min / 2; twice as much for a loose
+end, as an abrupt end is blurred."""
 
 
 def trace_ridges(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:

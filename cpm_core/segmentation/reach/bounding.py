@@ -7,8 +7,8 @@ Meyer 1994, doi:10.1016/0165-1684(94)90060-4). They meet on the edges that are h
 Two pieces in one object, with no edge between them, share a basin. Areas within a basin that other edges, strong enough
 to hold particles, enclose are left out again.
 
-A closed line may also have been drawn around an object (`find_surrounded_object`). Then it is bounded by the edges of that object,
-if these are stronger than those around the whole start.
+A closed line may also have been drawn around an object (`find_surrounded_object`). Then it is bounded by the edges of
+that object, if these are stronger than those around the whole start.
 """
 
 from __future__ import annotations

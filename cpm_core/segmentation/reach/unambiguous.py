@@ -34,8 +34,8 @@ def is_unambiguous(along: Array, inside: Array) -> bool:
     along : ndarray, shape (N,)
         Edge strength along it.
     inside : ndarray, shape (M,)
-        Edge strength of the pixels that it encloses, farther than `OWN_EDGE_DISTANCE` from it. Without any it is a detail, which
-        stays ambiguous.
+        Edge strength of the pixels that it encloses, farther than `OWN_EDGE_DISTANCE` from it. Without any it is a
+        detail, which stays ambiguous.
     """
     if not along.size or not inside.size:
         return False

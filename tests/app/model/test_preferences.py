@@ -107,8 +107,12 @@ def test_a_measured_length_follows_the_same_rule(in_unit, spacing, unit, wanted,
     assert lengths.format_measured_length(24.68, spacing, unit) == said
 
 
-ACTIONS = (ActionKeys("run", "Run", "Run", ("Space",)), ActionKeys("open", "Open", "File", ("Ctrl+O",)),
-           ActionKeys("redo", "Redo", "Edit", ("Ctrl+Y", "Ctrl+Shift+Z")), ActionKeys("about", "About", "Help", ()))  # fmt: skip
+ACTIONS = (
+    ActionKeys("run", "Run", "Run", ("Space",)),
+    ActionKeys("open", "Open", "File", ("Ctrl+O",)),
+    ActionKeys("redo", "Redo", "Edit", ("Ctrl+Y", "Ctrl+Shift+Z")),
+    ActionKeys("about", "About", "Help", ()),
+)
 
 
 @given(st.lists(st.tuples(st.sampled_from(ACTIONS), st.sampled_from(["", "Space", "Ctrl+O", "Ctrl+Y", "F5"]))))

@@ -172,7 +172,9 @@ def set_control_value(parameters: Parameters, name: str, value: float | str) -> 
 
 def _build_control(name: str) -> Control:
     values = asdict(PARAMETERS[name])
-    texts = {part: translate_core_text(values[part]) for part in ("unit", "title", "meaning", "effect_of_larger", "equation")}
+    texts = {
+        part: translate_core_text(values[part]) for part in ("unit", "title", "meaning", "effect_of_larger", "equation")
+    }
     return Control(**values | texts, default=control_value(Parameters(), name))
 
 

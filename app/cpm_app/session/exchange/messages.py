@@ -198,8 +198,8 @@ class WorkFinished(Report):
 class SavedSession(Report):
     """A session file has been written or read; `path` is None for work that has none yet.
 
-    If `recovered`, it was found after a crash and is not saved yet. If `is_other_page`, it is another page of the open stack,
-    and `saved_document` is the document of that page in the file, None if the file has a different one.
+    If `recovered`, it was found after a crash and is not saved yet. If `is_other_page`, it is another page of the open
+    stack, and `saved_document` is the document of that page in the file, None if the file has a different one.
     """
 
     path: Path | None
@@ -214,7 +214,7 @@ class ImageOpened(Report):
     """An image is opened: it has been read, and a method is ready.
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder_images` are the images of its
-    folder, including itself, and `adjacent_session` is a session of it that has not been opened with it. A volume has no
+    folder, including itself; `adjacent_session` is a session of it that has not been opened with it. A volume has no
     `display`; each view makes one of its slice. `parts` are the contents of the file, None if unknown, and `reading`
     says which of them is open.
     """

@@ -128,7 +128,7 @@ def _surface_or_boundary(item: SegmentedObject) -> object:
 
 
 def gray_histogram(values: Array, image: Image) -> tuple[int, ...]:
-    """Count the values in each of `GRAY_HISTOGRAM_BINS` equal steps of the gray range of an image; `values` have any shape."""
+    """Count the values, of any shape, in each of `GRAY_HISTOGRAM_BINS` equal steps of the gray range of an image."""
     low, high = image.gray_range
     return tuple(np.histogram(values, GRAY_HISTOGRAM_BINS, (low, max(high, low + 1e-9)))[0].tolist())
 

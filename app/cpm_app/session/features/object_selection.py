@@ -51,8 +51,8 @@ def format_confidence(selection: AnySelection) -> str:
 class SelectionRequest:
     """A request for the object of some clicks, and for what the run offers.
 
-    `preview_prompt` also asks for the effect of one more click, at the pointer; `candidate_step` for a candidate that is some steps
-    larger, or smaller below 0. Both come with their selector and the clicks before.
+    `preview_prompt` also asks for the effect of one more click, at the pointer; `candidate_step` for a candidate that
+    is some steps larger, or smaller below 0. Both come with their selector and the clicks before.
     """
 
     selector: Selector
@@ -343,8 +343,8 @@ class ObjectSelection(QObject):
     def _offered_starts(self) -> tuple[Start, ...]:
         """The starts whose objects are offered, because the run from them has ended with a result.
 
-        On a large image, or if `should_offer` is False for the document, there are none unless the tool for objects is in
-        use.
+        On a large image, or if `should_offer` is False for the document, there are none unless the tool for objects is
+        in use.
         """
         document, result = self._session.document, self._session.scene.contours.result
         if result is None or not result.stop_reason or document.mode == "skeleton":

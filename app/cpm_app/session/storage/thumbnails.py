@@ -31,7 +31,7 @@ class ThumbnailStore:
         self._folder = folder
 
     def save_thumbnail(self, file: Path, image: QImage) -> None:
-        """Keep the middle of an image as the thumbnail of a file, and remove the oldest thumbnails beyond `MAX_THUMBNAILS`."""
+        """Keep the middle of an image as the thumbnail of a file; remove the oldest ones beyond `MAX_THUMBNAILS`."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:

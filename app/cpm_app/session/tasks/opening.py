@@ -184,8 +184,8 @@ def _read_image(
 ) -> tuple[Image, Texts]:
     """Read the image or the volume of a file and compute its range of gray levels.
 
-    If the volume of a file cannot be used and was not explicitly `as_volume` for, one plane of it is read, and the message
-    says why.
+    If the volume of a file cannot be used and was not explicitly requested by `as_volume`, one plane of it is read, and
+    the message says why.
     """
     chosen, refused, image = reading.arguments, tuple[str, ...](), None
     if as_volume or (as_volume is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.is_volume):

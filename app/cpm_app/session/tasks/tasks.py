@@ -1,7 +1,8 @@
 """Long tasks: their list, progress and cancellation.
 
-A `BackgroundTask` is the handle that the work shares with the window. Work that needs no run gets a thread of its own by
-`TaskManager.start_task`; a command of the worker gets its task from `TaskManager.begin_task`, updates its progress and ends it.
+A `BackgroundTask` is the handle that the work shares with the window. Work that needs no run gets a thread of its own
+by `TaskManager.start_task`; a command of the worker gets its task from `TaskManager.begin_task`, updates its progress
+and ends it.
 """
 
 from __future__ import annotations
@@ -91,8 +92,8 @@ ENDED_TASK.end()
 class TaskManager(QObject):
     """The long tasks of a session.
 
-    `report` sends a report to the window, from any thread; `wake` has `announce_changes` called in each display frame while there
-    are tasks.
+    `report` sends a report to the window, from any thread; `wake` has `announce_changes` called in each display frame
+    while there are tasks.
     """
 
     changed = Signal()
@@ -142,8 +143,9 @@ class TaskManager(QObject):
     ) -> BackgroundTask:
         """Do a long task on a separate thread.
 
-        The result of `compute` is passed to `on_result` on the window's thread, or without `on_result` is reported, unless the task
-        has been cancelled. An error is reported by `failure_report`; `activity` follows "while" in its message.
+        The result of `compute` is passed to `on_result` on the window's thread, or without `on_result` is reported,
+        unless the task has been cancelled. An error is reported by `failure_report`; `activity` follows "while" in its
+        message.
         """
         task = self.begin_task(name, cancellable)
 

@@ -77,7 +77,7 @@ class _NumberedContour:
 
 
 def runs_to_json(stored: StoredRuns) -> JsonObject:
-    """Encode all runs; states, the shown one and then the newest, and figures as far as `MAX_STORED_CHARACTERS` characters allow."""
+    """Encode all runs; states, the shown and then the newest, and figures as far as `MAX_STORED_CHARACTERS` allows."""
     if not stored.runs:
         return {}
     left, states = MAX_STORED_CHARACTERS, []

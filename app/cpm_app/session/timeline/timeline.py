@@ -258,8 +258,8 @@ class Timeline:
     def amend_state(self, action: RunAction, state: MethodState, on_own_branch: bool = False) -> None:
         """Change the current state without a step.
 
-        If other steps have followed from it, the change begins a new branch. It also does so if `on_own_branch`, so that the
-        state before it can be visited again.
+        If other steps have followed from it, the change begins a new branch. It also does so if `on_own_branch`, so
+        that the state before it can be visited again.
         """
         line, moment = self._current_branch, self._states.current
         assert moment is not None

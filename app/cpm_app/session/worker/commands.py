@@ -242,8 +242,8 @@ def collect_runs(
 ) -> WorkerCommand:
     """Encode the runs on the image opened as `generation` as plain JSON; `found` has the report for other threads.
 
-    `sources` are the sources of their particles, by generation. A failure is reported too, so that the file can still be
-    written without runs.
+    `sources` are the sources of their particles, by generation. A failure is reported too, so that the file can still
+    be written without runs.
     """
 
     def hand_over(collected: RunsCollected) -> Report:

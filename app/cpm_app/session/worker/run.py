@@ -97,7 +97,7 @@ class Run:
         )
 
     def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
-        """Return all runs for a session, with the numbers of their contours; `sources` as for `Timeline.to_stored_runs`."""
+        """Return all runs for a session, with their contour numbers; `sources` as for `Timeline.to_stored_runs`."""
         return replace(self.timeline.to_stored_runs(sources), numbers=self._tracker.places)
 
     def compute_image_seeds(self, document: Document) -> ImageSeeds:

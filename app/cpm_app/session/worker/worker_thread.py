@@ -22,9 +22,9 @@ IDLE_BEFORE_RELEASE = 1.0
 class WorkerThread:
     """One thread that owns the run.
 
-    Commands are sent by `post_command`, in order and never lost. Snapshots, contours and overlays are left in mailboxes of the
-    run, in which the newest wins; messages that must not be missed are in `take_reports`. The thread never calls the window,
-    which takes these messages itself.
+    Commands are sent by `post_command`, in order and never lost. Snapshots, contours and overlays are left in mailboxes
+    of the run, in which the newest wins; messages that must not be missed are in `take_reports`. The thread never calls
+    the window, which takes these messages itself.
     """
 
     def __init__(self, core: CoreFunctions | None = None) -> None:

@@ -95,7 +95,8 @@ class Legend(QWidget):
     def _format_entries(self, *, short: bool) -> str:
         """Format the entries as rich text, each sign on the background color of the canvas."""
         return "&nbsp; ".join(
-            f"<span style='color:{get_canvas_style().resolve_color(entry.color)}; background-color:{theme.CANVAS_COLOR}'>"
+            f"<span style='color:{get_canvas_style().resolve_color(entry.color)}; "
+            f"background-color:{theme.CANVAS_COLOR}'>"
             f"&nbsp;{_SIGN_CHARACTERS[entry.sign]}&nbsp;</span>&nbsp;{localize_number(f'{entry.count:,}')}"
             + ("" if short else f"&nbsp;{entry.text.replace(' ', '&nbsp;')}")
             for entry in self.entries

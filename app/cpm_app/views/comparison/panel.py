@@ -61,7 +61,8 @@ def _build_columns(compared: ComparedResults) -> tuple[Column[ComparisonRow], ..
                lambda row: row.count, "000", number_format=".0f"),
         Column("seconds", tr("Time [s]"), tr("Time of a run that was started for this comparison."),
                lambda row: row.seconds, "00.0", number_format=".2f"),
-        Column("f", tr("F"), tr("Harmonic mean of recall and precision."), agreement_of("f"), "0.000", number_format=".3f"),
+        Column("f", tr("F"), tr("Harmonic mean of recall and precision."), agreement_of("f"), "0.000",
+               number_format=".3f"),
         Column("recall", tr("Recall"),
                tr("Fraction of the boundary of the reference that is found within the tolerance."),
                agreement_of("recall"), "0.000", number_format=".3f"),
@@ -155,10 +156,11 @@ class ComparePanel(QWidget):
             "use": self._add_result_action(tr("Use this"), lambda: compared.use_row(compared.selected),
                              tr("Use these parameters, this run, or these contours as objects.")),
             "refer": self._add_result_action(tr("Set as reference"), lambda: compared.set_reference(compared.selected),
-                               tr("Compare all others with this result.")),
+                                             tr("Compare all others with this result.")),
             "next": self._add_result_action(tr("Next difference"), self.jump_to_next,
-                              tr("Show the differences one after the other, the largest first.")),
-            "remove": self._add_result_action(tr("Remove"), lambda: compared.remove_row(compared.selected), tr("Remove this result.")),
+                                            tr("Show the differences one after the other, the largest first.")),
+            "remove": self._add_result_action(tr("Remove"), lambda: compared.remove_row(compared.selected),
+                                              tr("Remove this result.")),
         }  # fmt: skip
         self.add = create_menu_button(tr("Add…"), self._fill_add_menu)
         self.keep = create_wide_button(tr("Keep this result"), compared.keep_current)

@@ -101,12 +101,13 @@ class UndoSelectionFeature(Feature):
 
         self.actions = (
             ActionSpec("undo", "Edit", "Undo", "Undo the last change.", session.undo, "Ctrl+Z", short=tr("Undo"),
-                       icon="undo", when=lambda now: bool(now.undo_name), text_for=lambda now: resolve_texts(now).undo_text),
+                       icon="undo", when=lambda now: bool(now.undo_name),
+                       text_for=lambda now: resolve_texts(now).undo_text),
             ActionSpec("redo", "Edit", "Redo", "Redo the last undone change.", session.redo, "Ctrl+Shift+Z Ctrl+Y",
                        short=tr("Redo"), icon="redo", when=lambda now: bool(now.redo_name),
                        text_for=lambda situation: resolve_texts(situation).redo_text),
-            ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next_shape, "N",
-                       gap=True, when=has_shapes),
+            ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next_shape,
+                       "N", gap=True, when=has_shapes),
             ActionSpec("escape", ">" + tr("Edit"), "Cance&l",
                        "Cancel the current drawing, or clear the selection and hide messages.",
                        window.canvas_area.cancel_or_deselect, "Escape"),

@@ -48,8 +48,8 @@ class ExportFeature(Feature):
         self.session.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("export", "File", "&Export…", "Export objects, contours, surfaces, pictures and animations.",
-                       self.open_export_dialog, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export", gap=True,
-                       when=_can_export),
+                       self.open_export_dialog, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export",
+                       gap=True, when=_can_export),
             ActionSpec("export_again", "File", "Export a&gain", "Export the same files again, without a dialog.",
                        self.export_again, "Ctrl+Shift+E", when=_can_export),
         )  # fmt: skip
@@ -139,7 +139,8 @@ class ClipboardFeature(Feature):
         self.actions = (
             ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
                        self.copy_selection, "Ctrl+C", gap=True,
-                       when=lambda now: has_contours(now) or (has_objects_to_export(now.document) and not has_volume(now))),
+                       when=lambda now: has_contours(now)
+                       or (has_objects_to_export(now.document) and not has_volume(now))),
             ActionSpec("copy_view", "Edit", "Copy &view as image",
                        "Copy the visible part of the image with its overlays to the clipboard.", self.copy_view,
                        "Ctrl+Shift+P", when=has_image),
@@ -195,8 +196,8 @@ class ImportFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         self.actions = (
             ActionSpec("import_contours", "File", "&Import contours…",
-                       "Import contours from another program as a start, as objects or as ground truth.", self._ask_for_contours,
-                       when=has_image),
+                       "Import contours from another program as a start, as objects or as ground truth.",
+                       self._ask_for_contours, when=has_image),
             ActionSpec("paste", "Edit", "&Paste", "Open the picture on the clipboard, or use the contours on it.",
                        self.paste, "Ctrl+V"),
         )  # fmt: skip

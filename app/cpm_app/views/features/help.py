@@ -93,7 +93,8 @@ class HelpFeature(Feature):
         copy.setToolTip(tr("Copy it to the clipboard, for example for a bug report."))
         copy.clicked.disconnect()  # copying must not close the box
         listed = "\n".join(f"{name}: {version}" for name, version in list_versions())
-        plain = f"CPM {__version__}\n{PROGRAM_PURPOSE}\n\n{PAPER_CITATION}\n\n{LICENSE_SENTENCE}\n\n{listed}\n"  # ready for a bug report
+        # ready for a bug report
+        plain = f"CPM {__version__}\n{PROGRAM_PURPOSE}\n\n{PAPER_CITATION}\n\n{LICENSE_SENTENCE}\n\n{listed}\n"
         copy.clicked.connect(lambda: QApplication.clipboard().setText(plain))
         box.addButton(QMessageBox.StandardButton.Close)
         box.open()
@@ -110,8 +111,8 @@ class PreferencesFeature(Feature):
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
         self.actions = (
-            ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.open_preferences,
-                       "Ctrl+,", gap=True),
+            ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.",
+                       self.open_preferences, "Ctrl+,", gap=True),
         )  # fmt: skip
 
     def open_preferences(self) -> PreferencesDialog:

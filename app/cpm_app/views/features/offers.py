@@ -105,8 +105,8 @@ class FilePartsFeature(Feature):
         self.session.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("parts", "File", "&Parts of the file…",
-                       "Open all pages as a volume or one as an image, another channel, time or series.", self.ask_for_part,
-                       when=lambda _: self._parts is not None
+                       "Open all pages as a volume or one as an image, another channel, time or series.",
+                       self.ask_for_part, when=lambda _: self._parts is not None
                        and (self._parts.has_choice or self._parts.series_around is not None)),
         )  # fmt: skip
 

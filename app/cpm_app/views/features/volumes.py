@@ -83,7 +83,8 @@ class SlicesFeature(Feature):
             return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}").format(axis=name),
                               tr("Show slices across this axis: {axis}.").format(axis=name),
                               partial(turn_to_axis, axis), f"Ctrl+Shift+{axis + 1}", visible_when=has_volume,
-                              checked_when=lambda _: slices.current is not None and slices.current.axis == axis)  # fmt: skip
+                              checked_when=lambda _: slices.current is not None
+                              and slices.current.axis == axis)  # fmt: skip
 
         self.actions = (
             ActionSpec("previous_slice", _SLICES_GROUP, "&Previous slice or page",
@@ -217,7 +218,8 @@ class PagesFeature(Feature):
                        checked_when=lambda _: pages.following),
             ActionSpec("follow_objects", "Objects", "Follow on all &pages",
                        "Find the accepted objects again on all pages after this one, in the background; pages with "
-                       "objects stay as they are.", followed.follow_all_pages, "Ctrl+Shift+F", gap=True, visible_when=is_stack,
+                       "objects stay as they are.", followed.follow_all_pages, "Ctrl+Shift+F", gap=True,
+                       visible_when=is_stack,
                        when=lambda now: not followed.running and bool(now.document.objects.items)),
         )  # fmt: skip
 

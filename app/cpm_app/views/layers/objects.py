@@ -169,9 +169,12 @@ class ObjectLayer(Layer):
         few = len(offered) <= _MAX_MARKED_PROPOSALS
         offered = offered if self.scene.volume is None else []  # bodies have no probability
         marked = [
-            found for key, found in offered
-            if key in {*shown.selected, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < MIN_SURE_CONFIDENCE)
-        ]  # fmt: skip
+            found
+            for key, found in offered
+            if key in {*shown.selected, shown.hovered, 0}
+            or len(offered) == 1
+            or (few and found.confidence < MIN_SURE_CONFIDENCE)
+        ]
         texts = (f"{'? ' * (found.confidence < MIN_SURE_CONFIDENCE)}{format_confidence(found)}" for found in marked)
         highest = (tuple(min(np.concatenate(_selection_curves(found)).tolist())) for found in marked)
         self._probabilities.show_texts([(place, text, "#ffffff") for place, text in zip(highest, texts, strict=True)])

@@ -117,7 +117,8 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
 
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
-               row_number, "000", number_format=".0f", sort_by=lambda row: ROW_KINDS.index(row.kind) * 1e7 + (row_number(row) or 0)),
+               row_number, "000", number_format=".0f",
+               sort_by=lambda row: ROW_KINDS.index(row.kind) * 1e7 + (row_number(row) or 0)),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
@@ -128,7 +129,8 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
                "00,000", 3)
         if solid else
         Column("area", tr("Area"), tr("Area without holes."),
-               _object_or_contour_getter(lambda item: item.area * pixel, lambda found: found.net_area_in_units if found.closed else None),
+               _object_or_contour_getter(lambda item: item.area * pixel,
+                                         lambda found: found.net_area_in_units if found.closed else None),
                "00,000", 2),
         Column("confidence", tr("%"), CONFIDENCE_TIP,
                lambda row: row.item.confidence * 100 if row.item is not None and row.item.confidence else None,
@@ -138,8 +140,10 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
         if solid else
         Column("length", tr("Length"),
                tr("Length of the boundary including holes, or of the contour."),
-               _object_or_contour_getter(lambda item: item.measure_perimeter(spacing), lambda found: found.length_in_units), "0,000", 1),
-        Column("gray", tr("Mean gray"), tr("Mean gray value inside."), _object_figure_getter(lambda found: found.gray), "000.0"),
+               _object_or_contour_getter(lambda item: item.measure_perimeter(spacing),
+                                         lambda found: found.length_in_units), "0,000", 1),
+        Column("gray", tr("Mean gray"), tr("Mean gray value inside."),
+               _object_figure_getter(lambda found: found.gray), "000.0"),
         Column("strength", tr("Strength"), tr("Mean edge strength along the boundary or contour [gray levels/px]."),
                _object_or_contour_getter(lambda item: item.strength or None, lambda found: found.strength), "000.0"),
         Column("state", tr("State"), tr("Frozen objects stop particles and are not found again; kept "
@@ -148,18 +152,21 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
                _object_figure_getter(lambda found: found.parts), "0,000", number_format=".0f")
         if solid else
         Column("gaps", tr("Bridged"), tr("Length of the boundary that follows no contour; dashed."),
-               lambda row: row.item.measure_gap_length(spacing) if row.item is not None and row.item.gaps else None, "0,000", 1),
+               lambda row: row.item.measure_gap_length(spacing) if row.item is not None and row.item.gaps else None,
+               "0,000", 1),
         Column("euler", tr("Euler number"),
                tr("Euler characteristic of its surface: 2 for a sphere, 2 less for each handle."),
                _object_figure_getter(lambda found: found.euler if solid else None), "000", number_format=".0f"),
         Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
                _contour_measure_getter(lambda found: found.inside or None), "0000", number_format=".0f"),
         Column("junctions", tr("Junctions"), tr("Number of ends at which it meets other contours."),
-               _contour_measure_getter(lambda found: None if found.closed else found.junctions), "0", number_format=".0f"),
+               _contour_measure_getter(lambda found: None if found.closed else found.junctions), "0",
+               number_format=".0f"),
         Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
                _contour_measure_getter(lambda found: found.contrast), "0.00", number_format=".2f"),
         Column("by_hand", tr("By hand"), tr("Length that was drawn by hand."),
-               _contour_measure_getter(lambda found: found.by_hand * found.length_in_units / found.length if found.by_hand else None),
+               _contour_measure_getter(lambda found: found.by_hand * found.length_in_units / found.length
+                                       if found.by_hand else None),
                "000.0", 1),
         Column("reached", tr("Reached"), tr("How particles reached it: in free flight from the start, "
                                             "beyond a weak edge, along edges over a junction, or by "
@@ -176,8 +183,9 @@ class ObjectTable(ItemTable):
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         self._session, self._object_list = session, object_list
         self._kinds: tuple[RowKind, ...] = ()
-        rows = TableModel[ObjectRow](build_object_columns(object_list.objects), lambda row: row.key, self._get_cell_look,
-                               object_list.rename_row)  # fmt: skip
+        rows = TableModel[ObjectRow](
+            build_object_columns(object_list.objects), lambda row: row.key, self._get_cell_look, object_list.rename_row
+        )
         super().__init__(rows, tr("Objects and contours"))
         object_list.changed.connect(self.show_items)
         object_list.selection_changed.connect(self.show_selection)
@@ -376,8 +384,8 @@ class ObjectPanel(QWidget):
         self.shown.currentIndexChanged.connect(lambda place: self.table.show_kinds(_ROW_FILTERS[place][1]))
         self.summary = create_wrapped_label(dim=True)
         row = fill_layout(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
-        fill_layout(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
-                self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
+        fill_layout(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush,
+                    row, self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         session.image_changed.connect(
             lambda: self.name.setModified(False)
         )  # a typed name does not belong to the next image

@@ -75,7 +75,7 @@ def set_canvas_style(style: CanvasStyle) -> None:
 CANVAS_COLOR = "#14161a"
 """Background of the canvas."""
 
-# The preferences can change the inks. Items of the canvas and swatches resolve them; use `get_canvas_style` anywhere else.
+# The preferences can change the inks. Items of the canvas and swatches resolve them; elsewhere use `get_canvas_style`.
 MOVING_COLOR = Ink("moving", INK_PREFERENCES["moving"].default)
 """Moving particles."""
 

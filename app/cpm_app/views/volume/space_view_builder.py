@@ -106,9 +106,13 @@ def _build_object_meshes(
         return ()
     seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
     shown = (
-        (bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.unpacked_surface, objects.color_of(item))
-        for item in seen if item.surface
-    )  # fmt: skip
+        (
+            bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.unpacked_surface,
+            objects.color_of(item),
+        )
+        for item in seen
+        if item.surface
+    )
     found = [
         each.selection
         for each in offered

@@ -169,7 +169,8 @@ def test_methods_of_scikit_image_give_step_by_step_what_its_functions_give():
             skimage.segmentation.morphological_chan_vese(gray, 7, mask, 2, 0.7, 1.0)
         )),
         "random_walker": (walk, lambda: (
-            skimage.segmentation.random_walker(gray, label_seeds(START, IMAGE.shape, walk), 90.0, "bf", prob_tol=1.0) == 1
+            skimage.segmentation.random_walker(gray, label_seeds(START, IMAGE.shape, walk), 90.0, "bf", prob_tol=1.0)
+            == 1
         )),
     }  # fmt: skip
     for name, (chosen, theirs) in cases.items():
