@@ -164,7 +164,7 @@ def _data() -> Iterator[Path]:
 
 
 def _picture(work: Path) -> Path:
-    """The icon in pixels, which PyInstaller turns into that of the system."""
+    """Draw the icon in pixels, which PyInstaller turns into that of the system."""
     from PySide6.QtGui import QImage, QPainter
     from PySide6.QtSvg import QSvgRenderer
 

@@ -28,7 +28,7 @@ _OF_PYTHON = (
 
 
 def distributions(name: str = "cpm-particles", extras: tuple[str, ...] = EXTRAS) -> dict[str, metadata.Distribution]:
-    """A distribution and all that it needs at run time, by name."""
+    """Collect a distribution and all that it needs at run time, by name."""
     found: dict[str, metadata.Distribution] = {}
     waiting = [(name, extras)]
     while waiting:
@@ -48,7 +48,7 @@ def distributions(name: str = "cpm-particles", extras: tuple[str, ...] = EXTRAS)
 
 
 def license_of(distribution: metadata.Distribution) -> str:
-    """The texts of its licenses, or the name of its license."""
+    """Return the texts of its licenses, or the name of its license."""
     files = [file for file in distribution.files or () if _LICENSE.search(file.name) and ".dist-info" in str(file)]
     texts = [Path(str(file.locate())).read_text(encoding="utf-8", errors="replace") for file in files]
     if texts:
@@ -61,7 +61,7 @@ def license_of(distribution: metadata.Distribution) -> str:
 
 
 def gathered() -> str:
-    """The licenses of all, each under the name and version of its distribution."""
+    """Join the licenses of all, each under the name and version of its distribution."""
     own = f"CPM\n\n{(ROOT / 'LICENSE').read_text(encoding='utf-8').strip()}"
     others = (
         f"{name} {found.version}\n\n{license_of(found)}"

@@ -48,9 +48,9 @@ def show(window: MainWindow, file: str) -> None:
     window.get_feature(
         OpenSaveFeature
     ).document_file.treat_as_saved()  # nobody is there to be asked whether it is to be saved
-    session, before = window.session, window.session.image_generation
+    session, before = window.session, window.session.store.image_generation
     window.open_image(str(sample.path))
-    wait(lambda: session.image_generation != before and session.idle and not session.status.busy)
+    wait(lambda: session.store.image_generation != before and session.idle and not session.status.busy)
 
 
 def take(window: MainWindow, name: str) -> None:

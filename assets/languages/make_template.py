@@ -95,7 +95,7 @@ def sentences() -> dict[str, list[str]]:
 
 
 def template() -> str:
-    """The whole file."""
+    """Return the whole file."""
     return "\n".join((_HEAD, *(_entry(said, where) for said, where in sentences().items())))
 
 

@@ -33,7 +33,7 @@ class _Lacking(gettext.NullTranslations):
 
 
 def translation(catalog: Path) -> gettext.GNUTranslations:
-    """A catalog that gives an empty text for what it lacks."""
+    """Read a catalog that gives an empty text for what it lacks."""
     with catalog.open("rb") as stream:
         made = gettext.GNUTranslations(stream)
     made.add_fallback(_Lacking())
@@ -47,7 +47,7 @@ def lacking(catalog: Path) -> list[str]:
 
 
 def wrong(catalog: Path) -> Iterator[str]:
-    """What is wrong in a catalog: other placeholders or keys of menus than in the sentence."""
+    """Find what is wrong in a catalog: other placeholders or keys of menus than in the sentence."""
     known = translation(catalog)
     for said in sentences():
         other = known.gettext(said)

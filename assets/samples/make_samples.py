@@ -84,7 +84,7 @@ def blur(values: Grid, sigma: float) -> Grid:
 
 
 def noise(seed: int, side: int = SIDE) -> Grid:
-    """Normal noise of unit spread; the old generator, whose numbers are promised never to change."""
+    """Draw normal noise of unit spread, by the old generator, whose numbers are promised never to change."""
     return np.random.RandomState(seed).standard_normal((side, side))
 
 
@@ -123,7 +123,7 @@ def vessel(inside: Grid, points: Grid, radii: Grid) -> None:
 
 
 def u_shape() -> tuple[Grid, list[Drawn]]:
-    """A thick white U, open at the top, on black."""
+    """Draw a thick white U, open at the top, on black."""
 
     def inside(row: Grid, col: Grid) -> NDArray[np.bool_]:
         outer = rectangle(44, 48, 132, 208)(row, col) | disk((132, 128), 80)(row, col)
@@ -149,7 +149,7 @@ def rings() -> tuple[Grid, list[Drawn]]:
 
 
 def noisy() -> tuple[Grid, list[Drawn]]:
-    """An ellipse with a hole under heavy noise."""
+    """Draw an ellipse with a hole under heavy noise."""
     inside = coverage(ellipse((128, 128), 78, 100)) - coverage(ellipse((120, 140), 30, 38))
     return 80 + 95 * inside + 30 * noise(20), circles((128, 70, 44))
 
@@ -177,7 +177,7 @@ def cells() -> tuple[Grid, list[Drawn]]:
 
 
 def artery() -> tuple[Grid, list[Drawn]]:
-    """A branching artery filled with contrast medium, narrowed at one place, as an X-ray angiogram shows it: dark."""
+    """Draw a branching artery filled with contrast medium, narrowed at one place, dark as in an X-ray angiogram."""
     side = 320
     trunk = curve([(-20, 92), (40, 112), (100, 118), (160, 146), (220, 190), (275, 214), (345, 226)], 260)
     along = np.linspace(0, 1, len(trunk))
@@ -221,7 +221,7 @@ def nuclei() -> tuple[Grid, list[Drawn]]:
 
 
 def hand() -> tuple[Grid, list[Drawn]]:
-    """A hand as a radiograph shows it: soft tissue, and in it the brighter bones of fingers and palm."""
+    """Draw a hand as a radiograph shows it: soft tissue, and in it the brighter bones of fingers and palm."""
     side = 384
     fingers = (
         ([(352, 172), (270, 118), (218, 92), (168, 60), (128, 38)], (17.0, 14.0, 12.0)),
@@ -254,7 +254,7 @@ def hand() -> tuple[Grid, list[Drawn]]:
 
 
 def vessels() -> tuple[Grid, list[Drawn]]:
-    """A tree of vessels filled with contrast medium, as magnetic resonance shows it: bright, with noise."""
+    """Draw a tree of vessels filled with contrast medium, as magnetic resonance shows it: bright, with noise."""
     trunk: Way = [(12, -12, 48), (17, 7, 46), (26, 27, 50), (38, 45, 46)]
     branches: tuple[tuple[Way, float, float], ...] = (
         (trunk, 6.8, 5.6),
@@ -280,7 +280,7 @@ def vessels() -> tuple[Grid, list[Drawn]]:
 
 
 def head() -> tuple[Grid, list[Drawn]]:
-    """A head as magnetic resonance shows it: scalp, dark skull, gray and white matter, ventricles, and a lesion."""
+    """Draw a head in magnetic resonance: scalp, dark skull, gray and white matter, ventricles, and a lesion."""
     sides = zip(VOLUME, VOXELS["head.tif"], strict=True)
     z, y, x = np.ix_(*(side * (np.arange(count) - (count - 1) / 2) for count, side in sides))
     size = np.sqrt((z / 76) ** 2 + (y / 90) ** 2 + (x / 72) ** 2)

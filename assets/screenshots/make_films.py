@@ -79,7 +79,7 @@ class Film:
         self._shown.append(milliseconds)
 
     def _draw_key(self, painter: QPainter) -> None:
-        """The name of a key, at the bottom of the canvas."""
+        """Draw the name of a key at the bottom of the canvas."""
         font = QFont(self.window.font())
         font.setPixelSize(22)
         font.setBold(True)
@@ -154,7 +154,7 @@ class Film:
         wait(lambda: self.window.workspace.object_selection.idle)
 
     def button(self, text: str) -> QWidget:
-        """The visible button of the window with this text."""
+        """Return the visible button of the window with this text."""
         buttons = self.window.findChildren(QAbstractButton)
         return next(button for button in buttons if button.isVisible() and button.text() == text)
 
@@ -227,7 +227,7 @@ OUTLINE = ((87.0, 171.0), (225.0, 76.0))
 
 
 def hand(film: Film) -> None:
-    """A circle in the palm finds the outline up to every fingertip; it is closed at the wrist, and accepted."""
+    """Show a circle in the palm that finds the outline up to every fingertip; close it at the wrist, and accept it."""
     film.stand.open("hand.png")
     film.hold(0.8)
     film.run(60)
@@ -248,7 +248,7 @@ def hand(film: Film) -> None:
 
 
 def head(film: Film) -> None:
-    """A lesion and a ventricle of a head, by one click each, named and turned in space."""
+    """Show a lesion and a ventricle of a head, found by one click each, named, and turned in space."""
     film.stand.open("head.tif")
     film.session.edit("clear", edits.clear_shapes)
     film.settle()

@@ -60,9 +60,9 @@ class Stand:
         """Open a sample."""
         sample = find_sample_named(file)
         assert sample is not None
-        session, before = self.window.session, self.window.session.image_generation
+        session, before = self.window.session, self.window.session.store.image_generation
         self.window.open_image(str(sample.path))
-        wait(lambda: session.image_generation != before)
+        wait(lambda: session.store.image_generation != before)
         self.settle()
 
     def run(self) -> None:
@@ -98,7 +98,7 @@ class Stand:
 
 
 def rest(stand: Stand) -> None:
-    """The whole U found, and proposed as the object."""
+    """Show the whole U found, and proposed as the object."""
     selection = stand.window.workspace.object_selection
     stand.run()
     wait(lambda: selection.idle and bool(selection.proposals))
@@ -130,7 +130,7 @@ def objects(stand: Stand) -> None:
 
 
 def steering(stand: Stand) -> None:
-    """A hand with a charge that attracts, one that repels, and a barrier, and the field that follows them."""
+    """Show a hand with a charge that attracts, one that repels, and a barrier, and the field that follows them."""
     session = stand.window.session
     stand.open("hand.png")
     stand.step_to(90)

@@ -60,7 +60,7 @@ def union(*parts: Distance) -> Distance:
 
 
 def without(shape: Distance, *holes: Distance) -> Distance:
-    """A shape without holes."""
+    """Make a shape without holes."""
     return lambda points: np.maximum(shape(points), -union(*holes)(points))
 
 

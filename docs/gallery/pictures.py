@@ -47,7 +47,7 @@ def _ramp(size: Size, down: float, right: float) -> Array:
 def _automatic(
     values: Array, truth: tuple[Contour, ...], smoothing: float, strength: float, length: float, grid: float = 0.0
 ) -> Scene:
-    """A scene started where the gradient is strong, or on a grid of that spacing [px] if one is given."""
+    """Return a scene started where the gradient is strong, or on a grid of that spacing [px] if one is given."""
     seeds = uniform_grid(values.shape, grid) if grid else gradient_threshold(values, smoothing=smoothing)
     parameters = replace(AUTOMATIC, smoothing=smoothing, min_strength=strength, min_length=length)
     return Scene(values, truth, seeds, parameters)
@@ -79,7 +79,7 @@ def natural() -> dict[str, Scene]:
 
 
 def angiogram() -> Scene:
-    """A vessel tree, dark on a noisy background."""
+    """Draw a vessel tree, dark on a noisy background."""
     size = (150, 170)
     tree = (
         limb((133, 60), (98, 72), 8.0, 7.0),
@@ -103,7 +103,7 @@ def angiogram() -> Scene:
 
 
 def leaf_on_gravel() -> Scene:
-    """A plain object on a textured background."""
+    """Draw a plain object on a textured background."""
     size = (150, 170)
     outline = curve((76, 84), lambda angle: 46.0 * (1.0 + 0.28 * np.cos(2 * angle) + 0.07 * np.cos(9 * angle)), 0.8)
     inside = coverage(outline, size)
@@ -113,7 +113,7 @@ def leaf_on_gravel() -> Scene:
 
 
 def spotted_fish() -> Scene:
-    """A textured object on a plain background."""
+    """Draw a textured object on a plain background."""
     size = (150, 170)
     body = blended(12.0, limb((76, 50), (76, 92), 30.0, 25.0), limb((76, 92), (76, 134), 22.0, 6.0))
     tail = union(limb((76, 130), (52, 150), 5.0, 8.0), limb((76, 130), (100, 150), 5.0, 8.0))
@@ -125,7 +125,7 @@ def spotted_fish() -> Scene:
 
 
 def cell_in_haze() -> Scene:
-    """A faint, blurred cell with its nucleus, in a cloudy medium."""
+    """Draw a faint, blurred cell with its nucleus, in a cloudy medium."""
     size = (150, 170)
     cell = curve((76, 84), lambda angle: 46.0 + 6.0 * np.cos(2 * angle + 0.6) + 4.0 * np.cos(3 * angle - 0.5))
     nucleus = ellipse((70, 92), 14.0, 19.0, 0.4)
@@ -197,7 +197,7 @@ def _bones() -> list[Bone]:
 
 
 def radiograph() -> Scene:
-    """A hand: bones in flesh, started all over the image."""
+    """Draw a hand, bones in flesh, started all over the image."""
     size = _SHEET
     fingers = [
         limb((140, 70), (58, 31), 12.5, 11.0),

@@ -146,7 +146,7 @@ def show_junctions(ax: Axes, places: Array) -> None:
 
 
 def show_field(ax: Axes, field: Array) -> None:
-    """A field, shape (2, H, W), as arrows."""
+    """Draw a field, shape (2, H, W), as arrows."""
     shape = field.shape[1:]
     step = max(1, round(max(shape) / _ARROWS))
     row, col = np.mgrid[step // 2 : shape[0] : step, step // 2 : shape[1] : step]
@@ -158,7 +158,7 @@ def show_field(ax: Axes, field: Array) -> None:
 
 
 def _junctions(panel: Picture) -> Array:
-    """Ends of contours that are junctions, shape (N, 2)."""
+    """Return the ends of contours that are junctions, shape (N, 2)."""
     ends = [one.points[end] for one in panel.contours for end, at in zip((0, -1), one.junctions, strict=True) if at]
     return np.array(ends).reshape(-1, 2)
 
@@ -190,7 +190,7 @@ def _map(axes: Axes, panel: Map) -> None:
 
 
 def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
-    """A line with the meaning of the colors on this page."""
+    """Write a line with the meaning of the colors on this page."""
     from matplotlib.patheffects import withStroke
 
     pictures = [panel for panel in page.panels if isinstance(panel, Picture)]
@@ -219,7 +219,7 @@ def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
 
 
 def _png(pixels: NDArray[np.uint8]) -> bytes:
-    """A PNG file with the palette of the gallery: grays, and the colors of overlays with transitions to grays."""
+    """Encode a PNG file with the palette of the gallery: grays, and colors of overlays with transitions to grays."""
     palette = _palette()
     packed = (pixels.astype(np.uint32) << (16, 8, 0)).sum(axis=-1, dtype=np.uint32)
     colors, which = np.unique(packed, return_inverse=True)

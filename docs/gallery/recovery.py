@@ -67,13 +67,13 @@ class _Constant(Engine):
 
 
 def _unchanged(state: State, *rest: Any) -> State:
-    """The coverage of a step with insertion and deletion, and the particles before them."""
+    """Return the coverage of a step with insertion and deletion, and the particles before them."""
     after = insert_and_delete(state, *rest)
     return replace(after, particles=state.particles, born=0, deleted=state.deleted)
 
 
 def _without_population(scene: Scene) -> Run:
-    """A run with a constant number of particles, reconstructed from the particles alone."""
+    """Run with a constant number of particles, and reconstruct from the particles alone."""
     done = run(scene, engine=_Constant(scene.values, scene.parameters))
     contours = reconstruct_curve(done.end.particles)
     seen = compare_boundaries(contours, scene.truth, done.end.agreement.tolerance)
@@ -101,7 +101,7 @@ def damping() -> Page:
 
 
 def count_over_damping(contrast: float, betas: Sequence[float] = BETAS) -> list[int]:
-    """Number of objects of the damping scene that are found at each damping."""
+    """Count the objects of the damping scene that are found at each damping."""
     scene = silhouettes.across(contrast)
     engine = Engine(scene.values, scene.parameters)
     runs = (run(scene.under(replace(scene.parameters, beta=beta)), engine=engine) for beta in betas)
@@ -109,7 +109,7 @@ def count_over_damping(contrast: float, betas: Sequence[float] = BETAS) -> list[
 
 
 def objects_found(done: Run) -> int:
-    """Number of true contours of which at least the share `_FOUND` was recovered."""
+    """Count the true contours of which at least the share `_FOUND` was recovered."""
     return sum(
         compare_boundaries(done.end.contours, [one], done.end.agreement.tolerance).recall >= _FOUND
         for one in done.scene.truth
@@ -117,12 +117,12 @@ def objects_found(done: Run) -> int:
 
 
 def start(scene: Scene, title: str = "image and start") -> Picture:
-    """A scene before its run."""
+    """Show a scene before its run."""
     return Picture(title, scene.values, particles=scene.seeds)
 
 
 def outcome(title: str, done: Run, particles: bool = False) -> Picture:
-    """A scene after its run, with its measured values below."""
+    """Show a scene after its run, with its measured values below."""
     end = done.end
     shown = end.particles if particles else None
     return Picture(title, done.scene.values, shown, end.contours, caption=caption(end), facts=end.facts)
@@ -149,7 +149,7 @@ def _snapshot(scene: Scene, moment: Moment) -> Picture:
 
 
 def from_start_to_result(scenes: Callable[[], Mapping[str, Scene]], tolerance: float = 1.0) -> Page:
-    """A row for each named scene: start, snapshots, result."""
+    """Show a row for each named scene: start, snapshots, result."""
     rows: list[list[Panel]] = []
     for name, scene in scenes().items():
         done = run(scene, at=_SNAPSHOTS, tolerance=tolerance)

@@ -68,7 +68,7 @@ _WHOLE = 0.95
 
 
 def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: float = DEFAULT_TOLERANCE) -> int:
-    """Number of closed true contours that a closed contour matches: each covers 95 % of the other's length.
+    """Count the closed true contours that a closed contour matches: each covers 95 % of the other's length.
 
     Open contours do not count; boundaries within the tolerance [px] count as the same.
     """

@@ -30,7 +30,7 @@ class Scene:
     parameters: Parameters = SHAPE
 
     def under(self, parameters: Parameters) -> Scene:
-        """The same with other parameters."""
+        """Return the same scene with other parameters."""
         return replace(self, parameters=parameters)
 
 
@@ -48,12 +48,12 @@ def closed(*outlines: Rings) -> tuple[Contour, ...]:
 
 
 def binary(size: Size, outlines: Rings, seeds: Array) -> Scene:
-    """A bright shape on a dark background."""
+    """Paint a bright shape on a dark background."""
     return Scene(paint(size, 0.0, (outlines, 255.0)), closed(outlines), seeds)
 
 
 def blurred(values: Array, sigma: float) -> Array:
-    """An image smoothed by a Gaussian, as if out of focus."""
+    """Smooth an image by a Gaussian, as if out of focus."""
     return np.asarray(scipy.ndimage.gaussian_filter(values, sigma, mode="nearest"))
 
 

@@ -30,7 +30,7 @@ SIZE = (SIDE, SIDE)
 
 
 def letter_u() -> Scene:
-    """The U of Fig. 5, with a circle over the lower right."""
+    """Draw the U of Fig. 5, with a circle over the lower right."""
     outer = union(stroke([(24, 72), (82, 72)], 96.0), disk((82, 72), 48.0))
     outline = without(outer, union(stroke([(-30, 72), (82, 72)], 44.0)))
     cut = rings(lambda points: np.maximum(outline(points), 22.3 - points[..., 0]), SIZE)  # without the rows above
@@ -38,7 +38,7 @@ def letter_u() -> Scene:
 
 
 def flower() -> Scene:
-    """A shape with deep bays for Fig. 6, with a circle in its middle."""
+    """Draw a shape with deep bays for Fig. 6, with a circle in its middle."""
     outline = curve((71.6, 72.3), lambda angle: 41.0 + 20.0 * np.cos(7.0 * angle + 0.5))
     return binary(SIZE, outline, circle((71.6, 72.3), 18.5))
 
@@ -79,7 +79,7 @@ def _gear() -> Rings:
 
 
 def hand() -> Rings:
-    """An open hand."""
+    """Draw an open hand."""
     fingers = [
         limb((104, 60), (52, 34), 8.5, 6.5),
         limb((96, 70), (26, 58), 8.5, 6.5),
@@ -96,7 +96,7 @@ def concavities() -> dict[str, Scene]:
 
 
 def spiral() -> Scene:
-    """A corridor that winds inwards, started from a circle on its outer side."""
+    """Draw a corridor that winds inwards, started from a circle on its outer side."""
     angle = np.linspace(0.0, 5.2 * np.pi, 150)
     radius = 9.0 + 9.6 * angle / np.pi
     path = np.stack([76.0 + radius * np.sin(angle), 72.0 + radius * np.cos(angle)], axis=1)
@@ -124,7 +124,7 @@ def embedded() -> dict[str, Scene]:
 
 
 def _parts() -> Scene:
-    """A disk in three parts of different gray: lines that meet in junctions."""
+    """Draw a disk in three parts of different gray: lines that meet in junctions."""
     center, radius = (72.0, 72.0), 50.0
     bounds = np.array([0.3, 2.5, 4.6, 0.3 + 2.0 * np.pi])
     layers, truth = [], []

@@ -47,7 +47,7 @@ def skeletons() -> Page:
 
 
 def shapes() -> dict[str, Shape]:
-    """The shapes of Fig. 14."""
+    """Draw the shapes of Fig. 14."""
     return {"ellipse": _ellipse(), "hand": _hand(), "grey starfish": _starfish(), "grey cross in noise": _cross()}
 
 
@@ -94,7 +94,7 @@ def _line(*points: tuple[float, float]) -> Contour:
 
 
 def _ellipse() -> Shape:
-    """An ellipse; its medial axis ends at the centers of curvature of its vertices."""
+    """Draw an ellipse; its medial axis ends at the centers of curvature of its vertices."""
     center, short, long = (72.2, 71.7), 28.0, 58.0
     reach = (long * long - short * short) / long
     outline = ellipse(center, short, long)

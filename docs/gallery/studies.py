@@ -53,7 +53,7 @@ class _Varied:
         self._scene, self._engine = scene, Engine(scene.values, scene.parameters)
 
     def picture(self, title: str, parameters: Parameters) -> Picture:
-        """Result with these parameters."""
+        """Show the result with these parameters."""
         panel = outcome(title, run(self._scene.under(parameters), engine=self._engine))
         varied = {"w_ratio": round(parameters.w1 / parameters.w2, 4), "a": parameters.annealing}
         return replace(panel, facts={**varied, **(panel.facts or {})})
@@ -95,7 +95,7 @@ def _under_noise(scene: Scene, values: Array) -> Run:
 
 
 def gaussian(values: Array, spread: float, seed: int) -> Array:
-    """Normal noise added, the sum clipped to gray levels from 0 to 255."""
+    """Add normal noise, and clip the sum to gray levels from 0 to 255."""
     shape = (values.shape[0], values.shape[1])
     return np.clip(values + grain(shape, spread, seed), 0.0, 255.0)
 

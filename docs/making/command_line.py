@@ -13,7 +13,7 @@ _WIDTH = "84"
 
 
 def text() -> str:
-    """A section for each command."""
+    """Write a section for each command."""
     commands = re.findall(r"^    (\w+)(?: |$)", help_of(), flags=re.MULTILINE)
     if not commands:
         raise ValueError("cpm --help lists no commands any more: correct docs/making/command_line.py.")
@@ -23,7 +23,7 @@ def text() -> str:
 
 
 def help_of(*command: str) -> str:
-    """What a command says to ``--help``."""
+    """Return what a command prints for ``--help``."""
     stream = io.StringIO()
     before = os.environ.get("COLUMNS")
     os.environ["COLUMNS"] = _WIDTH

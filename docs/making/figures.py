@@ -80,7 +80,7 @@ def _scales() -> mpl.figure.Figure:
 
 
 def _gap() -> mpl.figure.Figure:
-    """A gap that is left open, and bridged."""
+    """Draw a gap that is left open, and bridged."""
     image = cpm.example("gap")
     figure, axes = _axes(2)
     for ax, gap in zip(axes, (0, 30), strict=True):
@@ -93,7 +93,7 @@ def _gap() -> mpl.figure.Figure:
 
 
 def _methods() -> mpl.figure.Figure:
-    """The particles next to classical methods, from the same start."""
+    """Draw the particles next to classical methods, from the same start."""
     image = _u()
     start = cpm.Start((cpm.circle((100, 73), 24),))
     names = ("cpm", "snake", "geodesic", "morph_chan_vese")

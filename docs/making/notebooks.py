@@ -26,7 +26,7 @@ class Cell:
 
 
 def cells(script: str) -> list[Cell]:
-    """The cells of a script."""
+    """Split a script into its cells."""
     found = []
     for part in script.split(f"{_MARK}")[1:]:
         head, _, body = part.partition("\n")
@@ -59,7 +59,7 @@ def make(scripts: Path, folder: Path, root: Path) -> None:
 
 
 def _page(parts: list[Cell], name: str, folder: Path, root: Path) -> str:
-    """A page with the cells and what they give."""
+    """Make a page of the cells and their outputs."""
     import matplotlib as mpl
     from matplotlib import pyplot
 
@@ -95,7 +95,7 @@ def _page(parts: list[Cell], name: str, folder: Path, root: Path) -> str:
 
 
 def jupyter(parts: list[Cell]) -> str:
-    """A notebook without outputs, format 4.5."""
+    """Encode a notebook without outputs, format 4.5."""
     made = []
     for number, cell in enumerate(parts):
         entry: dict[str, Any] = {"id": f"cell-{number}", "metadata": {}, "source": cell.text.splitlines(keepends=True)}

@@ -16,7 +16,7 @@ _STALE = {
 
 
 def table_line(info: ParameterInfo) -> tuple[str, ...]:
-    """The row of a parameter that is a number."""
+    """Return the row of a parameter that is a number."""
     unit = f" {info.unit}" if info.unit else ""
     default = DEFAULT_VALUES[info.name]
     allowed = f"{info.low:g} or more" if info.high >= 1e9 else f"{info.low:g} to {info.high:g}"
@@ -43,6 +43,6 @@ def table() -> str:
 
 
 def presets() -> str:
-    """The named settings, by what differs from the defaults."""
+    """Tabulate the named settings by what differs from the defaults."""
     lines = ((f"`{name}`", f"`{preset}`") for name, preset in PRESETS.items())
     return made(("name", "settings that differ from the defaults"), lines)

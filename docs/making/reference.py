@@ -65,7 +65,7 @@ def pages() -> dict[str, str]:
 
 
 def _page(title: str, names: tuple[str, ...]) -> str:
-    """A page of some names."""
+    """Write a page of some names."""
     return _title(title) + "\n".join(map(_entry, names))
 
 
@@ -74,7 +74,7 @@ def _title(text: str) -> str:
 
 
 def _entry(name: str) -> str:
-    """The directive for one name."""
+    """Return the directive for one name."""
     given = getattr(cpm_core, name)
     if inspect.isclass(given):
         return f".. autoclass:: cpm_core.{name}\n"
