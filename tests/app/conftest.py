@@ -325,7 +325,7 @@ def record(window: MainWindow) -> Callable[[str], list[Any]]:
                 known[0] = value
                 values.append(value)
 
-        session.scene_changed.connect(look)
+        session.store.scene_changed.connect(look)
         return values
 
     return recorded

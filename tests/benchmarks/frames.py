@@ -133,7 +133,7 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
     used = np.array([time.process_time(), time.thread_time(), engine_time()])
     begin = time.perf_counter()
     QTimer.singleShot(int(seconds * 1000), lambda: application.exit(0))  # quit would ask whether to save
-    session.scene_changed.connect(lambda: over(session.scene.snapshot) and application.exit(0))
+    session.store.scene_changed.connect(lambda: over(session.scene.snapshot) and application.exit(0))
     application.exec()
     took = time.perf_counter() - begin
     used = 1e3 * (np.array([time.process_time(), time.thread_time(), engine_time()]) - used)

@@ -60,14 +60,14 @@ def test_the_main_job_is_done_by_keys_alone(window, qtbot, tmp_path) -> None:
 def open_the_sample(window: MainWindow, keys: Keys) -> None:
     """By the menu and the start screen."""
     session = window.session
-    generation = session.image_generation
+    generation = session.store.image_generation
     keys.press(KEY.Key_F, held=ALT)
     keys.press(KEY.Key_M)
     keys.wait(window.get_feature(StartFeature).screen.isVisible)
     window.activateWindow()  # as a window manager does when a menu closes
     keys.wait(window.isActiveWindow)
     keys.press(KEY.Key_Return)
-    keys.wait(lambda: session.image_generation != generation and session.idle)
+    keys.wait(lambda: session.store.image_generation != generation and session.idle)
     assert session.document.image.name == "u_shape.png"
     window.activateWindow()  # as a window manager does when a menu closes
     keys.wait(window.isActiveWindow)

@@ -64,7 +64,9 @@ def test_the_proposal_is_drawn_in_its_color_and_its_contour_and_the_image_in_gra
 def test_no_particle_crosses_a_barrier_drawn_by_hand(window, qtbot) -> None:
     session, canvas = window.session, window.canvas_area.canvas
     rows: list[np.ndarray] = []
-    session.scene_changed.connect(lambda: session.scene.snapshot and rows.append(session.scene.snapshot.position[:, 0]))
+    session.store.scene_changed.connect(
+        lambda: session.scene.snapshot and rows.append(session.scene.snapshot.position[:, 0])
+    )
     across = 160.0
     left, right = (canvas.map_from_image((across, col)).toPoint() for col in (-4.0, 260.0))
     qtbot.keyClick(canvas, Qt.Key.Key_B)

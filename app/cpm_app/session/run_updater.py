@@ -35,8 +35,8 @@ _NO_SOURCES: Counter[Hashable] = Counter()
 class RunUpdater:
     """Sends the differences between two documents to the worker."""
 
-    def __init__(self, board: SceneStore, post: Callable[[WorkerCommand], None]) -> None:
-        self._store = board
+    def __init__(self, store: SceneStore, post: Callable[[WorkerCommand], None]) -> None:
+        self._store = store
         self._post = post
         self._run = 0
         self._late: dict[int, tuple[object, ...]] = {}
@@ -93,20 +93,19 @@ class RunUpdater:
 
     def update_run(self, before: Document, after: Document, complete: bool) -> None:
         """Send the changes of the document to the worker; unless `complete`, the gesture is still going on."""
-        board = self._store
         if before.parameters != after.parameters:
             self._post(call_run(None, Run.set_parameters, after.parameters))
         if after.image_starts and before.seeding_inputs != after.seeding_inputs:
             self._store.set_busy("seeding", tr("Looking for starting positions…"))
-            self._post(find_seeds(board.image_generation, after))
+            self._post(find_seeds(self._store.image_generation, after))
         if before.charges != after.charges:
-            self._post(call_run(None, Run.set_charges, board.image_generation, after.charges))
+            self._post(call_run(None, Run.set_charges, self._store.image_generation, after.charges))
         if before.hand_edits != after.hand_edits:
             self._post(call_run(None, Run.set_hand_edits, after.hand_edits))
         if not self._store.status.started:
             return
         if before.regions != after.regions:
-            self._post(call_run(board.generation, Run.set_regions, after.regions))
+            self._post(call_run(self._store.generation, Run.set_regions, after.regions))
         if complete:
             self.end_gesture()
 
@@ -138,16 +137,18 @@ class RunUpdater:
 
         Run and document stay consistent, so that the run is not out of date afterwards.
         """
-        board = self._store
-        rest = edits.erase_shapes(board.scene.document, path, radius)
-        lost = self._current_sources & (board.scene.document.start_counts - rest.start_counts)
+        rest = edits.erase_shapes(self._store.scene.document, path, radius)
+        lost = self._current_sources & (self._store.scene.document.start_counts - rest.start_counts)
         self._set_current_sources(self._current_sources - lost)
         if not self._store.status.started:
             return rest, False
         erasure.sources += lost
-        self._post(call_run(board.generation, Run.erase_particles, path, radius, erasure.number))
+        self._post(call_run(self._store.generation, Run.erase_particles, path, radius, erasure.number))
         # the window knows where particles were a moment ago; while they move, they may be some pixels farther on
-        scene, erased = board.scene, EraseAction(path, radius + _MOTION_ALLOWANCE * (board.status.phase == "running"))
+        scene, erased = (
+            self._store.scene,
+            EraseAction(path, radius + _MOTION_ALLOWANCE * (self._store.status.phase == "running")),
+        )
         if lost or scene.snapshot is None or scene.image is None:
             return rest, True
         return rest, bool(np.any(erased.is_near_path(scene.snapshot.position, scene.image.spacing)))

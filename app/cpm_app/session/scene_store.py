@@ -1,4 +1,4 @@
-"""The scene store: the scene that a session shows, its signals for views, and the reports of the worker."""
+"""The scene store: the scene that a session shows, the state of its run, and the reports of the worker."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.state.situation import Phase, RunStatus
-from cpm_app.model.text.language import elide_middle, tr
+from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
     CompilationProgress,
@@ -29,45 +29,19 @@ from cpm_app.session.exchange.messages import (
     WorkFinished,
 )
 from cpm_app.session.scene import NO_CONTOURS, ReviewedContours, Scene
+from cpm_app.session.session_messages import (
+    CONTOURS_CATEGORY,
+    EDITING_CATEGORY,
+    EXPORTING_CATEGORY,
+    RUNNING_CATEGORY,
+    SessionMessages,
+)
 from cpm_app.session.worker.commands import RunsRestored
 from cpm_app.session.worker.requests import ForcesProbed, ImageShaded
 from cpm_app.session.worker.worker_thread import WorkerThread
 from cpm_core.numerics.types import Texts
 
 R = TypeVar("R", bound=Report)
-
-OPENING_CATEGORY = "opening"
-"""Category of messages about opening an image or a session."""
-
-RUNNING_CATEGORY = "running"
-"""Category of messages about the run."""
-
-EDITING_CATEGORY = "editing"
-"""Category of messages about edits of the document."""
-
-SAVING_CATEGORY = "saving"
-"""Category of messages about saving the session."""
-
-EXPORTING_CATEGORY = "exporting"
-"""Category of messages about exported files."""
-
-FILMING_CATEGORY = "filming"
-"""Category of messages about animations."""
-
-CONTOURS_CATEGORY = "contours"
-"""Category of messages about the reconstruction of contours."""
-
-RECOVERY_CATEGORY = "recovery"
-"""Category of messages about work restored after a crash."""
-
-JOURNAL_CATEGORY = "journal"
-"""Category of messages about the journal of unsaved work."""
-
-UNEXPECTED_CATEGORY = "unexpected"
-"""Category of messages about unexpected errors."""
-
-PROGRAM_CATEGORIES = (RECOVERY_CATEGORY, JOURNAL_CATEGORY, UNEXPECTED_CATEGORY)
-"""Categories of messages that do not concern the open image, and stay when another one is opened."""
 
 _COMPILING_TEXT = tr("Preparing for the first run on this computer: {percent} %")
 
@@ -89,20 +63,12 @@ class SceneStore(QObject):
 
     scene_changed = Signal()
     """The scene has been replaced."""
-    image_changed = Signal()
-    """Another image has been opened."""
-    document_changed = Signal(object)
-    """The document has been replaced: Document."""
     status_changed = Signal()
-    """`resolved` may have changed."""
-    message_shown = Signal(str, bool, str)
-    """A message for the user, whether it is an error, and its category, or ""."""
-    messages_cleared = Signal(str)
-    """Messages of this category no longer apply, because what they were about is attempted again."""
+    """`Session.resolved` may have changed."""
 
-    def __init__(self, worker_thread: WorkerThread, parent: QObject) -> None:
+    def __init__(self, worker_thread: WorkerThread, messages: SessionMessages, parent: QObject) -> None:
         super().__init__(parent)
-        self._worker_thread = worker_thread
+        self._worker_thread, self._messages = worker_thread, messages
         self._busy: dict[str, str] = {}
         self._shown_at = 0.0
         self._run_status = RunStatus()
@@ -112,7 +78,6 @@ class SceneStore(QObject):
         """Number of the current run; snapshots and reports of other runs are not shown."""
         self.image_generation = 0
         """Number under which the image was opened."""
-        self._errors: dict[str, str] = {}
         self._deferring = self._status_deferred = False
         self._listeners: dict[type[Report], list[Callable[[Any], object]]] = {}
 
@@ -122,7 +87,7 @@ class SceneStore(QObject):
         self.scene_changed.emit()
 
     def announce_status(self) -> None:
-        """Announce that `resolved` may have changed."""
+        """Announce that `Session.resolved` may have changed."""
         if self._deferring:
             self._status_deferred = True
         else:
@@ -155,28 +120,6 @@ class SceneStore(QObject):
         for take in tuple(self._listeners.get(type(report), ())):
             take(report)
 
-    def show_message(self, message: str, is_error: bool = False, category: str = "") -> None:
-        """Show one sentence to the user; its category, such as `EXPORTING_CATEGORY`, decides when it is cleared."""
-        self.message_shown.emit(elide_middle(message), is_error, category)
-
-    def set_error(self, message: str, category: str) -> None:
-        """Show the error of work that is repeated; an empty one clears it, because the work has succeeded.
-
-        The same error is shown only once, so that the user can dismiss it.
-        """
-        before = self._errors.pop(category, "")
-        if message:
-            self._errors[category] = message
-            if message != before:
-                self.show_message(message, True, category)
-        elif before:
-            self.clear_messages(category)
-
-    def clear_messages(self, *categories: str) -> None:
-        """Clear the messages of some categories, because what they were about is attempted again."""
-        for topic in categories:
-            self.messages_cleared.emit(topic)
-
     # The run
 
     @property
@@ -197,7 +140,7 @@ class SceneStore(QObject):
     def clear_run(self, method: str = "cpm") -> None:
         """Clear everything shown of the previous run; `method` is the name of the next run's method."""
         self._run_status = RunStatus(phase="ready", method=method)
-        self.set_error("", CONTOURS_CATEGORY)
+        self._messages.set_error("", CONTOURS_CATEGORY)
         self._update_scene(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None)
         self.announce_status()
 
@@ -213,7 +156,7 @@ class SceneStore(QObject):
             self._on_contours(contours)
         overlays = self._worker_thread.run.overlays.take()
         if overlays is not None and overlays.generation == self.image_generation:
-            self.set_error(overlays.error, "overlays")
+            self._messages.set_error(overlays.error, "overlays")
             self._update_scene(overlays=overlays.arrays)
 
     def _on_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
@@ -221,9 +164,9 @@ class SceneStore(QObject):
             trouble = found.message
             if self.scene.contours.items:
                 trouble = tr("{trouble} The contours that are shown are those of an earlier step.", trouble=trouble)
-            self.set_error(trouble, CONTOURS_CATEGORY)
+            self._messages.set_error(trouble, CONTOURS_CATEGORY)
             return
-        self.set_error("", CONTOURS_CATEGORY)
+        self._messages.set_error("", CONTOURS_CATEGORY)
         self._run_status = replace(self._run_status, found=found.result)
         reviewed = ReviewedContours.from_tracked(found.tracked, self.scene.document.marks)
         self._update_scene(reconstruction=found, contours=reviewed)
@@ -266,23 +209,23 @@ class SceneStore(QObject):
                 )
             case RunFailed(generation, sentence) if generation == self.generation:
                 self._run_status = replace(self._run_status, phase="paused" if self._run_status.count else "ready")
-                self.show_message(sentence, True, RUNNING_CATEGORY)
+                self._messages.show(sentence, True, RUNNING_CATEGORY)
             case RunContinued(generation) if generation == self.generation:
                 self._run_status = replace(self._run_status, phase="running")
             case SeedsFound(generation, image_seeds, sentence):
                 if sentence:
-                    self.show_message(sentence, True, EDITING_CATEGORY)
+                    self._messages.show(sentence, True, EDITING_CATEGORY)
                 if generation == self.image_generation:
                     self._update_scene(image_seeds=image_seeds)
             case FilesExported(path, counts):
                 written = tr("Written: {path}", path=path)
-                self.show_message(f"{written} ({counts})" if counts else written, category=EXPORTING_CATEGORY)
+                self._messages.show(f"{written} ({counts})" if counts else written, category=EXPORTING_CATEGORY)
             case CommandFailed(sentence, topic):
-                self.show_message(sentence, True, topic)
+                self._messages.show(sentence, True, topic)
             case CompilationProgress(percent) if "preparing" in self._busy:
                 self._busy["preparing"] = _COMPILING_TEXT.format(percent=percent)
             case ForcesProbed():
-                self.set_error(report.error, "forces")
+                self._messages.set_error(report.error, "forces")
                 self._update_scene(probed=report)
             case ImageShaded():
                 self._update_scene(shaded=report)

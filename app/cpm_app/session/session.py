@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from PySide6.QtCore import QObject, Qt, QTimer
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document, ImageReference, Mode
@@ -23,12 +23,13 @@ from cpm_app.session.exchange.mailbox import Pacer
 from cpm_app.session.exchange.messages import CoreFunctions, ImageOpened, ImageReady, OpeningFailed
 from cpm_app.session.run_updater import RunUpdater
 from cpm_app.session.scene import ReviewedContours, Scene
-from cpm_app.session.scene_store import (
+from cpm_app.session.scene_store import SceneStore
+from cpm_app.session.session_messages import (
     EDITING_CATEGORY,
     EXPORTING_CATEGORY,
     OPENING_CATEGORY,
     RUNNING_CATEGORY,
-    SceneStore,
+    SessionMessages,
 )
 from cpm_app.session.tasks.opening import Opener, OpenRequest
 from cpm_app.session.tasks.tasks import TaskManager
@@ -64,36 +65,26 @@ class Session(QObject):
     Views connect to its signals and read its scene; long work is done by the worker thread and by tasks.
     """
 
+    image_changed = Signal()
+    """Another image has been opened."""
+    document_changed = Signal(object)
+    """The document has been replaced: Document."""
+
     def __init__(self, core: CoreFunctions | None = None) -> None:
         super().__init__()
         core = core or CoreFunctions()
         self._worker_thread = WorkerThread(core)
-        self._store = board = SceneStore(self._worker_thread, self)
-        self.scene_changed, self.image_changed = board.scene_changed, board.image_changed
-        self.document_changed, self.status_changed = board.document_changed, board.status_changed
-        self.message_shown, self.messages_cleared = board.message_shown, board.messages_cleared
-        self.set_scene, self.announce_status, self.defer_status = (
-            board.set_scene,
-            board.announce_status,
-            board.defer_status,
-        )
-        self.add_listener, self.remove_listener, self.dispatch_report = (
-            board.add_listener,
-            board.remove_listener,
-            board.dispatch_report,
-        )
-        self.show_message, self.set_error, self.clear_messages = (
-            board.show_message,
-            board.set_error,
-            board.clear_messages,
-        )
+        self.messages = SessionMessages(self)
+        """The messages for the user."""
+        self.store = SceneStore(self._worker_thread, self.messages, self)
+        """The scene, the state of the run, and the reports of the worker."""
         self.tasks = TaskManager(self._worker_thread.send_report, self._start_polling, self)
-        self.tasks.changed.connect(self.announce_status)
+        self.tasks.changed.connect(self.store.announce_status)
         self._numbered = 0
         self._resolved: tuple[Situation, WindowTexts] | None = None
         self.history = UndoHistory()
         """The changes that can be undone and redone."""
-        self.run_updater = RunUpdater(board, self.post_command)
+        self.run_updater = RunUpdater(self.store, self.post_command)
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
         self._frames.set_limit(1.0 / FRAME_INTERVAL)
@@ -112,34 +103,26 @@ class Session(QObject):
         """Parameters of the image that was open before this one."""
         self.can_replace_image: Callable[[ImageOpened], bool] = lambda opened: True
         """Whether an image may replace the open one at once; if not, `replace_image` opens it later."""
-        self.add_listener(
+        self.store.add_listener(
             ImageReady, lambda ready: self.replace_image(ready.opened) if self.can_replace_image(ready.opened) else None
         )
-        self.add_listener(ImageOpened, self._on_image_opened)
-        self.add_listener(
+        self.store.add_listener(ImageOpened, self._on_image_opened)
+        self.store.add_listener(
             RunsRestored,
             lambda kept: (
-                self.run_updater.restore_runs(kept.begun) if kept.generation == self.image_generation else None
+                self.run_updater.restore_runs(kept.begun) if kept.generation == self.store.image_generation else None
             ),
         )
-        self.add_listener(OpeningFailed, lambda refused: self.show_message(refused.message, True, OPENING_CATEGORY))
+        self.store.add_listener(
+            OpeningFailed, lambda refused: self.messages.show(refused.message, True, OPENING_CATEGORY)
+        )
 
     # State
 
     @property
     def scene(self) -> Scene:
         """The scene that is shown."""
-        return self._store.scene
-
-    @property
-    def generation(self) -> int:
-        """Number of the current run; snapshots and reports of other runs are not shown."""
-        return self._store.generation
-
-    @property
-    def image_generation(self) -> int:
-        """Number under which the image was opened."""
-        return self._store.image_generation
+        return self.store.scene
 
     @property
     def image(self) -> Image | None:
@@ -159,7 +142,7 @@ class Session(QObject):
     @property
     def status(self) -> RunStatus:
         """State of the run."""
-        status, document = self._store.status, self.document
+        status, document = self.store.status, self.document
         method = METHODS[status.method]
         other = status.method != MODES[document.mode].method
         stale = status.started and (other or (method.seeded and self.run_updater.is_outdated(document)))
@@ -208,12 +191,12 @@ class Session(QObject):
         try:
             after = edit(before)
         except ValueError as error:
-            self.show_message(explain_error(error), True, EDITING_CATEGORY)
+            self.messages.show(explain_error(error), True, EDITING_CATEGORY)
             return
         if after != before or erasure is not None:
             rest = self._find_resting_step(after) if gesture else None
             self.history.push(Change(name, before, after, gesture, erasure, rest))
-            with self.defer_status():
+            with self.store.defer_status():
                 self._set_document(after, complete=not gesture)
             if rest is not None:
                 self.run()
@@ -241,9 +224,9 @@ class Session(QObject):
         if index is not None and index >= len(self.document.shapes):
             index = None
         if index != self.selected_shape:
-            self.set_scene(replace(self.scene, selected_shape=index))
+            self.store.set_scene(replace(self.scene, selected_shape=index))
             self.document_changed.emit(self.document)
-            self.announce_status()
+            self.store.announce_status()
 
     def select_next_shape(self) -> None:
         """Select the shape drawn after the selected one, the first after the last."""
@@ -263,7 +246,7 @@ class Session(QObject):
     def load_document(self, document: Document, before: Document | None = None) -> None:
         """Replace the document, or the one `before` it, by another one with an empty undo history."""
         self.history = UndoHistory()
-        self._store.scene = replace(self.scene, selected_shape=None)
+        self.store.scene = replace(self.scene, selected_shape=None)
         self._set_document(document, before=before)
 
     # Running
@@ -274,8 +257,8 @@ class Session(QObject):
             return
         if self.status.phase != "running":
             self._start_if_needed()
-            self._store.set_phase("running")
-            self.post_command(call_run(self._store.generation, Run.take_steps))
+            self.store.set_phase("running")
+            self.post_command(call_run(self.store.generation, Run.take_steps))
 
     def pause(self) -> None:
         """Stop after the current step."""
@@ -293,25 +276,25 @@ class Session(QObject):
         """Take one step; start a run first if there is none."""
         if can_step(self.situation) and self._can_run():
             self._start_if_needed()
-            self.pause_and_post(call_run(self._store.generation, Run.take_steps, 1))
+            self.pause_and_post(call_run(self.store.generation, Run.take_steps, 1))
 
     def reset(self) -> None:
         """Remove the particles and go back to the start; the run stays on the timeline."""
         if self.status.started:
-            self.clear_messages(RUNNING_CATEGORY)
+            self.messages.clear(RUNNING_CATEGORY)
             kept = self.status.step > 0
-            self._store.generation = self._next_generation()
-            self._store.clear_run()
-            self.post_command(call_run(None, Run.discard_state, self._store.generation))
+            self.store.generation = self._next_generation()
+            self.store.clear_run()
+            self.post_command(call_run(None, Run.discard_state, self.store.generation))
             if kept:
                 kept_on = tr(
                     "The run stays on the timeline: click it there or press {key:timeline_last} to return to it."
                 )
-                self.show_message(insert_keys(kept_on))
+                self.messages.show(insert_keys(kept_on))
 
     def pause_and_post(self, command: WorkerCommand) -> None:
         """Send a command after which the run stays at some step."""
-        self._store.set_phase("paused")
+        self.store.set_phase("paused")
         self.post_command(command)
 
     def set_pace(self, steps_per_second: float | None) -> None:
@@ -325,7 +308,7 @@ class Session(QObject):
         if self._overlays != before:
             shown = {kept: array for kept, array in self.scene.overlays.items() if kept in self._overlays}
             if len(shown) < len(self.scene.overlays):
-                self.set_scene(replace(self.scene, overlays=shown))
+                self.store.set_scene(replace(self.scene, overlays=shown))
             self.post_command(call_run(None, Run.set_overlays, self._overlays))
 
     def post_command(self, command: WorkerCommand) -> None:
@@ -338,7 +321,8 @@ class Session(QObject):
         self._timer.stop()
         self.tasks.close()
         self._worker_thread.close()
-        self._store.blockSignals(True)  # their receivers may already be deleted
+        for sender in (self, self.store, self.messages):
+            sender.blockSignals(True)  # the receivers may already be deleted
 
     # Files
 
@@ -380,7 +364,7 @@ class Session(QObject):
 
     def begin_opening(self, request: OpenRequest) -> None:
         """Open an image or a session; see `open_file`."""
-        self.clear_messages(OPENING_CATEGORY)
+        self.messages.clear(OPENING_CATEGORY)
         self._mode_before = self.document.mode
         self._opener.start_opening(request)
 
@@ -391,13 +375,13 @@ class Session(QObject):
 
     def export_files(self, order: ExportOrder, on_encoded: Callable[[tuple[bytes, ...]], object] | None = None) -> None:
         """Write files, all or none, or only encode them and pass their contents to `on_encoded`."""
-        self.clear_messages(EXPORTING_CATEGORY)
+        self.messages.clear(EXPORTING_CATEGORY)
         task = self.tasks.begin_task(tr("Writing {name}…", name=order.files[0].path.name))
         self.post_command(write_files(task, self.scene.reconstruction, self.document, order, on_encoded))
 
     def warm_up(self) -> None:
         """Compile or load the kernels before the first step needs them."""
-        self._store.set_busy("preparing", _PREPARING_TEXT)
+        self.store.set_busy("preparing", _PREPARING_TEXT)
         self._opener.call_when_opened(lambda: self.post_command(compile_kernels()))
 
     # Internal
@@ -411,14 +395,14 @@ class Session(QObject):
             self.run_updater.undo_or_redo_erasure(change.erasure, back)
             self.pause_and_post(call_run(None, Run.undo_or_redo_erasure, change.erasure.number, back))
             if goes_on:
-                self._store.set_phase("running")
-                self.post_command(call_run(self._store.generation, Run.take_steps))
-        with self.defer_status():
+                self.store.set_phase("running")
+                self.post_command(call_run(self.store.generation, Run.take_steps))
+        with self.store.defer_status():
             self._set_document(change.before if back else change.after)
         if change.resting_step is None:
             return
         generation, branch, step = change.resting_step
-        if back and generation == self.generation:
+        if back and generation == self.store.generation:
             self.pause_and_post(call_run(generation, Run.go_to, branch, step, lambda: True))
             self.post_command(call_run(generation, Run.reconstruct_if_halted))
         elif self.status.phase == "paused" or self.status.steered:
@@ -431,13 +415,13 @@ class Session(QObject):
             return None
         if status.steering == METHODS[status.method].steering(after.parameters):
             return None
-        return self.generation, shown.timeline.branch, shown.state.step
+        return self.store.generation, shown.timeline.branch, shown.state.step
 
     def _set_document(self, document: Document, complete: bool = True, before: Document | None = None) -> None:
         """Show another document, or the same one after its history has changed."""
         before, scene = before or self.document, self.scene
         if document != before:
-            self.clear_messages(
+            self.messages.clear(
                 EDITING_CATEGORY, RUNNING_CATEGORY
             )  # an edit may be the remedy for why a run did not begin
             selected, contours, image = scene.selected_shape, scene.contours, scene.image
@@ -447,23 +431,23 @@ class Session(QObject):
                 contours = ReviewedContours.from_tracked(contours.tracked, document.marks)
             # a pixel size set by hand has to apply before everything else that depends on the edit
             sized = image if image is None or document.image is None else document.image.with_known_pixel_size(image)
-            self._store.scene = replace(
+            self.store.scene = replace(
                 scene, image=sized, document=document, selected_shape=selected, contours=contours
             )
             if sized is not None and sized is not image:
                 self.post_command(call_run(None, Run.change_pixel_size, sized, document))
             self.run_updater.update_run(before, document, complete)
-            self.scene_changed.emit()
+            self.store.scene_changed.emit()
         self.document_changed.emit(document)
-        self.announce_status()
+        self.store.announce_status()
 
     def _can_run(self) -> bool:
-        self.clear_messages(RUNNING_CATEGORY)
+        self.messages.clear(RUNNING_CATEGORY)
         if self.document.image is None:
-            self.show_message(tr("There is no image to run on: open one first."), True, RUNNING_CATEGORY)
+            self.messages.show(tr("There is no image to run on: open one first."), True, RUNNING_CATEGORY)
             return False
         if needs_start(self.document.mode) and not self.document.starts:
-            self.show_message(self.document.nothing_to_start_from, True, RUNNING_CATEGORY)
+            self.messages.show(self.document.nothing_to_start_from, True, RUNNING_CATEGORY)
             return False
         return True
 
@@ -471,10 +455,10 @@ class Session(QObject):
         status = self.status
         over = status.phase == "finished" and not status.steered
         if status.phase == "ready" or over or status.stale:
-            self._store.generation = self._next_generation()
-            self.run_updater.begin_run(self._store.generation, self.document)
-            self._store.clear_run(MODES[self.document.mode].method)
-            self.post_command(start_run(self._store.generation, self._store.image_generation, self.document))
+            self.store.generation = self._next_generation()
+            self.run_updater.begin_run(self.store.generation, self.document)
+            self.store.clear_run(MODES[self.document.mode].method)
+            self.post_command(start_run(self.store.generation, self.store.image_generation, self.document))
 
     def _next_generation(self) -> int:
         self._numbered += 1
@@ -489,9 +473,9 @@ class Session(QObject):
         if self._frames.seconds_until_due() > 0.0:
             return
         before = self.scene
-        with self.defer_status():
+        with self.store.defer_status():
             self.tasks.announce_changes()
-            self._store.poll_worker()
+            self.store.poll_worker()
         if self.scene is not before:
             self._frames.count_step()
         if self.scene.snapshot is not None:
@@ -504,29 +488,29 @@ class Session(QObject):
         if self.document.image is not None:
             self.previous_parameters = self.parameters_for_next_image
         self._asked_scales, self._used_scales = opened.scales, opened.parameters.scales
-        self._store.generation = self._store.image_generation = self._next_generation()
-        self.post_command(call_run(None, Run.use_image, self._store.generation, opened.method, opened.parameters))
+        self.store.generation = self.store.image_generation = self._next_generation()
+        self.post_command(call_run(None, Run.use_image, self.store.generation, opened.method, opened.parameters))
         # With its own document from the start: the shapes of the previous one may have another number of axes.
         before, document = self.document, _make_first_document(opened, self._mode_before)
         slices = Slices.through_middle(opened.image.shape)
         first = next((shape for shape in document.shapes if isinstance(shape, Sphere)), None)
         if slices is not None and first is not None:
             slices = slices.with_voxel(first.center)
-        self.set_scene(Scene(opened.image, opened.display, document=document, slices=slices))
+        self.store.set_scene(Scene(opened.image, opened.display, document=document, slices=slices))
         self.image_changed.emit()
-        self._store.clear_run()
+        self.store.clear_run()
         self.run_updater.clear()
         self.load_document(document, before)
         self.post_command(call_run(None, Run.set_hand_edits, self.document.hand_edits))
         self.post_command(call_run(None, Run.set_parameters, opened.parameters))
         if opened.image.ndim == 3:
-            self._store.set_busy("preparing", _PREPARING_TEXT)
+            self.store.set_busy("preparing", _PREPARING_TEXT)
             self.post_command(compile_kernels(volumes=True))
         self._restore_runs(opened)
         if before.mode != self._mode_before and opened.saved is None and opened.image.ndim == 2:
             self.set_mode(before.mode)  # selected meanwhile
         if opened.notes:
-            self.show_message(" ".join(map(translate_core_text, opened.notes)))
+            self.messages.show(" ".join(map(translate_core_text, opened.notes)))
 
     def _restore_runs(self, opened: ImageOpened) -> None:
         """Restore the runs of a session if its image is unchanged."""
@@ -536,10 +520,10 @@ class Session(QObject):
         known = opened.saved.file.image
         if known is not None and known.sha256 not in ("", opened.sha256):
             return  # the notes report that the image has changed
-        self._store.set_busy("restoring", tr("Restoring the runs…"))
-        self.post_command(call_run(None, Run.set_charges, self._store.image_generation, self.document.charges))
+        self.store.set_busy("restoring", tr("Restoring the runs…"))
+        self.post_command(call_run(None, Run.set_charges, self.store.image_generation, self.document.charges))
         self.post_command(call_run(None, Run.set_regions, self.document.regions))
-        self.post_command(restore_runs(self._store.image_generation, opened.saved.file.runs, image))
+        self.post_command(restore_runs(self.store.image_generation, opened.saved.file.runs, image))
 
 
 def _make_first_document(opened: ImageOpened, mode: Mode) -> Document:

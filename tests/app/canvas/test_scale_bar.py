@@ -41,7 +41,7 @@ def show(window, unit: str | None) -> None:
     session = window.session
     values = np.random.default_rng(0).uniform(size=(64, 64))
     image = Image(values, spacing=(0.25, 0.5), unit=unit)
-    session.set_scene(
+    session.store.set_scene(
         replace(session.scene, image=image, display=DisplayImage.from_shades(np.zeros((64, 64), np.uint8)))
     )
 

@@ -33,7 +33,7 @@ def test_a_message_neither_covers_nor_moves_the_image(ready) -> None:
     area = ready.canvas_area
     place, seen = area.canvas.geometry(), area.canvas.view.viewRect()
     for text, error in (("By the way.", False), (LONG, True), ("", False)):
-        ready.session.show_message(text, error)
+        ready.session.messages.show(text, error)
         assert area.canvas.geometry() == place
         assert area.canvas.view.viewRect() == seen
         assert not area.canvas.geometry().intersects(area.strip.geometry())
@@ -42,9 +42,9 @@ def test_a_message_neither_covers_nor_moves_the_image(ready) -> None:
 
 def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
     messages = ready.canvas_area.messages
-    ready.session.show_message("Short.", True)
+    ready.session.messages.show("Short.", True)
     assert not messages.details.isVisible()
-    ready.session.show_message(LONG, True)
+    ready.session.messages.show(LONG, True)
     qtbot.waitUntil(messages.details.isVisible)
     qtbot.mouseClick(messages.details, Qt.MouseButton.LeftButton)
     popups = [frame for frame in ready.findChildren(QFrame) if frame.windowType() == Qt.WindowType.Popup]

@@ -45,13 +45,13 @@ def test_pause_stops_the_particles_and_run_continues_from_them(ready, hand) -> N
     hand.key(KEY.Key_Space)
     assert session.status.phase == "paused"
     hand.wait(lambda: session.idle)
-    held, generation = session.status.step, session.generation
+    held, generation = session.status.step, session.store.generation
     hand.key(KEY.Key_Period)
     hand.wait(lambda: session.idle)
     assert session.status.step == held + 1
     hand.key(KEY.Key_Space)
     hand.wait(lambda: session.status.step > held + 1)
-    assert session.generation == generation
+    assert session.store.generation == generation
 
 
 def test_single_steps_are_the_engines_own(ready, hand) -> None:
@@ -70,7 +70,7 @@ def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -
     state = engine.start(circle((32.0, 32.0), 10.0))
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.idle)
-    generation = ready.session.generation
+    generation = ready.session.store.generation
     state = engine.step(state, PRESETS["shape"])
     slider = ready.panels["run"].parameters.rows["beta"].slider
     hand.qtbot.keyClick(slider, KEY.Key_PageUp)
@@ -80,7 +80,7 @@ def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -
     hand.key(KEY.Key_Period)
     state = engine.step(state, changed)
     hand.wait(lambda: ready.session.idle)
-    assert ready.session.generation == generation
+    assert ready.session.store.generation == generation
     np.testing.assert_array_equal(ready.session.scene.snapshot.position, state.position)
 
 
@@ -101,14 +101,14 @@ def test_a_run_at_rest_continues_with_changed_parameters(ready, hand) -> None:
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
-    generation, step, count = session.generation, session.status.step, session.status.count
+    generation, step, count = session.store.generation, session.status.step, session.status.count
     session.edit("spacing", lambda document: edits.set_parameter(document, "d_min", 4.0))
     assert ready.actions_by_name["run"].text() == "Resume"
     assert "parameters have changed" in ready.canvas_area.hint.text()
     hand.key(KEY.Key_Space)
     hand.wait(lambda: session.status.phase == "finished" and session.status.step > step)
     hand.wait(lambda: session.idle)
-    assert session.generation == generation
+    assert session.store.generation == generation
     assert session.status.count < count
     assert ready.actions_by_name["run"].text() == "Run again"
 

@@ -54,7 +54,7 @@ def near(snapshot, place, distance) -> int:
 def test_particles_at_rest_go_to_a_charge_that_is_dropped_beside_them_and_back_when_it_is_undone(
     rested, hand, shown
 ) -> None:
-    generation = rested.session.generation
+    generation = rested.session.store.generation
     beside = (32.0, 32.0 + 18.0 + 0.7 * CHARGE_RADIUS)
     assert near(shown(), beside, 8.0) == 0
     hand.key(KEY.Key_A)
@@ -62,14 +62,14 @@ def test_particles_at_rest_go_to_a_charge_that_is_dropped_beside_them_and_back_w
     hand.key(KEY.Key_BracketRight)
     hand.wait(lambda: near(shown(), beside, 8.0) > 3)
     hand.wait_for_phase("finished")
-    assert rested.session.generation == generation
+    assert rested.session.store.generation == generation
     assert not rested.session.status.stale
     hand.key(KEY.Key_Z, CONTROL)
     hand.key(KEY.Key_Z, CONTROL)
     hand.wait(lambda: rested.session.idle and rested.session.status.phase == "finished")
     assert rested.session.document.charges == ()
     assert near(shown(), beside, 8.0) == 0
-    assert rested.session.generation == generation
+    assert rested.session.store.generation == generation
 
 
 def test_particles_follow_a_charge_while_it_is_dragged(rested, hand, shown) -> None:
@@ -125,10 +125,10 @@ def test_a_barrier_drawn_during_a_run_stops_the_front_until_it_is_undone(ready, 
     hand.wait(lambda: session.idle)
     inside = np.hypot(*(shown().position - 32.0).T) < 20.0
     assert shown().position[inside, 1].max() < 33.0
-    generation = session.generation
+    generation = session.store.generation
     hand.key(KEY.Key_Delete)
     hand.wait(lambda: shown().position[:, 1].max() > 48.0)
-    assert session.generation == generation
+    assert session.store.generation == generation
 
 
 def test_a_circle_drawn_during_a_run_adds_particles_when_the_button_is_released(begun, hand, shown) -> None:

@@ -43,7 +43,9 @@ def shown_contours(window, *contours: Contour) -> None:
     result = boundaries_result(contours, [], image.shape, image.spacing, image.unit, "")
     tracked = ContourTracker().track_contours(result, thorough=True)
     scene = window.session.scene
-    window.session.set_scene(replace(scene, contours=ReviewedContours.from_tracked(tracked, scene.document.marks)))
+    window.session.store.set_scene(
+        replace(scene, contours=ReviewedContours.from_tracked(tracked, scene.document.marks))
+    )
 
 
 @pytest.fixture
@@ -63,7 +65,7 @@ def _offer(window, *corners: tuple[float, float, float]) -> None:
         place = np.array([[top + side / 2, left + side / 2]])
         found.append(Proposal(Selection(mask, (line,), (), 0.9, place, np.empty((0, 2))), ()))
     scene = window.session.scene
-    window.session.set_scene(replace(scene, objects=replace(scene.objects, proposals=tuple(found))))
+    window.session.store.set_scene(replace(scene, objects=replace(scene.objects, proposals=tuple(found))))
 
 
 @pytest.fixture
@@ -218,7 +220,7 @@ def test_all_proposals_are_accepted_but_doubtful_ones_only_when_they_are_selecte
     scene, rows = window.session.scene, window.workspace.object_list
     sure, other = (replace(each, key=-at) for at, each in enumerate(scene.objects.proposals, start=1))
     doubtful = replace(other, selection=replace(other.selection, confidence=0.2))
-    window.session.set_scene(replace(scene, objects=replace(scene.objects, proposals=(sure, doubtful))))
+    window.session.store.set_scene(replace(scene, objects=replace(scene.objects, proposals=(sure, doubtful))))
     rows.accept_pending()
     assert [item.confidence for item in items(window)] == [0.9]
     rows.select_rows([("proposal", -2)])
@@ -363,7 +365,7 @@ def test_new_contours_preserve_the_selection_and_a_name_being_edited(window, han
     hand.qtbot.keyClicks(editor, "half a na")
     scene = window.session.scene
     again = replace(scene.contours, items=scene.contours.items[:3])
-    window.session.set_scene(replace(scene, contours=again))
+    window.session.store.set_scene(replace(scene, contours=again))
     assert len(column(drawn, "number")) == 3
     assert editor.text() == "half a na" and editor.isVisible()
     assert len(window.workspace.object_list.selected_keys) == 1
@@ -409,9 +411,9 @@ def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, t
     hand.key(KEY.Key_F2)
     hand.wait(field.hasFocus)
     hand.qtbot.keyClicks(field, "aorta")
-    before = window.session.image_generation
+    before = window.session.store.image_generation
     window.session.open_file(image_file)
-    hand.wait(lambda: window.session.image_generation != before and not field.isVisible())
+    hand.wait(lambda: window.session.store.image_generation != before and not field.isVisible())
 
 
 def test_the_radius_of_the_brush_is_in_the_panel_while_the_tool_that_mends_is_used(window, hand, panel) -> None:

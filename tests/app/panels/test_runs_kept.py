@@ -137,7 +137,7 @@ def test_the_run_that_is_gone_back_to_can_be_deleted(rested, hand) -> None:
 
 def test_who_runs_too_often_is_told_which_runs_are_gone(rested, hand) -> None:
     said: list[str] = []
-    rested.session.message_shown.connect(lambda text, _: said.append(text))
+    rested.session.messages.shown.connect(lambda text, _: said.append(text))
     for number in range(MAX_TIMELINE_RUNS):
         rested.session.edit("beta", lambda d, n=number: edits.set_parameter(d, "beta", 1.0 + 0.01 * n))
         rested.session.reset()

@@ -62,7 +62,7 @@ def reopened(window, hand, path: Path) -> list[str]:
     """Open a file again; what is said meanwhile."""
     said: list[str] = []
     opened: list[bool] = []
-    window.session.message_shown.connect(lambda text, _: said.append(text))
+    window.session.messages.shown.connect(lambda text, _: said.append(text))
     window.session.image_changed.connect(lambda: opened.append(True))
     window.session.open_file(path)
     hand.wait(lambda: bool(opened) and window.session.idle and not window.session.status.busy)

@@ -56,18 +56,18 @@ def test_another_scene_on_another_view_leaves_the_session_and_its_canvas_alone(r
 
 def test_only_those_parts_are_drawn_that_have_changed(rested, hand, monkeypatch) -> None:
     drawn: list[object] = []
-    for kind in (Curves, Discs):
-        show = kind.show
+    for kind, name in ((Curves, "show_paths"), (Discs, "show_discs")):
+        show = getattr(kind, name)
         monkeypatch.setattr(
-            kind, "show", lambda item, *what, kind=kind, show=show: (drawn.append(kind), show(item, *what))
+            kind, name, lambda item, *what, kind=kind, show=show: (drawn.append(kind), show(item, *what))
         )
     session = rested.session
-    session.set_scene(replace(session.scene))
+    session.store.set_scene(replace(session.scene))
     assert drawn == []
-    session.set_scene(replace(session.scene, snapshot=replace(session.scene.snapshot)))
+    session.store.set_scene(replace(session.scene, snapshot=replace(session.scene.snapshot)))
     assert drawn == [Discs, Discs]
     drawn.clear()
-    session.set_scene(replace(session.scene, hovered_contour=session.scene.contours.items[0].key))
+    session.store.set_scene(replace(session.scene, hovered_contour=session.scene.contours.items[0].key))
     assert drawn == [Curves]
 
 
@@ -77,7 +77,7 @@ def test_another_image_leaves_nothing_of_the_one_before_in_the_scene(rested, han
     hand.wait(lambda: rested.session.idle and rested.session.image.shape == (40, 50))
     scene, empty = rested.session.scene, Scene()
     assert scene.document.image.name == "other.npy"
-    for part in ("snapshot", "skeleton", "truth", "probed", "selected", "hovered_contour"):
+    for part in ("snapshot", "skeleton", "truth", "probed", "selected_shape", "hovered_contour"):
         assert getattr(scene, part) is None, part
     assert (scene.contours, scene.differences, scene.selected_contours) == (empty.contours, (), frozenset())
     assert hand.canvas.layers.contours.counts == (0, 0)

@@ -61,7 +61,7 @@ class SessionMachine(RuleBasedStateMachine):
         self.said: list[str] = []
         self.session = Session()
         self.session.set_pace(None)
-        self.session.message_shown.connect(lambda sentence, trouble: self.said.append(sentence) if trouble else None)
+        self.session.messages.shown.connect(lambda sentence, trouble: self.said.append(sentence) if trouble else None)
         self.document_file = DocumentFile(self.session, lambda: {"place": {}})
         self.journal = Journal(self.document_file, self.folder / "journals", Preferences(self.session))
         self.navigation = TimelineNavigation(self.session)
@@ -256,9 +256,9 @@ class SessionMachine(RuleBasedStateMachine):
     @rule(data=st.data())
     def load(self, data: st.DataObject) -> None:
         path = data.draw(st.sampled_from(sorted(self.saved)))
-        before = self.session.image_generation
+        before = self.session.store.image_generation
         self.session.open_file(path)
-        self.wait(lambda: self.session.image_generation != before)
+        self.wait(lambda: self.session.store.image_generation != before)
         self.settle()
         assert self.session.document == self.saved[path]
         assert not self.document_file.unsaved
@@ -287,9 +287,9 @@ class SessionMachine(RuleBasedStateMachine):
 
     @invariant()
     def generations_never_go_back(self) -> None:
-        assert self.session.generation >= self.generation
-        self.generation = self.session.generation
-        assert self.session.image_generation <= self.generation
+        assert self.session.store.generation >= self.generation
+        self.generation = self.session.store.generation
+        assert self.session.store.image_generation <= self.generation
 
     @invariant()
     def nobody_has_died(self) -> None:

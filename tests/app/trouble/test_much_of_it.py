@@ -42,11 +42,11 @@ HOSTILE = {
 
 @pytest.mark.parametrize("content", HOSTILE.values(), ids=HOSTILE)
 def test_a_session_with_a_million_letters_shows_only_few_of_them(ready, hand, tmp_path, content) -> None:
-    path, opened = tmp_path / "long.cpm", ready.session.image_generation
+    path, opened = tmp_path / "long.cpm", ready.session.store.image_generation
     path.write_text(json.dumps({"cpm-session": 1, **content}))
     ready.session.open_file(path)
     shown = ready.canvas_area.messages
-    hand.wait(lambda: bool(shown.text) or ready.session.image_generation > opened)
+    hand.wait(lambda: bool(shown.text) or ready.session.store.image_generation > opened)
     assert len(shown.text) <= MAX_SHOWN_LETTERS
 
 

@@ -50,8 +50,8 @@ class Office:
         self.workspace = Workspace(CoreFunctions(load_image=load_image))
         self.session = session = self.workspace.session
         session.set_pace(None)
-        session.message_shown.connect(self._hear)
-        session.scene_changed.connect(self._look)
+        session.messages.shown.connect(self._hear)
+        session.store.scene_changed.connect(self._look)
         self.document_file = DocumentFile(session, lambda: {})
         self._preferences = Preferences(session)
         self._journal = Journal(self.document_file, folder / "journals", self._preferences)
@@ -158,8 +158,8 @@ class Office:
         """Whatever is shown belongs to the run and to the image that are open."""
         scene, session = self.session.scene, self.session
         for part in (scene.snapshot, scene.reconstruction):
-            if part is not None and part.generation != session.generation:
-                self._fail(f"{type(part).__name__} of run {part.generation} is shown in run {session.generation}")
+            if part is not None and part.generation != session.store.generation:
+                self._fail(f"{type(part).__name__} of run {part.generation} is shown in run {session.store.generation}")
         snapshot, image = scene.snapshot, scene.image
         if snapshot is not None and image is not None and (snapshot.position > np.array(image.shape)).any():
             self._fail("particles of another image are shown")

@@ -74,7 +74,7 @@ class LatestOnlyWorker(QObject):
             self._done.emit("", partial(then, result))
 
     def _on_done(self, trouble: str, then: Callback) -> None:  # a method: Qt would call a lambda on the sending thread
-        self._session.set_error(trouble, self._name)
+        self._session.messages.set_error(trouble, self._name)
         then()
 
 

@@ -146,7 +146,7 @@ class ComparedResults(QObject):
         self._quiet.timeout.connect(self._request_branch_frame)
         self._quiet.timeout.connect(self._update_current_row)
         self._row_changed.connect(self._change_row)
-        session.scene_changed.connect(self._on_scene_changed)
+        session.store.scene_changed.connect(self._on_scene_changed)
         session.image_changed.connect(self.clear)
         session.tasks.changed.connect(self._remove_cancelled_rows)
 
@@ -283,13 +283,13 @@ class ComparedResults(QObject):
     def load_truth_file(self, path: str | Path) -> None:
         """Read a ground truth, which becomes the reference: a mask or contours for an image, labels for a volume."""
         image = self._session.image
-        self._session.clear_messages(_COMPARISON_CATEGORY)
+        self._session.messages.clear(_COMPARISON_CATEGORY)
         if image is None:
             return
-        file, generation, holes = Path(path), self._session.image_generation, self.holes
+        file, generation, holes = Path(path), self._session.store.image_generation, self.holes
 
         def add_truth(row: ComparisonRow) -> None:
-            if generation == self._session.image_generation:
+            if generation == self._session.store.image_generation:
                 known = (each.key for each in self.rows.values() if each.truth is not None)
                 key, self._truth_path = next(known, CURRENT_KEY) or next(self._keys), file
                 self._add_row(replace(row, key=key))
@@ -368,7 +368,7 @@ class ComparedResults(QObject):
         shown = row.scene.snapshot
         if shown is None or shown.state.step != wanted:
             take = partial(self._on_frame_taken, row.key, self._session.scene.document)
-            task, generation = BackgroundTask(row.title), self._session.generation
+            task, generation = BackgroundTask(row.title), self._session.store.generation
             self._session.post_command(take_frame(task, generation, row.branch, wanted, True, take))
 
     def _on_frame_taken(self, key: int, document: Document, frame: FrameTaken) -> None:
@@ -450,7 +450,7 @@ class ComparedResults(QObject):
     def _show_differences(self, truth: Truth | VolumeTruth | None, marked: _MarkedDifferences = ((), ())) -> None:
         scene, (different, apart) = self._session.scene, marked
         if (truth, different, apart) != (scene.truth, scene.differences, scene.surface_differences):
-            self._session.set_scene(replace(scene, truth=truth, differences=different, surface_differences=apart))
+            self._session.store.set_scene(replace(scene, truth=truth, differences=different, surface_differences=apart))
 
 
 def _without_rejected(reviewed: ReviewedContours) -> Result | None:

@@ -53,7 +53,7 @@ class ContourReview(QObject):
         self._places: Array | None = None
         self._along: dict[int, tuple[Line, Index]] = {}
         """Closed lines by identity, with the indices of the sampled points of contours along them."""
-        session.scene_changed.connect(self._on_scene_changed)
+        session.store.scene_changed.connect(self._on_scene_changed)
         session.image_changed.connect(self.select)
 
     # State
@@ -140,8 +140,8 @@ class ContourReview(QObject):
         scene, keys, numbers = self._session.scene, frozenset(contours), frozenset(objects)
         if (keys, numbers) != (scene.selected_contours, scene.objects.selected):
             shown = replace(scene.objects, selected=numbers)
-            with self._session.defer_status():
-                self._session.set_scene(replace(scene, selected_contours=keys, objects=shown))
+            with self._session.store.defer_status():
+                self._session.store.set_scene(replace(scene, selected_contours=keys, objects=shown))
                 self.selection_changed.emit()
 
     @property
@@ -158,7 +158,7 @@ class ContourReview(QObject):
         """Set the contour under the pointer, None for none."""
         scene = self._session.scene
         if key != scene.hovered_contour:
-            self._session.set_scene(replace(scene, hovered_contour=key))
+            self._session.store.set_scene(replace(scene, hovered_contour=key))
 
     def _on_scene_changed(self) -> None:
         scene = self._session.scene

@@ -17,8 +17,8 @@ from cpm_app.session.features.object_selection import ObjectSearch, ObjectSelect
 from cpm_app.session.features.selector import EverywhereRun, parameters_everywhere, partition_from_everywhere
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Proposal
-from cpm_app.session.scene_store import RUNNING_CATEGORY
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import RUNNING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Image, Partition, TrackEvent
 from cpm_core.numerics.types import record
@@ -54,7 +54,7 @@ class PreviousPages:
         found, events = self.make_follower().find_on_page(number, partition, task.check_cancelled)
         items = _make_objects(found, self.pages[-1][1].objects.items)
         if events:
-            session.tasks.call_in_window(partial(session.show_message, _describe_events(events)))
+            session.tasks.call_in_window(partial(session.messages.show, _describe_events(events)))
         return tuple(
             Proposal(one.selection, item.clicks, one.number if one.number == one.origin else 0, ~at, item)
             for at, (one, item) in enumerate(zip(found, items, strict=True))
@@ -81,9 +81,9 @@ class FollowedObjects(QObject):
     def follow_all_pages(self) -> None:
         """Accept the objects of the open page on all later pages without objects of their own."""
         session, pages, here = self._session, self._pages, self._session.document
-        session.clear_messages(RUNNING_CATEGORY)
+        session.messages.clear(RUNNING_CATEGORY)
         if not here.objects.items:
-            session.show_message(
+            session.messages.show(
                 tr("There is nothing to follow: accept an object on this page first."), True, RUNNING_CATEGORY
             )
             return
@@ -158,7 +158,7 @@ class FollowedObjects(QObject):
         messages = [_describe_events(events)] if events else []
         if lost:
             messages.append(tr("Page {number}: no object was found again. Accept one there to follow it.", number=lost))
-        self._session.show_message(" ".join(messages) or tr("The objects were followed through all pages."))
+        self._session.messages.show(" ".join(messages) or tr("The objects were followed through all pages."))
 
 
 def _feed_follower(follower: ObjectFollower, image: Image, document: Document) -> None:

@@ -78,13 +78,13 @@ class HandEditing(QObject):
         """Called as soon as the edges arrive."""
         self._reported: Integers = ()
         session.image_changed.connect(self._on_image_changed)
-        session.scene_changed.connect(self._on_scene_changed)
+        session.store.scene_changed.connect(self._on_scene_changed)
 
     # Hits of the pointer
 
     def request_edges(self) -> None:
         """Request the edges of the image, unless they are there or have been requested."""
-        document, generation = self._session.document, self._session.image_generation
+        document, generation = self._session.document, self._session.store.image_generation
         wanted = (
             generation,
             document.regions,
@@ -92,10 +92,10 @@ class HandEditing(QObject):
         )
         if document.image is not None and wanted != self._asked:
             self._asked = wanted
-            self._session.clear_messages(EDGES_CATEGORY)
+            self._session.messages.clear(EDGES_CATEGORY)
 
             def on_edges_found(edges: ScaleField) -> None:
-                if generation == self._session.image_generation:
+                if generation == self._session.store.image_generation:
                     self.edges = edges
                     then, self._then = self._then, None
                     if then is not None:
@@ -151,7 +151,7 @@ class HandEditing(QObject):
         """Mark up to two places on a contour; none removes the marks."""
         self.marked_places = tuple(places)
         self.changed.emit()
-        self._session.announce_status()
+        self._session.store.announce_status()
 
     # Lines that follow the edges
 
@@ -199,7 +199,7 @@ class HandEditing(QObject):
     def cut_contour(self, at: Contact) -> None:
         """Cut a contour at a place that is not one of its ends."""
         if at.at_end:
-            self._session.show_message(tr("A contour cannot be cut at its end: click farther along it."))
+            self._session.messages.show(tr("A contour cannot be cut at its end: click farther along it."))
         else:
             self.add_edits((cut_contour(at),))
 
@@ -217,7 +217,7 @@ class HandEditing(QObject):
             return
         edits = chain_contours(self.edges, contours, closing)
         if not edits:
-            self._session.show_message(tr("Select an open contour to close it, or several to join them."))
+            self._session.messages.show(tr("Select an open contour to close it, or several to join them."))
             return
         self._session.edit(
             tr("close contours") if closing else HAND_EDIT_NAMES["join"],
@@ -262,6 +262,6 @@ class HandEditing(QObject):
         new = [index for index in missed if index not in self._reported]
         self._reported = missed
         if new:
-            self._session.show_message(
+            self._session.messages.show(
                 _UNMATCHED_TEXT.format(count=len(missed), all=len(self._session.document.hand_edits))
             )

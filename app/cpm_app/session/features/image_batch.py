@@ -39,15 +39,15 @@ class BatchDone:
 
 def apply_to_folder(session: Session, folder: Path, on_done: Callable[[BatchDone], object]) -> BackgroundTask:
     """Apply the present session to the images of a folder, on a thread; finished images are not run again."""
-    session.clear_messages(BATCH_CATEGORY)
+    session.messages.clear(BATCH_CATEGORY)
     document = session.document
     if document.mode == "skeleton":
-        session.show_message(
+        session.messages.show(
             tr("Skeletons are found image by image: choose another mode to run many images."), True, BATCH_CATEGORY
         )
         return ENDED_TASK
     if not document.starts:
-        session.show_message(document.nothing_to_start_from, True, BATCH_CATEGORY)
+        session.messages.show(document.nothing_to_start_from, True, BATCH_CATEGORY)
         return ENDED_TASK
     name = tr("Running the images of {folder}…", folder=folder.name)
     work = partial(_run_batch, to_session_file(document, {}), folder)

@@ -74,10 +74,10 @@ def _read_in_background(
     on_read: Callable[[ImportedDrawing], object],
 ) -> None:
     """Read on a thread, and use the content unless another image has been opened."""
-    image = session.image_generation
+    image = session.store.image_generation
 
     def use_if_current(drawing: ImportedDrawing) -> None:
-        if image == session.image_generation:
+        if image == session.store.image_generation:
             on_read(drawing)
 
     session.tasks.start_task(tr("Reading {name}…", name=name), work, activity, on_result=use_if_current)

@@ -20,8 +20,8 @@ from cpm_app.model.volume.surface_section import object_contains, object_size
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker, is_same_input
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.scene import ContourItem, Proposal
-from cpm_app.session.scene_store import EDITING_CATEGORY
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_core import Image, Surface
 from cpm_core.contours import select_bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
@@ -212,7 +212,7 @@ class ObjectList(QObject):
         self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
         self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
         session.document_changed.connect(self._on_scene_changed)
-        session.scene_changed.connect(self._on_scene_changed)
+        session.store.scene_changed.connect(self._on_scene_changed)
         session.image_changed.connect(self._on_image_changed)
         review.changed.connect(self.changed)
 
@@ -378,7 +378,7 @@ class ObjectList(QObject):
         scene = self._session.scene
         hovered = 0 if kind == "contour" else number
         if hovered != scene.objects.hovered:
-            self._session.set_scene(replace(scene, objects=replace(scene.objects, hovered=hovered)))
+            self._session.store.set_scene(replace(scene, objects=replace(scene.objects, hovered=hovered)))
 
     # Accepting and rejecting
 
@@ -404,12 +404,12 @@ class ObjectList(QObject):
         """
         offered, rows = self.pending_rows, self.rows_to_accept
         if not rows:
-            self._session.show_message(tr("There is nothing to accept: click in an object first."))
+            self._session.messages.show(tr("There is nothing to accept: click in an object first."))
             return
         self._accept_rows(tr("accept {what}"), rows)
         self._session.end_gesture()
         if len(rows) < len(offered):
-            self._session.show_message(
+            self._session.messages.show(
                 tr("Doubtful proposals are left: select one to accept it."), category=EDITING_CATEGORY
             )
 
@@ -528,13 +528,13 @@ class ObjectList(QObject):
         def add_part(found: tuple[Part, int]) -> None:
             part, count = found
             if not count:
-                self._session.show_message(tr("{name} has no gap between the slices across this axis.", name=name))
+                self._session.messages.show(tr("{name} has no gap between the slices across this axis.", name=name))
                 return
             words = tr("fill {what} between slices", what=name)
             self._session.edit(
                 words, partial(paint_volume_object, number=item.number, part=part, over_others=over_others)
             )
-            self._session.show_message(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
+            self._session.messages.show(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
 
         self._change_in_background(items, lambda: fill_between_slices(item.surface[0], axis, image.spacing), add_part)
 
@@ -589,7 +589,7 @@ class ObjectList(QObject):
             numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
             return edit_accepted(document, numbers)
 
-        with self._session.defer_status():
+        with self._session.store.defer_status():
             self._edit_rows(undo_text, rows, accept_and_edit)
             if given:
                 self.select_objects(item.number for item in self.objects.items if item.number in numbers)
@@ -684,7 +684,7 @@ class ObjectList(QObject):
             if all(any(known is item for known in self.objects.items) for item in items):
                 on_result(made)
             else:
-                self._session.show_message(tr("The objects changed meanwhile: try again."), True)
+                self._session.messages.show(tr("The objects changed meanwhile: try again."), True)
 
         self._merging.submit(compute, use_if_unchanged)
 
@@ -737,7 +737,7 @@ class ObjectBrush:
     def end_stroke(self) -> None:
         """End the stroke, with a message if it has touched no object."""
         if self._path and not self._number:
-            self._session.show_message(tr("There is no object under the brush to erase from."))
+            self._session.messages.show(tr("There is no object under the brush to erase from."))
         self._path = []
         self._list.painting = False
         self._list.measure_missing()
@@ -768,7 +768,7 @@ class ObjectBrush:
             item = self.find_target(stretch, self._radius)
             if item is not None and item.frozen:
                 words = tr("{name} is frozen: unfreeze it to paint it, or paint another object.")
-                self._session.show_message(words.format(name=self._list.title_of(item)))
+                self._session.messages.show(words.format(name=self._list.title_of(item)))
                 self._path = []
             if not self._path or not (item or self.adds):
                 return

@@ -120,7 +120,7 @@ class ObjectSelection(QObject):
         self.partition_updater.changed.connect(self.changed)
         session.document_changed.connect(lambda _: self.partition_updater.update_partition())
         session.document_changed.connect(lambda _: self._request_answer())
-        session.scene_changed.connect(self._on_scene_changed)
+        session.store.scene_changed.connect(self._on_scene_changed)
         session.image_changed.connect(self._on_image_changed)
         self.should_offer: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
         self.followed_search: Callable[[], ObjectSearch | None] = lambda: None
@@ -247,7 +247,7 @@ class ObjectSelection(QObject):
         partition, items = self.partition_updater.partition, self._session.document.objects.items
         fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
         if partition is None or not fitted:
-            self._session.show_message(tr("There is nothing to fit: choose objects that are not frozen."))
+            self._session.messages.show(tr("There is nothing to fit: choose objects that are not frozen."))
             return
 
         def select_again(task: BackgroundTask) -> list[tuple[AnySelection, Clicks, int]]:
@@ -273,7 +273,7 @@ class ObjectSelection(QObject):
         partition, known = self.partition_updater.partition, self._session.document.objects
         if not isinstance(partition, Partition):  # not available in a volume
             self.partition_updater.update_partition(again=True)
-            self._session.show_message(tr("The image is still being prepared: try again in a moment."))
+            self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
         example = known[number]
 
@@ -286,12 +286,12 @@ class ObjectSelection(QObject):
             if partition.image is not self._session.image:
                 return
             if not found:
-                self._session.show_message(tr("No other object like this one was found."))
+                self._session.messages.show(tr("No other object like this one was found."))
                 return
             self._session.edit(
                 tr("all like this"), lambda document: objects.add_selections(document, found, example.category)
             )
-            self._session.show_message(tr("{count} objects like this one were found.").format(count=len(found)))
+            self._session.messages.show(tr("{count} objects like this one were found.").format(count=len(found)))
 
         self._session.tasks.start_task(
             tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found
@@ -387,7 +387,7 @@ class ObjectSelection(QObject):
             self._found = found
             self._request_answer()
             if not found:
-                self._session.show_message(tr("No object was found: click one, or start the run there."))
+                self._session.messages.show(tr("No object was found: click one, or start the run there."))
 
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
@@ -440,7 +440,7 @@ class ObjectSelection(QObject):
         remark = proposals[0].selection.remark if clicks and proposals else ""
         remark = remark or describe_no_effect(before, proposals)
         if remark and remark != self._remark:  # once
-            self._session.show_message(remark)
+            self._session.messages.show(remark)
         self._remark = remark
         if candidate is not None and request.candidate_step is not None:
             self._on_candidate(request.candidate_step, *candidate)
@@ -455,13 +455,13 @@ class ObjectSelection(QObject):
         if asked != before:
             return
         if not clicks:
-            self._session.show_message(tr("Click an object, or select one, to make it smaller or larger."))
+            self._session.messages.show(tr("Click an object, or select one, to make it smaller or larger."))
         elif clicks == before:
             none = tr("There is no larger candidate.") if by > 0 else tr("There is no smaller candidate.")
-            self._session.show_message(none)
+            self._session.messages.show(none)
         else:
             self._set_clicks(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
-            self._session.show_message(tr("Candidate {number} of {count}.").format(number=number, count=count))
+            self._session.messages.show(tr("Candidate {number} of {count}.").format(number=number, count=count))
 
     def _clear_steps(self) -> None:
         self._steps = 0
@@ -479,7 +479,7 @@ class ObjectSelection(QObject):
     def _update_shown_objects(self, **parts: Any) -> None:
         scene = self._session.scene
         if any(getattr(scene.objects, name) != part for name, part in parts.items()):
-            self._session.set_scene(replace(scene, objects=replace(scene.objects, **parts)))
+            self._session.store.set_scene(replace(scene, objects=replace(scene.objects, **parts)))
 
     def _on_image_changed(self) -> None:
         self._latest.drop_waiting()

@@ -90,7 +90,7 @@ class PartitionUpdater(QObject):
         self._quiet = QTimer(self, singleShot=True, interval=_PARTITION_DELAY)
         self._quiet.timeout.connect(self.update_partition)
         session.image_changed.connect(self._on_image_changed)
-        session.scene_changed.connect(self.update_partition)
+        session.store.scene_changed.connect(self.update_partition)
         session.document_changed.connect(self._on_document_changed)
 
     @property

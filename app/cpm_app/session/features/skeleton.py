@@ -19,7 +19,7 @@ class SkeletonUpdater(QObject):
         self._changed = False
         self._subject: tuple[object, ...] = ()
         session.document_changed.connect(self._on_document_changed)
-        session.status_changed.connect(self._on_status_changed)
+        session.store.status_changed.connect(self._on_status_changed)
 
     def _on_document_changed(self, document: Document) -> None:
         if document.parameters is not self._parameters:

@@ -300,4 +300,4 @@ class SliceNavigation:
 
     def _change_slices(self, change: Callable[[Slices], Slices]) -> None:
         if self.current is not None and (slices := change(self.current)) != self.current:
-            self._session.set_scene(replace(self._session.scene, slices=slices))
+            self._session.store.set_scene(replace(self._session.scene, slices=slices))

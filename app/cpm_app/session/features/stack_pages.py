@@ -35,8 +35,8 @@ from cpm_app.session.features.kept_pages import (
     with_taken_numbers,
     without_results,
 )
-from cpm_app.session.scene_store import EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.storage.session_file import DocumentFile, SessionWritten
 from cpm_app.session.tasks.opening import OpenRequest
 from cpm_app.session.tasks.tasks import BackgroundTask
@@ -104,15 +104,15 @@ class StackPages(QObject):
         self._review = review
         review.changed.connect(self._select_wanted)
         self.changed.connect(self._select_wanted)
-        session.add_listener(ImageOpened, self._on_image_opened)
+        session.store.add_listener(ImageOpened, self._on_image_opened)
 
         def on_session_written(written: SessionWritten) -> None:
             if self._file.is_current(written):
                 for number, page in self._kept.items():
                     self._kept[number] = replace(page, saved_document=page.document, runs_unsaved=False)
 
-        session.add_listener(SessionWritten, on_session_written)
-        session.scene_changed.connect(self._on_scene_changed)
+        session.store.add_listener(SessionWritten, on_session_written)
+        session.store.scene_changed.connect(self._on_scene_changed)
         session.tasks.changed.connect(self._on_tasks_changed)
 
     def set_session_file(self, document_file: DocumentFile) -> None:
@@ -280,7 +280,7 @@ class StackPages(QObject):
             if page is not None:
                 self._given_starts = page.given_starts
                 self._session.history = page.history.move_to_image(self._session.document.image)
-                self._session.announce_status()
+                self._session.store.announce_status()
         else:
             self._begin_stack(opened)
         self.changed.emit()
@@ -290,11 +290,11 @@ class StackPages(QObject):
     def run_all(self, first: int = 1) -> None:
         """Run all pages from one on, in the background."""
         document = self._session.document
-        self._session.clear_messages(RUNNING_CATEGORY)
+        self._session.messages.clear(RUNNING_CATEGORY)
         if not self.count or self.running:
             return
         if not document.starts:
-            self._session.show_message(document.nothing_to_start_from, True, RUNNING_CATEGORY)
+            self._session.messages.show(document.nothing_to_start_from, True, RUNNING_CATEGORY)
             return
         kept, following = {**self._kept, self.number: self._describe_open_page()}, self.following
         self._drawn = describe_shapes(document.shapes)
@@ -388,7 +388,7 @@ class StackPages(QObject):
         result, path = self.result, paths[0]
         if result is None:
             return
-        self._session.clear_messages(EXPORTING_CATEGORY)
+        self._session.messages.clear(EXPORTING_CATEGORY)
 
         def write_stack(_: BackgroundTask) -> Report:
             export_stack(result, *paths)
@@ -420,6 +420,6 @@ class StackPages(QObject):
             self._kept, self.following, self._drawn = stored.kept, stored.following, stored.drawn
             self._found_pages, self._given_starts = stored.found, stored.given_starts
             if stored.error:
-                self._session.show_message(stored.error, True, OPENING_CATEGORY)
+                self._session.messages.show(stored.error, True, OPENING_CATEGORY)
             self._link_soon()
         self.results_changed.emit()

@@ -36,21 +36,21 @@ class TimelineNavigation(QObject):
         self._snapshot: Snapshot | None = None
         self._stay = QTimer(self, singleShot=True, interval=_CONTOURS_DELAY)
         self._stay.timeout.connect(self._on_stayed)
-        session.scene_changed.connect(self._on_scene_changed)
+        session.store.scene_changed.connect(self._on_scene_changed)
 
         def on_status_changed() -> None:
             if session.status.phase == "running" and self._target is not None:
                 self._target = None
                 self.changed.emit()
 
-        session.status_changed.connect(on_status_changed)
+        session.store.status_changed.connect(on_status_changed)
         session.image_changed.connect(lambda: self._show_timeline_state(EMPTY_TIMELINE))
-        session.add_listener(
+        session.store.add_listener(
             CommandFailed, lambda _: setattr(self, "_target", None)
         )  # which may have failed to go there
-        session.add_listener(
+        session.store.add_listener(
             RunsKept,
-            lambda kept: None if kept.generation != session.generation or session.status.started
+            lambda kept: None if kept.generation != session.store.generation or session.status.started
             else self._show_timeline_state(kept.timeline),
         )  # fmt: skip
 
@@ -95,7 +95,9 @@ class TimelineNavigation(QObject):
             return
         target = self._target = (branch, step)
         session = self._session
-        session.pause_and_post(go_to_step(session.generation, branch, step, lambda: self._target in (None, target)))
+        session.pause_and_post(
+            go_to_step(session.store.generation, branch, step, lambda: self._target in (None, target))
+        )
         self._stay.start()
         self.changed.emit()
 
@@ -117,13 +119,13 @@ class TimelineNavigation(QObject):
 
     def rename_branch(self, branch: int, name: str) -> None:
         """Rename a branch."""
-        self._session.post_command(call_run(self._session.generation, Run.rename_branch, branch, name))
+        self._session.post_command(call_run(self._session.store.generation, Run.rename_branch, branch, name))
 
     def remove_branch(self, branch: int) -> None:
         """Remove a branch; if the run is on it, pause."""
         if self.find_branch(branch) is None:
             return
-        command = call_run(self._session.generation, Run.remove_branch, branch)
+        command = call_run(self._session.store.generation, Run.remove_branch, branch)
         if branch == self.current_step[0]:
             self._target = None
             self._session.pause_and_post(command)
@@ -174,7 +176,7 @@ class TimelineNavigation(QObject):
         fallen = outline.dropped_runs[len(self.timeline_state.dropped_runs) :]
         self.timeline_state = outline
         if fallen:
-            self._session.show_message(
+            self._session.messages.show(
                 tr(
                     "{runs} had to be removed from the timeline to make room; renamed runs are kept longer.",
                     runs=", ".join(fallen),

@@ -32,11 +32,11 @@ class RunCollector(QObject):
         self._then: list[Callback] = []
         self._timer = QTimer(self, singleShot=True, interval=_COLLECT_DELAY)
         self._timer.timeout.connect(self.collect_runs)
-        session.scene_changed.connect(self._on_scene_changed)
-        session.add_listener(ImageOpened, self._on_image_opened)
-        session.add_listener(RunsKept, lambda kept: self._on_timeline_changed(kept.timeline))
-        session.add_listener(RunsCollected, self._on_runs_report)
-        session.add_listener(RunsRestored, self._on_runs_report)
+        session.store.scene_changed.connect(self._on_scene_changed)
+        session.store.add_listener(ImageOpened, self._on_image_opened)
+        session.store.add_listener(RunsKept, lambda kept: self._on_timeline_changed(kept.timeline))
+        session.store.add_listener(RunsCollected, self._on_runs_report)
+        session.store.add_listener(RunsRestored, self._on_runs_report)
 
     @property
     def unsaved(self) -> bool:
@@ -55,7 +55,9 @@ class RunCollector(QObject):
             self._then.append(on_collected)
         self._timer.stop()
         session, found = self._session, Future[RunsCollected]()
-        session.post_command(collect_runs(session.image_generation, dict(session.run_updater.sources_by_run), found))
+        session.post_command(
+            collect_runs(session.store.image_generation, dict(session.run_updater.sources_by_run), found)
+        )
         return found
 
     def mark_saved(self, edition: int) -> None:
@@ -83,14 +85,14 @@ class RunCollector(QObject):
             self._timer.start()
 
     def _on_runs_report(self, collected: RunsCollected | RunsRestored) -> None:
-        here = collected.generation == self._session.image_generation
+        here = collected.generation == self._session.store.image_generation
         if isinstance(collected, RunsRestored):
             self._saved = collected.edition if here and not self._recovered else self._saved
             return
         if here:
             self.runs_json, self._collected = collected.plain, collected.edition
         if collected.error:
-            self._session.show_message(collected.error, True)
+            self._session.messages.show(collected.error, True)
         waiting, self._then = self._then, []
         for then in waiting:
             then()

@@ -14,8 +14,8 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.saving import View, describe_changes, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, Report
-from cpm_app.session.scene_store import SAVING_CATEGORY
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import SAVING_CATEGORY
 from cpm_app.session.storage.run_collector import RunCollector
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core.formats import SESSION_SUFFIX, SessionFile, TruthFile, save_session
@@ -68,8 +68,8 @@ class DocumentFile(QObject):
         self.path: Path | None = None
         session.document_changed.connect(lambda _: self._announce_state())
         self.runs.changed.connect(self._announce_state)
-        session.add_listener(ImageOpened, self._on_image_opened)
-        session.add_listener(SessionWritten, self._on_session_written)
+        session.store.add_listener(ImageOpened, self._on_image_opened)
+        session.store.add_listener(SessionWritten, self._on_session_written)
 
     @property
     def unsaved(self) -> bool:
@@ -101,7 +101,7 @@ class DocumentFile(QObject):
         """Write the session file on a separate thread, and use this path from now on."""
         file, document, opening = self.content, self._session.document, self._opening
         runs, before = self.runs.collect_runs(), self._saving
-        self._session.clear_messages(SAVING_CATEGORY)
+        self._session.messages.clear(SAVING_CATEGORY)
 
         def write_file(task: BackgroundTask) -> BackgroundTask:
             before.wait()  # one file is written at a time
@@ -139,7 +139,7 @@ class DocumentFile(QObject):
 
     def _announce_written(self, task: BackgroundTask) -> None:
         if task in self._written:
-            self._session.dispatch_report(self._written.pop(task))
+            self._session.store.dispatch_report(self._written.pop(task))
 
     def treat_as_saved(self) -> None:
         """Treat the document as saved."""
@@ -168,7 +168,7 @@ class DocumentFile(QObject):
         if self.is_current(written):
             self.path, self._file, self.saved_document = written.path, written.file, written.document
             self.runs.mark_saved(written.edition)
-        self._session.show_message(tr("Saved: {path}", path=written.path), category=SAVING_CATEGORY)
+        self._session.messages.show(tr("Saved: {path}", path=written.path), category=SAVING_CATEGORY)
         self._announce_state()
 
     def _announce_state(self) -> None:

@@ -11,7 +11,7 @@ from cpm_app.model.document import edits
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.session.scene_store import OPENING_CATEGORY, PROGRAM_CATEGORIES
+from cpm_app.session.session_messages import OPENING_CATEGORY, PROGRAM_CATEGORIES
 from cpm_app.views.canvas.canvas import Canvas, ToolDispatcher
 from cpm_app.views.canvas.crosshair import Crosshair
 from cpm_app.views.canvas.flow import ParticleFlow
@@ -79,8 +79,8 @@ class CanvasArea(QWidget):
         self.canvas.pointer_moved.connect(self._on_pointer_moved)
         self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
         self.use_tool(FIRST_TOOL)
-        session.message_shown.connect(self.messages.show_message)
-        session.messages_cleared.connect(self.messages.clear_category)
+        session.messages.shown.connect(self.messages.show_message)
+        session.messages.cleared.connect(self.messages.clear_category)
         session.image_changed.connect(lambda: self.messages.keep_categories(OPENING_CATEGORY, *PROGRAM_CATEGORIES))
 
         def on_layer_changed() -> None:
@@ -90,7 +90,7 @@ class CanvasArea(QWidget):
 
         for layer in self.canvas.layers:
             layer.changed.connect(on_layer_changed)
-        session.status_changed.connect(self.update_hint)
+        session.store.status_changed.connect(self.update_hint)
         self.flow.changed.connect(self._draw_scene)
         self._selection.changed.connect(self.update_hint)
         workspace.object_list.selection_changed.connect(self.update_hint)
@@ -206,7 +206,7 @@ class CanvasArea(QWidget):
         given, self._has_focus_from_field = self._has_focus_from_field, False
         accepts = key in ENTER_KEYS and not keyed and (objects.pending_rows or objects.selected_keys)
         if given and accepts:
-            self._session.show_message(tr("The value is set. Enter accepts the proposal."))
+            self._session.messages.show(tr("The value is set. Enter accepts the proposal."))
             return True
         ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
         if tool.has_draft and key in _DRAFT_KEYS and ends:

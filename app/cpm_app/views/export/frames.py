@@ -133,7 +133,7 @@ def create_frame_source(
     callable
         Takes the task that writes; yields RGB values of shape (H, W, 3) and dtype uint8.
     """
-    generation, shown = session.generation, renderer.shows_contours
+    generation, shown = session.store.generation, renderer.shows_contours
 
     def request_frame(task: BackgroundTask, place: tuple[int, int]) -> Future[Pixels]:
         found = Future[Pixels]()

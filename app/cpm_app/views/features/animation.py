@@ -11,8 +11,8 @@ from PySide6.QtCore import QRectF
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import CommandFailed, FilesExported, Report
-from cpm_app.session.scene_store import FILMING_CATEGORY
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import FILMING_CATEGORY
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.export.frames import AnimationPlan, FrameRenderer, create_frame_source
 from cpm_app.views.items.item import image_rectangle
@@ -77,11 +77,11 @@ class AnimationFeature(Feature):
     def export_animation(self, branch: int, plan: AnimationPlan, path: Path) -> BackgroundTask | None:
         """Write an animation; None if it cannot be written, which is reported."""
         session, canvas = self.session, self.canvas
-        session.clear_messages(FILMING_CATEGORY)
+        session.messages.clear(FILMING_CATEGORY)
         try:
             check_animation(path)
         except ValueError as error:
-            session.show_message(explain_error(error), True, FILMING_CATEGORY)
+            session.messages.show(explain_error(error), True, FILMING_CATEGORY)
             return None
         renderer = FrameRenderer(session.scene, canvas, self.visible_part(), plan.size)
         frames = create_frame_source(session, renderer, [(branch, step) for step in plan.steps])

@@ -59,7 +59,7 @@ class CompareFeature(Feature):
         self.wipe.ended.connect(lambda: compared.select_row(CURRENT_KEY))
         compared.selection_changed.connect(self._show_divider)
         compared.changed.connect(window.refresh_actions)
-        self.session.scene_changed.connect(self._draw_right_side)
+        self.session.store.scene_changed.connect(self._draw_right_side)
         self.actions = (
             ActionSpec("compare", "Run", "Com&pare…",
                        "Compare what is shown with other runs, methods, values of parameters or a ground truth.",

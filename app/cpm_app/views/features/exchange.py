@@ -24,7 +24,7 @@ from cpm_app.session.features.import_contours import (
     read_pasted,
     save_pasted_picture,
 )
-from cpm_app.session.scene_store import EXPORTING_CATEGORY, OPENING_CATEGORY
+from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK
 from cpm_app.views.export.dialog import CHECKED_FORMATS_KEY, Exportable, ExportDialog
 from cpm_app.views.export.frames import AnimationPlan
@@ -45,7 +45,7 @@ class ExportFeature(Feature):
         self.dialog: ExportDialog | None = None
         self._last: tuple[ExportOrder, AnimationPlan] | None = None
         self._written: set[Path] = set()
-        self.session.add_listener(ImageOpened, self._on_image_opened)
+        self.session.store.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("export", "File", "&Export…", "Export objects, contours, surfaces, pictures and animations.",
                        self.open_export_dialog, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export",
@@ -161,7 +161,7 @@ class ClipboardFeature(Feature):
     def copy_view(self) -> None:
         """Copy the view of the canvas as a picture."""
         QApplication.clipboard().setImage(self.canvas.grab().toImage())
-        self.session.show_message(tr("The view was copied."), category=EXPORTING_CATEGORY)
+        self.session.messages.show(tr("The view was copied."), category=EXPORTING_CATEGORY)
 
     def _put_on_clipboard(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
@@ -169,7 +169,7 @@ class ClipboardFeature(Feature):
             data.setData(kind, content)
         data.setText(contents[-1].decode())  # most programs read only text: the table
         QApplication.clipboard().setMimeData(data)
-        self.session.show_message(tr("Copied as a drawing and a table."), category=EXPORTING_CATEGORY)
+        self.session.messages.show(tr("Copied as a drawing and a table."), category=EXPORTING_CATEGORY)
 
 
 VOLUME_ONLY_SUFFIXES = frozenset((*SURFACES_READABLE, *CENTERLINES_WRITABLE))
@@ -210,15 +210,15 @@ class ImportFeature(Feature):
         elif session.scene.slices is None and path.suffix.lower() in VOLUME_ONLY_SUFFIXES:
             message = tr("{name} belongs to a volume, but an image is open.")
         else:
-            session.clear_messages(OPENING_CATEGORY)
+            session.messages.clear(OPENING_CATEGORY)
             read_contour_file(session, path, partial(self._on_file_read, path))
             return
-        session.show_message(message.format(name=path.name), True, OPENING_CATEGORY)
+        session.messages.show(message.format(name=path.name), True, OPENING_CATEGORY)
 
     def paste(self) -> None:
         """Open the picture or the files on the clipboard, or read the contours on it."""
         data, session = QApplication.clipboard().mimeData(), self.session
-        session.clear_messages(OPENING_CATEGORY)
+        session.messages.clear(OPENING_CATEGORY)
         kind = next(filter(data.hasFormat, _CLIPBOARD_MIME_TYPES), "")
         text = data.text() if data.hasText() and not data.hasImage() else ""
         content = bytes(data.data(kind).data()) if kind else text.encode()
@@ -236,7 +236,7 @@ class ImportFeature(Feature):
                 message = message.format(name=tr("the clipboard"))
             elif content:
                 message = tr("Open an image first; then the contours on the clipboard can be used.")
-            session.show_message(message, True, OPENING_CATEGORY)
+            session.messages.show(message, True, OPENING_CATEGORY)
 
     def _ask_for_contours(self) -> None:
         in_volume = self.session.scene.slices is not None
@@ -315,5 +315,5 @@ class BatchFeature(Feature):
         more = tr("{failed} could not be used.", failed=done.failed)
         table = tr("The table is in {path}.", path=done.table)
         words = " ".join((text, more, table) if done.failed else (text, table))
-        self.session.show_message(words, done.failed > 0, BATCH_CATEGORY)
+        self.session.messages.show(words, done.failed > 0, BATCH_CATEGORY)
         self.window.refresh_actions()

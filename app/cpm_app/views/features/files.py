@@ -16,7 +16,7 @@ from cpm_app.model.preferences.table import SAVE_IN_FOLDER
 from cpm_app.model.state.situation import has_image
 from cpm_app.model.text.language import elide_middle, tr
 from cpm_app.session.exchange.messages import ImageOpened, ImageReady, OpeningFailed
-from cpm_app.session.scene_store import JOURNAL_CATEGORY, OPENING_CATEGORY, PROGRAM_CATEGORIES, RECOVERY_CATEGORY
+from cpm_app.session.session_messages import JOURNAL_CATEGORY, OPENING_CATEGORY, PROGRAM_CATEGORIES, RECOVERY_CATEGORY
 from cpm_app.session.storage.recovery import Journal, Leftover, find_leftovers, journals_folder
 from cpm_app.session.storage.session_file import SessionWritten
 from cpm_app.session.storage.thumbnails import THUMBNAIL_SIZE, ThumbnailStore, crop_middle, thumbnails_folder
@@ -64,8 +64,8 @@ class OpenSaveFeature(Feature):
         self.document_file.restored.connect(window.workspace.slices.use_view_state)
         self.document_file.restored.connect(self.canvas.use_view_state)  # in the slice that has just been restored
         session.document_changed.connect(lambda _: self._update_title())
-        session.add_listener(ImageOpened, self._on_image_opened)
-        session.add_listener(SessionWritten, lambda written: self._remember_path(written.path))
+        session.store.add_listener(ImageOpened, self._on_image_opened)
+        session.store.add_listener(SessionWritten, lambda written: self._remember_path(written.path))
         self._update_title()
         self.actions = (
             ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_document, "Ctrl+O",
@@ -100,7 +100,7 @@ class OpenSaveFeature(Feature):
             self.session.open_file(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
-                self.session.show_message(
+                self.session.messages.show(
                     message.format(count=len(documents), name=documents[0].name), category=OPENING_CATEGORY
                 )
 
@@ -117,7 +117,7 @@ class OpenSaveFeature(Feature):
         if elsewhere:
             place = elsewhere[0].toDisplayString()
             message = tr("{place} is not a file on this computer. Save it first, then open it.", place=place)
-            self.session.show_message(message, True, OPENING_CATEGORY)
+            self.session.messages.show(message, True, OPENING_CATEGORY)
 
     def ask_for_document(self) -> None:
         """Ask for an image or a session and open it."""
@@ -158,7 +158,7 @@ class OpenSaveFeature(Feature):
     @property
     def _work_at_risk(self) -> tuple[Document, int]:
         """Document and generation that would be lost."""
-        return self.session.document, self.session.generation
+        return self.session.document, self.session.store.generation
 
     def _confirm_opening(self) -> bool:
         """Return whether another image may be opened.
@@ -184,7 +184,9 @@ class OpenSaveFeature(Feature):
             if self.close():
                 self.session.replace_image(opened)
             else:
-                self.session.show_message(tr("{name} was not opened, and your work stays open.", name=opened.path.name))
+                self.session.messages.show(
+                    tr("{name} was not opened, and your work stays open.", name=opened.path.name)
+                )
 
         QTimer.singleShot(0, self.window, confirm_again)
         return False
@@ -231,9 +233,9 @@ class StartFeature(Feature):
         self.screen.back_requested.connect(self.show_image)
         session = self.session
         session.image_changed.connect(self.show_image)
-        session.add_listener(ImageReady, lambda _: self._store_picture())
-        session.add_listener(SessionWritten, lambda _: self._store_picture())
-        session.add_listener(OpeningFailed, self._on_not_opened)
+        session.store.add_listener(ImageReady, lambda _: self._store_picture())
+        session.store.add_listener(SessionWritten, lambda _: self._store_picture())
+        session.store.add_listener(OpeningFailed, self._on_not_opened)
         self.actions = (
             ActionSpec("start", "File", "Sa&mples and recent files", "Show samples and recent files as pictures.",
                        self.toggle_start_screen, "Alt+Home", short=tr("Start"), icon="home"),
@@ -277,7 +279,7 @@ class StartFeature(Feature):
         session = self.session
 
         def on_opened(opened: ImageOpened) -> None:
-            session.remove_listener(ImageOpened, on_opened)
+            session.store.remove_listener(ImageOpened, on_opened)
             newest = next(iter(self._recent_paths), None)
             if newest is not None and opened.saved is None:
                 self.window.offers.add_offer(
@@ -286,7 +288,7 @@ class StartFeature(Feature):
                     (tr("Recent work"), self.show_start_screen),
                 )
 
-        session.add_listener(ImageOpened, on_opened)
+        session.store.add_listener(ImageOpened, on_opened)
 
     @property
     def _recent_paths(self) -> list[Path]:
@@ -346,8 +348,8 @@ class FolderFeature(Feature):
         window.statusBar().addPermanentWidget(self.bar)
         self._images: tuple[Path, ...] = ()
         self._index = self._next_index = 0
-        self.session.add_listener(ImageOpened, self._on_image_opened)
-        self.session.add_listener(OpeningFailed, self._on_not_opened)
+        self.session.store.add_listener(ImageOpened, self._on_image_opened)
+        self.session.store.add_listener(OpeningFailed, self._on_not_opened)
         self.actions = (
             ActionSpec("previous_image", "File", "Pre&vious image in the folder",
                        "Open the previous image in the folder, with its session.", partial(self.open_neighbor, -1),
@@ -398,17 +400,17 @@ class RecoveryFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         self._folder = journals_folder()
         self.journal = Journal(self.window.document_file, self._folder, self.window.preferences)
-        self.journal.write_ended.connect(lambda error: self.session.set_error(error, JOURNAL_CATEGORY))
+        self.journal.write_ended.connect(lambda error: self.session.messages.set_error(error, JOURNAL_CATEGORY))
         self.box: QuestionDialog | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
-        self.session.add_listener(ImageOpened, self._on_image_opened)
+        self.session.store.add_listener(ImageOpened, self._on_image_opened)
 
     def offer_recovery(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and report what cannot be read."""
         self._waiting, troubles = find_leftovers(self._folder)
         if troubles:
-            self.session.show_message(" ".join(troubles), True, RECOVERY_CATEGORY)
+            self.session.messages.show(" ".join(troubles), True, RECOVERY_CATEGORY)
         self._ask_next()
 
     def close(self) -> bool:

@@ -47,11 +47,11 @@ class HelpFeature(Feature):
         session = self.session
 
         def on_opened(_: ImageOpened) -> None:
-            session.remove_listener(ImageOpened, on_opened)
+            session.store.remove_listener(ImageOpened, on_opened)
             question = tr("New here? The guide ({key:guide}) has four examples, step by step.")
             self.window.offers.add_offer(insert_keys(question), (tr("&Guide"), self.show_guide))
 
-        session.add_listener(ImageOpened, on_opened)
+        session.store.add_listener(ImageOpened, on_opened)
 
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""

@@ -239,7 +239,7 @@ class ObjectsFeature(Feature):
         if lines:
             self._run_skeleton(tr("skeleton of contours"), SkeletonTarget(contours=lines))
         else:
-            self.window.session.show_message(tr("There is no closed contour to find a skeleton in."))
+            self.window.session.messages.show(tr("There is no closed contour to find a skeleton in."))
 
     def _run_skeleton(self, name: str, outlined: SkeletonTarget) -> None:
         """Find center lines in outlined regions, or in the whole image."""

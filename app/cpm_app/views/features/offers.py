@@ -35,7 +35,7 @@ class InitialSettingsFeature(Feature):
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
-        self.session.add_listener(ImageOpened, self._on_image_opened)
+        self.session.store.add_listener(ImageOpened, self._on_image_opened)
         self.window.preferences.call_on_change(KEEP_PARAMETERS, self._on_preference_changed)
 
     def _on_image_opened(self, opened: ImageOpened) -> None:
@@ -102,7 +102,7 @@ class FilePartsFeature(Feature):
         self.dialog: PartDialog | None = None
         self._opened: ImageOpened | None = None
         self._part_reader = LatestOnlyWorker(self.session, "cpm-parts", tr("inspecting the file"))
-        self.session.add_listener(ImageOpened, self._on_image_opened)
+        self.session.store.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("parts", "File", "&Parts of the file…",
                        "Open all pages as a volume or one as an image, another channel, time or series.",
@@ -196,7 +196,7 @@ class PixelSizeFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         self.dialog: PixelSizeDialog | None = None
         self._stated_size: tuple[tuple[float, ...], str | None] | None = None
-        self.session.add_listener(ImageOpened, self._on_image_opened)
+        self.session.store.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("pixel_size", "Edit", "P&ixel size…",
                        "Set the distance between rows, columns and planes, and its unit.", self.ask_for_size,

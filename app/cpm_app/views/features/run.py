@@ -49,7 +49,7 @@ class RunControlFeature(Feature):
         self._keep_unfolded()
         self._timer = QTimer(self.panel, interval=_NUMBERS_INTERVAL)
         self._timer.timeout.connect(self._show_values)
-        session.status_changed.connect(self._on_status_changed)
+        session.store.status_changed.connect(self._on_status_changed)
         window.preferences.call_on_change(UNIT_PREFERENCE, self._on_status_changed)
         self.actions = (
             ActionSpec("run", "Run", "Run", "Start or pause the run.", session.toggle_run, "Space", icon="run",
@@ -100,7 +100,7 @@ class TimelineFeature(Feature):
         self.navigation = to = window.workspace.navigation
         self.panel = TimelinePanel(to, lambda: self.session.status)
         self.panels = (Panel("timeline", "Timeline", self.panel, "F9", below_canvas=True),)
-        self.session.status_changed.connect(lambda: self.panel.setVisible(self.session.status.started))
+        self.session.store.status_changed.connect(lambda: self.panel.setVisible(self.session.status.started))
 
         def go_to_end(event: QKeyEvent) -> bool:
             """Go to an end of the run by Home or End on the canvas; sliders and fields keep these keys."""

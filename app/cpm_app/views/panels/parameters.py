@@ -64,7 +64,7 @@ def format_control_tip(control: Control) -> str:
 
 
 class ChoiceRow(QWidget):
-    """Parameter with a few values; `set_parameter` is called with its name and the value that the user selects."""
+    """Parameter with a few values; `change` is called with its name and the value that the user selects."""
 
     def __init__(self, control: ChoiceControl, change: Callable[[str, str], None]) -> None:
         super().__init__()
@@ -241,7 +241,7 @@ class ParametersPanel(QWidget):
             row.released.connect(session.end_gesture)
             row.slider.sliderPressed.connect(partial(self._on_slider_held, name, True))
             row.slider.sliderReleased.connect(partial(self._on_slider_held, name, False))
-        session.status_changed.connect(
+        session.store.status_changed.connect(
             self._on_status_changed
         )  # not with each step: new words make Qt lay out all rows
         session.document_changed.connect(self.show_document)

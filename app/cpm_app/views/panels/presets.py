@@ -82,11 +82,11 @@ class PresetButton(QToolButton):
         action = QAction(text, self, toolTip=tip, statusTip=tip)
 
         def run_action() -> None:
-            self._session.clear_messages(_PRESET_CATEGORY)
+            self._session.messages.clear(_PRESET_CATEGORY)
             try:
                 do()
             except (ValueError, OSError) as error:
-                self._session.show_message(explain_error(error), True, _PRESET_CATEGORY)
+                self._session.messages.show(explain_error(error), True, _PRESET_CATEGORY)
 
         action.triggered.connect(run_action)
         return action
@@ -117,7 +117,7 @@ class PresetButton(QToolButton):
         if name:
             about = tr("Created for {image}.", image=session.document.image.name) if session.document.image else ""
             kept = self.store.save(Preset(name, session.document.parameters, about))
-            session.show_message(tr("The parameters were saved as “{name}”.", name=kept.name))
+            session.messages.show(tr("The parameters were saved as “{name}”.", name=kept.name))
 
     def _delete_preset(self) -> None:
         assert self.current is not None

@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.scene_store import EDITING_CATEGORY
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.tools.tool import CHARGE_GROUP, CIRCLE_GROUP, STROKE_GROUP, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
@@ -64,7 +64,7 @@ class DraggedTool(ShapeTool):
     def on_release(self) -> None:
         """Keep the shape."""
         if self._index is not None and self._drawn_shape is None:
-            self._session.show_message(
+            self._session.messages.show(
                 self.slip_message if self.volume is None else self.slip_message_in_volume, category=EDITING_CATEGORY
             )
         self.used = True

@@ -13,7 +13,7 @@ from PySide6.QtGui import QCursor
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import ObjectBrush
-from cpm_app.session.scene_store import EDITING_CATEGORY
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_pointer
 from cpm_app.views.tools.brush_tools import RingTool
@@ -154,7 +154,7 @@ class MendTool(RingTool):
                 self._editing.add_edits(edits)
             elif item.frozen:
                 frozen = tr("{name} is frozen: unfreeze it to change it.").format(name=self._list.title_of(item))
-                self._session.show_message(frozen, category=EDITING_CATEGORY)
+                self._session.messages.show(frozen, category=EDITING_CATEGORY)
             else:
                 self._editing.redraw_boundary(item, held, edits[0], not self._is_removing)
         elif held is not None:

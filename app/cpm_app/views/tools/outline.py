@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.hand_editing import PathFinder
-from cpm_app.session.scene_store import EDITING_CATEGORY
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MIN_DRAWN_AREA, OBJECT_GROUP, Cursor, Tool
 from cpm_core.numerics import Array, Position, polyline
@@ -131,7 +131,7 @@ class OutlineTool(Tool):
             return
         path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
         if closed and polyline.enclosed_area(path) < MIN_DRAWN_AREA:
-            self._session.show_message(
+            self._session.messages.show(
                 tr("That is too small for an outline. {advice}", advice=self.tip), category=EDITING_CATEGORY
             )
         elif closed:

@@ -11,7 +11,7 @@ from cpm_app.model.document.document import ImageReference
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.scene_store import EDITING_CATEGORY
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.gesture_tools import box_between
 from cpm_app.views.tools.tool import (
@@ -160,7 +160,7 @@ class PathTool(Tool):
                 shape=translate_core_text(self.shape_class.title),
                 advice=self.tip,
             )
-            self._session.show_message(advice, category=EDITING_CATEGORY)
+            self._session.messages.show(advice, category=EDITING_CATEGORY)
             return
         self._session.edit(
             tr("draw {shape}", shape=translate_core_text(shape.title)),

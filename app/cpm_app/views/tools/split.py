@@ -14,7 +14,7 @@ from PySide6.QtGui import QCursor
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.surface_section import object_contains
-from cpm_app.session.scene_store import EDITING_CATEGORY
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_pointer
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MEND_GROUP, Cursor, Tool
@@ -134,7 +134,7 @@ class SplitTool(Tool):
         elif first is None and (contact := self._find_contact(at)) is not None:
             self._editing.cut_contour(contact)
         else:
-            self._session.show_message(
+            self._session.messages.show(
                 tr("There is no object here. {advice}", advice=self.tip), category=EDITING_CATEGORY
             )
 
@@ -145,7 +145,7 @@ class SplitTool(Tool):
             most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))
             self._apply_split(most, partial(split_object_along, most, path, self._editing.edges))
         else:
-            self._session.show_message(
+            self._session.messages.show(
                 tr("The line crosses no object. {advice}", advice=self.tip), category=EDITING_CATEGORY
             )
 
@@ -154,7 +154,7 @@ class SplitTool(Tool):
         self._clicked_object = None
         if whole.frozen:
             name = self._list.title_of(whole)
-            self._session.show_message(
+            self._session.messages.show(
                 tr("{name} is frozen: unfreeze it to split it.", name=name), category=EDITING_CATEGORY
             )
             return
@@ -164,7 +164,7 @@ class SplitTool(Tool):
             else:
                 self._list.split_object(whole, halves())
         except ValueError as error:
-            self._session.show_message(translate_core_text(str(error)), category=EDITING_CATEGORY)
+            self._session.messages.show(translate_core_text(str(error)), category=EDITING_CATEGORY)
 
     def _find_object(self, at: Place) -> SegmentedObject | None:
         """Find the object, proposal or closed contour around a place: a selected one first, then the smallest."""

@@ -13,8 +13,8 @@ from cpm_app.model.space.view_in_space import ShownParts, ViewInSpace
 from cpm_app.model.state.situation import Situation, has_volume
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import AXIS_NAMES, axis_ends
-from cpm_app.session.scene_store import EXPORTING_CATEGORY
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EXPORTING_CATEGORY
 from cpm_app.views.volume.space_view import SpaceView
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.widgets.containers import fill_layout
@@ -123,7 +123,7 @@ def space_action_specs(panel: SpacePanel, session: Session) -> Iterator[ActionSp
 
     def copy_picture() -> None:
         QApplication.clipboard().setImage(panel.view.grab().toImage())
-        session.show_message(tr("The view in space was copied."), category=EXPORTING_CATEGORY)
+        session.messages.show(tr("The view in space was copied."), category=EXPORTING_CATEGORY)
 
     def create_axis_action(axis: int) -> ActionSpec:
         """Create the action for a view along an axis, titled by anatomy where the orientation is known."""

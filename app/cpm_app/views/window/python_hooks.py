@@ -12,8 +12,8 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import explain_failure
-from cpm_app.session.scene_store import UNEXPECTED_CATEGORY
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import UNEXPECTED_CATEGORY
 
 _COLLECTION_INTERVAL = 1000
 """Time between two checks [ms]."""
@@ -80,4 +80,4 @@ class UnexpectedErrors(QObject):
         self.error_happened.emit(explain_failure(error, tr("working")))
 
     def _show_error(self, message: str) -> None:
-        self._session.set_error(message, UNEXPECTED_CATEGORY)
+        self._session.messages.set_error(message, UNEXPECTED_CATEGORY)

@@ -137,7 +137,7 @@ class MainWindow(QMainWindow):
         canvas, slices = self.canvas_area.canvas, workspace.slices
         self._keyboard = Keyboard(self, canvas)
         self.offers = self.canvas_area.offers
-        session.add_listener(
+        session.store.add_listener(
             ImageOpened, lambda _: self.offers.clear()
         )  # connected first, before any feature adds an offer
         self.files = FileDialogs(self, session, self.preferences)
@@ -163,7 +163,7 @@ class MainWindow(QMainWindow):
         self.zoom_readout = ZoomReadout(canvas)
         for field in (self.pointer_readout, self.zoom_readout):
             self.statusBar().addPermanentWidget(field)
-        session.status_changed.connect(self._on_status_changed)
+        session.store.status_changed.connect(self._on_status_changed)
         session.image_changed.connect(self._on_image_changed)
         self.canvas_area.tool_changed.connect(self._on_tool_changed)
         self.preferences.changed.connect(self._on_preference_changed)
@@ -186,7 +186,7 @@ class MainWindow(QMainWindow):
 
     def refresh_actions(self) -> None:
         """Update actions and hint after a change that the session does not report."""
-        self.session.announce_status()
+        self.session.store.announce_status()
 
     def open_image(self, path: str | Path, resumes: bool = False) -> None:
         """Open an image or a session; with `resumes`, an image together with the session next to it."""
