@@ -79,8 +79,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run_export(arguments: argparse.Namespace) -> int:
     """Write the files, after all checks that need none of them."""
     source = Path(arguments.source)
-    check_exports(arguments.path_to, arguments)
-    suffix, wanted = source.suffix.lower(), {find_format_suffix(path) for path in arguments.path_to}
+    check_exports(arguments.to, arguments)
+    suffix, wanted = source.suffix.lower(), {find_format_suffix(path) for path in arguments.to}
     in_space = suffix in {*CENTERLINES_WRITABLE, *SURFACES_READABLE} or wanted & (
         VOLUMES_WRITABLE.keys() - CONTOURS_WRITABLE.keys()
     )
@@ -101,7 +101,7 @@ def run_export(arguments: argparse.Namespace) -> int:
         result = _read_volume_result(source, arguments) if of_volumes else _read_plane_result(source, arguments)
     files = OutputFiles()
     options = {"outlines": arguments.outlines, "space": arguments.space or "LPS"}
-    files.export_result(result, arguments.path_to, image=image, warn=print_message, **options)
+    files.export_result(result, arguments.to, image=image, warn=print_message, **options)
     missing = {
         path: count_left_out(result, find_format_suffix(path), outlines=arguments.outlines) for path in files.written
     }
@@ -129,7 +129,7 @@ def _load_session_result(source: Path, arguments: argparse.Namespace) -> tuple[R
     if arguments.image is None and session.image is None:
         raise ValueError(f"{source.name} does not name an image: add --image IMAGE.")
     path, reading = locate_image(arguments.image, session, source)
-    check_targets(arguments.path_to, arguments, path)
+    check_targets(arguments.to, arguments, path)
     image = (load_volume if is_volume_session(session) else load_image)(path, **reading)
     parameters = fit_parameters(image, session.parameters)
     result = record_drawn_shapes(_restore_or_run(session, parameters, image, source), session.shapes)
@@ -175,7 +175,7 @@ def _read_volume_result(source: Path, arguments: argparse.Namespace) -> Result |
         return load_centerlines(source, image, warn=print_message)
     if image is None and suffix not in SURFACES_READABLE:
         image = load_volume(source)
-    in_voxels = {path for path in arguments.path_to if find_format_suffix(path) in CONTOURS_WRITABLE}
+    in_voxels = {path for path in arguments.to if find_format_suffix(path) in CONTOURS_WRITABLE}
     if image is None and in_voxels:
         raise ValueError(f"{min(in_voxels)} has the voxels of a volume: name the volume with --image.")
     surface = load_surface(source, image, warn=print_message)

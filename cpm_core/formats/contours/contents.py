@@ -133,7 +133,7 @@ def clean_properties(properties: JsonDict) -> JsonDict:
         "bridged": _finite_or_zero(properties.get("bridged")),
         "gray": None if properties.get("gray") is None else _finite_or_zero(properties["gray"]),
         "number": max(0, int(properties.get("number") or 0)),
-        "way": partial(str, reached) if reached in get_args(ReachedBy) else None,
+        "measure_origin": partial(str, reached) if reached in get_args(ReachedBy) else None,
     }
 
 
