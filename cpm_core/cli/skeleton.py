@@ -24,7 +24,7 @@ from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.numerics.types import JsonDict
 from cpm_core.parameters import PRESETS
 
-_SKELETON_PARAMETERS = (
+_PARAMETER_OPTIONS = (
     "pruning",
     "max_width",
     "smoothing",
@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--outside", action="store_true", help="the skeleton of the background, too")
     add_options(parser.add_argument_group("part of a file"), *PART_OPTIONS)
-    add_parameter_options(parser.add_argument_group("parameters"), _SKELETON_PARAMETERS)
+    add_parameter_options(parser.add_argument_group("parameters"), _PARAMETER_OPTIONS)
     outcome = parser.add_argument_group("outcome")
     add_options(outcome, "--space")
     add_options(outcome, "--export", help=f"write the skeleton {EXPORT_FORMATS_HELP}")
