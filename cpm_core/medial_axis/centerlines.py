@@ -1,6 +1,6 @@
 """Center lines of vessels and other long structures in a volume, with radii, as a graph of branches.
 
-The inside is thinned to lines of voxels (`thinning`); scikit-image's own thinning loses rods of an even width. Voxels
+The inside is thinned to lines of voxels (`structure`); scikit-image's own thinning loses rods of an even width. Voxels
 at which more than two lines meet become one junction. A branch with a free end is a wrinkle of the surface, and is
 pruned, if it hardly leaves the largest ball around its junction, or if its tip does not protrude from that ball. The
 others are moved to the middle between voxels that are as deep, and smoothed along their length.
@@ -71,7 +71,7 @@ class CenterlineBranch:
 
     def __repr__(self) -> str:
         return format_repr(
-            "Branch", format_count(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open"
+            "CenterlineBranch", format_count(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open"
         )
 
 
@@ -81,7 +81,7 @@ class Centerlines:
 
     Attributes
     ----------
-    branches : tuple of Branch
+    branches : tuple of CenterlineBranch
         The longest first.
     spacing : tuple of float
         Size of a voxel along each axis, in `unit`.

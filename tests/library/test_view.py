@@ -46,7 +46,7 @@ def test_clicks_choose_select_correct_and_remove():
 def test_the_image_is_sent_with_its_contours_once_and_small(monkeypatch):
     pytest.importorskip("anywidget")
     result = cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64)))
-    monkeypatch.setattr(MODULE, "_WIDEST", 32)
+    monkeypatch.setattr(MODULE, "_MAX_PICTURE_SIDE", 32)
     view = cpm.notebook_view(result)
     ground = view._widget.ground
     assert PIL.Image.open(io.BytesIO(ground["picture"])).size == (32, 32)

@@ -51,7 +51,7 @@ def shown_contours(window, *contours: Contour) -> None:
 @pytest.fixture
 def offer(window, monkeypatch) -> Callable[..., None]:
     """Proposes squares, and nothing else."""
-    monkeypatch.setattr(window.workspace.object_selection, "_follow", lambda: None)
+    monkeypatch.setattr(window.workspace.object_selection, "_request_answer", lambda: None)
     return lambda *corners: _offer(window, *corners)
 
 

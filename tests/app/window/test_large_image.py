@@ -19,7 +19,7 @@ KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 @pytest.fixture
 def bar(window, hand, tmp_path: Path, monkeypatch):
     """The line above a noisy image that counts as large."""
-    for name, value in (("LARGE", 120 * 120), ("_COARSEST", 16), ("_SAMPLE", 64)):
+    for name, value in (("LARGE_IMAGE_PIXELS", 120 * 120), ("_COARSEST_SCALE_SIDE", 16), ("_SAMPLE_SIDE", 64)):
         monkeypatch.setattr(large_images, name, value)
     row, col = np.indices((128, 128))
     noise = np.random.default_rng(4).normal(0.0, 40.0, row.shape)

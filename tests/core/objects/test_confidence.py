@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 
 SHARE = st.floats(0.0, 1.0)
-SIGNS = st.builds(ConfidenceFeatures, SHARE, SHARE, SHARE, SHARE, st.integers(0, 20), st.booleans())
+FEATURES = st.builds(ConfidenceFeatures, SHARE, SHARE, SHARE, SHARE, st.integers(0, 20), st.booleans())
 
 
-@pytest.mark.parametrize("sign", ["overlap", "clarity", "steadiness", "agreement"])
-@given(signs=SIGNS, more=SHARE)
-def test_an_object_is_the_surer_the_more_speaks_for_it(sign, signs, more):
-    larger = signs._replace(**{sign: max(more, getattr(signs, sign))})
-    assert 0.0 < estimate_confidence(signs) <= estimate_confidence(larger) < 1.0
+@pytest.mark.parametrize("feature", ["predicted_iou", "mean_certainty", "iou_to_previous", "iou_to_other_crop"])
+@given(features=FEATURES, more=SHARE)
+def test_an_object_is_the_surer_the_more_speaks_for_it(feature, features, more):
+    larger = features._replace(**{feature: max(more, getattr(features, feature))})
+    assert 0.0 < estimate_confidence(features) <= estimate_confidence(larger) < 1.0
 
 
 def test_the_origin_of_the_numbers_is_stated():

@@ -13,8 +13,8 @@ from cpm_core.field.edge_map import automatic_smoothing
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.sessions.particle_state import state_from_json, state_to_json
 from cpm_core.image.pyramid import max_scales, shape_at_scale
-from cpm_core.model import interventions
 from cpm_core.model.coverage import NEVER_COVERED, no_coverage
+from cpm_core.model.plane import state as plane_state
 from cpm_core.model.starts import circle
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation import large_images
@@ -29,7 +29,7 @@ SCENE = disk((300, 300), (180.0, 190.0), 60.0).values
 
 @pytest.fixture
 def small_counts_as_large(monkeypatch):
-    for name, value in (("LARGE", 100), ("_COARSEST", 64), ("_SAMPLE", 128)):
+    for name, value in (("LARGE_IMAGE_PIXELS", 100), ("_COARSEST_SCALE_SIDE", 64), ("_SAMPLE_SIDE", 128)):
         monkeypatch.setattr(large_images, name, value)
 
 
@@ -52,8 +52,8 @@ def test_the_smoothing_is_that_of_the_strongest_edge_not_of_the_empty_background
 @pytest.fixture
 def windows(monkeypatch):
     monkeypatch.setattr(local_fields, "LARGE_IMAGE_PIXELS", 100)
-    monkeypatch.setattr(interventions, "_MIN_WINDOWED_PIXELS", 100)
-    monkeypatch.setattr(interventions, "_MIN_WINDOW_ROOM", 24)
+    monkeypatch.setattr(plane_state, "_MIN_WINDOWED_PIXELS", 100)
+    monkeypatch.setattr(plane_state, "_MIN_WINDOW_ROOM", 24)
 
 
 BLOBS = sum(

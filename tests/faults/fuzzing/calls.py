@@ -331,7 +331,7 @@ _SKIPPED = {
 }
 """What is no function, what the library makes for others to read, and what needs files, which has a part of its own."""
 
-_SKIPPED_ARGUMENTS = ("progress", "cancelled", "sides", "colors", "unit", "source", "notes")
+_SKIPPED_ARGUMENTS = ("progress", "cancelled", "measure_contrast", "colors", "unit", "source", "notes")
 """Functions, and what the library passes on without looking at it."""
 
 _OF_THE_LIBRARY = {
