@@ -128,7 +128,8 @@ def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
     image = np.random.default_rng(2).normal(0.0, 20.0, (150, 140)) + disk((150, 140), (70.0, 72.0), 40.0).values
     pieces = UsedFields(image, 1).at(0, START)
     monkeypatch.setattr(scale_field_module, "run_in_bands", lambda work, rows: work(0, rows))
-    monkeypatch.setattr(sys.modules["cpm_core.numerics.grids"], "run_in_parallel", lambda work, count, _least: work(0, count))
+    grids = sys.modules["cpm_core.numerics.grids"]
+    monkeypatch.setattr(grids, "run_in_parallel", lambda work, count, _min_part_size: work(0, count))
     np.testing.assert_array_equal(UsedFields(image, 1).at(0, START).packed, pieces.packed)
 
 
