@@ -33,8 +33,8 @@ The model on one page
 8. The **reconstruction** moves points to the ridge of the edge and joins them along the ridge into closed and open
    **contours** with **junctions**. It leaves out contours that are weak or have the same gray levels on both sides
    (`field.region_contrast`), and **bridges** gaps up to `max_gap` (`reconstruction.curve`).
-9. Particles stay inside the **regions of interest** and on their side of the **barriers** (`image.regions`); at each
-   scale no move, insertion, contour or bridge crosses a barrier (`image.barriers`).
+9. Particles stay inside the **regions of interest** and on their side of the **barriers**; at each
+   scale no move, insertion, contour or bridge crosses a barrier (`image.regions`).
 10. **Placed charges** attract or repel the particles around them, one to four times as strongly as the edges; their
     force is added to the Lorentz force (`field.placed_charges`). An **intervention** changes charges, parameters,
     regions or barriers, or adds or erases particles, at any step; particles at rest that it affects are reactivated

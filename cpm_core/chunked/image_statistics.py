@@ -71,7 +71,7 @@ class GrayScaling:
     inside: Integers
 
     def scale_grays(self, values: Array) -> Array:
-        """Scale gray levels, of any shape, as `measure_gray_levels.toned` scales those of the whole image."""
+        """Scale gray levels, of any shape, as `gray_levels.apply_gamma` scales those of the whole image."""
         if self.exponent == 1.0 or self.high <= self.low:
             return values
         return apply_power(values, self.low, self.high, self.exponent)
@@ -87,11 +87,11 @@ class ImageStatistics:
 
     Attributes
     ----------
-    scaling : Tone
+    scaling : GrayScaling
         Scaling of its gray levels.
     strongest, floor : tuple of float
         Largest edge strength, and least edge strength for edge contact, at each scale [gray levels / px].
-    parent : Frame or None
+    parent : ParentImage or None
         The whole image, for the evaluation of objects; None where no objects are sought.
     """
 

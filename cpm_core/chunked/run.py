@@ -43,13 +43,13 @@ class ChunkedTask:
 
     Attributes
     ----------
-    source : Source
+    source : ChunkedSource
         The image.
     parameters : Parameters
         Parameters of the run.
     kind : str
-        Kind of automatic seeding, one of `chunk_run.KINDS`.
-    store : Store
+        Kind of automatic seeding, one of `CHUNKED_START_KINDS`.
+    store : RunStore
         Where results are stored.
     max_steps : int or None
         Greatest number of steps in each chunk.
@@ -78,11 +78,11 @@ class ChunkedContours:
 
     Attributes
     ----------
-    task : Task
+    task : ChunkedTask
         The run.
-    grid : Grid
+    grid : ChunkGrid
         The chunks.
-    statistics : Whole
+    statistics : ImageStatistics
         What the fields depend on in the whole image.
     counts : tuple of int
         Number of contours, or of objects, of each chunk.

@@ -146,7 +146,7 @@ class Batch:
     ----------
     rows : dict of Row
         Outcomes, by the index of the image.
-    jobs : tuple of Job
+    jobs : tuple of BatchJob
         Images that were left to do at the beginning.
 
     Raises

@@ -1,6 +1,6 @@
 """Agreement of contours with one another and with a ground truth.
 
-Boundaries are compared by points every `SAMPLING` along each of them and by the distance d(x, c) of a point x to the
+Boundaries are compared by points every `SAMPLE_SPACING` along each and by the distance d(x, c) of a point x to the
 nearest point on the lines c. Two empty sets agree perfectly: all fractions are 1 and all distances 0. An empty and a
 nonempty set are infinitely far apart and have no common area; the fraction of the empty boundary is 1, since none of it
 is wrong, and the fraction of the other is 0.

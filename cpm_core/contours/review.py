@@ -60,7 +60,7 @@ class Mark:
         Name, or empty.
     color : str
         Color, ``"#rrggbb"``; empty for the default color.
-    outline : Outline
+    outline : KeptOutline
         Where a kept contour ran.
     """
 

@@ -1,6 +1,6 @@
 """Agreement of a surface with the ground truth of a volume.
 
-Surfaces are compared like contours in `cpm_core.contours.compare_boundaries`, by area in place of length: the points
+Surfaces are compared like contours in `cpm_core.contours.agreement`, by area in place of length: the points
 are the centers of triangles hardly longer than a voxel, and their distance is measured to the nearest triangle.
 Distances are in the unit of the spacing. Along the border of the volume a surface is closed where no edge is; anything
 beyond the centers of the outermost voxels is not compared.

@@ -78,7 +78,7 @@ class VolumeField:
 
     Attributes
     ----------
-    slopes : Slopes
+    slopes : VolumeSlopes
         The smoothed volume, from which edge strengths are computed.
     pitch : tuple of float
         Sides of a voxel [units].
@@ -305,7 +305,7 @@ VolumeFieldBuilder = Callable[..., VolumeField]
 def volume_field_builders(
     sources: SourceImages, pitch: Vector, regions: VolumeRegions | None, free: VolumeFieldBuilder | None = None
 ) -> tuple[VolumeFieldBuilder, Callable[[int, Parameters], VolumeField]]:
-    """Make the functions of `plane_fields` for a volume; they refuse parameters of images."""
+    """Make the functions of `plane_field_builders` for a volume; they refuse parameters of images."""
     kept, shape = lru_cache(sources.scales), sources.shape
 
     @kept

@@ -29,7 +29,7 @@ def write_comparison(
 
     Parameters
     ----------
-    rows : sequence of Facts
+    rows : sequence of RunReport
         Facts of each run, a row of the table: times in seconds, distances in px, empty if unknown.
     results : sequence of Result
         Result of each run.

@@ -28,7 +28,7 @@ _ALL_CHANNELS = -1
 
 
 def encode_stack_geojson(found: StackResult) -> bytes:
-    """Encode each contour of each page as a feature, as `geojson.encode` does for an image.
+    """Encode each contour of each page as a feature, as `geojson.encode_geojson` does for an image.
 
     Its properties include ``page`` (from 1) and ``track``, and its geometry has the ``plane`` of QuPath: ``z`` or ``t``
     from 0.

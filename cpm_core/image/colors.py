@@ -112,7 +112,7 @@ def reduce_to_gray(samples: Numbers, alpha: Numbers | None = None, white: float 
 
     Returns
     -------
-    Reduced
+    ReducedSamples
         Gray levels in the range of `samples`, of opaque gray samples unchanged, and the channels of colored ones.
     """
     said: list[str] = []

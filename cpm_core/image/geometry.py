@@ -60,7 +60,7 @@ class Geometry:
     >>> geometry = cpm.Geometry(origin=(10.0, 20.0, 30.0))
     >>> geometry
     <Geometry origin (10, 20, 30) in LPS, axes to S P L>
-    >>> geometry.affine((2.0, 0.5, 0.5)).shape, geometry.moved((1, 0, 0), (2.0, 0.5, 0.5)).origin
+    >>> geometry.affine((2.0, 0.5, 0.5)).shape, geometry.starting_at((1, 0, 0), (2.0, 0.5, 0.5)).origin
     ((4, 4), (10.0, 20.0, 32.0))
     >>> geometry.scaled(10.0).origin
     (100.0, 200.0, 300.0)

@@ -50,10 +50,10 @@ class Regions:
     >>> left = cpm.Regions(interest=[[(0, 0), (63, 0), (63, 31), (0, 31)]], barriers=[[(0, 20), (63, 20)]])
     >>> left
     <Regions 1 region of interest, 1 barrier>
-    >>> left.check((64, 64))
+    >>> left.check_shape((64, 64))
     >>> left.contains(np.array([(32.0, 10.0), (32.0, 50.0)])).tolist(), left.allows(np.array([(32.0, 20.0)])).tolist()
     ([True, False], [False])
-    >>> int(left.pixels((64, 64)).sum()), left.rims().shape, left.lines().shape
+    >>> int(left.pixel_mask((64, 64)).sum()), left.rim_segments().shape, left.barrier_segments().shape
     (1953, (4, 4), (1, 4))
     >>> left.at_scale(1, (64, 64)).interest[0][1]
     (31.25, -0.25)

@@ -199,7 +199,7 @@ class Extrusion:
     --------
     >>> tube = cpm.Extrusion(((8.0, 8.0), (8.0, 22.0), (22.0, 22.0), (22.0, 8.0)), axis=0, first=4, last=26)
     >>> filled = np.zeros((31, 31, 31), bool)
-    >>> tube.fill(filled)
+    >>> tube.fill_into(filled)
     >>> int(filled.sum())
     4508
     """
@@ -272,12 +272,12 @@ class VolumeRegions:
     >>> half = cpm.VolumeRegions(interest=[((0, 0, 0), (30, 30, 20))], barriers=[((0, 0, 15.5), (0, 0, 1))])
     >>> half
     <VolumeRegions 1 region of interest, 1 barrier>
-    >>> half.check((31, 31, 31))
+    >>> half.check_shape((31, 31, 31))
     >>> half.contains(np.array([(15.0, 15.0, 10.0), (15.0, 15.0, 25.0)])).tolist()
     [True, False]
-    >>> half.allows(np.array([(15.0, 15.0, 15.5)])).tolist(), int(half.voxels((31, 31, 31)).sum())
+    >>> half.allows(np.array([(15.0, 15.0, 15.5)])).tolist(), int(half.voxel_mask((31, 31, 31)).sum())
     ([False], 20181)
-    >>> half.walls((31, 31, 31)).closed.shape
+    >>> half.build_walls((31, 31, 31)).closed.shape
     (31, 31, 31)
     """
 

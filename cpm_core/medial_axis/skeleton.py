@@ -80,7 +80,7 @@ class Skeleton(drawing.Pictured):
     >>> bones = cpm.skeleton(cpm.example("ring"))
     >>> bones
     <Skeleton ring, 1 branch, 106.5 px>
-    >>> round(bones.thickness), round(bones.length / (2 * np.pi * 17), 2), bool(bones.rebuilt()[32, 15])
+    >>> round(bones.thickness), round(bones.length / (2 * np.pi * 17), 2), bool(bones.rebuild_shape()[32, 15])
     (14, 1.0, True)
     >>> axes = bones.plot(cpm.example("ring").plot())
     """

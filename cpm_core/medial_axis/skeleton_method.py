@@ -64,7 +64,7 @@ class SkeletonState:
         The edges that count, found by the first step; in a volume the voxels inside.
     made_of : tuple
         Everything that `structure` depends on, except for the image.
-    axis : Axis, Centerlines or None
+    axis : MedialAxis, Centerlines or None
         The medial axis, found by the second step; in a volume all center lines.
     points : ndarray, shape (N, D)
         Points in the image that the next step works on [px].
@@ -271,7 +271,7 @@ class SkeletonMethod(ImageFields):
         )  # fmt: skip
 
     def measure_state(self, state: SkeletonState, parameters: Parameters) -> Mapping[str, float]:
-        """Measure a state by name; see `Method.measures`."""
+        """Measure a state by name; see `Method.measure_state`."""
         length = self.result(state, parameters).length
         return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}
 

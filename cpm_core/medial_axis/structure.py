@@ -219,7 +219,7 @@ def select_strips(axis: MedialAxis, boundary: Boundary, width: float, sure: floa
 
     Parameters
     ----------
-    axis : Axis
+    axis : MedialAxis
         Medial axis of regions of one polarity.
     boundary : Boundary
         Edges, faint ones included.

@@ -130,7 +130,7 @@ class ImageParts:
     link_part, link_neighbor : ndarray of int64, shape (L,)
         The two parts at each link between pixels of different parts, in both directions.
     may_change : ndarray of bool, shape (N + 1,)
-        Which parts may look different in the larger image around this one; see `Frame`.
+        Which parts may look different in the larger image around this one; see `ParentImage`.
     """
 
     partition: Partition

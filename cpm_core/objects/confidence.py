@@ -29,7 +29,7 @@ class ConfidenceFeatures(NamedTuple):
     Attributes
     ----------
     predicted_iou, mean_certainty, iou_to_previous, iou_to_other_crop : float
-        Features of the prediction of the network; see `prior.Likely`.
+        Features of the prediction of the network; see `prior.Prediction`.
     point_count : int
         Number of points that it was selected by; 0 if it was found without any.
     unambiguous : bool

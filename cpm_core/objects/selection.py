@@ -24,22 +24,22 @@ class Selection(drawing.Pictured):
     gaps : tuple of ndarray, shape (K, 2)
         Stretches of the boundary that follow no contour [px].
     confidence : float
-        Probability, 0 to 1, that its overlap with the intended object is at least `confidence.RIGHT`.
+        Probability, 0 to 1, that its overlap with the intended object is at least `confidence.CORRECT_IOU`.
     inside, outside : ndarray, shape (M, 2) and (K, 2)
         The positive and negative points of the prompt [px].
     remark : str
         One sentence on what was unusual about the points, or empty.
-    features : Signs or None
+    features : ConfidenceFeatures or None
         Features that the confidence was estimated from.
 
     Examples
     --------
     >>> chosen = cpm.partition(cpm.example("disks")).select([(32, 18)])
-    >>> chosen.mask.shape, chosen.contours[0].closed, len(chosen.gaps), chosen.only_places
+    >>> chosen.mask.shape, chosen.contours[0].closed, len(chosen.gaps), chosen.has_only_points
     ((64, 64), True, 0, False)
-    >>> chosen.found, chosen.same(chosen)
+    >>> chosen.has_boundary, chosen.has_same_region(chosen)
     (True, True)
-    >>> chosen.holds(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
+    >>> chosen.contains(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
     [True, False]
     >>> axes = chosen.plot()
     """

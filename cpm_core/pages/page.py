@@ -43,7 +43,7 @@ class Page:
     >>> page = next(cpm.follow_pages([cpm.example("disk")], cpm.circle((32, 32), 8)))
     >>> page
     <Page 1, 1 contour>
-    >>> page.number, len(page.contours), page.trouble
+    >>> page.number, len(page.contours), page.error
     (1, 1, '')
     """
 

@@ -28,7 +28,7 @@ class Provenance:
     steered : bool
         Whether parameters, charges, regions or particles were changed during the run.
     sha256 : str
-        Hash of the image, for a file as returned by `fingerprint`; empty if unknown.
+        Hash of the image, for a file as returned by `compute_fingerprint`; empty if unknown.
     of_file : bool
         Whether the hash is of the bytes of a file rather than of an array; see `Image.sha256`.
     """

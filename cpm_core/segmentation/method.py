@@ -94,14 +94,14 @@ class Method(Protocol[S]):
     True
     >>> image, parameters = cpm.example("disk"), cpm.Parameters()
     >>> method = cpm.METHODS["cpm"](image, parameters)
-    >>> method.seeded, method.regions, method.suits(parameters)
+    >>> method.seeded, method.regions, method.can_start(parameters)
     (True, None, True)
     >>> state = method.step(method.start(cpm.circle((32, 32), 8)), parameters)
     >>> method.result(state, parameters).steps
     1
-    >>> method.measures(state, parameters)["count"] == len(method.positions(state))
+    >>> method.measure_state(state, parameters)["count"] == len(method.display_positions(state))
     True
-    >>> method.edge_map(parameters).shape, method.field(parameters).shape, method.potential(parameters).shape
+    >>> method.edge_map(parameters).shape, method.force_field(parameters).shape, method.potential(parameters).shape
     ((64, 64), (2, 64, 64), (64, 64))
     >>> method.with_regions(cpm.Regions(barriers=[[(0, 32), (63, 32)]])).regions
     <Regions 0 regions of interest, 1 barrier>

@@ -4,7 +4,7 @@ A shape is frozen and checks its values. It can be moved, resized and reshaped b
 a position. Shapes do not depend on the window. A new shape needs a class and an entry in the unions below; session
 files then keep its fields, and a start gives particles on the command line as well. A limit also needs an entry in
 `document_shapes.collect_regions`. To draw it in the window add a tool (`cpm_app.views.tools`), an item in the layer of
-drawn shapes (`cpm_app.views.layers.drawn`) and its texts (`cpm_app.model.state.resolve`).
+drawn shapes (`cpm_app.views.layers.annotations`) and its texts (`cpm_app.model.state.resolve`).
 """
 
 from __future__ import annotations

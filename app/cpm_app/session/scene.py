@@ -173,7 +173,7 @@ class Scene:
         The image; None while none is open.
     display : DisplayImage or None
         The image with its full range of gray values.
-    shaded : Shaded or None
+    shaded : ImageShaded or None
         The image in the last requested intensity window.
     document : Document
         Shapes, parameters and marks.
@@ -191,15 +191,15 @@ class Scene:
         Keys of the selected contours.
     hovered_contour : int or None
         Key of the contour under the pointer.
-    overlays : mapping of str to Drawn
+    overlays : mapping of str to OverlayData
         The requested overlays by name; see `cpm_app.session.worker.prepared_methods`.
-    probed : Probed or None
+    probed : ForcesProbed or None
         Forces on a particle.
     truth : Truth, VolumeTruth or None
         Ground truth that results are compared with, unless the reference is the shown result.
     differences : tuple of Difference
         Places where the compared contours or surface differ from the reference.
-    surface_differences : tuple of Apart
+    surface_differences : tuple of SurfaceDifference
         In a volume, the parts of the surfaces that differ.
     objects : ShownObjects
         The selection of objects.

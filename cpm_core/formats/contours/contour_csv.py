@@ -1,6 +1,6 @@
 """CSV: contours as tables for spreadsheets and statistics, one row per vertex or one row per contour.
 
-Provenance (`provenance.entries_of`) is in the last columns: ``program``, ``image``, its hash and so on; a separate line
+Provenance (`flatten_provenance`) is in the last columns: ``program``, ``image``, its hash and so on; a separate line
 would break programs that read tables.
 """
 

@@ -37,7 +37,7 @@ def encode_contour_json(result: Outcome) -> bytes:
     got to a contour, if known. If the pixel size is known, length and areas are given in its unit as well. Boundaries
     of an object have its number as ``object``, its class as ``class``, and the length without a detected edge as
     ``bridged``. The image has the ``channel`` in which contours were found, unless it is the luminance.
-    ``provenance`` is described by `provenance.facts_of`. Branches of a skeleton are contours with ``radii`` [px], and
+    ``provenance`` is described by `describe_provenance`. Branches of a skeleton are contours with ``radii`` [px], and
     there is no run.
     """
     return encode_json({"format": _IMAGE_FORMAT, "version": 1, **_result_to_json(result)})

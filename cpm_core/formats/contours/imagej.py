@@ -96,7 +96,7 @@ def encode_roi_archive(selections: Iterable[tuple[str, bytes]]) -> bytes:
 def encode_contour_roi(contour: Contour, number: int, properties: str, **place: int) -> bytes:
     """Encode a contour as a polygon if it is closed, else as a polyline or a point.
 
-    `place` is its position in a stack: `position`, or `c_position`, `z_position` and `t_position`.
+    `place` is its position in a stack: ``position``, or ``c_position``, ``z_position`` and ``t_position``.
 
     Coordinates have subpixel resolution. ImageJ counts those of polygons from the corner of a pixel and those of lines
     and points from its center.

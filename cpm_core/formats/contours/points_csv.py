@@ -21,7 +21,7 @@ _AXIS_COLUMNS = ("plane", "row", "col")
 def encode_points(result: Outcome) -> bytes:
     """Tabulate particles as ``plane,row,col`` in voxels; ValueError unless there are particles in a volume.
 
-    Provenance (`provenance.entries_of`) is in the last columns of the first row.
+    Provenance (`flatten_provenance`) is in the last columns of the first row.
     """
     if not isinstance(result, Result) or result.particles.shape[1] != 3 or not len(result.particles):
         raise ValueError("There are no particles in a volume to write: run in a volume first.")

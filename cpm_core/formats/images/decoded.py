@@ -81,7 +81,7 @@ def decode_samples(
 
     Returns
     -------
-    Decoded
+    DecodedImage
         Gray levels of shape (..., W), colors, and notes.
     """
     *shape, width, count = samples.shape

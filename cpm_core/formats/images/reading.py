@@ -36,7 +36,7 @@ class Reading:
     series : int, str or None
         Series, by number or name; in an archive the array.
     color : str
-        One of `COLORS`.
+        One of `COLOR_CHOICES`.
     spacing : tuple of float or None
         Size of a pixel along each axis, overriding that of the file.
     unit : str or None

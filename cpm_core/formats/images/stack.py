@@ -229,7 +229,7 @@ def position_from_affine(affine: Array, convention: Convention, sides: Sequence[
 
 
 def check_memory(shape: Extent, each: float, name: str) -> None:
-    """Raise UnreadableError, naming a size that fits, if memory cannot hold `bytes_per_voxel` bytes per voxel."""
+    """Raise UnreadableError, naming a size that fits, if memory cannot hold `each` bytes per voxel."""
     try:
         check_field_memory(shape, each, name)
     except ValueError as error:

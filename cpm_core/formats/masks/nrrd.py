@@ -29,7 +29,7 @@ from cpm_core.numerics.types import Array
 def encode_nrrd(result: Outcome, *, outlines: bool = False) -> bytes:
     """Encode the label mask of a result or a skeleton as compressed NRRD, columns first: one slice, or a volume.
 
-    Its position is that of the image, as for NIfTI; see `nifti.placed`. Provenance is a key of the header. Labels with
+    Its position is that of the image, as for NIfTI; see `locate_mask`. Provenance is a key of the header. Labels with
     names or colors are segments of Slicer. The same result always gives the same bytes. ValueError when there is
     nothing to paint.
     """

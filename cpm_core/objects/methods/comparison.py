@@ -101,7 +101,7 @@ class MethodStep:
     seconds: float
 
     def __repr__(self) -> str:
-        return format_repr("Moment", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
+        return format_repr("MethodStep", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
 
 
 def iterate_method(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[MethodStep]:
@@ -209,7 +209,7 @@ class RunReport:
     def __repr__(self) -> str:
         agreed = "" if self.f is None else f"F {self.f:.3f}"
         steps, contours = format_count(self.steps, "step"), format_count(self.contours, "contour")
-        return format_repr("Facts", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
+        return format_repr("RunReport", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
 
 
 def report_run(moment: MethodStep, truth: Truth | None = None) -> RunReport:

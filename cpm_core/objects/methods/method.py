@@ -57,7 +57,7 @@ class Start:
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
     >>> start
     <Start 1 outline, inside the objects>
-    >>> start.onward, start.points.shape, len(start.curves(4.0)), int(start.mask((64, 64)).sum())
+    >>> start.pressure_sign, start.points.shape, len(start.sample_curves(4.0)), int(start.mask((64, 64)).sum())
     (1.0, (26, 2), 1, 194)
     """
 

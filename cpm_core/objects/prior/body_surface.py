@@ -56,7 +56,7 @@ def extract_body_surface(
 
     Parameters
     ----------
-    body : Body
+    body : BodyPrediction
         The body.
     values : ndarray, shape (P, R, C)
         Gray levels of the volume.

@@ -95,7 +95,7 @@ class CropPrediction(NamedTuple):
     ----------
     crop : Window
         The crop.
-    probability : ndarray of float32, shape (SIDE, SIDE)
+    probability : ndarray of float32, shape (CROP_SIDE, CROP_SIDE)
         Probability of each of its pixels to lie in the object.
     predicted_iou : float
         Overlap with the object that the network predicts.
@@ -126,7 +126,7 @@ class CropPrediction(NamedTuple):
     def compute_score(self, areas: Array, drawn: Mask | None) -> float:
         """Compute the rank of the answer among those of other crops.
 
-        `areas`, shape (N,) [px²], are those of other objects, and `drawn_area`, shape (H, W), is what has been drawn.
+        `areas`, shape (N,) [px²], are those of other objects, and `drawn`, shape (H, W), is what has been drawn.
         """
         area = np.log(max(np.count_nonzero(self.probability > INSIDE_PROBABILITY) * self.crop.step_size**2, 1.0))
         off = float(np.abs(np.log(np.maximum(areas, 1.0)) - area).min()) if len(areas) else 0.0
@@ -303,13 +303,13 @@ def build_input_maps(
 
     Parameters
     ----------
-    channels : ndarray of float32, shape (3, SIDE, SIDE)
+    channels : ndarray of float32, shape (3, CROP_SIDE, CROP_SIDE)
         Brightness and two color differences, as `ImageSampler.sample_crop` samples them.
     level : ndarray, shape (3,), or None
         Their values in the object, where these are known.
-    inside, outside : ndarray of bool, shape (SIDE, SIDE)
+    inside, outside : ndarray of bool, shape (CROP_SIDE, CROP_SIDE)
         Pixels that hold positive and negative points.
-    drawn, previous : ndarray of float32, shape (SIDE, SIDE)
+    drawn, previous : ndarray of float32, shape (CROP_SIDE, CROP_SIDE)
         What has been drawn, and the previous mask.
     """
     slope = np.hypot(*(scipy.ndimage.sobel(channels[0], axis, mode="mirror") for axis in range(2)))

@@ -106,9 +106,9 @@ class Document:
         Edits of the contours by hand, in the order in which they were made.
     objects : SegmentedObjects
         The objects that have been selected, and the selection that is being made.
-    outlined : Outlined
+    outlined : SkeletonTarget
         Objects and contours whose skeleton is wanted in the mode of skeletons; if empty, that of the image.
-    comparison : Compared
+    comparison : MethodComparison
         The methods that are compared with the particles.
     """
 

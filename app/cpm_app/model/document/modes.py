@@ -30,7 +30,7 @@ class ModeInfo:
     method : str
         Name among the core's `METHODS`.
     hint : str
-        What to do next when everything is ready for a run, with the names of keys (see `with_keys`); empty for the
+        What to do next when everything is ready for a run, with the names of keys (see `insert_keys`); empty for the
         usual hint.
     """
 

@@ -92,7 +92,7 @@ class ViewInSpace:
     ----------
     image : Image
         The volume.
-    shaded : Shaded
+    shaded : ShadedVolume
         Its shades.
     slices : Slices
         The slices that are shown next to the view.

@@ -116,7 +116,7 @@ class Snapshot:
         Measured speed.
     metrics : RunMetrics
         The run so far.
-    timeline : Outline
+    timeline : TimelineState
         The branches of the run.
     """
 

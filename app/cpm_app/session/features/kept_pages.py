@@ -92,7 +92,7 @@ class KeptPage:
         Its document.
     runs : mapping
         Its runs, as plain JSON.
-    history : History
+    history : UndoHistory
         Its undo history.
     saved_document : Document or None
         Its document in the session file; None if the file has a different one.
@@ -200,7 +200,7 @@ def pages_to_json(
 ) -> JsonDict:
     """Encode the pages of a stack for a session file, to be read by `StoredPages`; runs are left out beyond a size.
 
-    `others` are the pages that are not open, `given_starts` is whether the open page was given its starts.
+    `others` are the pages that are not open, `given` is whether the open page was given its starts.
     """
     if not others and result is None:
         return {}

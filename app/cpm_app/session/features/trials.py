@@ -54,7 +54,7 @@ def run_trials(
         The trials, each with its key.
     report : callable
         Called on other threads with the key of a trial and the parts of its row that have changed.
-    task : Task
+    task : BackgroundTask
         Its progress; cancelling it ends all of them.
     """
     seed_cache, engines, lock = SeedCache(image), dict[int, Engine](), threading.Lock()

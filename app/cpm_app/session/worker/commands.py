@@ -53,7 +53,7 @@ class CommandContext:
 
     Attributes
     ----------
-    core : Core
+    core : CoreFunctions
         The core's functions.
     run : Run
         Method, state and parameters.

@@ -83,7 +83,7 @@ def rectangle_around(places: Array, canvas: ImageView, slices: SliceNavigation) 
         (row, col) in an image or (plane, row, col) in a volume [px].
     canvas : ImageView
         View that will show the rectangle.
-    slices : ShownSlices
+    slices : SliceNavigation
         Slices of the volume, moved to the middle of the places.
     """
     if places.shape[1] == 3:

@@ -35,7 +35,7 @@ class PartDialog(QDialog):
         The window.
     name : str
         Name of the file.
-    parts : Parts
+    parts : FileParts
         Contents of the file.
     reading : Reading
         Part that is open.

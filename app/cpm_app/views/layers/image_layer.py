@@ -238,7 +238,7 @@ def format_window(window: Window) -> str:
 
 
 def drag_window(window: Window, ends: Window, right: float, down: float) -> Window:
-    """Return the window of gray values after a drag to the right and down [px of the screen], within `gray_range`."""
+    """Return the window of gray values after a drag to the right and down [px of the screen], within `ends`."""
     span = ends[1] - ends[0]
     width = window[1] - window[0] + span * right / _FULL_DRAG_LENGTH
     width = min(max(width, _MIN_WINDOW_WIDTH * span), span)

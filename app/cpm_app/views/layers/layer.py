@@ -133,7 +133,7 @@ class Layer(QObject):
     ----------
     view : pg.ViewBox
         Parent of the items.
-    requests : Requests
+    requests : WorkerRequests
         Receiver of the requests to the worker.
 
     Attributes

@@ -143,7 +143,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
     ----------
     columns : sequence of Column
         Columns in the order shown.
-    item_key : callable
+    key : callable
         Returns the key that identifies an item.
     look : callable, optional
         Icon, color or font of an item for a role; the third argument is whether the cell is that of the name.
