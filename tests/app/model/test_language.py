@@ -80,7 +80,7 @@ def test_what_is_translated_is_a_literal_that_can_be_found_in_the_source() -> No
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "tr"
     ]
     assert len(texts) > 500
-    assert [place for place, text in texts if not isinstance(text, ast.Constant)] == [], "of the core: translate_core_text"
+    assert [place for place, text in texts if not isinstance(text, ast.Constant)] == []
 
 
 @pytest.fixture(scope="module")

@@ -88,3 +88,4 @@ def test_a_divider_that_is_gone_follows_no_layer(rested, hand) -> None:
     for layer in hand.canvas.layers:
         layer.set_opacity(0.5)
         layer.set_shown(not layer.shown)
+    assert {layer.opacity for layer in hand.canvas.layers} == {0.5}

@@ -26,6 +26,7 @@ def named(name, result=RESULT):
 def test_every_format_takes_every_name(suffix):
     result = named(WILD)
     content = to_bytes(replace(result, contours=result.contours[:1]), suffix)
+    assert content
     if suffix == ".svg":
         assert "\ufffd[31m" in " ".join(ET.fromstring(content).itertext())
     elif suffix.endswith("json"):

@@ -155,10 +155,7 @@ def told_by(result, suffix):
 @pytest.mark.parametrize("suffix", CONTOURS_WRITABLE)
 def test_every_format_tells_how_its_contours_were_found(suffix):
     told = told_by(FOUND, suffix)
-    if isinstance(told.get("image"), dict):
-        assert told == FACTS
-    else:
-        assert told.items() >= flatten_provenance(FACTS).items()
+    assert told == FACTS or flatten_provenance(FACTS).items() <= told.items()
 
 
 @pytest.mark.parametrize("suffix", CONTOURS_WRITABLE)

@@ -77,9 +77,10 @@ def steps(regions, parameters, seeds=GRID, count=30):
 @given(barriers, settings_of_a_run())
 def test_no_particle_ever_crosses_a_barrier(barrier, parameters):
     lines = np.array(barrier)
-    for before, after in steps(Regions(barriers=(barrier,)), parameters):
-        if before.scale != after.scale:
-            continue
+    made = steps(Regions(barriers=(barrier,)), parameters)
+    at_one_scale = [(before, after) for before, after in made if before.scale == after.scale]
+    assert at_one_scale
+    for before, after in at_one_scale:
         both, old, new = np.intersect1d(before.particles.identity, after.particles.identity, return_indices=True)
         assert len(both) or not before.count or not after.count
         for p, q in pairwise(lines):

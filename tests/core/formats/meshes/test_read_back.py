@@ -1,6 +1,7 @@
 """Surfaces, center lines and particles that are written come back to a hundredth of a voxel, wherever volumes lie."""
 
 import logging
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -218,11 +219,9 @@ def test_an_image_has_no_surface():
 def test_a_file_that_is_cut_off_is_refused_in_a_sentence_or_read_in_part(suffix, cut, tmp_path):
     content = to_bytes(RESULT, suffix)
     content = content[: int(cut * len(content))]
-    if suffix in (".obj", ".vtk") and cut > 0.5:  # without its last triangles, or its normals alone
+    readable = suffix in (".obj", ".vtk") and cut > 0.5  # without its last triangles, or its normals alone
+    with nullcontext() if readable else pytest.raises(ValueError, match=rf"^a\{suffix}\b"):
         assert isinstance(decode_surface(content, f"a{suffix}")[0], Surface)
-        return
-    with pytest.raises(ValueError, match=rf"^a\{suffix}\b"):
-        decode_surface(content, f"a{suffix}")
 
 
 def test_a_volume_of_another_size_or_without_labels_is_refused(tmp_path):
