@@ -16,16 +16,17 @@ from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
 from cpm_core.model.coverage import no_coverage
+from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.starts import circle
-from cpm_core.model.state import Particles, State
+from cpm_core.model.state import Particles
 
 AMPLE = 10**9
 
 
-def toy(count: int = 5) -> State:
+def toy(count: int = 5) -> PlaneState:
     """A state that costs next to nothing to step."""
     position = np.arange(2.0 * count).reshape(count, 2)
-    return State(Particles.at_rest(position), position, (64, 64), 1, no_coverage((64, 64)))
+    return PlaneState(Particles.at_rest(position), position, (64, 64), 1, coverage=no_coverage((64, 64)))
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Toy:
     value: float
     regions: None = None
 
-    def apply(self, method: ToyMethod, state: State) -> State:
+    def apply_to(self, method: ToyMethod, state: PlaneState) -> PlaneState:
         """Take it; runs of other documents differ."""
         return toy_step(state, self, method.shift)
 
@@ -53,7 +54,7 @@ class ToyMethod:
         return self
 
 
-def toy_step(state: State, action: Toy, shift: float = 0.0) -> State:
+def toy_step(state: PlaneState, action: Toy, shift: float = 0.0) -> PlaneState:
     """A step that no two actions have in common, nor two runs, nor the same action twice."""
     kind, value = action.kind, action.value + 0.25 * shift
     particles = state.particles
@@ -64,7 +65,7 @@ def toy_step(state: State, action: Toy, shift: float = 0.0) -> State:
     return replace(moved, step=state.step + 1, scale=0 if state.step >= 6 else 1)
 
 
-def same(one: State, other: State) -> bool:
+def same(one: PlaneState, other: PlaneState) -> bool:
     """Whether two states agree in every bit."""
     arrays = ("position", "velocity", "force", "distance", "identity")
     alike = all(getattr(one.particles, name).tobytes() == getattr(other.particles, name).tobytes() for name in arrays)
@@ -73,7 +74,7 @@ def same(one: State, other: State) -> bool:
     return alike and grounds and all(getattr(one, name) == getattr(other, name) for name in fields)
 
 
-def begin(timeline: Timeline, beta: float = 0.0) -> State:
+def begin(timeline: Timeline, beta: float = 0.0) -> PlaneState:
     """Begin a run of its own."""
     document = Document(parameters=Parameters(beta=beta))
     timeline.begin_run(toy(), document)
@@ -87,7 +88,7 @@ class TimelineMachine(RuleBasedStateMachine):
     def begin(self, budget: int) -> None:
         self.timeline = Timeline(ToyMethod, budget)
         self.begun, self.shifts = 0.0, {}
-        self.book: dict[int, list[State]] = {}
+        self.book: dict[int, list[PlaneState]] = {}
         self.begin_a_run()
 
     @rule()
@@ -208,7 +209,7 @@ TestTimeline = TimelineMachine.TestCase
 TestTimeline.settings = settings(max_examples=30, stateful_step_count=25, deadline=None)
 
 
-def recorded(count: int, budget: int = AMPLE) -> tuple[Timeline, list[State]]:
+def recorded(count: int, budget: int = AMPLE) -> tuple[Timeline, list[PlaneState]]:
     """A timeline of one branch."""
     timeline = Timeline(ToyMethod, budget)
     states = [begin(timeline)]
@@ -217,7 +218,7 @@ def recorded(count: int, budget: int = AMPLE) -> tuple[Timeline, list[State]]:
     return timeline, states
 
 
-def one_step(timeline: Timeline, state: State, value: float = 1.0) -> State:
+def one_step(timeline: Timeline, state: PlaneState, value: float = 1.0) -> PlaneState:
     """The next state, recorded with its value as the figure of its step."""
     action = Toy("step", value)
     state = toy_step(state, action)
