@@ -85,7 +85,7 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
         "of planes, rows and columns 2x0.5x0.5mm",
     },
     "--preset": {"choices": tuple(PRESETS)},
-    "--max-steps": {"metavar": "N", "type": parse_whole_number, "help": "stop each run after so many steps"},
+    "--max-steps": {"metavar": "N", "type": parse_whole_number, "help": "stop each run after N steps"},
     "--space": {
         "choices": CONVENTIONS,
         "help": "coordinates in files of a surface or of center lines: to the left, back and head of a patient, or to "
@@ -99,8 +99,8 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
     },
     "--scheduler": {
         "metavar": "ADDRESS",
-        "help": "work on a dask cluster that sees the same files; dask trusts its network, and whoever reaches the "
-        "scheduler can run programs on its workers",
+        "help": "work on a dask cluster that sees the same files; dask trusts its network, and anyone who reaches "
+        "the scheduler can run programs on its workers",
     },
 }
 """Options that several commands share; see `parse_part` for those that select a part of a file."""

@@ -133,7 +133,8 @@ def decode_contours(
 ) -> ContourFile:
     """Decode contours from the content of a file or the clipboard; without a known suffix the content decides."""
     known = f"{', '.join(CONTOURS_READABLE)}, or a label mask"
-    with explain_decoding_errors(name, f"is damaged or holds no contours of a known kind: choose contours as {known}."):
+    advice = f"is damaged or contains no contours of a known kind: choose contours as {known}."
+    with explain_decoding_errors(name, advice):
         found = _parse_contours(content, name, plane)
     return _build_contour_file(found, name, page)
 
@@ -181,7 +182,7 @@ def _build_contour_file(found: CollectedContours, name: str, page: int | None) -
 
 def _no_contours_error(name: str) -> ValueError:
     """Return the error for a file without contours."""
-    return ValueError(f"{name} holds no contours: choose a file with at least one line or polygon.")
+    return ValueError(f"{name} contains no contours: choose a file with at least one line or polygon.")
 
 
 def _read_mask(file: Path) -> ContourFile:

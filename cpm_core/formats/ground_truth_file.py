@@ -107,7 +107,7 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
     """
     file = Path(path)
     if file.suffix.lower() in CONTOURS_READABLE:
-        raise ValueError(f"{file.name} holds contours, which lie in a plane: choose labels or a surface.")
+        raise ValueError(f"{file.name} contains contours, which lie in a plane: choose labels or a surface.")
     if file.suffix.lower() in SURFACES_READABLE or read_overlapping_parts(file):
         surface = load_surface(file, volume)
         if not surface.closed:
@@ -123,13 +123,13 @@ def _read_fitting_contours(file: Path, plane: PlaneInfo, shape: tuple[int, int])
     """Read contours; ValueError unless they fit into the image."""
     found, (rows, cols) = read_contours(file, plane), shape
     if not found.contours:
-        raise ValueError(f"{file.name} holds single points, and no lines to compare with: choose other contours.")
+        raise ValueError(f"{file.name} contains single points, and no lines to compare with: choose other contours.")
     _check_truth_size(file.name, found.shape or shape, shape)
     beyond = np.concatenate([contour.points for contour in found.contours])
     if beyond.min() < -0.5 - _MAX_OVERHANG or (beyond > np.array([rows, cols]) - 0.5 + _MAX_OVERHANG).any():
         raise ValueError(
             f"{file.name} has contours that reach out of the image of {rows} x {cols} px: choose the ground truth "
-            "of this very image, in pixels of it."
+            "of this image, in its pixels."
         )
     return found.contours
 
@@ -139,5 +139,5 @@ def _check_truth_size(name: str, found: Sequence[int], wanted: tuple[int, int]) 
     if tuple(found) != wanted:
         raise ValueError(
             f"{name} is for an image of {found[0]} x {found[1]} px, but this image has {wanted[0]} x {wanted[1]} px: "
-            "choose the ground truth of this very image."
+            "choose the ground truth of this image."
         )

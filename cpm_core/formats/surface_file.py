@@ -82,8 +82,8 @@ def load_surface(
     Raises
     ------
     ValueError
-        When the file cannot be read, holds no triangles, or none in the volume; one sentence with its name and what to
-        do.
+        When the file cannot be read, contains no triangles, or none in the volume; one sentence with its name and what
+        to do.
 
     Examples
     --------
@@ -123,10 +123,10 @@ def decode_surface(
         surface = replace(surface, faces=surface.faces[:, ::-1])
     used = surface.vertices[np.unique(surface.faces)]
     if not len(used):
-        raise ValueError(f"{name} holds no triangles: choose another file.")
+        raise ValueError(f"{name} contains no triangles: choose another file.")
     if image is not None and not ((used >= -0.5) & (used <= np.array(image.shape) - 0.5)).all(axis=1).any():
         raise ValueError(
-            f"The surface of {name} lies outside the volume {image.source}: choose the surface of this very volume, in "
+            f"The surface of {name} lies outside the volume {image.source}: choose the surface of this volume, in "
             "its unit, and say whether it is in LPS or RAS."
         )
     return surface, notes
@@ -213,12 +213,12 @@ def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Ar
         aside = np.abs(lies - np.eye(4))[:3]
         if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > most:
             raise ValueError(
-                f"{name} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
+                f"{name} lies elsewhere in space than {volume.source}: choose the labels of this volume, or "
                 "save them without a place, as .npy or .tif."
             )
     if values.shape != into[part].shape:
         has, wanted = (" x ".join(map(str, shape)) for shape in (labels.values.shape, volume.shape))
         raise ValueError(
-            f"{name} has {has} voxels, but this volume has {wanted}: choose the labels of this very volume."
+            f"{name} has {has} voxels, but this volume has {wanted}: choose the labels of this volume."
         )
     into[part] += values

@@ -282,7 +282,7 @@ def encode_descriptions(result: ExportableResult, path: Path, *, outlines: bool 
     beside = path.with_name(path.name[: -len(suffix)] + itk_snap.DESCRIPTION_SUFFIX)
     if named and beside.exists() and not itk_snap.read_label_description(beside):
         raise ValueError(
-            f"The names of the labels of {path.name} belong into {beside.name}, but this is another file: "
+            f"The names of the labels of {path.name} go into {beside.name}, but this is another file: "
             "choose another name for the labels."
         )
     return [(beside, itk_snap.encode_label_description(named))] if named else []
@@ -366,12 +366,12 @@ def to_bytes(
         result = result.lines
     if isinstance(result, Centerlines):
         if not form.lines:
-            raise ValueError(f'A file with the suffix "{suffix}" holds no center lines in a volume: choose .swc.')
+            raise ValueError(f'A file with the suffix "{suffix}" contains no center lines in a volume: choose .swc.')
     elif form.lines:
         raise ValueError(f"{result.source} has no center lines in a volume, which {suffix} is for: find its skeleton.")
     elif isinstance(result, Result) and result.surface is not None and not form.volume:
         raise ValueError(
-            f'{result.source} is a volume, but a file with the suffix "{suffix}" holds what lies in a plane: '
+            f'{result.source} is a volume, but a file with the suffix "{suffix}" contains what lies in a plane: '
             f"choose one of {', '.join(VOLUMES_WRITABLE)}."
         )
     if not isinstance(result, Centerlines):

@@ -75,7 +75,7 @@ class Regions:
         for number, polygon in enumerate(self.interest, start=1):
             if not pixels_in_polygon(polygon, shape).any():
                 raise ValueError(
-                    f"region of interest {number} holds no pixel of the image ({format_size(shape, 'pixels')}): "
+                    f"region of interest {number} contains no pixel of the image ({format_size(shape, 'pixels')}): "
                     "draw it inside the image, around an object."
                 )
 

@@ -310,7 +310,7 @@ class VolumeRegions:
         for number, limit in enumerate(self.interest, start=1):
             if not _fill_limits((limit,), shape, _fill_box).any():
                 raise ValueError(
-                    f"region of interest {number} holds no voxel of the volume ({size} voxels): "
+                    f"region of interest {number} contains no voxel of the volume ({size} voxels): "
                     "place it inside the volume, around an object."
                 )
 

@@ -47,14 +47,14 @@ def closed_outlines(within: Contours | ArrayLike, shape: Extent) -> tuple[Contou
         padded = np.pad(mask.astype(float), 1)
         found = tuple(Contour(line[:-1] - 1.0, closed=True) for line in find_contours(padded, 0.5))  # type: ignore[no-untyped-call]
     if not found:
-        raise ValueError("there is no closed outline to find the skeleton of: choose an object or a closed contour.")
+        raise ValueError("there is no closed outline to find the skeleton of: select an object or a closed contour.")
     return found
 
 
 def check_mask(within: Contours | ArrayLike, shape: Extent) -> Mask:
     """Check that a mask has the shape of an image or a volume, else raise ValueError."""
     if isinstance(within, Sequence) and any(isinstance(one, Contour) for one in within):
-        raise ValueError("within holds contours, which lie in a plane: give a mask in a volume.")
+        raise ValueError("within contains contours, which lie in a plane: give a mask in a volume.")
     mask = as_real_array(cast("ArrayLike", within)) != 0.0
     if mask.shape != shape:
         raise ValueError(f"within has the shape {mask.shape}, but the image {shape}: give a mask of that shape.")

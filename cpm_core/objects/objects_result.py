@@ -98,7 +98,7 @@ def boundaries_result(
         None,
         0,
         True,
-        "the objects have been chosen",
+        "the objects have been selected",
         shape,
         spacing,
         unit,

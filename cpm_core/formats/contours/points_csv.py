@@ -80,7 +80,7 @@ def load_points(path: AnyPath, axes: int = 2) -> Array:
             columns = tuple(names.index(name) for name in wanted)
             lines = lines[1:]
     if not lines:
-        raise ValueError(f"{file.name} holds no points: give a row and a column on each line.")
+        raise ValueError(f"{file.name} contains no points: give a row and a column on each line.")
     return np.array([_parse_point(file.name, number, cells, columns) for number, cells in lines])
 
 

@@ -104,7 +104,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
     name = make_printable(path.name)
     frames, damaged = read_frames(path)
     if not frames:
-        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
+        raise UnreadableError(f"{name} contains no DICOM image: choose another file or folder.")
 
     groups = group_series(frames, name, partial(decode_frames, name))
     series = sorted((one for group in groups for one in group), key=lambda one: (one.series, -one.shape[0]))
@@ -209,7 +209,7 @@ def _unpack_pixels(dataset: Any, frame: DicomFrame, name: str) -> Numbers:
     from pydicom.pixels.utils import pixel_array
 
     if not any(kind in dataset for kind in _PIXEL_ENTRIES):
-        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
+        raise UnreadableError(f"{name} contains no DICOM image: choose another file or folder.")
     try:
         return np.asarray(pixel_array(dataset, index=frame.index))
     except Exception as error:  # decoders raise exceptions of any kind; another package may be able to decode it

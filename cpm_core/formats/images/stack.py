@@ -242,8 +242,8 @@ def find_data_file(header: Path, named: str) -> Path:
     data = header.parent / place
     if "\0" in named or place.is_absolute() or ".." in place.parts or not data.is_file():
         raise UnreadableError(
-            f"{header.name} keeps its values in {quote_value(place.name)}, which is not one file beside it: put both "
-            "in one folder, or save it as one file."
+            f"{header.name} keeps its values in {quote_value(place.name)}, which is not a single file next to it: "
+            "put both in one folder, or save it as one file."
         )
     return data
 

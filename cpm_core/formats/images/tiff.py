@@ -154,7 +154,7 @@ def _decode_pages(series: tifffile.TiffPageSeries, numbers: Index, name: str) ->
     pages, keyframe = series.pages, series.keyframe
     whole = [pages[int(number)] for number in numbers] if len(pages) > int(numbers.max()) else []
     if any(page is None for page in whole):
-        raise UnreadableError(f"{name} keeps pages in other files that are missing: put them beside it.")
+        raise UnreadableError(f"{name} keeps pages in other files that are missing: put them next to it.")
     complete = [page for page in whole if isinstance(page, tifffile.TiffPage)]
     if whole and keyframe.imagedepth == 1 and len(complete) == len(whole):
         return stack_planes([_decode_page(page, _read_stored_pixels(page, name), name) for page in complete])

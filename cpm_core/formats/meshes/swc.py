@@ -145,7 +145,7 @@ def load_centerlines(
             same[k] = min(others)
     branches = _trace_branches(points, radii, [(int(same[a]), int(same[b])) for a, b in links if same[a] != same[b]])
     if not branches:
-        raise ValueError(f"{file.name} holds single points and no lines: choose a file with lines.")
+        raise ValueError(f"{file.name} contains single points and no lines: choose a file with lines.")
     for note in notes:
         warn(f"{file.name}: {note}")
     geometry = None if image is None else image.geometry
@@ -164,7 +164,7 @@ def _parse_rows(text: str, name: str) -> Array:
             f"{quote_value(str(error))}: write it again."
         ) from error
     if not len(rows) or not np.isfinite(rows).all():
-        raise ValueError(f"{name} holds no center lines: choose a file of SWC.")
+        raise ValueError(f"{name} contains no center lines: choose a file of SWC.")
     return np.asarray(rows)
 
 

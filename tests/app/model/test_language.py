@@ -25,7 +25,7 @@ SOURCES = sorted((ROOT / "app").rglob("*.py"))
 
 SHOWING = {
     "setText", "setToolTip", "setWindowTitle", "setStatusTip", "setAccessibleName", "setAccessibleDescription",
-    "setPlaceholderText", "setHtml", "setSuffix", "setPrefix", "setSpecialValueText", "say", "busy", "addAction",
+    "setPlaceholderText", "setHtml", "setSuffix", "setPrefix", "setSpecialValueText", "show", "set_busy", "addAction",
     "addMenu", "addItem", "addTab", "QLabel", "QPushButton", "QCheckBox", "QAction", "QGroupBox", "QRadioButton",
     "QToolBar", "QDockWidget", "getOpenFileName", "getSaveFileName", "getText", "getItem", "Section",
 }  # fmt: skip

@@ -49,7 +49,7 @@ def test_all_methods_are_compared_unless_some_are_named(image, told):
     assert [row["method"] for row in rows] == list(CONTOUR_METHODS)
     assert {row["steps"] for row in rows} == {1}
     reasons = {row["method"]: row["stop_reason"] for row in rows}
-    assert reasons["cpm"] == "stopped after 1 step, as asked"
+    assert reasons["cpm"] == "stopped after 1 step, as requested"
 
 
 def test_the_contours_of_each_method_are_written_in_the_formats_of_runs(image, command, tmp_path):

@@ -85,7 +85,7 @@ def test_a_run_is_compared_with_a_truth(found, disk, command, told, tmp_path):
     agreed = told(*run, tmp_path / "mask.png")["truth"]
     assert agreed["source"] == "mask.png"
     assert agreed["dice"] > 0.98
-    assert "Beside a.json: Dice 1.000" in command(*run, tmp_path / "a.json")[1]
+    assert "Compared with a.json: Dice 1.000" in command(*run, tmp_path / "a.json")[1]
 
 
 @pytest.fixture(scope="module")

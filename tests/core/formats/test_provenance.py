@@ -196,7 +196,7 @@ def test_a_run_on_a_file_has_the_hash_of_its_bytes(tmp_path):
         "sha256": hashlib.sha256((tmp_path / "disk.png").read_bytes()).hexdigest(),
     }
     assert facts["seeds"] == len(circle((32, 32), 10))
-    assert (facts["scale"], facts["steps"], facts["stop_reason"]) == (0, 3, "stopped after 3 steps, as asked")
+    assert (facts["scale"], facts["steps"], facts["stop_reason"]) == (0, 3, "stopped after 3 steps, as requested")
     assert facts["parameters"]["beta"] == 0.7
     assert (facts["program"], facts["version"]) == ("CPM", cpm_core.__version__)
 

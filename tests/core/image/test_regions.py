@@ -236,5 +236,5 @@ def test_what_is_no_region_is_refused(interest, lines, words):
 )
 def test_a_region_without_a_pixel_of_the_image_is_refused(polygon):
     around = ((1, 1), (1, 50), (50, 50))
-    with pytest.raises(ValueError, match=r"region of interest 2 holds no pixel of the image \(56 x 60 pixels\)"):
+    with pytest.raises(ValueError, match=r"region of interest 2 contains no pixel of the image \(56 x 60 pixels\)"):
         Engine(SCENE.values, Parameters(), Regions((around, polygon)))

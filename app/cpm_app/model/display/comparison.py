@@ -72,7 +72,7 @@ def plan_parameter_trials(parameters: Parameters, axes: Sequence[TrialAxis]) -> 
 def plan_method_trials(compared: MethodComparison, parameters: Parameters) -> tuple[Trial, ...]:
     """Plan a run of each selected method; ValueError when there is none."""
     if not compared.methods:
-        raise ValueError(tr("Choose at least one method."))
+        raise ValueError(tr("Select at least one method."))
     return tuple(
         Trial(
             translate_core_text(method.title),

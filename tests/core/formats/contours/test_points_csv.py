@@ -22,8 +22,8 @@ def test_points_are_rows_and_columns_with_or_without_a_header(tmp_path, text):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "p.csv holds no points"),
-        ("row,col\n\n", "p.csv holds no points"),
+        ("", "p.csv contains no points"),
+        ("row,col\n\n", "p.csv contains no points"),
         ("1,2\n3\n", 'Line 2 of p.csv is "3"'),
         ("1,2\n\n3,x\n", 'Line 3 of p.csv is "3,x"'),
         ("1,nan\n", 'Line 1 of p.csv is "1,nan"'),

@@ -48,10 +48,10 @@ def test_channels_and_colors_are_told_apart(tmp_path):
         ({"DimSize": "14 12 -10"}, "is damaged"),
         ({"NDims": 4}, "has 3 axes"),
         ({"ElementType": "MET_STRANGE"}, "is damaged"),
-        ({"beside": "/dev/zero"}, "is not one file beside it"),
-        ({"beside": "../a.raw"}, "is not one file beside it"),
-        ({"beside": "LIST"}, "is not one file beside it"),
-        ({"beside": "slice%03d.raw"}, "is not one file beside it"),
+        ({"beside": "/dev/zero"}, "is not a single file next to it"),
+        ({"beside": "../a.raw"}, "is not a single file next to it"),
+        ({"beside": "LIST"}, "is not a single file next to it"),
+        ({"beside": "slice%03d.raw"}, "is not a single file next to it"),
     ],
 )
 def test_what_cannot_be_read_is_said_in_one_sentence(tmp_path, entries, words):

@@ -199,8 +199,8 @@ def test_what_was_assumed_of_a_tree_is_told(tmp_path, caplog):
         ("1 0 0 0 0 1 -1\n2 0 x 0 0 1 1\n", r"line that is not seven numbers .*could not convert string 'x'"),
         ("1 0 0 0 0 1 -1\n2 0 1 0 0 1 9\n", r"point without its parent"),
         ("1 0 0 0 0 1 -1\n1 0 1 0 0 1 1\n", r"two points of the same number"),
-        ("1 0 0 0 0 1 -1\n", r"holds single points and no lines"),
-        ("# nothing\n", r"holds no center lines"),
+        ("1 0 0 0 0 1 -1\n", r"contains single points and no lines"),
+        ("# nothing\n", r"contains no center lines"),
     ],
 )
 def test_a_damaged_tree_is_refused_in_a_sentence(text, sentence, tmp_path):

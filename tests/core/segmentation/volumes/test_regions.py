@@ -249,7 +249,7 @@ def test_other_regions_act_at_the_next_step():
         (lambda: cpm.Engine(ball(), VOLUME, cpm.VolumeRegions([WALL[1:]])), "has 13 x 26 x 27 voxels but must have"),
         (
             lambda: cpm.Engine(ball(), VOLUME, cpm.VolumeRegions([((20, 0, 0), (30, 9, 9))])),
-            "region of interest 1 holds no voxel of the volume",
+            "region of interest 1 contains no voxel of the volume",
         ),
         (
             lambda: cpm.Engine(ball(), VOLUME, cpm.VolumeRegions([((0, 0, 0), (1, 1, 1))])),

@@ -49,18 +49,18 @@ def test_lines_of_geojson_are_open_contours(tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "sentence"),
     [
-        ("a.json", "{", "is damaged or holds no contours"),
-        ("a.json", "3", "is damaged or holds no contours"),
-        ("a.json", {"type": "Sphere"}, "is damaged or holds no contours"),
+        ("a.json", "{", "is damaged or contains no contours"),
+        ("a.json", "3", "is damaged or contains no contours"),
+        ("a.json", {"type": "Sphere"}, "is damaged or contains no contours"),
         ("a.json", {"shapes": [{"shape_type": "polygon", "points": [1], "label": ""}]}, "is damaged"),
-        ("a.json", {"images": [], "annotations": []}, "holds no contours"),
-        ("a.geojson", {"type": "FeatureCollection", "features": []}, "holds no contours"),
+        ("a.json", {"images": [], "annotations": []}, "contains no contours"),
+        ("a.geojson", {"type": "FeatureCollection", "features": []}, "contains no contours"),
         ("a.geojson", {"type": "LineString", "coordinates": [[1, "x"], [2, 3]]}, "is damaged"),
         ("a.geojson", '{"type": "LineString", "coordinates": [[1, NaN], [2, 3]]}', "not finite numbers"),
         ("a.csv", "row,col\n1,2\n", "has no column closed or contour"),
         ("a.csv", "", "has no column"),
         ("a.csv", "contour,closed,row,col\n1,TRUE,x,2\n", "is damaged"),
-        ("a.csv", "contour,closed,row,col\n1,TRUE,1,2\n", "holds no contours"),
+        ("a.csv", "contour,closed,row,col\n1,TRUE,1,2\n", "contains no contours"),
     ],
 )
 def test_files_without_contours_are_refused_in_a_sentence_that_names_them(tmp_path, name, content, sentence):
@@ -76,7 +76,7 @@ def chunk(kind, body):
 def test_a_selection_without_vertices_is_told_and_compared_with_nothing(tmp_path):
     content = bytearray(ImagejRoi(version=228, roitype=ROI_TYPE.POLYLINE, left=2, top=3, right=9, bottom=8).tobytes())
     (tmp_path / "a.roi").write_bytes(content)
-    with pytest.raises(ValueError, match=r"^a.roi holds no contours"):
+    with pytest.raises(ValueError, match=r"^a.roi contains no contours"):
         load_contours(tmp_path / "a.roi")
-    with pytest.raises(ValueError, match=r"^a.roi holds no contours"):
+    with pytest.raises(ValueError, match=r"^a.roi contains no contours"):
         load_truth(tmp_path / "a.roi", (20, 20))
