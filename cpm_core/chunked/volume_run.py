@@ -26,6 +26,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.pyramid import build_pyramid
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above
 from cpm_core.model.volume.starts import seeds_everywhere
+from cpm_core.model.volume.state import VolumeState
 from cpm_core.numerics.grids import relative_window
 from cpm_core.numerics.types import Array, Index, Single, frozen
 from cpm_core.parameters import Parameters
@@ -54,11 +55,11 @@ class ChunkedVolume:
 
     Attributes
     ----------
-    task : Task
+    task : ChunkedTask
         The run.
-    grid : Grid
+    grid : ChunkGrid
         The chunks.
-    statistics : Whole
+    statistics : ImageStatistics
         Statistics of the whole volume.
     """
 
@@ -207,7 +208,8 @@ def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[LocalThresholds,
     for _ in run:
         pass
     state = run.moment.state
-    points = state.position[state.particles.surface_contact.on_surface]
+    assert isinstance(state, VolumeState)
+    points = state.position[state.particles.on_surface]
     if not len(points):
         return nothing
     levels, normals = find_local_thresholds(field.smoothed, field.edges, points, volume.voxel_sides, field.smoothing)

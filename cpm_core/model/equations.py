@@ -6,13 +6,11 @@ dimensions.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from cpm_core.model.state import HISTORY_STEPS, Particles
+from cpm_core.model.state import HISTORY_STEPS
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
 COULOMB_SOFTNESS = 0.5
@@ -211,32 +209,3 @@ INSERTION_STRIDE = 0.9
 
 INSERTION_ROOM = 0.8
 """Least distance of a position ahead of a particle from all others, in d_min."""
-
-
-class MovedParticles(NamedTuple):
-    """Particles after a step, and the distance that each of them has moved [px], shape (N,)."""
-
-    particles: Particles
-    motion: Array
-
-    @classmethod
-    def allocate(cls, particles: Particles) -> MovedParticles:
-        """Allocate the result of a step; the identities are those of the particles."""
-        after = Particles(
-            np.empty_like(particles.position),
-            np.empty_like(particles.velocity),
-            np.empty_like(particles.force),
-            np.empty_like(particles.distance),
-            particles.identity,
-        )
-        return cls(after, np.empty(len(particles)))
-
-    def select(self, index: Index) -> MovedParticles:
-        """Select the particles with the given indices, shape (M,), in this order."""
-        return MovedParticles(self.particles.replace_particles(index), self.motion[index])
-
-    @classmethod
-    def held_at(cls, particles: Particles, start: Array) -> MovedParticles:
-        """Return particles that barriers held back on their way from `start`, shape (N, D)."""
-        particles.distance[:, 0] = np.linalg.norm(particles.position, axis=1)
-        return cls(particles, np.linalg.norm(particles.position - start, axis=1))

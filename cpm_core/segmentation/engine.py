@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from types import MappingProxyType
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,13 +20,14 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.model import interventions
-from cpm_core.model.coverage import no_coverage, no_surface_coverage
 from cpm_core.model.image_fields import FieldMeasure, ImageFields
 from cpm_core.model.measures import Energies, Forces, kinetic_energy
 from cpm_core.model.plane import step as plane
+from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.starts import check_seeds
-from cpm_core.model.state import Particles, SpaceState, State
+from cpm_core.model.state import State
 from cpm_core.model.volume import step as volume
+from cpm_core.model.volume.state import VolumeState
 from cpm_core.numerics.types import Array, Texts
 from cpm_core.parameters import PARAMETERS, SKELETON_PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
@@ -39,17 +40,22 @@ from cpm_core.segmentation.reach.reach_map import ReachMap
 
 
 class _Law(NamedTuple):
-    """Step, forces and energies of a run; fields are a `ScaleField` in the plane and a `VolumeField` in a volume."""
+    """States, step, forces, energies and result of a run.
 
+    Fields are a `ScaleField` in the plane and a `VolumeField` in a volume.
+    """
+
+    state: type[State]
     step: Callable[..., State]
     forces: Callable[..., Forces]
     energies: Callable[..., Energies]
+    result: Callable[..., Result]
 
 
 _LAW_BY_AXES: Mapping[int, _Law] = MappingProxyType(
     {
-        2: _Law(plane.step_in_plane, plane.plane_forces, plane.plane_energies),
-        3: _Law(volume.step_in_volume, volume.volume_forces, volume.volume_energies),
+        2: _Law(PlaneState, plane.step_in_plane, plane.plane_forces, plane.plane_energies, find_state_contours),
+        3: _Law(VolumeState, volume.step_in_volume, volume.volume_forces, volume.volume_energies, find_state_surface),
     }
 )
 """Law of a run by the number of axes of its image."""
@@ -71,17 +77,21 @@ class Engine(ImageFields):
     <Result disk, 1 contour (1 closed), 82 particles, at rest after 101 steps>
     >>> engine.forces(state, cpm.Parameters())
     <Forces on 82 particles>
-    >>> engine.measures(state, cpm.Parameters())["count"] == state.count
+    >>> engine.measure_state(state, cpm.Parameters())["count"] == state.count
     True
-    >>> engine.energies(state, cpm.Parameters()).kinetic < 1e-3, engine.positions(state).shape == state.position.shape
-    (True, True)
-    >>> engine.joined(state, [(10, 10)]).count - state.count
+    >>> engine.energies(state, cpm.Parameters()).kinetic < 1e-3
+    True
+    >>> engine.display_positions(state).shape == state.position.shape
+    True
+    >>> engine.add_particles(state, [(10, 10)]).count - state.count
     1
-    >>> engine.erased(state, state.position[:, 0] < 32).count < state.count
+    >>> engine.erase_particles(state, state.position[:, 0] < 32).count < state.count
     True
-    >>> engine.suits(cpm.Parameters()), engine.scales, engine.steering(cpm.Parameters()) == cpm.Parameters().steering
-    (True, 3, True)
-    >>> edges, force = engine.edge_map(cpm.Parameters()), engine.field(cpm.Parameters())
+    >>> engine.can_start(cpm.Parameters()), engine.scales
+    (True, 3)
+    >>> engine.steering(cpm.Parameters()) == cpm.Parameters().steering
+    True
+    >>> edges, force = engine.edge_map(cpm.Parameters()), engine.force_field(cpm.Parameters())
     >>> edges.shape, force.shape, engine.potential(cpm.Parameters()).shape
     ((64, 64), (2, 64, 64), (64, 64))
     >>> engine.scale_field(cpm.Parameters()).edge_map.shape, engine.reach_map(state.start, cpm.Parameters()) is None
@@ -144,9 +154,7 @@ class Engine(ImageFields):
             When there is no particle, or none inside the image and the regions of interest.
         """
         points = check_seeds(seeds, self.image.shape, self.regions)
-        space = SpaceState(self._pitch, no_surface_coverage()) if self.image.ndim == 3 else None
-        none, nowhere = Particles.at_rest(points[:0]), no_coverage(())
-        first = State(none, points, self.image.shape, self.scales, nowhere, regions=self.regions, space=space)
+        first = self._law.state.from_seeds(points, self.image, self.scales, self.regions)
         return thin_seeds(interventions.start_scale(first, self.scales - 1, self.regions))
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
@@ -161,7 +169,7 @@ class Engine(ImageFields):
             particles.
         charges : sequence of PlacedCharge, optional
             Effective at once. One that is added, removed or moved reactivates the particles within its old and new
-            reach; a run that has ended continues once its state is `State.resume`.
+            reach; a run that has ended continues from `State.resume`.
 
         Returns
         -------
@@ -171,7 +179,7 @@ class Engine(ImageFields):
         """
         if state.stop_reason:
             return state
-        state = interventions.widen_window(interventions.apply_interventions(state, self.regions, parameters, charges))
+        state = interventions.apply_interventions(state, self.regions, parameters, charges).widen_window()
         field = self._field_with(self._field_of(state, parameters), state.scale, state.charges)
         after = self._law.step(state, field, self.regions, parameters)
         if after.scale == state.scale:
@@ -282,15 +290,11 @@ class Engine(ImageFields):
         Result
             In px of the image.
         """
-        field: Any = self._field_of(state, parameters)
-        if self.image.ndim == 3:
-            found = find_state_surface(state, self.image, field, parameters)
-        else:
-            found = find_state_contours(state, self.image, field, parameters, self.reach_map)
+        found = self._law.result(state, self.image, self._field_of(state, parameters), parameters, self.reach_map)
         return replace(found, provenance=_build_provenance(self.image, state, parameters))
 
     def measure_state(self, state: State, parameters: Parameters) -> Mapping[str, float]:
-        """Return the metrics of a state by name; see `Method.measures`."""
+        """Return the metrics of a state by name; see `Method.measure_state`."""
         metrics = {name: float(getattr(state, attribute)) for name, attribute in _ATTRIBUTE_OF_METRIC.items()}
         return metrics | {"kinetic": kinetic_energy(state)}
 

@@ -20,6 +20,7 @@ from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.model.coverage import COVERAGE_CELL, COVERAGE_REACH, NEVER_COVERED, Coverage, cell_of
 from cpm_core.model.equations import IDLE_STEPS
 from cpm_core.model.interventions import allowed_places
+from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.state import State
 from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.jit import compiled
@@ -44,8 +45,10 @@ def thin_seeds(state: State) -> State:
 
     A finer scale begins with the others.
     """
+    if not isinstance(state, PlaneState) or math.prod(state.shape) <= _MIN_THINNED_PIXELS:
+        return state
     cells = state.coverage.found.shape
-    if len(state.shape) != 2 or math.prod(state.shape) <= _MIN_THINNED_PIXELS or state.count <= math.prod(cells):
+    if state.count <= math.prod(cells):
         return state
     place = np.ravel_multi_index(tuple(_cell_indices(state.particles.position, cells)), cells)
     return replace(state, particles=state.particles.select(np.sort(np.unique(place, return_index=True)[1])))
@@ -61,7 +64,7 @@ def begin_scale(state: State, field: ScaleField) -> State:
     All seeds stay where an edge that is not explained has none near it: particles may come to it from afar. They also
     stay in a small image in which they are not everywhere.
     """
-    if len(state.shape) != 2:
+    if not isinstance(state, PlaneState):
         return state
     first = state.count - len(allowed_places(state.start, state.scale, state.shape, state.regions))
     place = state.particles.position

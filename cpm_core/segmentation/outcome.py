@@ -13,7 +13,9 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
+from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.state import State
+from cpm_core.model.volume.state import VolumeState
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
@@ -39,7 +41,7 @@ def build_result(state: State, image: Image, parameters: Parameters, **found: An
 
 
 def find_state_contours(
-    state: State,
+    state: PlaneState,
     image: Image,
     field: ScaleField,
     parameters: Parameters,
@@ -68,21 +70,18 @@ def find_state_contours(
     return build_result(state, image, parameters, contours=contours, surface=None, bridges=bridges)
 
 
-def find_state_surface(state: State, image: Image, field: VolumeField, parameters: Parameters) -> Result:
+def find_state_surface(
+    state: VolumeState, image: Image, field: VolumeField, parameters: Parameters, _map_of: object
+) -> Result:
     """Find the surface through the particles on surfaces of a state, in voxels; it ends at walls."""
     from cpm_core.reconstruction.surface.pipeline import find_surface  # noqa: PLC0415 - loads scipy.spatial
 
     particles, scale = state.particles, state.scale
-    assert state.space is not None
-    points = particles.position[particles.surface_contact.on_surface] / state.space.pitch
-    shut = None
-    if field.walls is not None:
-        shut = field.walls.find_shut_voxels(
-            field.shape, field.pitch, particles.position[particles.surface_contact.on_surface]
-        )
+    points = particles.position[particles.on_surface]
+    shut = None if field.walls is None else field.walls.find_shut_voxels(field.shape, field.pitch, points)
     spacing = tuple(side * 2.0**scale for side in image.spacing)
     fields = field.smoothed, field.edges
-    surface = find_surface(*fields, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)
+    surface = find_surface(*fields, points / state.pitch, spacing, image.unit, smoothing=field.smoothing, shut=shut)
     if scale:
         surface = replace(surface, vertices=to_image(surface.vertices, scale, image.shape), spacing=image.spacing)
     return build_result(state, image, parameters, contours=(), surface=surface)

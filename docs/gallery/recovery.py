@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from cpm_core.contours.agreement import compare_boundaries
 from cpm_core.model.plane import step as plane
+from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.plane.step import insert_and_delete
-from cpm_core.model.state import State
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
@@ -63,10 +62,10 @@ class _Constant(Engine):
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
-        self._laws = SimpleNamespace(stepped=partial(plane.step_in_plane, populate=_unchanged))
+        self._law = self._law._replace(step=partial(plane.step_in_plane, populate=_unchanged))
 
 
-def _unchanged(state: State, *rest: Any) -> State:
+def _unchanged(state: PlaneState, *rest: Any) -> PlaneState:
     """Return the coverage of a step with insertion and deletion, and the particles before them."""
     after = insert_and_delete(state, *rest)
     return replace(after, particles=state.particles, born=0, deleted=state.deleted)

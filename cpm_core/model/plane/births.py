@@ -14,7 +14,7 @@ with those that stay.
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_ROOM, INSERTION_STRIDE
 from cpm_core.model.plane.motion import READ_AHEAD_COUNT, edge_state_at, prefetch_field
 from cpm_core.model.plane.repulsion import PlaneCells, cells_around, row_of_cells
+from cpm_core.model.state import HISTORY_STEPS, Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single, record
@@ -43,7 +44,7 @@ class EdgeContact:
         Which are on an edge; see `is_on_edge`.
     normal : ndarray, shape (N, 2)
         Image gradient at each.
-    cells : Cells
+    cells : PlaneCells
         The particles sorted into cells, for neighbors up to a distance.
     """
 
@@ -494,3 +495,40 @@ def _insert_apart(cells: PlaneCells, offers: _Offers, d_min: float, position: Ar
             newest[row * cells.cols + col] = born
             born += 1
     return born
+
+
+def replace_particles(particles: Particles, stay: Index, births: PlaneBirths, first_identity: int) -> Particles:
+    """Return the particles with the indices `stay`, in this order, and the new ones, numbered from `first_identity`.
+
+    New ones have the mean velocity and force history of their two parents.
+    """
+    before = particles.position, particles.velocity, particles.force, particles.distance, particles.identity
+    count = len(stay) + len(births.position)
+    after: Any = [np.empty((count, *array.shape[1:]), array.dtype) for array in before]
+    _write_replaced(before, stay, births.position, births.parents, first_identity, tuple(after))
+    return Particles(*after)
+
+
+@compiled
+def _write_replaced(
+    before: tuple[Array, Array, Array, Array, Index],
+    stay: Index,
+    position: Array,
+    parents: Index,
+    first: int,
+    after: tuple[Array, Array, Array, Array, Index],
+) -> None:
+    """Write the arrays of the particles that replace others."""
+    place, velocity, force, distance, identity = before
+    to_place, to_velocity, to_force, to_distance, to_identity = after
+    for n in range(len(to_place)):
+        born = n - len(stay)
+        i, j = (stay[n], stay[n]) if born < 0 else (parents[born, 0], parents[born, 1])
+        for axis in range(2):
+            to_place[n, axis] = place[i, axis] if born < 0 else position[born, axis]
+            to_velocity[n, axis] = 0.5 * (velocity[i, axis] + velocity[j, axis])
+            for t in range(2):
+                to_force[n, t, axis] = 0.5 * (force[i, t, axis] + force[j, t, axis])
+        for t in range(HISTORY_STEPS):
+            to_distance[n, t] = distance[i, t] if born < 0 else np.nan
+        to_identity[n] = identity[i] if born < 0 else first + born

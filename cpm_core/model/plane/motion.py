@@ -21,7 +21,6 @@ from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import (
     FADED_STEPS,
     FINAL_DAMPING_STEPS,
-    MovedParticles,
     advance_coordinate,
     coulomb_scale,
     damped_series,
@@ -32,6 +31,7 @@ from cpm_core.model.equations import (
 from cpm_core.model.plane.repulsion import (
     NO_MESH,
     VECTOR_LANES,
+    MeshForce,
     PlaneCells,
     build_plane_cells,
     count_mesh_nodes,
@@ -41,7 +41,8 @@ from cpm_core.model.plane.repulsion import (
     pair_sums,
     two_nearest_of_many,
 )
-from cpm_core.model.state import HISTORY_STEPS, MESH_INTERVAL, MeshForce, Particles, State
+from cpm_core.model.plane.state import PlaneState
+from cpm_core.model.state import HISTORY_STEPS, Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.segments import segments_meet, side_of_line
@@ -135,7 +136,11 @@ _LATE_MOVED_PER_THREAD = 4000
 """Particles from which a second thread makes the step faster later."""
 
 
-def current_mesh_force(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
+MESH_INTERVAL = 4
+"""Steps for which the force on a mesh is used: during these, particles move by a small part of its reach."""
+
+
+def current_mesh_force(state: PlaneState, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
     """Return the mesh of the step after a state: the present one, or a new one every `MESH_INTERVAL` steps.
 
     There is none where summing all pairs is faster, or the repulsion has faded for all particles. `idle`, shape (N,),
@@ -148,6 +153,35 @@ def current_mesh_force(state: State, idle: Index, scale_field: ScaleField, param
     if repelled * state.count < _PAIRS_PER_NODE * count_mesh_nodes(scale_field.shape, reach):
         return NO_MESH
     return mesh_force(state.particles.position, scale_field.shape, reach)
+
+
+class MovedParticles(NamedTuple):
+    """Particles after a step, and the distance that each of them has moved [px], shape (N,)."""
+
+    particles: Particles
+    motion: Array
+
+    @classmethod
+    def allocate(cls, particles: Particles) -> MovedParticles:
+        """Allocate the result of a step; the identities are those of the particles."""
+        after = Particles(
+            np.empty_like(particles.position),
+            np.empty_like(particles.velocity),
+            np.empty_like(particles.force),
+            np.empty_like(particles.distance),
+            particles.identity,
+        )
+        return cls(after, np.empty(len(particles)))
+
+    def select(self, index: Index) -> MovedParticles:
+        """Select the particles with the given indices, shape (M,), in this order."""
+        return MovedParticles(self.particles.select(index), self.motion[index])
+
+    @classmethod
+    def held_at(cls, particles: Particles, start: Array) -> MovedParticles:
+        """Return particles that barriers held back on their way from `start`, shape (N, D)."""
+        particles.distance[:, 0] = np.linalg.norm(particles.position, axis=1)
+        return cls(particles, np.linalg.norm(particles.position - start, axis=1))
 
 
 def move_in_plane(

@@ -23,7 +23,6 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.model.coverage import cell_of, sort_by_cell
-from cpm_core.model.state import MeshForce
 from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.parallel import count_cores
 from cpm_core.numerics.types import Array, Extent, Index, Single
@@ -286,6 +285,31 @@ def spline_weights(place: float) -> tuple[int, float, float, float]:
     node = int(place + 0.5)
     beyond = place - node
     return node - 1, 0.5 * (0.5 - beyond) ** 2, 0.75 - beyond**2, 0.5 * (0.5 + beyond) ** 2
+
+
+class MeshForce(NamedTuple):
+    r"""Smooth part of the Coulomb force on the nodes of a mesh; a plain tuple for the compiled loops.
+
+    Attributes
+    ----------
+    force : ndarray of float32, shape (\*nodes, D)
+        The force; no nodes when the whole force is summed over pairs.
+    first : tuple of float
+        Position of the first node [px].
+    pitch : float
+        Distance of the nodes [px].
+    reach : float
+        Distance R up to which pairs add what the mesh leaves out [px]; infinite when there is no mesh.
+    softening : ndarray of float32, shape (3,)
+        Coefficients of the polynomial that replaces the inverse square up to R, by powers of the squared distance; zero
+        when there is no mesh.
+    """
+
+    force: Single
+    first: tuple[float, ...]
+    pitch: float
+    reach: float
+    softening: Single
 
 
 NO_MESH = MeshForce(np.zeros((0, 0, 2), np.float32), (0.0, 0.0), 1.0, np.inf, np.zeros(3, np.float32))

@@ -20,7 +20,6 @@ from cpm_core.model.equations import (
     MIN_SCALE_STEPS,
     QUIET_STEPS,
     STILL_DISTANCE,
-    MovedParticles,
     damping_coefficient,
     equilibrium_epsilon,
     fast_speed,
@@ -29,11 +28,26 @@ from cpm_core.model.equations import (
 )
 from cpm_core.model.interventions import start_scale
 from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
-from cpm_core.model.plane.births import SearchMasks, examine_contacts, find_insertions, search_range, select_survivors
+from cpm_core.model.plane.births import (
+    SearchMasks,
+    examine_contacts,
+    find_insertions,
+    replace_particles,
+    search_range,
+    select_survivors,
+)
 from cpm_core.model.plane.enclosed_regions import MAX_PLANE_RESEEDINGS, reseeding_places
-from cpm_core.model.plane.motion import current_mesh_force, edge_contact_at, hold_at_barriers, is_at_rest, move_in_plane
+from cpm_core.model.plane.motion import (
+    MovedParticles,
+    current_mesh_force,
+    edge_contact_at,
+    hold_at_barriers,
+    is_at_rest,
+    move_in_plane,
+)
 from cpm_core.model.plane.repulsion import build_plane_cells, pair_energy
-from cpm_core.model.state import HISTORY_STEPS, State
+from cpm_core.model.plane.state import PlaneState
+from cpm_core.model.state import HISTORY_STEPS, Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.numerics.vectors import row_lengths
@@ -59,7 +73,7 @@ _GATHERED_SPEED = 0.02
 """Speed under which a particle has gathered around a charge earlier [px / unit of time]."""
 
 
-def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters) -> Index:
+def idle_steps_of(state: PlaneState, scale_field: ScaleField, parameters: Parameters) -> Index:
     """Return the steps since there was new coverage around each particle, shape (N,), which bring it to rest.
 
     `state` is the one before the step, and `scale_field` includes the placed charges.
@@ -85,7 +99,7 @@ def _count_idle_steps(
     return idle
 
 
-def is_travelling(state: State, parameters: Parameters) -> bool:
+def is_travelling(state: PlaneState, parameters: Parameters) -> bool:
     """Return whether many particles are under way to their first edge, so that a coarser scale is not finished.
 
     A start far from all edges would else be handed on to the finest scale, where noise stops particles that have far
@@ -96,7 +110,7 @@ def is_travelling(state: State, parameters: Parameters) -> bool:
     return bool(np.count_nonzero(speed > fast_speed(parameters)) > _MAX_TRAVELLING_FRACTION * state.count)
 
 
-def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
+def _let_gather(state: PlaneState, scale_field: ScaleField, idle: Index) -> None:
     """Keep the repulsion of particles that gather around an attracting charge off the edges, then fix them (in place).
 
     If the repulsion faded first, they would all move to one position, and all but one would be deleted.
@@ -110,13 +124,13 @@ def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
     idle[near] = np.where(gathered, FINAL_DAMPING_STEPS, 0)
 
 
-def _is_attracted(state: State) -> NDArray[np.bool_]:
+def _is_attracted(state: PlaneState) -> NDArray[np.bool_]:
     """Return a mask, shape (N,), of the particles within reach of a charge that attracts them."""
     attracting = state.placed[state.placed[:, -1] > 0.0]
     return near_charges(attracting, charge_radius_at(state.scale), state.particles.position)
 
 
-def reseed_enclosed(state: State, scale_field: ScaleField) -> State | None:
+def reseed_enclosed(state: PlaneState, scale_field: ScaleField) -> PlaneState | None:
     """Reseed next to enclosed boundaries that no particle has reached; None when none is missing.
 
     There is no reseeding in a run with erased particles, nor where a placed charge is stronger than an edge.
@@ -132,7 +146,7 @@ def reseed_enclosed(state: State, scale_field: ScaleField) -> State | None:
     state = drop_resting_off_edge(state, scale_field)  # else they would be reactivated in vain
     return replace(
         state,
-        particles=state.particles.append(places, state.next_identity),
+        particles=state.particles.append(Particles.at_rest(places, state.next_identity)),
         next_identity=state.next_identity + len(places),
         reseedings=state.reseedings + 1,
         born=state.born + len(places),
@@ -143,7 +157,7 @@ def reseed_enclosed(state: State, scale_field: ScaleField) -> State | None:
     )
 
 
-def drop_resting_off_edge(state: State, scale_field: ScaleField) -> State:
+def drop_resting_off_edge(state: PlaneState, scale_field: ScaleField) -> PlaneState:
     """Drop the particles at rest off the edge, if any particle has found an edge.
 
     In a hole of one or two pixels no particle has edge contact in the strict sense, but the edge around it is strong.
@@ -160,7 +174,7 @@ def drop_resting_off_edge(state: State, scale_field: ScaleField) -> State:
     return replace(state, particles=state.particles.keep(found), deleted=state.deleted + int((~found).sum()))
 
 
-def drop_off_edge(state: State, scale_field: ScaleField, and_drawn: bool = False) -> State:
+def drop_off_edge(state: PlaneState, scale_field: ScaleField, and_drawn: bool = False) -> PlaneState:
     """Drop the particles off the edge, since a finer scale begins with all seeds again.
 
     Those within reach of an attracting charge can be kept.
@@ -188,8 +202,8 @@ _FADED_INTERVAL = 4
 
 
 def move_particles(
-    state: State, idle: Index, scale_field: ScaleField, parameters: Parameters
-) -> tuple[State, MovedParticles]:
+    state: PlaneState, idle: Index, scale_field: ScaleField, parameters: Parameters
+) -> tuple[PlaneState, MovedParticles]:
     """Move the particles of a state and drop those that leave the image; return also the motion, shape (N,)."""
     particles, step = state.particles, state.step_of_scale
     mesh = current_mesh_force(state, idle, scale_field, parameters)
@@ -231,8 +245,8 @@ def _find_inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[
 
 
 def insert_and_delete(
-    state: State, moved: MovedParticles, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
-) -> State:
+    state: PlaneState, moved: MovedParticles, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
+) -> PlaneState:
     """Delete and insert particles, and anneal; late in a run the first two happen only at some steps."""
     annealed = state.annealed * parameters.annealing
     every = _FADED_INTERVAL if repulsion_gone else _LATE_INTERVAL if state.idle >= IDLE_STEPS else 1
@@ -252,7 +266,7 @@ def insert_and_delete(
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
     if deleted or born:  # in the order of their cells: particles near in space are then near in memory
         stay = cells.order[kept[cells.order]] if deleted else np.arange(len(kept))
-        particles = particles.replace_particles(stay, births.position, births.parents, state.next_identity)
+        particles = replace_particles(particles, stay, births, state.next_identity)
     return replace(
         state,
         particles=particles,
@@ -284,7 +298,9 @@ _MAX_STEPS_PER_PIXEL = 2.0
 """Greatest number of steps of a scale for each pixel of the longest side: a front advances about two pixels a step."""
 
 
-def check_end(state: State, scale_field: ScaleField, regions: AnyRegions | None, parameters: Parameters) -> State:
+def check_end(
+    state: PlaneState, scale_field: ScaleField, regions: AnyRegions | None, parameters: Parameters
+) -> PlaneState:
     """End a scale or the run at equilibrium or after the greatest number of steps; else return the state."""
     quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
     if quiet or state.quiet:
@@ -309,17 +325,17 @@ def check_end(state: State, scale_field: ScaleField, regions: AnyRegions | None,
     return state
 
 
-Populate = Callable[[State, MovedParticles, bool, ScaleField, Parameters], State]
+Populate = Callable[[PlaneState, MovedParticles, bool, ScaleField, Parameters], PlaneState]
 """Insertion and deletion of a step."""
 
 
 def step_in_plane(
-    state: State,
+    state: PlaneState,
     field: ScaleField,
     regions: AnyRegions | None,
     parameters: Parameters,
     populate: Populate = insert_and_delete,
-) -> State:
+) -> PlaneState:
     """Return the state after one time step, and after the end of its scale or its run if that has come.
 
     `field` includes the placed charges; `populate` can be replaced in experiments.
@@ -339,7 +355,7 @@ _NO_EDGES[..., 0] = 1.0
 
 
 def plane_forces(
-    state: State, scale_field: ScaleField, charged: ScaleField, parameters: Parameters, which: Index
+    state: PlaneState, scale_field: ScaleField, charged: ScaleField, parameters: Parameters, which: Index
 ) -> Forces:
     """Return the forces on the particles `which`, shape (M,), of a state as the next step begins.
 
@@ -366,7 +382,7 @@ def plane_forces(
     return Forces(coulomb, lorentz, placed, applied - (coulomb + lorentz + placed), damped)
 
 
-def plane_energies(state: State, scale_field: ScaleField, parameters: Parameters) -> Energies:
+def plane_energies(state: PlaneState, scale_field: ScaleField, parameters: Parameters) -> Energies:
     """Return the energies of a state with its placed charges; `scale_field` is without them. See `Engine.energies`."""
     particles = state.particles
     in_image = 4.0**state.scale

@@ -24,7 +24,6 @@ from cpm_core.field.volume_edges import EdgeBricks, edge_at
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import face_same_way, is_ridge, project_to_ridge
 from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_STRIDE
-from cpm_core.model.state import Particles
 from cpm_core.model.volume.motion import (
     MIN_CELL_SIDE,
     VolumeCells,
@@ -33,6 +32,7 @@ from cpm_core.model.volume.motion import (
     near_buffer,
     on_same_surface,
 )
+from cpm_core.model.volume.state import VolumeParticles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -42,22 +42,22 @@ _CLOSE_PER_THREAD = 2_000
 """Particles from which a second thread makes the search faster."""
 
 
-def select_surface_survivors(particles: Particles, cells: VolumeCells, turn: Index, d_min: float) -> Mask:
+def select_surface_survivors(particles: VolumeParticles, cells: VolumeCells, turn: Index, d_min: float) -> Mask:
     """Return a mask, shape (N,), of the particles that stay.
 
     Of two nearer than ``d_min / 2`` the one on the weaker edge is deleted, and of equal ones the later, unless both are
     on surfaces, on different sheets. Only those of `turn`, shape (K,), have moved since the last use.
     """
-    kept, contact = np.ones(len(particles), bool), particles.surface_contact
-    sheets = (particles.position, contact.normal, contact.on_surface)
+    kept = np.ones(len(particles), bool)
+    sheets = (particles.position, particles.normal, particles.on_surface)
     run_in_parallel(
         partial(_find_close, cells, turn, *sheets, DELETION_DISTANCE * d_min, kept), len(turn), _CLOSE_PER_THREAD
     )
     close = np.flatnonzero(~kept)
     if len(close):
-        order = close[np.argsort(-contact.strength[close], kind="stable")]
+        order = close[np.argsort(-particles.strength[close], kind="stable")]
         kept[order] = select_spaced(
-            particles.position[order], contact.normal[order], DELETION_DISTANCE * d_min, contact.on_surface[order]
+            particles.position[order], particles.normal[order], DELETION_DISTANCE * d_min, particles.on_surface[order]
         )
     return kept
 
@@ -145,7 +145,7 @@ class VolumeBirths(NamedTuple):
 
 
 def find_surface_insertions(
-    particles: Particles,
+    particles: VolumeParticles,
     cells: VolumeCells,
     turn: Index,
     field: VolumeField,
@@ -158,11 +158,10 @@ def find_surface_insertions(
     `turn`, shape (K,), are indices of particles; `d_max` is the annealed insertion range [units]. There are no places
     where placed charges pull particles off the edge.
     """
-    contact = particles.surface_contact
-    looking, looks = turn[contact.on_surface[turn]], np.zeros(len(particles), bool)
+    looking, looks = turn[particles.on_surface[turn]], np.zeros(len(particles), bool)
     looks[looking] = True
     found, count = np.empty((len(looking), _MAX_NEW_AROUND, 7)), np.zeros(len(looking), np.int64)
-    sheets = (particles.position, contact.normal, contact.on_surface, contact.strength)
+    sheets = (particles.position, particles.normal, particles.on_surface, particles.strength)
     edge = (field.smoothed, field.edges, field.pitch, field.floor)
     search = partial(_search_places, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
     run_in_parallel(search, len(looking), _SURFACE_SEARCHES_PER_THREAD)

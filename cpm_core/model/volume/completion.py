@@ -15,10 +15,10 @@ import numpy as np
 from cpm_core.field.placed_charges import ChargesAtScale, charge_radius_at, find_torn_off
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import Ridges, face_same_way, project_all_to_ridge
-from cpm_core.model.state import State, SurfaceContact
 from cpm_core.model.volume.births import select_spaced
 from cpm_core.model.volume.inseparable import find_inseparable
 from cpm_core.model.volume.motion import VolumeCells, build_volume_cells, find_near, near_buffer
+from cpm_core.model.volume.state import VolumeParticles, VolumeState
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index
@@ -58,7 +58,7 @@ _RIDGES_PER_THREAD = 2_000
 """Ridges from which a second thread makes the search faster."""
 
 
-def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | None:
+def reseed_surface(state: VolumeState, field: VolumeField, d_min: float) -> VolumeState | None:
     """Add particles on the stretches that fronts did not reach; return None when there are none."""
     if state.reseedings >= MAX_VOLUME_RESEEDINGS or state.erased:
         return None
@@ -71,8 +71,8 @@ def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | No
     cover = _measure_cover(state, field, ridges, d_min)
     reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, bool)
     reached[ridges.component[cover == _COVER_TOUCHED]] = True
-    more = find_inseparable(field, ridges, reached, cover != _COVER_BARE)
-    bare = np.flatnonzero((cover == _COVER_BARE) & (reached | more)[ridges.component])
+    linked = find_inseparable(field, ridges, reached, cover != _COVER_BARE)
+    bare = np.flatnonzero((cover == _COVER_BARE) & (reached | linked)[ridges.component])
     if not len(bare):
         return None
     ridges = ridges.select(bare)
@@ -84,12 +84,14 @@ def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | No
     free &= ~find_torn_off(ChargesAtScale(state.placed, charge_radius_at(state.scale)), position, ridges.normal[chosen])
     chosen, position = chosen[free], position[free]
     step = state.step_of_scale
-    contact = SurfaceContact.from_surface(ridges.normal[chosen], ridges.strength[chosen], step)
+    more = VolumeParticles.at_rest_on_surfaces(
+        position, state.next_identity, ridges.normal[chosen], ridges.strength[chosen], np.full(len(chosen), step)
+    )
     # another reseeding follows one that is worthwhile, and one that leads on to new boundaries
-    worthwhile = more.any() or len(chosen) > WORTHWHILE_FRACTION * state.count
+    worthwhile = linked.any() or len(chosen) > WORTHWHILE_FRACTION * state.count
     return replace(
         state,
-        particles=state.particles.append(position, state.next_identity, contact),
+        particles=state.particles.append(more),
         next_identity=state.next_identity + len(chosen),
         reseedings=state.reseedings + 1 if worthwhile else MAX_VOLUME_RESEEDINGS,
         born=state.born + len(chosen),
@@ -100,11 +102,11 @@ def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | No
     )
 
 
-def _measure_cover(state: State, field: VolumeField, ridges: Ridges, d_min: float) -> Index:
+def _measure_cover(state: VolumeState, field: VolumeField, ridges: Ridges, d_min: float) -> Index:
     """Return how particles cover each ridge voxel, shape (M,)."""
-    contact = state.particles.surface_contact
     cover = np.zeros(len(ridges.place), np.int64)
-    position, normal = state.particles.position[contact.on_surface], contact.normal[contact.on_surface]
+    on_surface = state.particles.on_surface
+    position, normal = state.particles.position[on_surface], state.particles.normal[on_surface]
     reach = max(_COVERED_RANGE * d_min, _TOUCHING_DISTANCE)
     cells = build_volume_cells(position, field.extent, reach)
     run_in_parallel(
@@ -128,10 +130,9 @@ def _find_cover(
                 cover[q] = max(cover[q], _COVER_TOUCHED if away < _TOUCHING_DISTANCE else _COVER_NEAR)
 
 
-def drop_off_surface(state: State, field: VolumeField) -> State:
+def drop_off_surface(state: VolumeState, field: VolumeField) -> VolumeState:
     """Drop the particles off surfaces, and pull the others to the ridge."""
-    contact = state.particles.surface_contact
-    found = state.particles.keep(contact.on_surface & (contact.strength >= field.floor))
+    found = state.particles.keep(state.particles.on_surface & (state.particles.strength >= field.floor))
     position = _pull_to_ridge(field, found.position)
     crossing = field.crosses_wall(found.position, position)
     position[crossing] = found.position[crossing]

@@ -27,14 +27,13 @@ from cpm_core.image.volume_regions import Walls
 from cpm_core.model.coverage import cell_of, sort_by_cell
 from cpm_core.model.equations import (
     COULOMB_SOFTNESS,
-    MovedParticles,
     advance_coordinate,
     damped_series,
     damping_coefficient,
     is_stuck,
     repulsion_left,
 )
-from cpm_core.model.state import Particles, SurfaceContact
+from cpm_core.model.volume.state import VolumeParticles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -180,34 +179,40 @@ _VOLUME_MOVED_PER_THREAD = 100
 
 
 def move_in_volume(
-    particles: Particles,
+    particles: VolumeParticles,
     turn: Index,
     cells: VolumeCells,
     idle: Index,
     field: VolumeField,
     law: Parameters,
     placed: ChargesAtScale = NO_PLACED_CHARGES,
-) -> MovedParticles:
+) -> tuple[VolumeParticles, Array]:
     """Move some particles by one time step, in the order of the cells; the others stay as they are.
 
     `turn`, shape (K,), are their indices; `idle`, shape (N,), are the steps since something new was covered near each;
     `placed` are the placed charges.
     """
-    old = particles.surface_contact
-    new = SurfaceContact(old.normal.copy(), old.on_surface.copy(), old.strength.copy(), old.reactivated_at)
-    distance = np.roll(particles.distance, 1, axis=1)
-    moving = particles.position.copy(), particles.velocity.copy(), particles.force.copy()
-    after = Particles(*moving, distance, particles.identity, new)
-    before = particles.position, particles.velocity, particles.force, old.normal
-    felt, written = _gather_surroundings(field, law, placed), (*moving, new.normal, new.strength)
-    work = partial(_move_turn, turn, cells, idle, before, old.on_surface, written, new.on_surface, felt)
+    after = replace(
+        particles,
+        position=particles.position.copy(),
+        velocity=particles.velocity.copy(),
+        force=particles.force.copy(),
+        distance=np.roll(particles.distance, 1, axis=1),
+        normal=particles.normal.copy(),
+        on_surface=particles.on_surface.copy(),
+        strength=particles.strength.copy(),
+    )
+    before = particles.position, particles.velocity, particles.force, particles.normal
+    written = after.position, after.velocity, after.force, after.normal, after.strength
+    felt = _gather_surroundings(field, law, placed)
+    work = partial(_move_turn, turn, cells, idle, before, particles.on_surface, written, after.on_surface, felt)
     run_in_parallel(work, len(turn), _VOLUME_MOVED_PER_THREAD)
-    distance[:, 0] = row_lengths(after.position)
-    return MovedParticles(after, row_lengths(after.position - particles.position))
+    after.distance[:, 0] = row_lengths(after.position)
+    return after, row_lengths(after.position - particles.position)
 
 
 def force_parts(
-    particles: Particles,
+    particles: VolumeParticles,
     which: Index,
     cells: VolumeCells,
     idle: Index,
@@ -219,9 +224,8 @@ def force_parts(
 
     With their weights, as in a step; see `move_in_volume`.
     """
-    contact, parts = particles.surface_contact, np.empty((4, len(which), 3))
-    felt = _gather_surroundings(field, law, placed)
-    _write_force_parts(which, cells, idle, particles.position, contact.normal, contact.on_surface, felt, parts)
+    parts, felt = np.empty((4, len(which), 3)), _gather_surroundings(field, law, placed)
+    _write_force_parts(which, cells, idle, particles.position, particles.normal, particles.on_surface, felt, parts)
     return parts
 
 
@@ -355,7 +359,7 @@ def _repulsion_on(
     return scale_vector(total, scale / max(1.0, scale * vector_length(total)))
 
 
-def hold_at_walls(walls: Walls, before: Particles, after: Particles) -> Particles:
+def hold_at_walls(walls: Walls, before: VolumeParticles, after: VolumeParticles) -> VolumeParticles:
     """Return particles after a step, held back where they would cross a wall.
 
     Such a particle keeps the part of its step and of its velocity along two axes or one, the faces and edges of voxels:

@@ -26,7 +26,6 @@ from cpm_core.model.equations import (
 )
 from cpm_core.model.interventions import start_scale
 from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
-from cpm_core.model.state import Particles, SpaceState, State, SurfaceContact
 from cpm_core.model.volume.births import (
     NEW_PARTICLE_ROOM,
     VolumeBirths,
@@ -47,6 +46,7 @@ from cpm_core.model.volume.motion import (
     near_buffer,
     on_same_surface,
 )
+from cpm_core.model.volume.state import VolumeParticles, VolumeState
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.numerics.vectors import Vector, dot, row_lengths, row_of, subtract_vectors
@@ -74,31 +74,27 @@ _LONG_IDLE_STEPS = 15
 """Steps without new coverage after which any number may be awake in a quiet step."""
 
 
-def step_particles(state: State, field: VolumeField, parameters: Parameters) -> State:
+def step_particles(state: VolumeState, field: VolumeField, parameters: Parameters) -> VolumeState:
     """Return the state after one time step, before it is decided whether the run continues."""
-    space, step = state.space, state.step_of_scale
-    assert space is not None
-    extent, d_min = field.extent, parameters.d_min
-    before = state.particles
+    before, step, extent, d_min = state.particles, state.step_of_scale, field.extent, parameters.d_min
     cells = repulsion_cells(before, field, d_min)
     idle, awake = find_awake(before, step)
     placed = ChargesAtScale(state.placed, charge_radius_at(state.scale))
-    moved = move_in_volume(before, cells.order[awake[cells.order]], cells, idle, field, parameters, placed)
-    after, motion = moved.particles, moved.motion
+    after, motion = move_in_volume(before, cells.order[awake[cells.order]], cells, idle, field, parameters, placed)
     after.velocity[~awake] = 0.0
-    stays = _is_inside(after.position, extent, space) & (before.surface_contact.on_surface | (idle < _SLOW_STEPS))
+    stays = _is_inside(after.position, extent, state.pitch) & (before.on_surface | (idle < _SLOW_STEPS))
     if field.walls is not None:
         after = hold_at_walls(field.walls, before, after)
     fast = row_lengths(after.velocity) > fast_speed(parameters)
-    in_flight = ~after.surface_contact.on_surface & fast & (step < 2.0 * max(extent) + state.reactivated)
-    arrived = after.surface_contact.on_surface & ~before.surface_contact.on_surface
-    after = replace(after, contact=after.surface_contact.reactivate(step + 1, in_flight))
+    in_flight = ~after.on_surface & fast & (step < 2.0 * max(extent) + state.reactivated)
+    arrived = after.on_surface & ~before.on_surface
+    after = after.reactivate(in_flight, step + 1)
     particles, stay, cells = _delete_close(after, stays, awake, cells, extent, d_min)
     awake, arrived = awake[stay], arrived[stay]
     deleted = len(before) - len(particles)
     d_max = state.annealed * parameters.d_max
     births = find_surface_insertions(particles, cells, cells.order[awake[cells.order]], field, d_min, d_max, placed)
-    particles, covered, new = _insert_particles(state, particles, births, cells, arrived, d_min)
+    particles, coverage, new = _insert_particles(state, particles, births, cells, arrived, d_min)
     few = new <= max(1.0, _QUIET_NEW_FRACTION * len(particles))
     idle_steps = state.idle + 1 if few else 0
     most = min(max(3.0, _QUIET_AWAKE_FRACTION * len(particles)), len(particles) - 1.0)  # of two, both are under way
@@ -106,7 +102,7 @@ def step_particles(state: State, field: VolumeField, parameters: Parameters) -> 
     return replace(
         state,
         particles=particles,
-        space=replace(space, covered=covered),
+        coverage=coverage,
         annealed=state.annealed * parameters.annealing,
         step=state.step + 1,
         step_of_scale=step + 1,
@@ -121,28 +117,27 @@ def step_particles(state: State, field: VolumeField, parameters: Parameters) -> 
     )
 
 
-def repulsion_cells(particles: Particles, field: VolumeField, d_min: float) -> VolumeCells:
+def repulsion_cells(particles: VolumeParticles, field: VolumeField, d_min: float) -> VolumeCells:
     """Sort the particles into cells, to find those that repel each other."""
     return build_volume_cells(particles.position, field.extent, max(REPULSION_REACH * d_min, MIN_CELL_SIDE))
 
 
-def find_awake(particles: Particles, step: int) -> tuple[Index, Mask]:
+def find_awake(particles: VolumeParticles, step: int) -> tuple[Index, Mask]:
     """Return the steps since something new was covered near each particle, and which are awake; both of shape (N,)."""
-    contact = particles.surface_contact
-    idle = np.maximum(step - contact.reactivated_at, 0)
-    return idle, (idle < _AWAKE_STEPS) | (~contact.on_surface & (idle < _SLOW_STEPS))
+    idle = np.maximum(step - particles.reactivated_at, 0)
+    return idle, (idle < _AWAKE_STEPS) | (~particles.on_surface & (idle < _SLOW_STEPS))
 
 
-def _is_inside(position: Array, extent: Vector, space: SpaceState) -> Mask:
+def _is_inside(position: Array, extent: Vector, pitch: Vector) -> Mask:
     """Return a mask of the particles in the volume, between the centers of the outermost voxels."""
-    last = np.array(extent) - np.array(space.pitch)
+    last = np.array(extent) - np.array(pitch)
     within: Mask = (position >= 0.0) & (position <= last)
     return within[:, 0] & within[:, 1] & within[:, 2]  # much faster than along the axis
 
 
 def _delete_close(
-    particles: Particles, stays: Mask, awake: Mask, cells: VolumeCells, extent: Vector, d_min: float
-) -> tuple[Particles, Index, VolumeCells]:
+    particles: VolumeParticles, stays: Mask, awake: Mask, cells: VolumeCells, extent: Vector, d_min: float
+) -> tuple[VolumeParticles, Index, VolumeCells]:
     """Return the particles that stay and are not too near to others, their indices, and their cells."""
     stay = np.flatnonzero(stays)
     particles = particles if stays.all() else particles.select(stay)
@@ -156,27 +151,32 @@ def _delete_close(
 
 
 def _insert_particles(
-    state: State, particles: Particles, births: VolumeBirths, cells: VolumeCells, arrived: Mask, d_min: float
-) -> tuple[Particles, SurfaceCoverage, int]:
+    state: VolumeState,
+    particles: VolumeParticles,
+    births: VolumeBirths,
+    cells: VolumeCells,
+    arrived: Mask,
+    d_min: float,
+) -> tuple[VolumeParticles, SurfaceCoverage, int]:
     """Insert new particles and reactivate those near new coverage; return also coverage and how many are new in it."""
-    contact, step = particles.surface_contact, state.step_of_scale + 1
-    assert state.space is not None
-    covered = state.space.covered
-    if covered.side != d_min:  # the coverage of the present particles, in cells of another size
-        covered, _ = cover_surfaces(
-            no_surface_coverage(d_min), particles.position[contact.on_surface], contact.normal[contact.on_surface]
+    coverage, on_surface, step = state.coverage, particles.on_surface, state.step_of_scale + 1
+    if coverage.side != d_min:  # the coverage of the present particles, in cells of another size
+        coverage, _ = cover_surfaces(
+            no_surface_coverage(d_min), particles.position[on_surface], particles.normal[on_surface]
         )
     some = np.flatnonzero(arrived)
     places = np.concatenate([particles.position[some], births.position])
-    covered, fresh = cover_surfaces(covered, places, np.concatenate([contact.normal[some], births.normal]))
-    met = SurfaceContact.from_surface(births.normal, births.strength, step)
-    met = met.reactivate(step - _COVERED_START_AGE, ~fresh[len(some) :])
+    coverage, fresh = cover_surfaces(coverage, places, np.concatenate([particles.normal[some], births.normal]))
     woken = np.zeros(len(particles), bool)
     _mark_near(cells, places[fresh], _REACTIVATION_DISTANCE * NEW_PARTICLE_ROOM * d_min, woken)
-    particles = replace(particles, contact=contact.reactivate(step, woken))
+    particles = particles.reactivate(woken, step)
     if len(births.position):
-        particles = particles.append(births.position, state.next_identity, met)
-    return particles, covered, int(np.count_nonzero(fresh))
+        reactivated_at = np.where(fresh[len(some) :], step, step - _COVERED_START_AGE)
+        more = VolumeParticles.at_rest_on_surfaces(
+            births.position, state.next_identity, births.normal, births.strength, reactivated_at
+        )
+        particles = particles.append(more)
+    return particles, coverage, int(np.count_nonzero(fresh))
 
 
 @compiled
@@ -198,7 +198,9 @@ _MAX_STEPS_PER_UNIT = 2.0
 """Greatest number of steps of a scale for each unit of the longest side."""
 
 
-def step_in_volume(state: State, field: VolumeField, regions: AnyRegions | None, parameters: Parameters) -> State:
+def step_in_volume(
+    state: VolumeState, field: VolumeField, regions: AnyRegions | None, parameters: Parameters
+) -> VolumeState:
     """Return the state after one time step, and after the end of its scale or its run if that has come."""
     state = step_particles(state, field, parameters)
     if not state.count:
@@ -219,7 +221,7 @@ def step_in_volume(state: State, field: VolumeField, regions: AnyRegions | None,
 
 
 def volume_forces(
-    state: State, field: VolumeField, _charged: VolumeField, parameters: Parameters, which: Index
+    state: VolumeState, field: VolumeField, _charged: VolumeField, parameters: Parameters, which: Index
 ) -> Forces:
     """Return the forces on the particles `which`, shape (M,), of a state as the next step begins.
 
@@ -244,12 +246,12 @@ def volume_forces(
     return Forces(coulomb, lorentz, placed, friction, damped)
 
 
-def volume_energies(state: State, field: VolumeField, parameters: Parameters) -> Energies:
+def volume_energies(state: VolumeState, field: VolumeField, parameters: Parameters) -> Energies:
     """Return the energies of a state with its placed charges; `field` is without them. See `Engine.energies`."""
-    particles, contact = state.particles, state.particles.surface_contact
+    particles = state.particles
     position, reach = particles.position, REPULSION_REACH * parameters.d_min
     cells = repulsion_cells(particles, field, parameters.d_min)
-    pairs = _pair_energy(cells, position, contact.normal, contact.on_surface, reach)
+    pairs = _pair_energy(cells, position, particles.normal, particles.on_surface, reach)
     fixed = interpolate_field(field.potential[None], position / field.pitch).sum() / field.slope
     placed = placed_potential(state.placed, charge_radius_at(state.scale), position).sum()
     mutual = PAIR_FORCE * parameters.w1 * parameters.d_min**3 * pairs

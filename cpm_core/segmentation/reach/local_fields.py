@@ -12,8 +12,8 @@ import scipy
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, limit_field_to
 from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
-from cpm_core.model.interventions import window_around
 from cpm_core.model.plane.enclosed_regions import BARRIER_CLEARANCE
+from cpm_core.model.plane.state import window_around
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters

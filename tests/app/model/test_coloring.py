@@ -17,13 +17,14 @@ from PySide6.QtCore import Qt
 
 from cpm_core import Engine, Parameters
 from cpm_core.model.coverage import no_coverage
-from cpm_core.model.state import Particles, State
+from cpm_core.model.plane.state import PlaneState
+from cpm_core.model.state import Particles
 from tests.app.conftest import disc
 
 NOBODY_BORN = SimpleNamespace(step=np.empty(0), numbered=np.empty(0))
 
 
-def moment(count: int = 0, seed: int = 0) -> State:
+def moment(count: int = 0, seed: int = 0) -> PlaneState:
     """Particles that move and have a history, but for the last of them."""
     rng = np.random.default_rng(seed)
     particles = replace(
@@ -32,7 +33,7 @@ def moment(count: int = 0, seed: int = 0) -> State:
         force=rng.normal(size=(count, 2, 2)),
         distance=np.where(np.arange(count)[:, None] < count - 1, rng.uniform(0, 1, (count, 4)), np.nan),
     )
-    return State(particles, particles.position, (64, 64), 0, no_coverage(()), step=7)
+    return PlaneState(particles, particles.position, (64, 64), 0, coverage=no_coverage(()), step=7)
 
 
 @pytest.mark.parametrize("name", QUANTITIES)

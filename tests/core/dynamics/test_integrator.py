@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from cpm_core import Parameters
 from cpm_core.field.scale_field import ON_EDGE_FORCE
-from cpm_core.model.equations import MovedParticles, damped_series, damping_coefficient, is_stuck, repulsion_left
-from cpm_core.model.plane.motion import move_in_plane
+from cpm_core.model.equations import damped_series, damping_coefficient, is_stuck, repulsion_left
+from cpm_core.model.plane.motion import MovedParticles, move_in_plane
 from cpm_core.model.plane.repulsion import NO_MESH, mesh_force
 from cpm_core.model.state import HISTORY_STEPS, Particles
 from cpm_core.numerics import parallel

@@ -1,5 +1,6 @@
 """What moves, divides and thins out particles on surfaces in a volume, against looking at every pair."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -11,9 +12,9 @@ from cpm_core import PRESETS
 from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import VolumeField, build_volume_field
 from cpm_core.model.coverage import cover_surfaces, no_surface_coverage
-from cpm_core.model.state import Particles, SurfaceContact
 from cpm_core.model.volume.births import find_surface_insertions, select_spaced, select_surface_survivors
 from cpm_core.model.volume.motion import build_volume_cells, move_in_volume
+from cpm_core.model.volume.state import VolumeParticles
 from cpm_core.model.volume.step import _mark_near
 
 from .moving import cloud, crowds
@@ -30,9 +31,8 @@ seeds, spacings = st.integers(0, 10**6), st.sampled_from([0.7, 1.75, 2.6])
 
 
 def particles(points, normals, seated, strength):
-    some = Particles.at_rest(points)
-    contact = SurfaceContact(normals, seated, strength, np.zeros(len(points), np.int64))
-    return Particles(some.position, some.velocity, some.force, some.distance, some.identity, contact)
+    some = VolumeParticles.at_rest(points)
+    return replace(some, normal=normals, on_surface=seated, strength=strength)
 
 
 def crowd(seed):
@@ -45,8 +45,8 @@ def crowd(seed):
 
 def on_one_sheet(some):
     """Which pairs count as neighbors: all but those that are seated and face apart."""
-    both = np.outer(some.contact.on_surface, some.contact.on_surface)
-    return ~both | (some.contact.normal @ some.contact.normal.T > 0.0)
+    both = np.outer(some.on_surface, some.on_surface)
+    return ~both | (some.normal @ some.normal.T > 0.0)
 
 
 def distances(one, other):
@@ -65,7 +65,7 @@ def test_of_two_particles_too_near_on_one_sheet_the_one_on_the_weaker_edge_goes(
     np.fill_diagonal(near, val=False)
     kept = select_surface_survivors(some, cells_for(some.position), np.arange(len(some)), d_min)
     truth = np.zeros(len(some), bool)
-    for i in np.argsort(-some.contact.strength, kind="stable"):
+    for i in np.argsort(-some.strength, kind="stable"):
         truth[i] = not (near[i] & truth).any()
     np.testing.assert_array_equal(kept, truth)
 
@@ -93,7 +93,7 @@ def test_near_pairs_on_one_sheet_repel_each_other_and_no_others(seed, d_min):
     every = np.arange(len(some))
     law = type(law)(w1=law.w1, w2=law.w2, beta=law.beta, d_min=d_min, scales=1)
     cells = cells_for(some.position, max(2.2 * d_min, 4.0))
-    force = move_in_volume(some, every, cells, np.zeros(len(some), np.int64), field, law).particles.force[:, 0]
+    force = move_in_volume(some, every, cells, np.zeros(len(some), np.int64), field, law)[0].force[:, 0]
     truth = np.array([repulsion(some, i, d_min) for i in every]).reshape(-1, 3)
     np.testing.assert_allclose(force, law.w1 * truth, atol=1e-9)
 
@@ -102,11 +102,11 @@ def test_near_pairs_on_one_sheet_repel_each_other_and_no_others(seed, d_min):
 @given(seeds, st.floats(0.3, 6.0))
 def test_of_places_too_near_on_one_sheet_the_first_stays(seed, room):
     some = crowd(seed)
-    near = (distances(some.position, some.position) < room) & (some.contact.normal @ some.contact.normal.T > 0.0)
+    near = (distances(some.position, some.position) < room) & (some.normal @ some.normal.T > 0.0)
     truth = np.zeros(len(some), bool)
     for i in range(len(some)):
         truth[i] = not (near[i, :i] & truth[:i]).any()
-    np.testing.assert_array_equal(select_spaced(some.position, some.contact.normal, room), truth)
+    np.testing.assert_array_equal(select_spaced(some.position, some.normal, room), truth)
 
 
 @settings(max_examples=12, deadline=None)
@@ -124,8 +124,8 @@ def test_a_cell_and_side_is_new_ground_once(seed, side):
     coverage, known = no_surface_coverage(side), set()
     for step in range(4):
         some = crowd(seed + step)
-        coverage, fresh = cover_surfaces(coverage, some.position, some.contact.normal)
-        for place, normal, new in zip(some.position, some.contact.normal, fresh, strict=True):
+        coverage, fresh = cover_surfaces(coverage, some.position, some.normal)
+        for place, normal, new in zip(some.position, some.normal, fresh, strict=True):
             cell = (*np.floor(place / side).astype(int).tolist(), bool(normal @ (1.0, 0.37, 0.21) > 0.0))
             assert new == (cell not in known)
             known.add(cell)
@@ -219,7 +219,7 @@ def test_two_on_different_walls_get_none_between_them(edge):
     some, other = seated([[10.0, 12.0]]), seated([[10.0, 15.0]], side=-1.0)
     both = particles(
         np.concatenate([some.position, other.position]),
-        np.concatenate([some.contact.normal, other.contact.normal]),
+        np.concatenate([some.normal, other.normal]),
         np.ones(2, bool),
         np.full(2, 9.0),
     )
@@ -232,7 +232,7 @@ def test_particles_of_the_other_wall_of_a_thin_object_take_no_room(edge):
     other = seated([[10.0, 12.9], [11.0, 12.0], [8.2, 11.0], [11.8, 13.0]], side=-1.0)
     both = particles(
         np.concatenate([some.position, other.position + 0.7 * UP]),
-        np.concatenate([some.contact.normal, other.contact.normal]),
+        np.concatenate([some.normal, other.normal]),
         np.ones(5, bool),
         np.full(5, 9.0),
     )

@@ -35,12 +35,12 @@ def states(charges=CHARGES):
 
 def repulsion(state, left):
     """The Coulomb force of every particle over all pairs, one by one."""
-    place, contact = state.particles.position, state.particles.contact
+    place, particles = state.particles.position, state.particles
     total = np.zeros_like(place)
     for i in range(len(place)):
         away = place[i] - place
         distance = np.linalg.norm(away, axis=1)
-        other_sheet = contact.on_surface[i] & contact.on_surface & (contact.normal @ contact.normal[i] <= 0.0)
+        other_sheet = particles.on_surface[i] & particles.on_surface & (particles.normal @ particles.normal[i] <= 0.0)
         near = (distance < 2.2 * VOLUME.d_min) & (np.arange(len(place)) != i) & ~other_sheet
         if near.any():
             sum_ = (away[near] / np.maximum(distance[near, None], 1e-2) ** 4).sum(axis=0)
@@ -54,8 +54,8 @@ def repulsion(state, left):
 def test_the_forces_are_those_of_eq_12():
     for state in states()[3:-2:6]:
         forces = engine().forces(state, VOLUME, CHARGES)
-        contact, position = state.particles.contact, state.particles.position
-        idle = np.maximum(state.step_of_scale - contact.reactivated_at, 0)
+        particles, position = state.particles, state.particles.position
+        idle = np.maximum(state.step_of_scale - particles.reactivated_at, 0)
         coulomb = repulsion(state, [repulsion_left(int(steps)) for steps in idle])
         on_edge = ~np.isclose(forces.coulomb, coulomb, atol=1e-6).all(axis=1)
         field = engine().scale_field(VOLUME)
@@ -111,10 +111,10 @@ def test_the_forces_on_some_are_theirs_among_all():
 def test_the_energy_is_the_sum_over_all_pairs_and_charges():
     for state in states()[2::7]:
         energies = engine().energies(state, VOLUME, CHARGES)
-        place, contact = state.particles.position, state.particles.contact
+        place, particles = state.particles.position, state.particles
         reach = 2.2 * VOLUME.d_min
         distance = np.maximum(np.linalg.norm(place[:, None] - place, axis=2), 1e-2)
-        sheets = (contact.on_surface[:, None] & contact.on_surface) & (contact.normal @ contact.normal.T <= 0.0)
+        sheets = (particles.on_surface[:, None] & particles.on_surface) & (particles.normal @ particles.normal.T <= 0.0)
         acts = np.tril((distance < reach) & ~sheets, -1)
         pairs = 0.5 * (distance[acts] ** -2 - reach**-2).sum()
         field = engine().scale_field(VOLUME)
@@ -156,7 +156,7 @@ def test_the_energy_of_particles_that_stay_the_same_falls_until_they_settle(monk
         state = time_step.step_particles(state, engine().scale_field(VOLUME), VOLUME)
         found = engine().energies(state, VOLUME)
         energies.append((found.kinetic + found.potential) / state.count)
-        seated.append(state.particles.contact.on_surface.mean())
+        seated.append(state.particles.on_surface.mean())
     on_the_way = np.flatnonzero(np.array(seated) > 0.0)[0]
     assert on_the_way > 5
     assert (np.diff(energies[:on_the_way]) < 1e-9).all()

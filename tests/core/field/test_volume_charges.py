@@ -113,7 +113,7 @@ def test_a_repelling_charge_keeps_a_run_away_and_its_removal_lets_it_go_on():
 def test_only_particles_within_reach_of_a_changed_charge_wake():
     state = replace(at_rest().resume(), step_of_scale=at_rest().step_of_scale + 500)
     after = engine().step(state, VOLUME, [cpm.PlacedCharge((14.0, 28.0, 80.0), 1.0)])
-    woken = after.particles.contact.reactivated_at > at_rest().step_of_scale + 400
+    woken = after.particles.reactivated_at > at_rest().step_of_scale + 400
     away = np.linalg.norm((after.position - (14.0, 28.0, 80.0)) * SPACING, axis=1)
     assert 0 < woken.sum() < after.count
     np.testing.assert_array_equal(woken, away < 64.0)

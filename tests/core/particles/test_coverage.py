@@ -44,7 +44,7 @@ class TestCoverage:
     def visited(self, kernels, coverage, first, steps, start=1):
         """Coverage and dictionary after visits in one step after the other; both give the same number of new cells."""
         for step, (points, on_edge) in enumerate(steps, start=start):
-            coverage, new = kernels.cover(coverage, points, on_edge, step)
+            coverage, new = kernels.mark_covered(coverage, points, on_edge, step)
             fresh = {cell(p) for p in points[on_edge]} - set(first)
             assert new == len(fresh)
             first = first | dict.fromkeys(fresh, step)
@@ -63,28 +63,28 @@ class TestCoverage:
     def test_idle_steps_count_from_the_newest_cells_around(self, kernels, shape, seed):
         coverage, first = self.visited(kernels, no_coverage(shape), {}, visits(shape, seed))
         points = cloud(shape, 8, seed)
-        assert kernels.idle_at(coverage, points, 20, 99).tolist() == idle_truth(first, points, 20, 99)
+        assert kernels.idle_steps_at(coverage, points, 20, 99).tolist() == idle_truth(first, points, 20, 99)
 
     @settings(max_examples=24, deadline=None)
     @given(seed=seeds)
     def test_renewed_coverage_counts_as_newly_covered_and_grows_further(self, kernels, shape, seed):
         coverage, first = self.visited(kernels, no_coverage(shape), {}, visits(shape, seed))
         coverage, first, points = with_times_reset(coverage, 10), dict.fromkeys(first, 10), cloud(shape, 8, seed)
-        assert kernels.idle_at(coverage, points, 10, 99).tolist() == idle_truth(first, points, 10, 99)
+        assert kernels.idle_steps_at(coverage, points, 10, 99).tolist() == idle_truth(first, points, 10, 99)
         coverage, first = self.visited(kernels, coverage, first, visits(shape, seed + 1), start=11)
-        assert kernels.idle_at(coverage, points, 30, 99).tolist() == idle_truth(first, points, 30, 99)
+        assert kernels.idle_steps_at(coverage, points, 30, 99).tolist() == idle_truth(first, points, 30, 99)
 
     @settings(max_examples=16, deadline=None)
     @given(seed=seeds, reach=st.floats(0.5, 25.0))
     def test_renewal_near_a_position_changes_the_cells_within_reach_and_no_others(self, kernels, shape, seed, reach):
         """Of all particles there, those whose distance from the place is below the reach; not those a cell beyond."""
         place, points = cloud(shape, 1, seed), cloud(shape, 50, seed + 1)
-        idle = kernels.idle_at(with_times_reset_near(no_coverage(shape), place, reach, 7), points, 9, 99)
+        idle = kernels.idle_steps_at(with_times_reset_near(no_coverage(shape), place, reach, 7), points, 9, 99)
         distance = np.linalg.norm(points - place, axis=1)
         assert np.all(idle[distance < reach] == 2)
         assert np.all(idle[distance > reach + SIDE * len(shape) ** 0.5] == 99)
 
     def test_every_place_on_the_image_has_a_cell(self, kernels, shape):
         corners = np.stack(np.meshgrid(*[(-0.5, n - 0.5) for n in shape]), axis=-1).reshape(-1, len(shape))
-        _, new = kernels.cover(no_coverage(shape), corners, np.ones(len(corners), bool), 1)
+        _, new = kernels.mark_covered(no_coverage(shape), corners, np.ones(len(corners), bool), 1)
         assert new == 2 ** len(shape)

@@ -45,7 +45,7 @@ def test_the_same_contours_are_found_with_few_of_the_seeds(monkeypatch):
     values, parameters, seeds = scene(), PRESETS["automatic"], uniform_grid((SIDE, SIDE))
     monkeypatch.setattr(finer_scale, "_MIN_THINNED_PIXELS", 0)  # so that the coarsest scale has fewer, too
     found, few = ended(Engine(values, parameters), seeds, parameters)
-    for name in ("begun", "thinned"):
+    for name in ("begin_scale", "thin_seeds"):
         monkeypatch.setattr(engine, name, lambda state, field=None: state)
     whole, many = ended(Engine(values, parameters), seeds, parameters)
     assert len(found.contours) == len(whole.contours) >= 20
@@ -64,7 +64,7 @@ def began(coarse, seeds):
     state = run.start(seeds)
     while state.scale:
         state = run.step(state, parameters)
-    first = Particles.at_rest(np.concatenate([coarse, state.at_scale(seeds, 0)]))
+    first = Particles.at_rest(np.concatenate([coarse, state.to_particle_places(seeds)]))
     return begin_scale(replace(state, particles=first), run.scale_field(parameters))
 
 

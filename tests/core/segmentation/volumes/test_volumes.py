@@ -67,8 +67,8 @@ def test_a_step_depends_on_the_state_alone_and_changes_nothing():
 def test_a_particle_on_a_surface_sleeps_when_nothing_new_has_been_found_near_it_for_long():
     slept = 0
     for before, after in pairwise(states()[:-1]):
-        contact = before.particles.contact
-        asleep = contact.on_surface & (before.step_of_scale - contact.reactivated_at >= 12)
+        particles = before.particles
+        asleep = particles.on_surface & (before.step_of_scale - particles.reactivated_at >= 12)
         place = dict(zip(after.particles.identity.tolist(), after.particles.position, strict=True))
         for i in np.flatnonzero(asleep):
             kept = place.get(int(before.particles.identity[i]))
