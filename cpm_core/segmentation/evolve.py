@@ -148,11 +148,11 @@ class Evolution(Iterator[RunState]):
     ...     if moment.step == 12:
     ...         run.stop()
     >>> run
-    <Evolution disk, step 12, stopped, as asked>
+    <Evolution disk, step 12, stopped, as requested>
     >>> run.moment.state.charges[0].strength, len(run.charges), run.parameters.beta
     (1.0, 1, 1.5)
     >>> run.result
-    <Result disk, 1 contour (1 closed), 18 particles, stopped, as asked after 12 steps>
+    <Result disk, 1 contour (1 closed), 18 particles, stopped, as requested after 12 steps>
     """
 
     def __init__(
@@ -196,7 +196,7 @@ class Evolution(Iterator[RunState]):
         """Result so far, with the present parameters for the contours."""
         return self._engine.result(self._moment.state, self._parameters)
 
-    def stop(self, reason: str = "stopped, as asked") -> None:
+    def stop(self, reason: str = "stopped, as requested") -> None:
         """End the run: nothing follows the newest moment; `reason` becomes `Result.stop_reason`."""
         if not self._moment.stop_reason:
             self._moment = RunState(self._engine, self._moment.state.stop(reason), self._parameters)
@@ -210,7 +210,7 @@ class Evolution(Iterator[RunState]):
             raise StopIteration
         state = self._engine.step(before, self._parameters, self.charges)
         if state.step == self._max_steps and not state.stop_reason:
-            state = state.stop(f"stopped after {self._max_steps} steps, as asked")
+            state = state.stop(f"stopped after {self._max_steps} steps, as requested")
         self._moment = RunState(self._engine, state, self._parameters)
         return self._moment
 
@@ -309,7 +309,7 @@ def segment(
     >>> round(result.contours[0].area), result.converged
     (1251, True)
     >>> cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), cpm.Parameters(beta=0.6), max_steps=3).stop_reason
-    'stopped after 3 steps, as asked'
+    'stopped after 3 steps, as requested'
     """
     run = evolve(values, seeds, parameters, max_steps, regions, charges)
     next(run)
