@@ -77,8 +77,6 @@ def test_each_branch_is_a_line_of_its_label_one_pixel_wide(tmp_path):
 
 
 def test_a_picture_without_a_skeleton_is_refused_and_the_others_are_empty(tmp_path):
-    with pytest.raises(ValueError, match=r"a\.png has no skeleton"):
-        export(NOTHING, tmp_path / "a.png")
     pictures = {".png", ".tif", ".tiff", ".nii", ".nii.gz", ".nrrd"}
     for suffix in pictures:
         with pytest.raises(ValueError, match=r"a\.png has no skeleton"):
@@ -87,7 +85,7 @@ def test_a_picture_without_a_skeleton_is_refused_and_the_others_are_empty(tmp_pa
         export(NOTHING, tmp_path / "a.roi")
     with pytest.raises(ValueError, match=r"a\.png has no contours, and ImageJ"):
         export(NOTHING, tmp_path / "a.zip")
-    with pytest.raises(ValueError, match=r"No contour of a\.png is closed"):
+    with pytest.raises(ValueError, match=r"a\.png .* closed"):
         export(NOTHING, tmp_path / "a.coco.json")
     empty = set(CONTOURS_WRITABLE) - pictures - {".roi", ".zip", ".coco.json"}
     export(NOTHING, *(tmp_path / f"a{suffix}" for suffix in empty))

@@ -47,7 +47,7 @@ def test_hyperstacks_give_every_channel_and_time_with_sizes(tmp_path, write):
     image = load_image(path, page=4, time=3)
     assert np.array_equal(image.values, PIXELS[3] + 200)
     assert image.spacing == pytest.approx(known[1:])
-    assert image.notes == ("Only the first of its 2 channels was taken.",)
+    assert image.notes == first.notes[:1]
 
 
 @pytest.mark.parametrize("options", [{}, {"compression": "zlib"}, {"byteorder": ">"}, {"tile": (16, 16)}])
@@ -71,7 +71,7 @@ def test_a_volume_in_one_page_and_a_stack_of_colors_are_read(tmp_path):
     volume = load_volume(tmp_path / "b.tif")
     assert np.allclose(volume.values, colors @ (0.2125, 0.7154, 0.0721))
     assert np.array_equal(volume.colors.samples, colors)
-    assert volume.notes == ("Color was turned into luminance.",)
+    assert ["luminance" in note for note in volume.notes] == [True]
     assert np.array_equal(load_volume(tmp_path / "b.tif", color="red").values, BYTES)
 
 
