@@ -111,17 +111,18 @@ LARGE = ((167.0, 33.0), (264.0, 39.0), (284.0, 193.0), (76.0, 280.0))
 
 def objects(stand: Stand) -> None:
     """All nuclei found, accepted as objects of two classes, one of them selected; a doubtful proposal is left."""
-    selection, listed = stand.window.workspace.object_selection, stand.window.workspace.object_list
+    workspace = stand.window.workspace
+    selection, listed, commands = workspace.object_selection, workspace.object_list, workspace.object_commands
     stand.open("nuclei.png")
     stand.run()
     wait(lambda: selection.idle and bool(selection.proposals))
     stand.do("objects")
-    listed.accept_pending()
+    commands.accept_pending()
     stand.settle()
     for category, name in ((1, "small"), (2, "large")):
-        listed.name_class(category, name)
+        commands.name_class(category, name)
     listed.select_objects({listed.object_number_at(place) for place in LARGE})
-    listed.classify_selected(2)
+    commands.classify_selected(2)
     listed.select_objects({listed.object_number_at(LARGE[0])})
     stand.window.docks.reveal_panel("objects")
     stand.settle()
@@ -192,7 +193,8 @@ STRUCTURES = {
 
 def head(stand: Stand) -> None:
     """Three structures of a head, accepted, named and measured."""
-    selection, listed = stand.window.workspace.object_selection, stand.window.workspace.object_list
+    workspace = stand.window.workspace
+    selection, listed, commands = workspace.object_selection, workspace.object_list, workspace.object_commands
     stand.open("head.tif")
     stand.window.session.edit("clear", edits.clear_shapes)
     stand.do("objects")
@@ -200,11 +202,11 @@ def head(stand: Stand) -> None:
         selection.add_click((place,))
         wait(lambda: selection.idle and bool(selection.proposals))
         stand.settle()
-        listed.accept_pending()
+        commands.accept_pending()
         stand.settle()
         listed.select_objects({listed.object_number_at(place)})
-        listed.rename_row(("object", category), name)
-        listed.classify_selected(category)
+        commands.rename_row(("object", category), name)
+        commands.classify_selected(category)
         stand.settle()
     wait(lambda: stand.window.get_feature(SpaceFeature).panel.view.is_idle)
     stand.take("head")

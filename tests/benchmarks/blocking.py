@@ -99,15 +99,15 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
     yield "click on a proposal", lambda: QTest.mouseClick(canvas.viewport(), click, pos=at(160, 160))
     yield "escape", lambda: do("escape")
     yield "wait for proposals", lambda: None, offered
-    yield "accept all", window.workspace.object_list.accept_pending
+    yield "accept all", window.workspace.object_commands.accept_pending
     for name in ("undo", "redo", "undo"):
         yield f"{name} it", lambda name=name: do(name)
     yield "wait for proposals", lambda: None, offered
-    yield "reject all", window.workspace.object_list.reject_selected
+    yield "reject all", window.workspace.object_commands.reject_selected
     for name in ("undo", "redo", "undo", "redo", "undo"):
         yield f"{name} it", lambda name=name: do(name)
     yield "wait for proposals", lambda: None, offered
-    yield "accept all again", window.workspace.object_list.accept_pending
+    yield "accept all again", window.workspace.object_commands.accept_pending
     yield "select one", lambda: QTest.mouseClick(canvas.viewport(), click, pos=at(352, 352))
     yield "select all", lambda: do("all_objects")
     yield "delete all", lambda: do("delete_object")
@@ -127,14 +127,14 @@ def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:
     yield "other slices", lambda: slices.go_through((60, 90, 90))
     yield "next slice", lambda: slices.go_by(1)
     yield "slices across another axis", lambda: slices.set_axis(2)
-    canvas, objects, click = window.canvas_area.canvas, window.workspace.object_list, Qt.MouseButton.LeftButton
+    canvas, brush, click = window.canvas_area.canvas, window.workspace.object_brush, Qt.MouseButton.LeftButton
     for name, radius, in_space in (("a slice", 8.0, False), ("10^6 voxels in space", 62.0, True), ("it", 8.0, False)):
         yield (
             f"take the brush for {name}",
             lambda radius=radius, in_space=in_space: (
                 window.canvas_area.use_tool("mend"),
-                objects.set_brush_radius(radius),
-                setattr(objects, "ball", in_space),
+                brush.set_radius(radius),
+                setattr(brush, "paints_in_space", in_space),
             ),
         )
         for act, col in (

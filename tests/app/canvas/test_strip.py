@@ -62,7 +62,7 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
         text: count for text, count in (("found", sum(layers.contours.counts)), ("proposed", len(offered))) if count
     }
     rested.workspace.review.select(item.key for item in rested.workspace.review.items)
-    rested.workspace.object_list.reject_selected()
+    rested.workspace.object_commands.reject_selected()
     legend.update_now()
     assert {entry.text for entry in legend.entries} - {"proposed"} == {"rejected"}
     layers.contours.set_shown(False)

@@ -221,10 +221,10 @@ def test_all_proposals_are_accepted_but_doubtful_ones_only_when_they_are_selecte
     sure, other = (replace(each, key=-at) for at, each in enumerate(scene.objects.proposals, start=1))
     doubtful = replace(other, selection=replace(other.selection, confidence=0.2))
     window.session.store.set_scene(replace(scene, objects=replace(scene.objects, proposals=(sure, doubtful))))
-    rows.accept_pending()
+    window.workspace.object_commands.accept_pending()
     assert [item.confidence for item in items(window)] == [0.9]
     rows.select_rows([("proposal", -2)])
-    rows.accept_pending()
+    window.workspace.object_commands.accept_pending()
     assert [item.confidence for item in items(window)] == [0.9, 0.2]
 
 
@@ -377,7 +377,7 @@ def test_the_panel_opens_with_the_present_rows_and_its_key_gives_it_the_keyboard
 ) -> None:
     window.docks.bring_to_front("run")
     window.workspace.object_list.select_rows([("contour", 0)])
-    window.workspace.object_list.reject_selected()
+    window.workspace.object_commands.reject_selected()
     hand.canvas.setFocus()
     hand.key(KEY.Key_O, CONTROL | SHIFT)
     hand.wait(panel.isVisible)
@@ -390,7 +390,7 @@ def test_the_panel_opens_with_the_present_rows_and_its_key_gives_it_the_keyboard
 
 def test_the_layer_draws_objects_in_the_color_of_their_class_and_gaps_dashed(window, hand, table) -> None:
     canvas = window.canvas_area.canvas
-    window.workspace.object_list.name_class(1, "bone", "#ff0000")
+    window.workspace.object_commands.name_class(1, "bone", "#ff0000")
     canvas.layers["objects"].set_option("fill", 1.0)
     canvas.layers["objects"].set_option("names", False)
     hand.qtbot.wait(50)
@@ -427,6 +427,6 @@ def test_the_radius_of_the_brush_is_in_the_panel_while_the_tool_that_mends_is_us
     panel.brush.selectAll()
     hand.qtbot.keyClicks(panel.brush, "7")
     hand.qtbot.keyClick(panel.brush, KEY.Key_Return)
-    assert window.workspace.object_list.brush_radius == 7.0
+    assert window.workspace.object_brush.radius == 7.0
     hand.key(KEY.Key_S)
     assert not panel.brush.isVisible()

@@ -76,9 +76,7 @@ def test_words_and_pointer_say_before_a_press_what_it_will_do(mended, hand) -> N
         assert said in words.text()
     center, reach = ring(hand).mean(axis=1), np.ptp(ring(hand), axis=1) / 2
     assert center == pytest.approx((60, 3), abs=0.5)
-    assert reach == pytest.approx(2 * [mended.workspace.object_list.brush_radius], rel=0.02), (
-        "the brush in its true size"
-    )
+    assert reach == pytest.approx(2 * [mended.workspace.object_brush.radius], rel=0.02), "the brush in its true size"
 
 
 def test_a_boundary_is_pulled_onto_the_edge_in_one_step_of_undo(mended, hand) -> None:
@@ -109,7 +107,7 @@ def test_with_shift_it_bends_and_what_is_bent_is_a_gap(mended, hand) -> None:
 def test_a_frozen_object_is_not_pulled_and_a_click_chooses(mended, hand) -> None:
     hand.click(*at(0.0, DRAWN))
     assert mended.workspace.object_list.selected_numbers == {1}
-    mended.workspace.object_list.toggle_state("frozen")
+    mended.workspace.object_commands.toggle_state("frozen")
     hand.drag(at(0.0, DRAWN), at(0.0, 21.0), at(0.0, 19.0))
     assert radii(bone(mended)) == pytest.approx(DRAWN)
     assert "frozen" in mended.canvas_area.messages.text
@@ -128,6 +126,6 @@ def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
     hand.key(KEY.Key_Return)
     assert radii(bone(mended)).min() == pytest.approx(TRUE, abs=1.0), "pulled by keys"
     hand.key(KEY.Key_Escape)
-    size = mended.workspace.object_list.brush_radius
+    size = mended.workspace.object_brush.radius
     hand.key(KEY.Key_BracketRight)
-    assert mended.workspace.object_list.brush_radius == pytest.approx(1.2 * size)
+    assert mended.workspace.object_brush.radius == pytest.approx(1.2 * size)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cpm_app.model.document.objects import delete_objects
-from cpm_app.session.features import object_list, object_selection, selector
+from cpm_app.session.features import object_measures, object_selection, selector
 from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.features.selector import find_all_objects
 from cpm_app.session.scene import Proposal
@@ -284,7 +284,7 @@ def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_
     hand.wait(lambda: all(row.figures for row in found.rows if row.kind == "proposal"))
     left = next(row for row in found.rows if row.kind == "proposal" and row.item.confidence < 0.5)
     measured = []
-    monkeypatch.setattr(object_list, "_measure_object", lambda item, image: measured.append(item))
+    monkeypatch.setattr(object_measures, "_measure_object", lambda item, image: measured.append(item))
     take(hand)
     assert len(taken(window)) == 1
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
@@ -460,14 +460,14 @@ def test_an_object_becomes_a_start_a_region_or_a_barrier(window, hand, objects, 
 def test_a_session_file_keeps_objects_classes_and_the_selection_in_progress(window, hand, objects, tmp_path) -> None:
     click(hand, 18, 18)
     take(hand)
-    window.workspace.object_list.name_class(1, "nucleus", "#112233")
+    window.workspace.object_commands.name_class(1, "nucleus", "#112233")
     click(hand, 43, 42)
     before = window.session.document.objects
     kept = DocumentFile(window.session, dict)
     assert kept.save_and_wait(tmp_path / "kept.cpm")
     hand.key(KEY.Key_Escape)
     window.workspace.object_list.select_objects((1,))
-    window.workspace.object_list.delete_selected()
+    window.workspace.object_commands.delete_selected()
     window.session.open_file(tmp_path / "kept.cpm")
     hand.wait(lambda: window.session.document.objects == before)
     hand.wait(lambda: bool(objects.proposals))

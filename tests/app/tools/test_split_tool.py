@@ -108,7 +108,7 @@ def test_a_frozen_object_stays_and_escape_forgets_the_first_half(pair, hand) -> 
     hand.click(39, 44)
     assert len(items(pair)) == 1 and hand.canvas.dispatcher.tool.has_draft
     pair.workspace.object_list.select_objects((1,))
-    pair.workspace.object_list.toggle_state("frozen")
+    pair.workspace.object_commands.toggle_state("frozen")
     hand.drag((40, 20), (22, 44))
     assert len(items(pair)) == 1 and "frozen" in pair.canvas_area.messages.text
     hand.click(3, 3)

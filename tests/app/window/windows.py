@@ -61,7 +61,7 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
         tool.used = False
         if isinstance(tool, RingTool):
             tool._own_radius = None
-    window.workspace.object_list.set_brush_radius(None)
+    window.workspace.object_brush.set_radius(None)
     window.session.load_document(switch_mode(window.session.document, "shape"))
     window.actions_by_name[FIRST_TOOL].trigger()
     window.canvas_area.messages.clear()

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QObject, QTimer
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.features.kept_pages import StackSource, with_taken_numbers, without_results
-from cpm_app.session.features.object_selection import ObjectSearch, ObjectSelection
 from cpm_app.session.features.selector import EverywhereRun, parameters_everywhere, partition_from_everywhere
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Proposal
@@ -27,6 +26,9 @@ from cpm_core.pages import FollowedObject, ObjectFollower, limit_scales
 
 _RETRY_DELAY = 100
 """Time after which accepting objects on a page that is being opened is tried again [ms]."""
+
+ObjectSearch = Callable[[Partition, BackgroundTask], tuple[Proposal, ...]]
+"""Finds objects to offer on a page."""
 
 _MAX_LISTED_EVENTS = 3
 """Number of events that a message lists; the table has all."""
@@ -64,14 +66,21 @@ class PreviousPages:
 class FollowedObjects(QObject):
     """Offers the objects of the previous page on the opened page, and follows them through all pages."""
 
-    def __init__(self, session: Session, pages: StackPages, selection: ObjectSelection) -> None:
+    search_changed = Signal()
+    """Another page is open: `search`."""
+
+    def __init__(self, session: Session, pages: StackPages) -> None:
         super().__init__(session)
-        self._session, self._pages, self._selection = session, pages, selection
+        self._session, self._pages = session, pages
         self._image: Image | None = None
         self._search: ObjectSearch | None = None
         self._task = ENDED_TASK
-        selection.followed_search = lambda: self._search if self._image is session.image else None
         pages.changed.connect(self._on_page_changed)
+
+    @property
+    def search(self) -> ObjectSearch | None:
+        """The search for the objects of the previous page on the open one; None if there are none to offer."""
+        return self._search if self._image is self._session.image else None
 
     @property
     def running(self) -> bool:
@@ -131,7 +140,7 @@ class FollowedObjects(QObject):
             self._image, former = session.image, self._previous_pages(number)
             offers = former.pages and not session.document.objects.items
             self._search = partial(former.find_proposals, number, session) if offers else None
-            self._selection.search_again()
+            self.search_changed.emit()
 
     def _accept_on_page(self, number: int, image: ImageReference, items: tuple[SegmentedObject, ...]) -> None:
         """Accept objects on a page, unless another stack is open or the page has objects of its own by now."""

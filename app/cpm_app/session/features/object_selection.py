@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -17,6 +16,7 @@ from cpm_app.model.document.objects import AnySelection
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
     MAX_OFFERED_PIXELS,
@@ -28,6 +28,7 @@ from cpm_app.session.features.selector import (
     find_all_objects,
     measure_extent,
 )
+from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
@@ -88,19 +89,18 @@ SelectionAnswer = tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int,
 """Proposals, the effect of a click, and the clicks of a candidate with its number and the number of candidates."""
 
 
-ObjectSearch = Callable[[Partition, BackgroundTask], tuple[Proposal, ...]]
-"""Finds objects to offer."""
-
-
 class ObjectSelection(QObject):
     """Keeps the proposals and the preview of the scene up to date, and changes the clicks of the document."""
 
     changed = Signal()
     """The proposals have changed, or whether one can be made."""
 
-    def __init__(self, session: Session, object_list: ObjectList) -> None:
+    def __init__(
+        self, session: Session, object_list: ObjectList, pages: StackPages, followed_objects: FollowedObjects
+    ) -> None:
         super().__init__(session)
         self._session, self._list = session, object_list
+        self._pages, self._followed_objects = pages, followed_objects
         self._in_use, self._run_ended = False, False
         self._pointed: Click | None = None
         self._steps = 0
@@ -114,7 +114,7 @@ class ObjectSelection(QObject):
         self._finding = ENDED_TASK
         self.partition_updater = PartitionUpdater(
             session,
-            lambda: self._in_use or self.selecting or bool(self._offered_starts) or self.followed_search() is not None,
+            lambda: self._in_use or self.selecting or bool(self._offered_starts or followed_objects.search),
         )
         self.partition_updater.changed.connect(self._request_answer)
         self.partition_updater.changed.connect(self.changed)
@@ -122,9 +122,7 @@ class ObjectSelection(QObject):
         session.document_changed.connect(lambda _: self._request_answer())
         session.store.scene_changed.connect(self._on_scene_changed)
         session.image_changed.connect(self._on_image_changed)
-        self.should_offer: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
-        self.followed_search: Callable[[], ObjectSearch | None] = lambda: None
-        """Returns the search for the objects of the previous page in the image, None if there are none."""
+        followed_objects.search_changed.connect(self.search_again)
 
     # State
 
@@ -165,7 +163,7 @@ class ObjectSelection(QObject):
         elif len(accepted) > 1 and self._in_use:
             hint = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
         elif len(accepted) > 1:
-            hint = tr("{count} objects found. Enter: accept all · {key:objects}: choose · {key:reject}: reject")
+            hint = tr("{count} objects found. Enter: accept all · {key:objects}: select · {key:reject}: reject")
         elif len(offered) > 1 and accepted:
             hint = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
         elif accepted:
@@ -247,7 +245,7 @@ class ObjectSelection(QObject):
         partition, items = self.partition_updater.partition, self._session.document.objects.items
         fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
         if partition is None or not fitted:
-            self._session.messages.show(tr("There is nothing to fit: choose objects that are not frozen."))
+            self._session.messages.show(tr("There is nothing to fit: select objects that are not frozen."))
             return
 
         def select_again(task: BackgroundTask) -> list[tuple[AnySelection, Clicks, int]]:
@@ -343,13 +341,13 @@ class ObjectSelection(QObject):
     def _offered_starts(self) -> tuple[Start, ...]:
         """The starts whose objects are offered, because the run from them has ended with a result.
 
-        On a large image, or if `should_offer` is False for the document, there are none unless the tool for objects is
-        in use.
+        On a large image, or if the starts come from the previous page, there are none unless the tool for objects is in
+        use.
         """
         document, result = self._session.document, self._session.scene.contours.result
         if result is None or not result.stop_reason or document.mode == "skeleton":
             return ()
-        if not self._in_use and (math.prod(result.shape) > MAX_OFFERED_PIXELS or not self.should_offer(document)):
+        if not self._in_use and (math.prod(result.shape) > MAX_OFFERED_PIXELS or not self._pages.is_drawn(document)):
             return ()
         return document.starts
 
@@ -368,7 +366,7 @@ class ObjectSelection(QObject):
             self.partition_updater.source,
             self._session.document.objects.rejected,
         )
-        search = self.followed_search()
+        search = self._followed_objects.search
         if not (isinstance(partition, Partition) and (search or any(isinstance(each, Everywhere) for each in starts))):
             return Offer(tuple(start for start in starts if isinstance(start, SeededStart)), (), rejected)
         if self._searched is not partition and (search or (isinstance(source, Result) and source.stop_reason)):

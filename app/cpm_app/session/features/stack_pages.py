@@ -116,12 +116,8 @@ class StackPages(QObject):
         session.tasks.changed.connect(self._on_tasks_changed)
 
     def set_session_file(self, document_file: DocumentFile) -> None:
-        """Save the pages with this session file."""
+        """Set the session file, which keeps the runs of the open page; it is made after the pages that it stores."""
         self._file = document_file
-        document_file.pages = self._to_json
-        document_file.pages_unsaved = lambda: any(
-            page.unsaved for number, page in self._kept.items() if number != self.number
-        )
 
     def close(self) -> None:
         """End the threads."""
@@ -398,7 +394,12 @@ class StackPages(QObject):
             tr("Writing {name}…", name=path.name), write_stack, tr("writing {name}", name=path.name)
         )
 
-    def _to_json(self) -> JsonObject:
+    @property
+    def has_unsaved_others(self) -> bool:
+        """Whether closing would lose changes on pages that are not open."""
+        return any(page.unsaved for number, page in self._kept.items() if number != self.number)
+
+    def to_json(self) -> JsonObject:
         """Return the other pages as stored in a session."""
         if not self.count:
             return {}

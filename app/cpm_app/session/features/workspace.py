@@ -7,6 +7,8 @@ from cpm_app.session.features.comparison import ComparedResults
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.hand_editing import HandEditing
+from cpm_app.session.features.object_brush import ObjectBrush
+from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_selection import ObjectSelection
 from cpm_app.session.features.skeleton import SkeletonUpdater
@@ -24,19 +26,21 @@ class Workspace:
         self.review = ContourReview(self.session)
         self.hand_editing = HandEditing(self.session, self.review)
         self.object_list = ObjectList(self.session, self.review)
-        self.object_selection = ObjectSelection(self.session, self.object_list)
+        self.object_brush = ObjectBrush(self.session, self.object_list)
+        self.object_commands = ObjectCommands(self.session, self.review, self.object_list, self.object_brush)
+        self.pages = StackPages(self.session, self.review)
+        self.followed_objects = FollowedObjects(self.session, self.pages)
+        self.object_selection = ObjectSelection(self.session, self.object_list, self.pages, self.followed_objects)
         self.skeleton_updater = SkeletonUpdater(self.session)
         self.navigation = TimelineNavigation(self.session)
         self.slices = SliceNavigation(self.session)
         self.comparison = ComparedResults(self.session, self.navigation)
-        self.pages = StackPages(self.session, self.review)
-        self.object_selection.should_offer = self.pages.is_drawn
-        self.followed_objects = FollowedObjects(self.session, self.pages, self.object_selection)
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""
         self.pages.close()
         self.comparison.close()
         self.object_list.close()
+        self.object_commands.close()
         self.object_selection.close()
         self.session.close()

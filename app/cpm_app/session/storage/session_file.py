@@ -37,7 +37,21 @@ class SessionWritten(Report):
 
 
 class DocumentFile(QObject):
-    """The session file of the open image; `view` returns the view settings as plain JSON."""
+    """The session file of the open image.
+
+    Parameters
+    ----------
+    session : Session
+        The session.
+    view : callable
+        Returns the view settings, as plain JSON.
+    truth : callable
+        Returns the ground truth to be saved.
+    pages : callable
+        Returns the other pages of a stack, as plain JSON.
+    has_unsaved_pages : callable
+        Returns whether closing would lose changes on other pages.
+    """
 
     changed = Signal()
     """The file or its state, saved or unsaved, has changed."""
@@ -46,20 +60,21 @@ class DocumentFile(QObject):
     restored = Signal(object)
     """A session has been opened: its view settings, as plain JSON."""
 
-    def __init__(self, session: Session, view: Callable[[], View]) -> None:
+    def __init__(
+        self,
+        session: Session,
+        view: Callable[[], View],
+        truth: Callable[[], TruthFile | None] = lambda: None,
+        pages: Callable[[], JsonObject] = dict,
+        has_unsaved_pages: Callable[[], bool] = lambda: False,
+    ) -> None:
         super().__init__(session)
         self._session = session
-        self._view = view
+        self._view, self._truth, self._pages, self._has_unsaved_pages = view, truth, pages, has_unsaved_pages
         self._file: SessionFile | None = None
         self.saved_document: Document | None = session.document
         """The document if the file contains it; None if the file has a different one."""
         self.runs = RunCollector(session)
-        self.truth: Callable[[], TruthFile | None] = lambda: None
-        """Returns the ground truth to be saved; set by the window."""
-        self.pages: Callable[[], JsonObject] = dict
-        """Returns the other pages of a stack, as plain JSON; set by `StackPages`."""
-        self.pages_unsaved: Callable[[], bool] = lambda: False
-        """Returns whether closing would lose changes on other pages; set by `StackPages`."""
         self._saving = ENDED_TASK
         self._opening = 0
         self._written: dict[BackgroundTask, SessionWritten] = {}
@@ -82,7 +97,7 @@ class DocumentFile(QObject):
         document = self._session.document
         if document.image is None:
             return ()
-        others = ((self.runs.unsaved, tr("the runs")), (self.pages_unsaved(), tr("the other pages")))
+        others = ((self.runs.unsaved, tr("the runs")), (self._has_unsaved_pages(), tr("the other pages")))
         return (*describe_changes(document, self.saved_document), *(words for lost, words in others if lost))
 
     @property
@@ -95,7 +110,7 @@ class DocumentFile(QObject):
     def content(self) -> SessionFile:
         """The content to be saved."""
         written = to_session_file(self._session.document, self._view(), self._file)
-        return replace(written, runs=self.runs.runs_json, truth=self.truth(), pages=self.pages())
+        return replace(written, runs=self.runs.runs_json, truth=self._truth(), pages=self._pages())
 
     def save(self, path: Path) -> BackgroundTask:
         """Write the session file on a separate thread, and use this path from now on."""

@@ -213,7 +213,7 @@ class CanvasArea(QWidget):
             (tool.remove_last_part if key == Qt.Key.Key_Backspace else tool.finish)()
         elif accepts:
             if objects.pending_rows:  # objects are accepted already
-                objects.accept_pending()
+                self._workspace.object_commands.accept_pending()
         elif key in ENTER_KEYS:
             self.canvas.dispatcher.set_modifiers(held)
             (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()

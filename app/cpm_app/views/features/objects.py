@@ -19,7 +19,7 @@ from cpm_app.model.document.objects import (
 from cpm_app.model.preferences.table import UNIT_PREFERENCE
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_volume
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import RowKey, RowKind
+from cpm_app.session.features.object_rows import RowKey, RowKind
 from cpm_app.views.panels.objects import ObjectPanel
 from cpm_app.views.theme.icons import create_swatch, fill_colors
 from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_menu_action
@@ -39,12 +39,14 @@ class ObjectsFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        area, session = window.canvas_area, window.session
+        area = window.canvas_area
         self._object_list = objects = window.workspace.object_list
+        self._commands = commands = window.workspace.object_commands
+        brush = window.workspace.object_brush
         self._selection = selection = window.workspace.object_selection
         self._editing = editing = window.workspace.hand_editing
         layer = area.canvas.layers.contours
-        self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
+        self.panel = ObjectPanel(window.workspace, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.table.show_items)
         KeyFilter(area.canvas, self.handle_key)
@@ -52,7 +54,7 @@ class ObjectsFeature(Feature):
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.dispatcher.tool.name == "mend"))
         area.canvas.pointer_moved.connect(lambda at: objects.set_hovered_row(None) if at is None else None)
-        for changed in (objects.selection_changed, objects.brush_changed):
+        for changed in (objects.selection_changed, brush.changed):
             changed.connect(lambda *_: window.refresh_actions())
         selection.changed.connect(window.refresh_actions)
 
@@ -70,28 +72,29 @@ class ObjectsFeature(Feature):
 
         def ask_color() -> None:
             menu = QMenu(window)
-            fill_colors(menu, window, objects.color_selected, True)
+            fill_colors(menu, window, commands.color_selected, True)
             menu.aboutToHide.connect(menu.deleteLater)
             menu.popup(QCursor.pos())
 
         def merge_selection() -> None:
             if has_selected("object", "proposal", "closed", least=2):
-                objects.merge_selected()
+                commands.merge_selected()
             else:
                 editing.join_selected(closing=False)
 
-        objects.class_begun.connect(self.ask_for_name)
+        commands.class_begun.connect(self.ask_for_name)
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals and closed contours as objects, and keep open contours; Enter "
                        "does the same.",
-                       objects.accept_pending,
+                       commands.accept_pending,
                        when=lambda _: bool(selection.proposals)
                        or has_selected("proposal", "closed", "open", "rejected")),
             ActionSpec("reject", "Objects", "&Reject",
                        "Dismiss proposals, remove objects, and exclude contours from exports; none is "
                        "proposed again.",
-                       objects.reject_selected, "X", when=lambda _: bool(objects.selected_keys or selection.proposals)),
+                       commands.reject_selected, "X",
+                       when=lambda _: bool(objects.selected_keys or selection.proposals)),
             ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
                        self.ask_for_name, "F2", gap=True, when=has_selection),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
@@ -106,16 +109,16 @@ class ObjectsFeature(Feature):
                        when=lambda _: any(not item.contour.closed for item in window.workspace.review.selected_items)),
             ActionSpec("fill_between", "Objects", "Fill &between slices",
                        "Fill the slices between those in which the selected object has been painted.",
-                       objects.fill_between_slices, "Shift+I", short=tr("Fill gaps"), visible_when=has_volume,
+                       commands.fill_between_slices, "Shift+I", short=tr("Fill gaps"), visible_when=has_volume,
                        when=lambda _: len(objects.selected_objects) == 1 and not objects.selected_objects[0].frozen),
             ActionSpec("paint_in_space", "Objects", "&Paint in space",
                        "Paint balls through all slices with the brush, or disks in one slice.",
-                       partial(objects.toggle_brush_option, "ball"), "Shift+J", short=tr("In space"),
-                       visible_when=has_volume, checked_when=lambda _: objects.ball),
+                       brush.toggle_space, "Shift+J", short=tr("In space"),
+                       visible_when=has_volume, checked_when=lambda _: brush.paints_in_space),
             ActionSpec("paint_over", "Objects", "Paint &over others",
                        "Take what the brush goes over from other objects that are not frozen, or leave it to them.",
-                       partial(objects.toggle_brush_option, "over_others"), short=tr("Over others"),
-                       visible_when=has_volume, checked_when=lambda _: objects.over_others),
+                       brush.toggle_over_others, short=tr("Over others"),
+                       visible_when=has_volume, checked_when=lambda _: brush.paints_over_others),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_similar(objects.selected_objects[0].number), "Ctrl+L",
                        when=lambda _: len(objects.selected_objects) == 1),
@@ -128,10 +131,10 @@ class ObjectsFeature(Feature):
                        when=lambda _: any(item.clicks for item in objects.selected_objects)),
             ActionSpec("freeze_object", "Objects", "&Freeze",
                        "Keep the objects as they are, and keep particles from crossing their boundaries.",
-                       partial(objects.toggle_state, "frozen"), gap=True, when=has_objects,
+                       partial(commands.toggle_state, "frozen"), gap=True, when=has_objects,
                        text_for=lambda _: tr("Unfreeze") if all_are("frozen") else tr("&Freeze")),
             ActionSpec("hide_object", "Objects", "&Hide", "Hide the objects, or show them again.",
-                       partial(objects.toggle_state, "hidden"), when=has_objects,
+                       partial(commands.toggle_state, "hidden"), when=has_objects,
                        text_for=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
             Submenu("use_as", "Objects", "&Use as", self._fill_uses),
             ActionSpec("skeleton", "Objects", "Ske&leton",
@@ -140,7 +143,7 @@ class ObjectsFeature(Feature):
                        self._find_skeleton, icon="mode_skeleton",
                        when=lambda now: bool(objects.selected_numbers) or has_contours(now)),
             ActionSpec("delete_object", "Objects", "&Delete", "Remove the selection; the key Delete does the same.",
-                       objects.delete_selected, gap=True, when=has_selection),
+                       commands.delete_selected, gap=True, when=has_selection),
             ActionSpec("all_objects", "Objects", "Select &all", "Select all rows of the table that are not rejected.",
                        lambda: objects.select_rows(self._list_shown_keys()), "Ctrl+A", gap=True, when=has_image),
             ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection",
@@ -183,11 +186,11 @@ class ObjectsFeature(Feature):
             return False
         key, selecting = event.key(), tool.name in _SELECTION_TOOLS
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._object_list.objects.classes):
-            self._object_list.classify_selected(key - Qt.Key.Key_0)
+            self._commands.classify_selected(key - Qt.Key.Key_0)
         elif key in DELETE_KEYS and len(self._editing.marked_places) == 2:
             self._editing.delete_stretch()
         elif selecting and key in DELETE_KEYS and self._object_list.selected_keys and not tool.has_draft:
-            self._object_list.delete_selected()
+            self._commands.delete_selected()
         else:
             return False
         return True
@@ -214,7 +217,7 @@ class ObjectsFeature(Feature):
         for category in list_classes(objects):
             text = f"{class_title(objects, category)}\t{category}"
             action = add_menu_action(
-                menu, text, partial(self._object_list.classify_selected, category), checked=category == objects.category
+                menu, text, partial(self._commands.classify_selected, category), checked=category == objects.category
             )
             action.setIcon(create_swatch(objects.classes[category - 1].color))
 
@@ -224,7 +227,7 @@ class ObjectsFeature(Feature):
             (tr("Region of &interest"), tr("region of interest of {what}"), add_objects_as_regions),
             (tr("&Barrier"), tr("barrier around {what}"), add_objects_as_barriers),
         ):
-            add_menu_action(menu, text, partial(self._object_list.edit_selected, words, edit)).setEnabled(
+            add_menu_action(menu, text, partial(self._commands.edit_selected, words, edit)).setEnabled(
                 bool(self._object_list.selected_numbers)
             )
 

@@ -305,5 +305,5 @@ class SpaceFeature(Feature):
 
     def _show_space(self, *_: object) -> None:
         self.panel.show_contents(
-            self._seen.build_view(self.window.canvas_area.flow.scene, self._layers, self._objects.bodies)
+            self._seen.build_view(self.window.canvas_area.flow.scene, self._layers, self._objects.measurer.bodies)
         )

@@ -36,17 +36,12 @@ from cpm_app.model.display.lengths import preferred_pixel_size
 from cpm_app.model.document.objects import class_title, list_classes
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import (
-    BRUSH_RADIUS_RANGE,
-    ROW_KINDS,
-    ObjectFigures,
-    ObjectList,
-    ObjectRow,
-    RowKey,
-    RowKind,
-    gray_histogram,
-)
-from cpm_app.session.session import Session
+from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE
+from cpm_app.session.features.object_commands import ObjectCommands
+from cpm_app.session.features.object_list import ObjectList
+from cpm_app.session.features.object_measures import ObjectFigures, gray_histogram
+from cpm_app.session.features.object_rows import ROW_KINDS, ObjectRow, RowKey, RowKind
+from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_swatch, fill_colors
@@ -180,16 +175,20 @@ class ObjectTable(ItemTable):
 
     menu_name = "object"
 
-    def __init__(self, session: Session, object_list: ObjectList) -> None:
-        self._session, self._object_list = session, object_list
+    def __init__(self, workspace: Workspace) -> None:
+        self._session, self._commands = workspace.session, workspace.object_commands
+        self._object_list = object_list = workspace.object_list
         self._kinds: tuple[RowKind, ...] = ()
         rows = TableModel[ObjectRow](
-            build_object_columns(object_list.objects), lambda row: row.key, self._get_cell_look, object_list.rename_row
+            build_object_columns(object_list.objects),
+            lambda row: row.key,
+            self._get_cell_look,
+            self._commands.rename_row,
         )
         super().__init__(rows, tr("Objects and contours"))
         object_list.changed.connect(self.show_items)
         object_list.selection_changed.connect(self.show_selection)
-        session.image_changed.connect(self.show_items)
+        self._session.image_changed.connect(self.show_items)
         self.show_items()
 
     @property
@@ -203,7 +202,7 @@ class ObjectTable(ItemTable):
 
     def remove_selected(self) -> None:
         """Delete the selected rows."""
-        self._object_list.delete_selected()
+        self._commands.delete_selected()
 
     def hover_item(self, key: RowKey | None) -> None:
         """Highlight a row, or none."""
@@ -223,7 +222,7 @@ class ObjectTable(ItemTable):
         """Set the class by a digit."""
         digit = event.key() - Qt.Key.Key_0
         if 1 <= digit <= len(self._object_list.objects.classes):
-            self._object_list.classify_selected(digit)
+            self._commands.classify_selected(digit)
         else:
             super().keyPressEvent(event)
 
@@ -302,22 +301,22 @@ class GrayHistogram(QWidget):
 class ClassRow(QWidget):
     """Row of a class: its color with a menu, the digit that sets it, and its name."""
 
-    def __init__(self, object_list: ObjectList, number: int) -> None:
+    def __init__(self, object_list: ObjectList, commands: ObjectCommands, number: int) -> None:
         super().__init__()
-        self._object_list, self._number = object_list, number
+        self._object_list, self._commands, self._number = object_list, commands, number
         instant = QToolButton.ToolButtonPopupMode.InstantPopup
         self.color, self.digit = QToolButton(autoRaise=True, popupMode=instant), QToolButton()
         self.name = QLineEdit(frame=False)
         self.color.setToolTip(tr("Color of the class"))
         menu = QMenu(self.color)
-        fill_colors(menu, self, lambda color: object_list.name_class(number, self.name.text(), color), True)
+        fill_colors(menu, self, lambda color: commands.name_class(number, self.name.text(), color), True)
         self.color.setMenu(menu)
         self.digit.setText(str(number))
         self.digit.setCheckable(True)
         self.digit.setToolTip(
             tr("Set the class of the selection and of the next objects ({number}).").format(number=number)
         )
-        self.digit.clicked.connect(partial(object_list.classify_selected, number))
+        self.digit.clicked.connect(partial(commands.classify_selected, number))
         self.name.setAccessibleName(tr("Name of class {number}").format(number=number))
         self.name.editingFinished.connect(self._on_name_edited)
         fill_layout(QHBoxLayout(self), self.color, self.digit, self.name, spacing=4, wide=self.name)
@@ -335,7 +334,7 @@ class ClassRow(QWidget):
     def _on_name_edited(self) -> None:
         if self.name.isModified():
             self.name.setModified(False)
-            self._object_list.name_class(self._number, self.name.text())
+            self._commands.name_class(self._number, self.name.text())
 
 
 _ROW_FILTERS: tuple[tuple[str, tuple[RowKind, ...]], ...] = (
@@ -355,10 +354,12 @@ BUTTON_ACTIONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike"
 class ObjectPanel(QWidget):
     """Form of the selected row above the table; `action` returns an action by its name, or None."""
 
-    def __init__(self, session: Session, object_list: ObjectList, action: Callable[[str], QAction | None]) -> None:
+    def __init__(self, workspace: Workspace, action: Callable[[str], QAction | None]) -> None:
         super().__init__()
-        self._session, self._object_list, self._action = session, object_list, action
-        self.table = ObjectTable(session, object_list)
+        self._session, self._action = workspace.session, action
+        self._object_list, self._commands = workspace.object_list, workspace.object_commands
+        self._object_brush = workspace.object_brush
+        self.table = ObjectTable(workspace)
         self.setFocusProxy(self.table)
         self.name = QLineEdit()
         self.name.setAccessibleName(tr("Name"))
@@ -375,8 +376,8 @@ class ObjectPanel(QWidget):
         self.brush.setPrefix(tr("Brush") + " ")
         self.brush.setToolTip(tr("Radius of the brush; the keys [ and ] change it."))
         self.brush.setVisible(False)
-        self.brush.valueChanged.connect(object_list.set_brush_radius)
-        object_list.brush_changed.connect(self.brush.show_value)
+        self.brush.valueChanged.connect(self._object_brush.set_radius)
+        self._object_brush.changed.connect(self.brush.show_value)
         self.shown = QComboBox()
         self.shown.setAccessibleName(tr("Rows in the table"))
         self.shown.setToolTip(tr("Which rows the table shows."))
@@ -386,14 +387,15 @@ class ObjectPanel(QWidget):
         row = fill_layout(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
         fill_layout(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush,
                     row, self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
-        session.image_changed.connect(
+        self._session.image_changed.connect(
             lambda: self.name.setModified(False)
         )  # a typed name does not belong to the next image
         self._update_timer = QTimer(
             self, singleShot=True, interval=0
         )  # deferred, so that several changes are shown at once
         self._update_timer.timeout.connect(self.show_selected)
-        for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
+        listed = self._object_list
+        for changed in (listed.changed, listed.selection_changed, self._session.image_changed):
             changed.connect(self._update_timer.start)
         self.show_selected()
 
@@ -410,7 +412,7 @@ class ObjectPanel(QWidget):
         self.figures.setText(self._describe_row(row) if row else "")
         counts = row.figures.counts if row is not None and row.figures is not None else ()
         self.histogram.show_counts(self._session.image, counts, row_color(self._object_list, row) if row else "")
-        self.brush.show_value(self._object_list.brush_radius)
+        self.brush.show_value(self._object_brush.radius)
         self._show_classes()
         found = Counter(each.kind for each in self._object_list.rows)
         words: tuple[tuple[RowKind, str, str], ...] = (
@@ -473,7 +475,7 @@ class ObjectPanel(QWidget):
                 self.classes.pop(number).deleteLater()
         for place, number in enumerate(listed):
             if number not in self.classes:
-                self.classes[number] = ClassRow(self._object_list, number)
+                self.classes[number] = ClassRow(self._object_list, self._commands, number)
                 self._classes.insertWidget(place, self.classes[number])
             self.classes[number].show_class()
 
@@ -498,4 +500,4 @@ class ObjectPanel(QWidget):
         row = self._shown_row
         if self.name.isModified() and row is not None:
             self.name.setModified(False)
-            self._object_list.rename_row(row.key, self.name.text())
+            self._commands.rename_row(row.key, self.name.text())

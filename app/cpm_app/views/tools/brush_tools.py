@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import BRUSH_RADIUS_RANGE, default_brush_radius
+from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE, default_brush_radius
 from cpm_app.session.undo_history import Erasure
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import SELECT_GROUP, STROKE_GROUP, ShapeTool

@@ -12,7 +12,6 @@ from PySide6.QtGui import QCursor
 
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import ObjectBrush
 from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_pointer
@@ -68,7 +67,7 @@ class MendTool(RingTool):
         super().set_up()
         self._editing, self._review = self._workspace.hand_editing, self._workspace.review
         self._list = self._workspace.object_list
-        self._brush = ObjectBrush(self._session, self._list)
+        self._brush = self._workspace.object_brush
         self._objects = self._session.document.objects
         self._held: Contact | None = None
         """The place of a line that is under the pointer, or in hand."""
@@ -79,16 +78,16 @@ class MendTool(RingTool):
         self._way = self._editing.path_from((0.0, 0.0))
         self._reach = 1.0
         self._editing.changed.connect(self._show_preview)
-        self._list.brush_changed.connect(self._show_preview)
+        self._brush.changed.connect(self._show_preview)
 
     @property
     def radius(self) -> float:
         """Radius of the brush [px of the image]."""
-        return self._list.brush_radius
+        return self._brush.radius
 
     def set_radius(self, radius: float) -> None:
         """Set the radius of the brush [px of the image]."""
-        self._list.set_brush_radius(radius)
+        self._brush.set_radius(radius)
 
     @property
     def has_draft(self) -> bool:
@@ -172,10 +171,8 @@ class MendTool(RingTool):
         """Begin a stroke, or continue it."""
         if len(path) == 1:
             self._objects = self._session.document.objects
-            axis = None if self.current_slice is None or self._list.ball else self.current_slice.axis
-            self._brush.begin_stroke(
-                path[0], self.radius, not self._is_removing, self._gesture, axis, self._paints_new_object
-            )
+            axis = None if self.current_slice is None or self._brush.paints_in_space else self.current_slice.axis
+            self._brush.begin_stroke(path[0], not self._is_removing, self._gesture, axis, self._paints_new_object)
         else:
             self._brush.extend_stroke(path[-1])
 
@@ -290,7 +287,7 @@ class MendTool(RingTool):
             self._pointer if held is None else None,
             self.radius,
             theme.RESTING_COLOR if adds else theme.BARRIER_COLOR,
-            None if self.current_slice is None or self._list.ball else self.current_slice.axis,
+            None if self.current_slice is None or self._brush.paints_in_space else self.current_slice.axis,
         )
         self._on_advice_changed()
 

@@ -110,7 +110,7 @@ class ObjectTool(Tool):
 
     def finish(self) -> None:
         """Accept the object; an Enter right after the click waits for the answer."""
-        self._selection.call_when_answered(self._list.accept_pending)
+        self._selection.call_when_answered(self._workspace.object_commands.accept_pending)
 
     def remove_last_part(self) -> None:
         """Remove the last click."""

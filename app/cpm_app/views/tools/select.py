@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from cpm_app.model.document.edits import ShapeHit
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr, translate_core_text
-from cpm_app.session.features.object_list import RowKey
+from cpm_app.session.features.object_rows import RowKey
 from cpm_app.session.features.slices import hit_shape
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import SELECT_GROUP, Cursor, ShapeTool

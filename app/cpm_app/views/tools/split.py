@@ -44,6 +44,7 @@ class SplitTool(Tool):
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         self._editing, self._list = self._workspace.hand_editing, self._workspace.object_list
+        self._commands = self._workspace.object_commands
         self._clicked_object: SegmentedObject | None = None
         """Object with one half clicked."""
         self._first: Place = (0.0, 0.0)
@@ -160,9 +161,9 @@ class SplitTool(Tool):
             return
         try:
             if whole.surface:
-                self._list.split_object_in_volume(whole, self._first, at)
+                self._commands.split_object_in_volume(whole, self._first, at)
             else:
-                self._list.split_object(whole, halves())
+                self._commands.split_object(whole, halves())
         except ValueError as error:
             self._session.messages.show(translate_core_text(str(error)), category=EDITING_CATEGORY)
 
@@ -170,7 +171,9 @@ class SplitTool(Tool):
         """Find the object, proposal or closed contour around a place: a selected one first, then the smallest."""
         rows, under = self._list.selected_rows, ("object", self._list.object_number_at(at))
         key = under if under[1] else self._list.row_at(at, 0.0)
-        wholes = [self._list.object_of_row(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))]
+        wholes = [
+            self._commands.object_of_row(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))
+        ]
         return next((item for item in wholes if item is not None and object_contains(item, at)), None)
 
     def _show_preview(self) -> None:

@@ -141,8 +141,13 @@ class MainWindow(QMainWindow):
             ImageOpened, lambda _: self.offers.clear()
         )  # connected first, before any feature adds an offer
         self.files = FileDialogs(self, session, self.preferences)
-        self.document_file = DocumentFile(session, lambda: {**canvas.view_state(), **slices.view_state()})
-        self.document_file.truth = lambda: workspace.comparison.truth_file
+        self.document_file = DocumentFile(
+            session,
+            view=lambda: {**canvas.view_state(), **slices.view_state()},
+            truth=lambda: workspace.comparison.truth_file,
+            pages=workspace.pages.to_json,
+            has_unsaved_pages=lambda: workspace.pages.has_unsaved_others,
+        )
         self.shortcuts = Shortcuts(self.preferences, self)
         self.shortcuts.changed.connect(self._on_shortcuts_changed)
         self.speed = SpeedControl(session)

@@ -151,7 +151,7 @@ def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
     hand.key(KEY.Key_Return)
     found.docks.reveal_panel("objects")
     table = found.panels["objects"].table
-    hand.wait(lambda: all(found.workspace.object_list.figures_of(item) is not None for item in items(found)))
+    hand.wait(lambda: all(found.workspace.object_list.measurer.figures_of(item) is not None for item in items(found)))
     model = table.model()
     heads = [model.headerData(k, Qt.Orientation.Horizontal) for k in range(model.columnCount())]
     assert heads[3] == "Volume", heads

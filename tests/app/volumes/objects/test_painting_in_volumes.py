@@ -33,8 +33,8 @@ def brush(volume, hand):
     tool = hand.canvas.dispatcher.tool
     assert tool.name == "mend"
     tool.set_radius(3.0)
-    listed = volume.workspace.object_list
-    listed.ball, listed.over_others = False, True
+    settings = volume.workspace.object_brush
+    settings.paints_in_space, settings.paints_over_others = False, True
     return tool
 
 
@@ -117,7 +117,7 @@ def test_other_slices_are_painted_across_their_axes(volume, hand, brush) -> None
 
 
 def test_the_lines_in_slices_enclose_the_voxels_that_have_been_painted(volume, hand, brush) -> None:
-    volume.workspace.object_list.ball = True
+    volume.workspace.object_brush.paints_in_space = True
     stroke(hand.canvas, (12, 10), (15, 18))
     mask = masks(volume)[0]
     assert_is(mask, covered((12, 12, 10), (12, 15, 18)))
@@ -136,7 +136,7 @@ def test_a_frozen_object_keeps_every_voxel_and_others_are_painted_over_if_that_i
     listed = volume.workspace.object_list
     stroke(hand.canvas, (12, 8), (12, 14))
     first = masks(volume)[0]
-    listed.toggle_state("frozen")
+    volume.workspace.object_commands.toggle_state("frozen")
     stroke(hand.canvas, (12, 16), (12, 10), keys=CTRL)
     assert np.array_equal(masks(volume)[0], first)
     assert not (masks(volume)[1] & first).any()
@@ -146,7 +146,7 @@ def test_a_frozen_object_keeps_every_voxel_and_others_are_painted_over_if_that_i
     stroke(hand.canvas, (20, 8))
     assert np.array_equal(masks(volume)[0], first)
     assert "frozen" in volume.canvas_area.messages.text
-    listed.toggle_state("frozen")
+    volume.workspace.object_commands.toggle_state("frozen")
     volume.trigger_action("paint_over")
     stroke(hand.canvas, (12, 16), (12, 8), keys=CTRL)
     assert np.array_equal(masks(volume)[0], first)
@@ -159,12 +159,12 @@ def test_a_frozen_object_keeps_every_voxel_and_others_are_painted_over_if_that_i
 
 def test_painted_objects_are_measured_drawn_in_space_saved_and_exported(volume, hand, brush, tmp_path) -> None:
     listed = volume.workspace.object_list
-    listed.ball = True
+    volume.workspace.object_brush.paints_in_space = True
     stroke(hand.canvas, (12, 10), (14, 18))
     stroke(hand.canvas, (20, 24), keys=CTRL)
-    hand.wait(lambda: all(listed.figures_of(item) is not None for item in items(volume)))
+    hand.wait(lambda: all(listed.measurer.figures_of(item) is not None for item in items(volume)))
     counts = [int(mask.sum()) for mask in masks(volume)]
-    assert [listed.figures_of(item).volume for item in items(volume)] == counts
+    assert [listed.measurer.figures_of(item).volume for item in items(volume)] == counts
     hand.wait(lambda: len(volume.get_feature(SpaceFeature).panel.contents.objects) == 2)
     path, file = tmp_path / "painted.cpm", volume.get_feature(OpenSaveFeature).document_file
     assert file.save_and_wait(path)
@@ -194,12 +194,12 @@ def test_a_key_fills_the_slices_between_and_says_how_many(volume, hand, brush) -
     hand.key(KEY.Key_Z, CTRL)
     assert np.array_equal(masks(volume)[0], before)
     hand.key(KEY.Key_J, SHIFT)
-    assert volume.workspace.object_list.ball
+    assert volume.workspace.object_brush.paints_in_space
     assert volume.actions_by_name["paint_in_space"].isChecked()
 
 
 def test_painted_objects_limit_the_next_run_start_it_and_have_center_lines(volume, hand, brush) -> None:
-    volume.workspace.object_list.ball = True
+    volume.workspace.object_brush.paints_in_space = True
     stroke(hand.canvas, (12, 6), (12, 26))
     mask = masks(volume)[0]
     for edit in (objects.add_objects_as_regions, objects.add_objects_as_barriers, objects.add_objects_as_starts):
@@ -224,7 +224,7 @@ def test_painted_objects_limit_the_next_run_start_it_and_have_center_lines(volum
 
 
 def test_the_objects_tool_takes_up_a_painted_object_and_escape_leaves_it_as_it_was(volume, hand, brush) -> None:
-    volume.workspace.object_list.ball = True
+    volume.workspace.object_brush.paints_in_space = True
     stroke(hand.canvas, (12, 12))
     before = items(volume)
     hand.key(KEY.Key_W)

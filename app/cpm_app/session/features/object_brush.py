@@ -1,0 +1,168 @@
+"""The brush that paints objects."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.model.document.objects import apply_brush, paint_volume_object
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.object_list import ObjectList
+from cpm_app.session.session import Session
+from cpm_core.numerics import Place, polyline
+from cpm_core.numerics.types import Line
+from cpm_core.objects.segmented import SegmentedObject, paint_boundary, voxelize_brush
+from cpm_core.shapes import relative_sides
+
+BRUSH_RADIUS_RANGE = 0.5, 500.0
+"""Limits of the radius of the brush [px]."""
+
+_MIN_BRUSH_MOVE = 0.3
+"""Smallest distance between two points of a stroke [px]."""
+
+
+def default_brush_radius(image: ImageReference | None) -> float:
+    """Return the default radius of the brush, which depends on the size of the image [px]."""
+    return max(0.03 * max(image.shape), 4.0) if image is not None else 4.0
+
+
+class ObjectBrush(QObject):
+    """The brush for objects, which paints one of them from the press of the button to its release.
+
+    Of the objects that the brush touches, a selected one comes first, then the one under the pointer. A brush that adds
+    makes a new object if it touches none when pressed; one that removes waits until it touches one.
+    """
+
+    changed = Signal(float)
+    """The radius [px] or an option has changed."""
+
+    def __init__(self, session: Session, object_list: ObjectList) -> None:
+        super().__init__(session)
+        self._session, self._list = session, object_list
+        self._chosen_radius: float | None = None
+        self.paints_in_space = False
+        """Whether the brush paints balls through all slices of a volume, not disks in one slice."""
+        self.paints_over_others = True
+        """Whether it takes voxels from other objects there."""
+        self._path: list[Place] = []
+        self._before: SegmentedObject | None = None
+        self._boundary: tuple[Line, ...] = ()
+        self._number, self._stroke_radius, self._gesture = 0, 0.0, ""
+        self._axis: int | None = None
+        self.adds = True
+        """Whether the stroke adds; otherwise it removes."""
+
+    # Settings
+
+    @property
+    def radius(self) -> float:
+        """Radius of the brush [px of the image]."""
+        return self._chosen_radius or default_brush_radius(self._session.document.image)
+
+    def set_radius(self, radius: float | None) -> None:
+        """Set the radius of the brush [px]; for None it depends on the size of the image again."""
+        self._chosen_radius = radius
+        self.changed.emit(self.radius)
+
+    def toggle_space(self) -> None:
+        """Toggle whether the brush paints in space or in a slice."""
+        self.paints_in_space = not self.paints_in_space
+        self.changed.emit(self.radius)
+
+    def toggle_over_others(self) -> None:
+        """Toggle whether the brush paints over other objects."""
+        self.paints_over_others = not self.paints_over_others
+        self.changed.emit(self.radius)
+
+    # Strokes
+
+    @property
+    def painting(self) -> bool:
+        """Whether a stroke is going on."""
+        return bool(self._path)
+
+    def begin_stroke(self, at: Place, adds: bool, gesture: str, axis: int | None, makes_new: bool) -> None:
+        """Begin a stroke at a place, in a volume across an axis; `gesture` merges it into one undo step.
+
+        If `makes_new`, the stroke makes a new object.
+        """
+        self._path, self._stroke_radius, self.adds, self._gesture, self._axis = [at], self.radius, adds, gesture, axis
+        self._number = self._list.objects.next_number if makes_new else 0
+        self._before, self._boundary = None, ()
+        self._list.pause_measuring()
+        self._paint_stretch()
+
+    def extend_stroke(self, to: Place) -> None:
+        """Extend the stroke to a place."""
+        if self._path and math.dist(self._path[-1], to) >= _MIN_BRUSH_MOVE:
+            self._path.append(to)
+            self._paint_stretch()
+
+    def end_stroke(self) -> None:
+        """End the stroke, with a message if it has touched no object."""
+        if self._path and not self._number:
+            self._session.messages.show(tr("There is no object under the brush to erase from."))
+        self._path = []
+        self._list.resume_measuring()
+
+    def find_target(self, newest: Sequence[Place], radius: float) -> SegmentedObject | None:
+        """Find the object that a stroke along some places would paint; None if it would begin a new one.
+
+        In a volume, a selected object is painted even where the brush does not touch it, so that it continues in other
+        slices.
+        """
+        under, selected = self._list.object_number_at(newest[-1]), self._list.selected_numbers
+        if len(newest[-1]) == 3:
+            near = [one for one in self._list.objects.items if one.number in {*selected, under} and not one.hidden]
+        else:
+            path = polyline.sample_path(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
+            near = [
+                item for item in self._list.objects_near(path, radius)
+                if item.encloses(path).any() or (polyline.distances_to_closed_paths(item.boundary, path) < radius).any()
+            ]  # fmt: skip
+        return min(near, key=lambda one: (one.number not in selected, one.number != under, one.area), default=None)
+
+    def _paint_stretch(self) -> None:
+        """Paint the newest stretch of the path; a frozen object stays as it is, with a message."""
+        image, stretch = self._session.document.image, self._path[-2:]
+        if image is None:
+            return
+        if not self._number:
+            item = self.find_target(stretch, self._stroke_radius)
+            if item is not None and item.frozen:
+                words = tr("{name} is frozen: unfreeze it to paint it, or paint another object.")
+                self._session.messages.show(words.format(name=self._list.title_of(item)))
+                self._path = []
+            if not self._path or not (item or self.adds):
+                return
+            self._before, self._boundary = item, item.boundary if item else ()
+            self._number = item.number if item else self._list.objects.next_number
+        self._session.edit(tr("paint object"), self._make_edit(image, stretch), self._gesture)
+        there = any(item.number == self._number for item in self._list.objects.items)
+        self._list.select_objects((self._number,) if there else ())
+
+    def _make_edit(self, image: ImageReference, stretch: Sequence[Place]) -> Callable[[Document], Document]:
+        """Make the edit that paints a stretch of the path."""
+        if image.is_volume:
+            part = voxelize_brush(image.shape, stretch, self._stroke_radius, relative_sides(image.spacing), self._axis)
+            return partial(
+                paint_volume_object,
+                number=self._number,
+                part=part,
+                adds=self.adds,
+                over_others=self.paints_over_others,
+            )
+        self._boundary = paint_boundary(self._boundary, stretch, self._stroke_radius, self.adds, image.shape)
+        return partial(
+            apply_brush,
+            before=self._before,
+            number=self._number,
+            boundary=self._boundary,
+            path=tuple(self._path),
+            radius=self._stroke_radius,
+        )

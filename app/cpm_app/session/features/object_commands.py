@@ -1,0 +1,301 @@
+"""Commands on objects, proposals and contours: accepting, rejecting and editing the selected ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from functools import partial, reduce
+from typing import Literal, TypeVar
+
+from PySide6.QtCore import QObject, Signal
+
+from cpm_app.model.document import contours, objects
+from cpm_app.model.document.contours import MarkTarget
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.objects import paint_volume_object
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.features.contour_review import ContourReview
+from cpm_app.session.features.object_brush import ObjectBrush
+from cpm_app.session.features.object_list import ObjectList
+from cpm_app.session.features.object_rows import DRAFT_KEY, ObjectRow, RowKey, boundary_lines
+from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EDITING_CATEGORY
+from cpm_core.contours import select_bridges_on
+from cpm_core.numerics import Place
+from cpm_core.objects.segmented import (
+    Halves,
+    SegmentedObject,
+    fill_between_slices,
+    split_painted_object,
+    unite_objects,
+)
+from cpm_core.objects.segmented.in_volumes import Part
+from cpm_core.shapes import relative_sides
+
+Made = TypeVar("Made")
+
+
+class ObjectCommands(QObject):
+    """Accepts, rejects and edits the selected objects, proposals and contours."""
+
+    class_begun = Signal(int)
+    """A class without a name is used next to another one for the first time."""
+
+    def __init__(self, session: Session, review: ContourReview, object_list: ObjectList, brush: ObjectBrush) -> None:
+        super().__init__(session)
+        self._session, self._review, self._list, self._brush = session, review, object_list, brush
+        self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
+        session.image_changed.connect(self._merging.drop_waiting)
+
+    # Accepting and rejecting
+
+    def accept_pending(self) -> None:
+        """Make objects of proposals and closed contours, and keep open ones; see `ObjectList.rows_to_accept`.
+
+        Rejected rows among them are restored.
+        """
+        offered, rows = self._list.pending_rows, self._list.rows_to_accept
+        if not rows:
+            self._session.messages.show(tr("There is nothing to accept: click in an object first."))
+            return
+        self._accept_rows(tr("accept {what}"), rows)
+        self._session.end_gesture()
+        if len(rows) < len(offered):
+            self._session.messages.show(
+                tr("Doubtful proposals are left: select one to accept it."), category=EDITING_CATEGORY
+            )
+
+    def reject_selected(self) -> None:
+        """Dismiss the selected proposals, remove objects, and reject contours, including those along their boundaries.
+
+        Without a selection, all proposals are dismissed; the object being selected is dropped.
+        """
+        rows = [row for row in self._list.selected_rows or self._list.pending_rows if row.kind != "rejected"]
+        draft = any(row.key == DRAFT_KEY for row in rows)
+        offered = [row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != DRAFT_KEY]
+        numbers = [row.key[1] for row in rows if row.kind == "object"]
+        lines = self._contour_targets(rows)
+
+        def reject_rows(document: Document) -> Document:
+            marked = contours.set_verdict(document, lines, "rejected")
+            # the draft is not kept as a rejected object: the user selected it, and may select it again
+            marked = objects.set_selection_clicks(marked, ()) if draft else marked
+            return objects.reject_objects(marked, numbers, offered)
+
+        self._edit_rows(tr("reject {what}"), rows, reject_rows)
+
+    def delete_selected(self) -> None:
+        """Remove the selected objects, and dismiss or reject the rest; rejected objects are removed for good."""
+        rows = self._list.selected_rows
+        if all(row.key[0] == "object" for row in rows):
+            self._edit_rows(
+                tr("delete {what}"), rows, lambda d: objects.delete_objects(d, [row.key[1] for row in rows])
+            )
+        else:
+            self.reject_selected()
+
+    # Editing
+
+    def rename_row(self, key: RowKey, name: str) -> None:
+        """Name a row, unless it has disappeared meanwhile; a proposal or a closed contour is accepted."""
+        rows = [row for row in self._list.rows if row.key == key and row.name != name.strip()]
+        if rows and (rows[0].kind in ("proposal", "closed")):
+            self._accept_rows(tr("name {what}"), rows, lambda d, numbers: objects.rename_objects(d, numbers, name))
+        elif rows and rows[0].contour is not None:
+            targets = self._review.edit_targets([rows[0].contour])
+            self._edit_rows(tr("name {what}"), rows, lambda d: contours.rename_contours(d, targets, name))
+        else:
+            self._edit_rows(tr("name {what}"), rows, lambda d: objects.rename_objects(d, (key[1],), name))
+
+    def classify_selected(self, category: int) -> None:
+        """Set the class of the selected objects and of new ones; proposals and closed contours are accepted.
+
+        Without a selection, the object being selected is accepted.
+        """
+        known, selected = self._list.objects, self._list.selected_rows
+        rows = [row for row in selected if row.kind in ("object", "proposal", "closed")]
+        if not rows and known.clicks:
+            rows = self._list.pending_rows
+        used = {item.category for item in known.items}
+        words = tr("class of {what}") if rows else tr("class of the next objects")
+        self._accept_rows(words, rows, lambda document, numbers: objects.classify_objects(document, numbers, category))
+        if rows and category not in used and used - {category} and not known.classes[category - 1].name:
+            self.class_begun.emit(category)
+
+    def name_class(self, category: int, name: str, color: str = "") -> None:
+        """Name a class, and change its color unless that is empty."""
+        self._session.edit(tr("name class"), lambda document: objects.name_class(document, category, name, color))
+
+    def color_selected(self, color: str) -> None:
+        """Color the selected objects and contours; an empty color restores the color of their class, or of contours."""
+        rows = [row for row in self._list.selected_rows if row.kind != "proposal"]
+        numbers = [row.item.number for row in rows if row.item is not None]
+        targets = self._review.edit_targets(row.contour for row in rows if row.contour is not None)
+
+        def color_rows(document: Document) -> Document:
+            return objects.update_objects(contours.color_contours(document, targets, color), numbers, color=color)
+
+        self._edit_rows(tr("color {what}"), rows, color_rows)
+
+    def toggle_state(self, state: Literal["frozen", "hidden"]) -> None:
+        """Freeze or hide the selected objects, or unfreeze or show them if all of them are frozen or hidden."""
+        on = not all(getattr(item, state) for item in self._list.selected_objects)
+        words = {
+            "hidden": (tr("show {what}"), tr("hide {what}")),
+            "frozen": (tr("unfreeze {what}"), tr("freeze {what}")),
+        }
+        self.edit_selected(words[state][on], lambda d, numbers: objects.update_objects(d, numbers, **{state: on}))
+
+    def edit_selected(self, undo_text: str, edit: Callable[[Document, Collection[int]], Document]) -> None:
+        """Edit the selected objects; `undo_text` names the edit of ``{what}`` for undo."""
+        rows = [row for row in self._list.selected_rows if row.kind == "object"]
+        numbers = [row.key[1] for row in rows]
+        self._edit_rows(undo_text, rows, lambda document: edit(document, numbers))
+
+    def merge_selected(self) -> None:
+        """Merge the selected objects into one; in a volume on another thread."""
+        rows = [row for row in self._list.selected_rows if row.kind in ("object", "proposal", "closed")]
+        if not self._session.document.has_volume:
+            if len(rows) > 1:
+                self._accept_rows(tr("merge {what}"), rows, objects.merge_objects)
+            return
+        items, rows = self._list.selected_objects, [row for row in rows if row.kind == "object"]
+
+        def replace_by_union(whole: SegmentedObject) -> None:
+            self._edit_rows(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
+            self._list.select_objects((whole.number,))
+
+        if len(items) > 1:
+            self._change_in_background(items, lambda: reduce(unite_objects, items), replace_by_union)
+
+    def fill_between_slices(self) -> None:
+        """Fill the slices across the axis in use between those in which the selected object is painted."""
+        slices, image, items = self._session.scene.slices, self._session.document.image, self._list.selected_objects
+        if slices is None or image is None or len(items) != 1:
+            return
+        (item,), axis, over_others = items, slices.axis, self._brush.paints_over_others
+        name = self._list.title_of(item)
+
+        def add_part(found: tuple[Part, int]) -> None:
+            part, count = found
+            if not count:
+                self._session.messages.show(tr("{name} has no gap between the slices across this axis.", name=name))
+                return
+            words = tr("fill {what} between slices", what=name)
+            self._session.edit(
+                words, partial(paint_volume_object, number=item.number, part=part, over_others=over_others)
+            )
+            self._session.messages.show(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
+
+        self._change_in_background(items, lambda: fill_between_slices(item.surface[0], axis, image.spacing), add_part)
+
+    def object_of_row(self, row: ObjectRow) -> SegmentedObject | None:
+        """Return the object of a row, or the one that accepting it would make; None if hidden, rejected or open."""
+        return next(iter(self._objects_from_contours([row])), row.drawn)
+
+    def split_object_in_volume(self, whole: SegmentedObject, first: Place, second: Place) -> None:
+        """Split an object of a volume between two places, on another thread; discarded if it has changed meanwhile."""
+        image = self._session.document.image
+        if image is not None:
+            sides, items = relative_sides(image.spacing), [one for one in self._list.objects.items if one is whole]
+            cut: Callable[[], Halves] = lambda: split_painted_object(whole, first, second, sides)  # noqa: E731
+            self._change_in_background(items, cut, partial(self.split_object, whole))
+
+    def split_object(self, whole: SegmentedObject, halves: Halves) -> None:
+        """Replace an object, or one that is not accepted yet, by its halves, and select them."""
+        before = {item.number for item in self._list.objects.items} - {whole.number}
+        words = tr("split {what}", what=self._list.title_of(whole))
+        self._session.edit(words, lambda document: objects.replace_by_halves(document, whole, halves))
+        self._list.select_objects(item.number for item in self._list.objects.items if item.number not in before)
+
+    def close(self) -> None:
+        """End the thread."""
+        self._merging.close()
+
+    # Internal
+
+    def _accept_rows(
+        self,
+        undo_text: str,
+        rows: Sequence[ObjectRow],
+        edit_accepted: Callable[[Document, Collection[int]], Document] = lambda document, _: document,
+    ) -> None:
+        """Make objects of rows, keep open contours, and then edit the objects with the numbers of all of them."""
+        given = [
+            row.item for row in rows if row.item is not None and row.kind != "object"
+        ] + self._objects_from_contours(rows)
+        kept, undecided = (
+            self._contour_targets([row for row in rows if row.kind == kind]) for kind in ("open", "rejected")
+        )
+        ends = any(row.key == DRAFT_KEY for row in rows)
+        old = {row.key[1] for row in rows if row.kind == "object"}
+        numbers: list[int] = []
+
+        def accept_and_edit(document: Document) -> Document:
+            before = {item.number for item in document.objects.items}
+            document = contours.set_verdict(contours.set_verdict(document, kept, "kept"), undecided, "")
+            document = objects.accept_objects(document, given, ends=ends)
+            changed = old | {item.number for item in given}
+            numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
+            return edit_accepted(document, numbers)
+
+        with self._session.store.defer_status():
+            self._edit_rows(undo_text, rows, accept_and_edit)
+            if given:
+                self._list.select_objects(item.number for item in self._list.objects.items if item.number in numbers)
+
+    def _contour_targets(self, rows: Sequence[ObjectRow]) -> list[MarkTarget]:
+        """Return the targets of the contours of rows, and of contours along the boundaries of rows."""
+        apart = {
+            item.key for item in self._review.not_on_boundary(boundary_lines(row.item for row in rows if row.item))
+        }
+        left = apart - {row.contour.key for row in rows if row.contour}
+        return self._review.edit_targets(item for item in self._review.items if item.key not in left)
+
+    def _objects_from_contours(self, rows: Sequence[ObjectRow]) -> list[SegmentedObject]:
+        """Make objects of the closed contours of rows, not accepted yet: each with its direct holes, and bridges.
+
+        A contour in a hole of a selected one bounds an object of its own again.
+        """
+        known, result = self._list.objects, self._review.result
+        closed = {item.measures.number: item for item in self._review.items
+                  if item.contour.closed and not item.reviewed.rejected}  # fmt: skip
+        selected = {row.contour.measures.number for row in rows if row.kind == "closed" and row.contour is not None}
+
+        def enclosing(number: int) -> list[int]:
+            found: list[int] = []
+            while number := closed[number].measures.inside if number in closed else 0:
+                found.append(number)
+            return [each for each in found if each in closed]
+
+        made = []
+        for number in sorted(selected):
+            outer = enclosing(number)
+            highest = next((depth for depth in reversed(range(len(outer))) if outer[depth] in selected), -1)
+            if result is not None and highest % 2:  # enclosed by none, or by an even number of contours
+                holes = [each for each in closed if enclosing(each)[:1] == [number]]
+                bounds = [closed[each].contour for each in (number, *holes)]
+                gaps = (bridge.points for bridge in select_bridges_on(result.bridges, bounds))
+                made.append(objects.object_from_contours(known.next_number, known.category, bounds, gaps))
+        return made
+
+    def _edit_rows(self, undo_text: str, rows: Sequence[ObjectRow], edit: Callable[[Document], Document]) -> None:
+        """Edit the document, as an undo step that names the edited rows."""
+        lines = all(row.contour is not None for row in rows)
+        several = tr("{count} contours") if lines else tr("{count} objects")
+        what = rows[0].title if len(rows) == 1 else several.format(count=len(rows))
+        if rows or "{what}" not in undo_text:
+            self._session.edit(undo_text.format(what=what), edit)
+
+    def _change_in_background(
+        self, items: Sequence[SegmentedObject], compute: Callable[[], Made], on_result: Callable[[Made], object]
+    ) -> None:
+        """Change objects by a result of another thread, unless they have changed meanwhile."""
+
+        def use_if_unchanged(made: Made) -> None:
+            if all(any(known is item for known in self._list.objects.items) for item in items):
+                on_result(made)
+            else:
+                self._session.messages.show(tr("The objects changed meanwhile: try again."), True)
+
+        self._merging.submit(compute, use_if_unchanged)

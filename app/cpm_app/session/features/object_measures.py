@@ -1,0 +1,119 @@
+"""Figures of objects, measured on another thread."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.session import Session
+from cpm_core import Image, Surface
+from cpm_core.numerics import Array
+from cpm_core.objects.segmented import SegmentedObject
+
+GRAY_HISTOGRAM_BINS = 32
+"""Number of bars of a histogram."""
+
+
+@dataclass(frozen=True)
+class ObjectFigures:
+    """Figures of an object.
+
+    Attributes
+    ----------
+    gray : float
+        Mean gray value; NaN if it has no pixel.
+    counts : tuple of int
+        Numbers of pixels in `GRAY_HISTOGRAM_BINS` equal steps of gray value, over the range of the image.
+    volume, area : float
+        Volume and surface area of an object in a volume, in the unit of the image; 0 in an image, as are the rest.
+    parts, euler : int
+        Number of connected parts of its surface, and its Euler characteristic.
+    body : Surface or None
+        Its surface in a volume [voxels].
+    """
+
+    gray: float
+    counts: tuple[int, ...] = ()
+    volume: float = 0.0
+    area: float = 0.0
+    parts: int = 0
+    euler: int = 0
+    body: Surface | None = None
+
+
+class ObjectMeasurer(QObject):
+    """Measures objects on another thread, because large ones have many pixels."""
+
+    measured = Signal()
+    """Objects have been measured."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self.figures: dict[int, tuple[Image, object, ObjectFigures]] = {}
+        """Figures in an image by the identity of the boundary, which is the same once a proposal becomes an object."""
+        self.bodies: Mapping[int, Surface] = {}
+        """The surfaces of the objects of a volume by number, as last measured."""
+        self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
+        session.image_changed.connect(self._on_image_changed)
+
+    def figures_of(self, item: SegmentedObject) -> ObjectFigures | None:
+        """Return the figures of an object; None while unknown for its boundary in the present image."""
+        image, _, figures = self.figures.get(id(_surface_or_boundary(item)), (None, None, None))
+        return figures if image is self._session.image else None
+
+    def measure_objects(self, items: Collection[SegmentedObject]) -> None:
+        """Measure those of the objects that have no figures, and then forget the figures of all others."""
+        image = self._session.image
+        missing = [item for item in items if self.figures_of(item) is None]
+        if image is None or not missing:
+            return
+        there = {id(_surface_or_boundary(item)) for item in items}
+
+        def keep_figures(measured: list[tuple[SegmentedObject, ObjectFigures]]) -> None:
+            self.figures = {key: kept for key, kept in self.figures.items() if key in there}
+            for item, figures in measured:
+                self.figures[id(_surface_or_boundary(item))] = image, _surface_or_boundary(item), figures
+            bodies = {item.number: figures.body for item, figures in measured if figures.body is not None}
+            self.bodies = {**self.bodies, **bodies}
+            self.measured.emit()
+
+        self._latest.submit(lambda: [(item, _measure_object(item, image)) for item in missing], keep_figures)
+
+    def close(self) -> None:
+        """End the thread."""
+        self._latest.close()
+
+    def _on_image_changed(self) -> None:
+        """Remove the figures, because another image has been opened."""
+        self.figures, self.bodies = {}, {}
+
+
+def _surface_or_boundary(item: SegmentedObject) -> object:
+    return item.surface or item.boundary
+
+
+def gray_histogram(values: Array, image: Image) -> tuple[int, ...]:
+    """Count the values, of any shape, in each of `GRAY_HISTOGRAM_BINS` equal steps of the gray range of an image."""
+    low, high = image.gray_range
+    return tuple(np.histogram(values, GRAY_HISTOGRAM_BINS, (low, max(high, low + 1e-9)))[0].tolist())
+
+
+def _measure_object(item: SegmentedObject, image: Image) -> ObjectFigures:
+    values = image.values[item.mask(image.shape)]
+    gray, counts = float(values.mean()) if len(values) else float("nan"), gray_histogram(values, image)
+    body = item.unpacked_surface
+    if body is None:
+        return ObjectFigures(gray, counts)
+    for packed in item.surface:
+        # computed here and cached, because limits and painting need it on the window's thread, which must not wait
+        _ = packed.shell.mask, packed.as_packed_voxels
+    surface = replace(body, spacing=image.spacing, unit=image.unit)
+    volume = item.surface[0].volume * math.prod(image.spacing)
+    return ObjectFigures(gray, counts, volume, surface.area, surface.components, surface.euler, body)
