@@ -19,6 +19,7 @@ from types import FrameType
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
+from cpm_app.model.document.samples import load_samples
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.application import make_application
 from cpm_app.views.layers.layer import Layer
@@ -36,12 +37,9 @@ MOST_CALLS = 100_000
 
 COMPUTING = tuple(
     str(Path(cpm_core.__file__).parent / room)
-    for room in ("field", "dynamics", "segmentation", "reconstruction", "medial_axis", "formats")
+    for room in ("field", "model", "segmentation", "reconstruction", "medial_axis", "formats")
 )
 """Rooms of the core in which there is much to be computed, read or written: they are entered by other threads."""
-
-VALUES = tuple(str(Path("segmentation", "methods", name)) for name in ("compared.py", "registry.py"))
-"""Modules in them that hold values only: which methods are compared is a part of the document."""
 
 SIDE, LARGE = 1024, 2048
 """Sides of the images on which is computed, and on which nothing is [px]."""
@@ -82,7 +80,7 @@ class Watch:
         if event in ("call", "c_call"):
             self._calls += 1
             file = frame.f_code.co_filename
-            if event == "call" and file.startswith(COMPUTING) and not file.endswith(VALUES):
+            if event == "call" and file.startswith(COMPUTING):
                 self.computed.add(f"{file}:{frame.f_code.co_qualname}")
 
 
@@ -92,6 +90,10 @@ def free(what: str, do: Callable[[], object]) -> None:
         do()
     assert watch.most <= MOST_CALLS, f"{what} takes {watch.most} calls at once"
     assert not watch.computed, f"{what} computes on the window's thread: {watch.computed}"
+
+
+def test_the_rooms_in_which_is_computed_are_there() -> None:
+    assert [room for room in COMPUTING if not Path(room).is_dir()] == []
 
 
 @pytest.fixture(autouse=True)
@@ -131,6 +133,7 @@ def window(qtbot, workspace: Workspace) -> Iterator[MainWindow]:
     made.show()
     qtbot.waitExposed(made)
     session.warm_up()
+    load_samples()  # of which the first is opened at the start
     qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
     gc.collect()
     gc.freeze()
