@@ -1,11 +1,13 @@
-"""The architecture: what may import what, and what a module may be called."""
+"""The architecture: what may import what, what names stand for, and what its page says of it."""
 
 import ast
 import re
 import shutil
 import subprocess
 import sys
+from collections import defaultdict
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,7 +24,7 @@ CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tiff
 
 LATE_LIBRARIES = {
     "cpm_core.image.drawing": {"matplotlib"},
-    "cpm_core.objects.notebook_view": {"anywidget", "traitlets"},
+    "cpm_core.objects.view": {"anywidget", "traitlets"},
     "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.objects.segmented.by_hand": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},
@@ -121,12 +123,33 @@ class Module(NamedTuple):
 
     imported: list  # dotted names, wherever in it
     imported_at_once: list
+    classes: list  # public ones, wherever in it
+    constants: list  # without the underscore that makes them private
+    packed: list  # constants that one assignment defines together
 
 
 @cache
 def module(path):
     tree, name = ast.parse(path.read_text(encoding="utf-8")), module_name(path)
-    return Module(*(imports(tree, name, path.name == "__init__.py", at_once) for at_once in (False, True)))
+    classes = [node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef) and node.name[0] != "_"]
+    return Module(
+        *(imports(tree, name, path.name == "__init__.py", at_once) for at_once in (False, True)),
+        classes,
+        *constants(tree),
+    )
+
+
+def constants(tree):
+    """Names of the constants of a module, and those among them that one assignment defines together."""
+    found, packed = [], []
+    for node in tree.body:
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        for target in targets:
+            together = target.elts if isinstance(target, ast.Tuple | ast.List) else [target]
+            names = [one.id for one in together if isinstance(one, ast.Name) and one.id.isupper()]
+            found += [name.strip("_") for name in names]
+            packed += names if len(together) > 1 else []
+    return found, packed
 
 
 def rules_broken(name, imported):
@@ -192,7 +215,7 @@ def libraries(names):
 
 def test_the_core_stands_on_few_libraries():
     late = {module_name(path): libraries(module(path).imported) - CORE_LIBRARIES for path in CORE}
-    assert {name: others for name, others in late.items() if not others <= LATE_LIBRARIES.get(name, set())} == {}
+    assert {name: others for name, others in late.items() if others} == LATE_LIBRARIES
     assert set().union(*(libraries(module(path).imported_at_once) for path in CORE)) <= CORE_LIBRARIES
 
 
@@ -232,6 +255,43 @@ def test_no_part_of_a_large_library_is_named_where_a_module_is_loaded():
         if other.startswith(("scipy.", "skimage."))
     }
     assert named == set()
+
+
+SHARED_CONSTANTS = {
+    "LOG": "each module has its own logger",
+    "FILE_KINDS": "the reader of each format of images says what it reads",
+    "WRITABLE": "the results of images and of volumes in chunks are modules with the same face",
+    "WRITERS": "the same",
+}
+"""Names of constants that several modules define all the same, and why."""
+
+
+def places_by_name(kind):
+    """Modules that define each public class or constant, more than once if they do so."""
+    places = defaultdict(list)
+    for path in SOURCES:
+        for name in getattr(module(path), kind):
+            places[name].append(module_name(path))
+    return {name: modules for name, modules in places.items() if len(modules) > 1}
+
+
+def test_a_public_class_is_the_only_one_of_its_name():
+    assert places_by_name("classes") == {}
+
+
+def test_a_constant_is_the_only_one_of_its_name():
+    repeated = places_by_name("constants")
+    assert {name: modules for name, modules in repeated.items() if name not in SHARED_CONSTANTS} == {}
+    assert SHARED_CONSTANTS.keys() <= repeated.keys(), "a permission that nobody needs any more"
+
+
+def test_each_constant_has_an_assignment_of_its_own():
+    assert {module_name(path): module(path).packed for path in SOURCES if module(path).packed} == {}
+
+
+def test_constants_are_found():
+    tree = ast.parse("A_B = 1\n_C_D: int = 2\n_E_F, G_H = 3, 4\nfield = 5\ndef f():\n    I_J = 6")
+    assert constants(tree) == (["A_B", "C_D", "E_F", "G_H"], ["_E_F", "G_H"])
 
 
 def test_no_module_is_a_box_for_odds_and_ends():
@@ -286,12 +346,6 @@ def test_no_room_imports_itself_by_way_of_others(depth):
     assert circles(arrows_between(names, depth)) == []
 
 
-STILL_AROUND = {
-    ("cpm_core/formats/images", "cpm_core/formats/images/stacks"),
-}
-"""Pairs of folders that still import one another; none is added."""
-
-
 def folders_that_import_one_another():
     """Pairs of folders, a folder's own files taken as the folder."""
     folders = {module_name(path): path.parent.relative_to(ROOT).as_posix() for path in SOURCES}
@@ -306,7 +360,7 @@ def folders_that_import_one_another():
 
 def test_no_folder_lies_both_above_and_below_another():
     """So that rooms can be drawn as floors: the files of a folder lie above all its subfolders, or below them."""
-    assert folders_that_import_one_another() - STILL_AROUND == set()
+    assert folders_that_import_one_another() == set()
 
 
 def test_circles_are_seen():
@@ -352,12 +406,51 @@ def test_the_top_level_holds_what_it_should_and_nothing_else():
     }
 
 
-NAMED = re.findall(r"`((?:[a-z_]+/)*[a-z_]+(?:/|\.py))`", (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8"))
+PAGE = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+NAMED = set(re.findall(r"`((?:[a-z_]+/)*[a-z_]+(?:/|\.py))`", PAGE))
 """Files and folders that the page on the architecture names."""
+
+DIAGRAM = PAGE.split("```")[1]
+MOST_WORDS = 1500
+
+
+def rooms_in(folder):
+    """Folders in this one that hold modules."""
+    return sorted(path.parent.name for path in (ROOT / folder).glob("*/__init__.py"))
 
 
 def test_the_page_names_what_is_there():
-    names = sorted(set(NAMED) - {"plane.py", "space.py"})
     assert [
-        name for name in names if not any((ROOT / at / name).exists() for at in (".", "cpm_core", "app/cpm_app"))
+        name for name in NAMED if not any((ROOT / at / name).exists() for at in (".", "cpm_core", "app/cpm_app"))
     ] == []
+
+
+@pytest.mark.parametrize("folder", ["cpm_core", "app/cpm_app"])
+def test_the_page_names_every_room(folder):
+    short = "" if folder == "cpm_core" else "cpm_app/"
+    unnamed = {room for room in rooms_in(folder) if not {f"{folder}/{room}/", f"{short}{room}/"} & NAMED}
+    assert unnamed == set()
+
+
+def rows_of_the_diagram():
+    """Rooms of the core that each row of the diagram names before it says what they hold, from the top down."""
+    rows = []
+    for line in DIAGRAM.splitlines():
+        for cell in re.split(r"[│▼]", line):
+            names = re.split(r"\s{2,}", cell.strip())[0].replace("cpm_core/", "").split(", ")
+            if set(names) <= set(rooms_in("cpm_core")):
+                rows.append(names)
+    return rows
+
+
+def test_the_diagram_shows_the_rooms_of_the_core_in_their_order():
+    floors = [room.removeprefix("cpm_core.") for room in FLOORS]
+    assert sorted(floors) == rooms_in("cpm_core")
+    rows = rows_of_the_diagram()
+    assert sorted(room for row in rows for room in row) == sorted(floors)
+    for upper, lower in pairwise(rows):
+        assert min(map(floors.index, upper)) > max(map(floors.index, lower)), f"{upper} above {lower}"
+
+
+def test_the_page_is_short():
+    assert len(PAGE.split()) <= MOST_WORDS
