@@ -44,7 +44,7 @@ from cpm_app.views.widgets.containers import FoldableSection, create_dim_label, 
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
 
-_DEFAULT_TOLERANCE = 1e-9
+_EQUALITY_TOLERANCE = 1e-9
 """Difference up to which a value counts as the default."""
 
 _NUMBER_FIELD_WIDTH = 64
@@ -148,7 +148,7 @@ class ParameterRow(QWidget):
             self.slider.show_value(value)
             self.number.setSuffix(f" {control.unit}" if control.unit and value not in dict(control.value_words) else "")
             self.number.show_value(value)
-            same = not isinstance(default, str) and abs(value - default) < _DEFAULT_TOLERANCE
+            same = not isinstance(default, str) and abs(value - default) < _EQUALITY_TOLERANCE
         self._restore.setVisible(not same)
 
     def adapt_to_image(self, usual: Parameters, ndim: int, contrast: float) -> None:
