@@ -119,7 +119,7 @@ def test_only_particles_within_reach_of_a_changed_charge_wake():
     np.testing.assert_array_equal(woken, away < 64.0)
 
 
-@pytest.mark.parametrize("call", ["step", "forces", "energies", "field", "potential"])
+@pytest.mark.parametrize("call", ["step", "forces", "energies", "force_field", "potential"])
 @settings(max_examples=5, deadline=None)
 @given(st.floats(-1.0, 70.0))
 def test_a_charge_of_an_image_is_refused_in_a_volume_and_the_other_way_round(call, at):
@@ -131,7 +131,7 @@ def test_a_charge_of_an_image_is_refused_in_a_volume_and_the_other_way_round(cal
     ):
         given_charges = [cpm.PlacedCharge(position, 1.0)]
         with pytest.raises(ValueError, match=wanted):
-            if call in ("field", "potential"):
+            if call in ("force_field", "potential"):
                 getattr(method, call)(parameters, charges=given_charges)
             else:
                 getattr(method, call)(state, parameters, given_charges)
