@@ -65,7 +65,7 @@ class ChunkedSource:
         return self.levels.read_window(window, self.reading)
 
 
-@lru_cache(2)
+@lru_cache(3)
 def _open_levels(path: Path, reading: Reading) -> MultiscaleImage:
     """Open the levels of an image once in each process."""
     return open_multiscale(path, reading)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from cpm_core.chunked.volume_run import VOLUME_CHUNK_SIDE, ChunkedVolume, run_pa
 from cpm_core.formats.images.ome_zarr import create_multiscale, write_window
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import (
+    Labels,
     Window,
     bridge_corner_contacts,
     find_connected_parts,
@@ -44,14 +44,17 @@ from cpm_core.reconstruction.surface.joints import RAISED_HEIGHT, SaddleSurround
 from cpm_core.reconstruction.surface.local_threshold import LocalThresholds, VoxelBox, height_over_threshold
 from cpm_core.reconstruction.surface.pipeline import width_and_band
 
-_REGION_OFFSET = np.float32(2**20)
-"""Offset of the numbers of regions away from particles, from 1, that are stored in place of heights.
-
-0 stands for voxels that have not been written.
-"""
-
 _MAX_HEIGHT = np.float32(2**18)
-"""Largest height, where an edge has no slope: far from the surface, and below all stored region numbers."""
+"""Largest height, where an edge has no slope: far from the surface."""
+
+_HEIGHT_ARRAY = "height"
+"""Name of the array of heights, NaN in the regions away from particles."""
+
+_REGION_ARRAY = "regions"
+"""Name of the array of the numbers of these regions."""
+
+_PART_ARRAY = "parts"
+"""Name of the array of the numbers of parts of the inside and of the outside."""
 
 _NECKS_KIND = "necks"
 """Kind of the files that hold the necks of chunks."""
@@ -65,47 +68,37 @@ _PARTICLE_MARGIN = 4
 
 @frozen
 class _NumberedRegions:
-    """Files of regions that are numbered within each chunk."""
+    """Files of regions that are numbered within each chunk, from 0; -1 is the number of voxels in no region."""
 
     volume: ChunkedVolume
     name: str
 
-    @property
-    def path(self) -> Path:
-        """Path of the array of all numbers."""
-        return self.volume.task.store.folder / f"{self.name}.zarr"
-
-    def read_window(self, window: Window) -> NDArray[Any]:
-        """Read what has been written in a window."""
-        return ChunkedSource(self.path, Reading(), "zyx").read_values(window)
+    def read_window(self, window: Window) -> Labels:
+        """Read the numbers in a window."""
+        return _stored_array(self.volume, self.name).read_values(window)
 
     def load_chunk(self, number: int, *names: str) -> JsonDict:
         """Load what has been stored of a chunk, all arrays or some."""
         return self.volume.task.store.load(chunk_file_name(self.name, number), *names)
 
-    def save_chunk(self, chunk: Chunk, values: NDArray[Any], **arrays: Any) -> None:
-        """Write values in the core of a chunk, and store those one voxel beyond with other arrays."""
-        write_window(self.path, 0, chunk.core, values[tuple(slice(n) for n in window_shape(chunk.core))])
-        layers = {f"layer_{axis}": values.take(-1, axis) for axis, _ in _find_layers_beyond(self.volume, chunk)}
+    def save_chunk(self, chunk: Chunk, numbers: Labels, **arrays: Any) -> None:
+        """Write the numbers in the core of a chunk, and store those one voxel beyond with other arrays."""
+        write_window(_stored_array(self.volume, self.name).path, 0, chunk.core, numbers[_core_of_extended(chunk)])
+        layers = {f"layer_{axis}": numbers.take(-1, axis) for axis, _ in _find_layers_beyond(self.volume, chunk)}
         self.volume.task.store.save(chunk_file_name(self.name, chunk.number), **layers, **arrays)
 
-    def compute_chunks(self, dtype: Any, work: Callable[[Chunk], None], compute: Compute, title: str) -> None:
+    def compute_chunks(self, work: Callable[[Chunk], None], compute: Compute, title: str) -> None:
         """Process each chunk that has no file yet."""
-        grid = self.volume.grid
-        if not self.path.exists():
-            create_multiscale(self.path, grid.shape, dtype, grid.side)
-        map_chunks(compute, work, self.volume.task.store, grid.chunks, self.name, title)
+        _create_array(self.volume, self.name, np.int32)
+        map_chunks(compute, work, self.volume.task.store, self.volume.grid.chunks, self.name, title)
 
-    def join_regions(self, counts: Index, number_of: Callable[[NDArray[Any]], Index]) -> Index:
-        """Join the regions of all chunks where they meet; return the group of each, from 0, shape (sum of counts,).
-
-        `number_of` gives the numbers of regions in stored values, -1 for no region.
-        """
+    def join_regions(self, counts: Index) -> Index:
+        """Join the regions of all chunks where they meet; return the group of each, from 0, shape (sum of counts,)."""
         first, pairs = np.cumsum([0, *counts]), [np.empty(0, np.int64)]
         for chunk in self.volume.grid.chunks:
             for axis, window in _find_layers_beyond(self.volume, chunk):
-                mine = number_of(self.load_chunk(chunk.number, f"layer_{axis}")[f"layer_{axis}"])
-                theirs = number_of(self.read_window(window)).reshape(mine.shape)
+                mine = self.load_chunk(chunk.number, f"layer_{axis}")[f"layer_{axis}"].astype(np.int64)
+                theirs = self.read_window(window).reshape(mine.shape).astype(np.int64)
                 both = (mine >= 0) & (theirs >= 0)
                 for number, part in self.volume.grid.split_window(window):
                     inner = tuple(side for k, side in enumerate(relative_window(part, window)) if k != axis)
@@ -114,11 +107,28 @@ class _NumberedRegions:
         return label_joined_pairs(np.stack(np.divmod(np.concatenate(pairs), first[-1])), int(first[-1]))
 
 
+def _stored_array(volume: ChunkedVolume, name: str) -> ChunkedSource:
+    """Return an array of the store that has a value for each voxel."""
+    return ChunkedSource(volume.task.store.folder / f"{name}.zarr", Reading(), "zyx")
+
+
+def _create_array(volume: ChunkedVolume, name: str, dtype: type[np.generic]) -> None:
+    """Create such an array, unless an interrupted run has."""
+    path = _stored_array(volume, name).path
+    if not path.exists():
+        create_multiscale(path, volume.grid.shape, dtype, volume.grid.side)
+
+
 def _extended_core(volume: ChunkedVolume, chunk: Chunk) -> Window:
     """Extend the core of a chunk by one voxel at the end of each axis, within the volume."""
     return tuple(
         slice(side.start, min(side.stop + 1, n)) for side, n in zip(chunk.core, volume.grid.shape, strict=True)
     )
+
+
+def _core_of_extended(chunk: Chunk) -> Window:
+    """Return the core of a chunk as a window of the extended one."""
+    return tuple(slice(n) for n in window_shape(chunk.core))
 
 
 def _find_layers_beyond(volume: ChunkedVolume, chunk: Chunk) -> Iterator[tuple[int, Window]]:
@@ -157,39 +167,27 @@ class EdgeHeights:
         """Read the height in a window, positive inside; outside the volume it is -1."""
         grid = self.volume.grid
         inner = tuple(slice(max(side.start, 0), min(side.stop, n)) for side, n in zip(window, grid.shape, strict=True))
-        found: Single = self.regions.read_window(inner)
+        found: Single = _stored_array(self.volume, _HEIGHT_ARRAY).read_values(inner)
+        regions = _NumberedRegions(self.volume, _REGION_ARRAY).read_window(inner)
         for number, part in grid.split_window(inner):
-            values = found[relative_window(part, inner)]
-            region = _decode_regions(values)
+            here = relative_window(part, inner)
+            values, region = found[here], regions[here]
             unknown = region >= 0
             values[unknown] = self.region_heights[self.first[number] + region[unknown]]
         found *= np.float32(self.sign)
         outer = [(a.start - b.start, b.stop - a.stop) for a, b in zip(inner, window, strict=True)]
         return np.pad(found, outer, constant_values=-1.0)
 
-    @property
-    def regions(self) -> _NumberedRegions:
-        """Files of the heights."""
-        return _NumberedRegions(self.volume, "height")
-
-
-def _decode_regions(values: NDArray[Any]) -> Index:
-    """Decode the numbers of the regions in stored heights; -1 for heights."""
-    return np.where(values == 0.0, 0, np.where(values >= _REGION_OFFSET, values - _REGION_OFFSET, -1.0)).astype(
-        np.int64
-    )
-
 
 def compute_heights(volume: ChunkedVolume, apart: float, compute: Compute) -> EdgeHeights:
     """Compute the height over the edges of a volume with this typical distance between its particles."""
-    regions = _NumberedRegions(volume, "height")
-    regions.compute_chunks(
-        np.float32, partial(_compute_chunk_height, regions, apart), compute, "surface near particles"
-    )
+    regions = _NumberedRegions(volume, _REGION_ARRAY)
+    _create_array(volume, _HEIGHT_ARRAY, np.float32)
+    regions.compute_chunks(partial(_compute_chunk_height, regions, apart), compute, "surface near particles")
     names = ("votes", "at_border", "bright", "known")
     known = [regions.load_chunk(chunk.number, *names) for chunk in volume.grid.chunks]
     counts = np.array([len(one["votes"]) for one in known])
-    group = regions.join_regions(counts, _decode_regions)
+    group = regions.join_regions(counts)
     votes = np.bincount(group, np.concatenate([one["votes"] for one in known]))
     heights = np.where(votes > 0, np.float32(HEIGHT_AWAY_FROM_PARTICLES), np.float32(-HEIGHT_AWAY_FROM_PARTICLES))[
         group
@@ -212,7 +210,10 @@ def _load_particles_near(
 
 
 def _compute_chunk_height(regions: _NumberedRegions, apart: float, chunk: Chunk) -> None:
-    """Compute the height in a chunk and a voxel beyond, and store it with what is known of the regions."""
+    """Compute the height in a chunk, and number the regions away from particles in it and a voxel beyond; store both.
+
+    The height is NaN in these regions.
+    """
     volume = regions.volume
     beyond = _extended_core(volume, chunk)
     width, band = width_and_band(apart)
@@ -222,18 +223,20 @@ def _compute_chunk_height(regions: _NumberedRegions, apart: float, chunk: Chunk)
         box = VoxelBox(begin, tuple(n + 2 for n in window_shape(beyond)))  # type: ignore[arg-type]
         found = height_over_threshold(volume.smooth_chunk(chunk), box, levels, volume.voxel_sides, width, band)
         np.clip(found, -_MAX_HEIGHT, _MAX_HEIGHT, out=found)
-        found[found == 0.0] = -np.finfo(np.float32).tiny
+        found[found == 0.0] = -np.finfo(np.float32).tiny  # the darker side, whatever the sign
         parts, votes = vote_on_unknown_regions(found)
-        parts.fill_voxels(_REGION_OFFSET + 1 + np.arange(parts.count, dtype=np.float32), found)
-        inner, votes = found[1:-1, 1:-1, 1:-1], np.append(0, votes)
+        numbers = parts.fill_voxels(np.arange(parts.count, dtype=np.int32), np.full(found.shape, -1, np.int32))
+        height, numbers = found[1:-1, 1:-1, 1:-1], numbers[1:-1, 1:-1, 1:-1]
     else:
-        inner, votes = np.zeros(window_shape(beyond), np.float32), np.zeros(1, np.int64)
-    border = _collect_border_values(volume, chunk, inner[tuple(slice(n) for n in window_shape(chunk.core))])
-    region = _decode_regions(border)
+        height = np.full(window_shape(beyond), np.nan, np.float32)
+        numbers, votes = np.zeros(height.shape, np.int32), np.zeros(1, np.int64)
+    core = _core_of_extended(chunk)
+    border, region = (_collect_border_values(volume, chunk, values[core]) for values in (height, numbers))
     at_border = np.bincount(region[region >= 0], minlength=len(votes))
     bright = np.count_nonzero(border[region < 0] > 0.0)
+    write_window(_stored_array(volume, _HEIGHT_ARRAY).path, 0, chunk.core, height[core])
     regions.save_chunk(
-        chunk, inner, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0)
+        chunk, numbers, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0)
     )
 
 
@@ -309,7 +312,7 @@ class ChunkedBodies:
     @property
     def regions(self) -> _NumberedRegions:
         """Files of the parts."""
-        return _NumberedRegions(self.volume, "parts")
+        return _NumberedRegions(self.volume, _PART_ARRAY)
 
     def load_triangles(self, number: int) -> tuple[Index, Array, Index, Index]:
         """Load the triangles of a chunk that bound bodies.
@@ -343,12 +346,12 @@ _PAIR_SUMS = ("area", "volume", "moments", "corners", "supported", "particles")
 def assemble_bodies(heights: EdgeHeights, compute: Compute) -> ChunkedBodies:
     """Assemble the bodies of a volume from the height over its edges."""
     volume = heights.volume
-    parts = _NumberedRegions(volume, "parts")
-    parts.compute_chunks(np.uint32, partial(_number_chunk_parts, parts, heights), compute, "bodies")
+    parts = _NumberedRegions(volume, _PART_ARRAY)
+    parts.compute_chunks(partial(_number_chunk_parts, parts, heights), compute, "bodies")
     known = [parts.load_chunk(chunk.number, "inside", "rim", "pairs", *_PAIR_SUMS) for chunk in volume.grid.chunks]
     counts = np.array([len(one["inside"]) for one in known])
     first = np.cumsum([0, *counts])
-    group = parts.join_regions(counts, lambda values: values.astype(np.int64))
+    group = parts.join_regions(counts)
     rim = np.concatenate([one["rim"] + start for one, start in zip(known, first, strict=False)])
     outer, group = group.max(initial=-1) + 1, group.copy()
     group[np.isin(group, group[rim])] = outer  # beyond the border of the volume all outside parts are connected
@@ -416,16 +419,14 @@ def _number_chunk_parts(files: _NumberedRegions, heights: EdgeHeights, chunk: Ch
     surface = _triangulate_chunk(heights, chunk, found, labels, window)
     files.save_chunk(
         chunk,
-        labels[beyond].astype(np.uint32),
+        labels[beyond],
         inside=np.arange(inner.count + outside.count) < inner.count,
         rim=np.unique(_collect_border_values(volume, chunk, labels)),
         **surface,
     )
 
 
-def _triangulate_chunk(
-    heights: EdgeHeights, chunk: Chunk, found: Single, labels: NDArray[np.int32], window: Window
-) -> JsonDict:
+def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels: Labels, window: Window) -> JsonDict:
     """Triangulate the surface in a chunk: triangles, the vertices that it owns, and sums for each pair of parts."""
     volume = heights.volume
     corner, sides = np.array([side.start for side in window]), np.array(volume.task.source.levels.spacing)
