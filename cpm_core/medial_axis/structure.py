@@ -226,7 +226,7 @@ def select_strips(axis: MedialAxis, boundary: Boundary, width: float, sure: floa
     width : float
         Largest width of a strip [px].
     sure : float
-        Least strength of edges that make a strip certain [gray levels / px].
+        Least strength of edges that make a strip unambiguous [gray levels / px].
     """
     thin = axis.part_narrower_than(width)
 

@@ -54,7 +54,7 @@ _LAYER_CHOICES = {
         "Run: particles start along the boundaries of the labels.",
     ),
 }
-"""Layers that can be chosen in addition to the image: name -> kind of layer, title and explanation."""
+"""Layers that can be selected in addition to the image: name -> kind of layer, title and explanation."""
 
 
 class FindWidget(Container):  # type: ignore[misc]
@@ -144,7 +144,7 @@ class FindWidget(Container):  # type: ignore[misc]
         self._worker.start()
 
     def _prepare_work(self) -> tuple[finding.Work, Callable[[Any], list[LayerData]]]:
-        """Return the computation for the chosen layers, and the function that builds layers of its outcome."""
+        """Return the computation for the selected layers, and the function that builds layers of its outcome."""
         layer, shapes, chosen = (choice.value for choice in (self.image, self.shapes, self.objects))
         if layer is None:
             raise ValueError("Open an image first, or a volume.")
@@ -199,7 +199,7 @@ class FindWidget(Container):  # type: ignore[misc]
             self._show_layer(*layer)
 
     def _show_layer(self, data: Any, settings: JsonDict, kind: str) -> None:
-        """Replace the layer of the same name, which remains chosen where its data can be replaced."""
+        """Replace the layer of the same name, which remains selected where its data can be replaced."""
         with suppress(KeyError):
             known = self._viewer.layers[settings["name"]]
             if kind != "shapes":

@@ -29,7 +29,7 @@ class Change:
     """A change that can be undone.
 
     Successive changes with the same gesture, such as the drag of a slider, are merged; an empty gesture never merges.
-    For a change that wakes particles, `resting_step` is where the run was at rest before: generation, branch and step.
+    If it reactivates particles, `resting_step` is where the run was at rest before: generation, branch and step.
     """
 
     name: str

@@ -24,7 +24,7 @@ MAIN_CONTROLS = ("beta", RATIO_CONTROL, "annealing", *START_PARAMETERS, "smoothi
 """Names of the controls that are not folded away."""
 
 _FULL_CONTRAST = 255.0
-"""Contrast that ranges of sliders in gray levels are meant for."""
+"""Contrast for which ranges of sliders in gray levels are made."""
 
 AUTOMATIC_TEXTS = {
     "smoothing": tr("Choose the smoothing from the noise of the image."),

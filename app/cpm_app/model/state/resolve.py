@@ -55,7 +55,7 @@ class WindowTexts:
     """Texts of the window in a situation.
 
     `run_text`, `undo_text` and `redo_text` are texts of actions. `state` is one sentence on the state of the run, and
-    `hint` one on the next thing to do, or empty. `numbers` are label, value and explanation of each line of the status
+    `hint` one on what to do next, or empty. `numbers` are label, value and explanation of each line of the status
     panel.
     """
 

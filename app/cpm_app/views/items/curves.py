@@ -182,7 +182,7 @@ class Curves(MultiPartItem):
         visible = find_overlapping(np.array([box for (box, _), _ in near]).reshape(-1, 4).T, place)
         seen = [(line, color) for ((_, line), color), is_seen in zip(near, visible.tolist(), strict=True) if is_seen]
         if self._rim_of_halo:
-            # The rim of the halo is equally wide beside lines of any width.
+            # The rim of the halo is equally wide next to lines of any width.
             painter.setPen(
                 line_pen(
                     theme.CANVAS_HALO_COLOR,

@@ -281,7 +281,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
 class SortableTable(QTableView):
     """Table whose rows are sorted by a click on a heading.
 
-    If it is too narrow for all columns, the last ones are hidden, so that nobody has to scroll sideways; the user shows
+    If it is too narrow for all columns, the last ones are hidden, not scrolled; the user shows
     and hides columns by the menu of the header. The column `wide` takes the remaining width.
     """
 

@@ -27,7 +27,7 @@ class SelectTool(ShapeTool):
     """Selects by a click, or by a frame around several items.
 
     A shape moves with the pointer, and its handles reshape it. A frame with Shift adds to the selection, with Ctrl
-    removes from it; a click with either key toggles the item. In a volume, a click beside all items moves the cross.
+    removes from it; a click with either key toggles the item. In a volume, a click outside all items moves the cross.
     """
 
     name = "select"
@@ -108,7 +108,7 @@ class SelectTool(ShapeTool):
             self._put_shape(tr("move {shape}", shape=translate_core_text(shape.title)), shape.translated(by))
 
     def on_release(self) -> None:
-        """Keep the selection; a click beside all items clears it."""
+        """Keep the selection; a click outside all items clears it."""
         if self._before is None and not self._met_keys and not self.modifiers & _SELECTION_MODIFIERS:
             self._list.select_rows(())
         self._end_frame()

@@ -93,7 +93,7 @@ class SpaceView(QWidget):
     """Draws the newest view on its own thread: coarsely while it moves, at full resolution once it is still.
 
     Drag to turn, with Shift or the middle button to move, with Ctrl to roll; the wheel zooms; a double click shows
-    everything again. A click on something picks the place, a right click opens the menu.
+    everything again. A click on an item selects its position, a right click opens the menu.
     """
 
     picked = Signal(object)

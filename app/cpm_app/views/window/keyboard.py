@@ -128,7 +128,7 @@ class Keyboard(QObject):
             now.installEventFilter(self)
 
     def reactivate_window(self, dialog: QDialog) -> None:
-        """Activate the window when a dialog has closed, which without a window manager nobody else does."""
+        """Activate the window when a dialog has closed, which nothing else does without a window manager."""
         closed = not shiboken6.isValid(dialog) or not dialog.isVisible()
         if closed and QGuiApplication.focusWindow() is None and self._window.isVisible():
             (QApplication.activeModalWidget() or self._window).activateWindow()
