@@ -26,7 +26,7 @@ from cpm_core.numerics.types import Callback
 from cpm_core.objects.boundaries.crossings import find_crossings
 from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
-from cpm_core.objects.partition import partition
+from cpm_core.objects.partition import Partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation.engine import Engine
@@ -68,7 +68,7 @@ def contours_once() -> None:
 
 def objects_once() -> None:
     """Run the kernels of the choice of objects: of clicks, of places that correct it, of a start."""
-    cut = partition(_contours())
+    cut = Partition.from_result(_contours())
     mask = cut.select([(15.0, 15.0)]).mask
     missing, wrong = np.argwhere(~mask)[0], np.argwhere(mask)[-1]
     cut.select([(15.0, 15.0), missing], [wrong, (15.0, 19.0)])

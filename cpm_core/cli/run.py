@@ -73,7 +73,7 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject
-from cpm_core.objects import Selection, objects_result, partition, select_all
+from cpm_core.objects import Partition, Selection, VolumePartition, objects_result, select_all
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.formatting import format_count, format_size
 from cpm_core.shapes import SEEDING_KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
@@ -251,7 +251,7 @@ def _run_image(
     else:
         result = shown = apply_session_review(made, image, parameters, session, kept=arguments.image is None)
         if drawn["object"] or arguments.objects:
-            parted = partition(result)
+            parted = Partition.from_result(result)
             chosen = select_all(parted) if arguments.objects else [parted.select(drawn["object"], drawn["not"])]
             if drawn["object"] and not chosen[0].mask.any():
                 raise ValueError("There is no object at this position: name another one inside it.")
@@ -365,7 +365,7 @@ def _select_bodies(found: Result, drawn: DrawnNumbers) -> Result:
     """Restrict the surface of a result to the bodies that contain the positive points, if any."""
     if not drawn["object"]:
         return found
-    chosen = partition(found).select(drawn["object"], drawn["not"])
+    chosen = VolumePartition.from_result(found).select(drawn["object"], drawn["not"])
     if chosen.body is not None or not chosen.has_boundary:
         raise ValueError("There is no object at this position: name one that the surface encloses.")
     return replace(found, surface=chosen.surface)

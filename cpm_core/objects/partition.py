@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -40,7 +40,7 @@ from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_ou
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Prompt
 from cpm_core.objects.selection import Selection, compute_iou
 from cpm_core.objects.vessels import find_vessel_tree
-from cpm_core.objects.volume_partition import EMPTY_SURFACE, VolumePartition
+from cpm_core.objects.volume_partition import VolumePartition, require_image
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 from cpm_core.segmentation.evolve import segment
@@ -79,6 +79,7 @@ _MIN_DRAWN_SHARE = 0.1
 """Least share of what has been drawn that lies in a body that the prompt means."""
 
 _NO_OBJECT_REMARK = "No object was found around these places: only their own pixels are chosen."
+"""Remark on a selection that holds only the pixels of its points."""
 
 
 class Candidate(NamedTuple):
@@ -87,6 +88,41 @@ class Candidate(NamedTuple):
     mask: Mask
     features: ConfidenceFeatures | None = None
     unambiguous: bool = False
+
+
+@record
+class _Request:
+    """What a user has given to select an object by.
+
+    Attributes
+    ----------
+    inside, outside : ndarray, shape (M, 2) and (K, 2)
+        Positive and negative points [px].
+    areas : sequence of float
+        Areas of objects that have been accepted [px²].
+    has_only_positive : bool
+        Whether there are positive points alone: no negative ones, scribble, box or previous mask.
+    prompt : Prompt
+        All this for the network, which may then answer with any object.
+    correction : Prompt or None
+        The previous mask with the points that may contradict it. They count one by one, also where they are drawn.
+    remark : str
+        One sentence on what is unusual about the points, or empty.
+    """
+
+    inside: Array
+    outside: Array
+    areas: Sequence[float]
+    has_only_positive: bool
+    prompt: Prompt
+    correction: Prompt | None
+    remark: str
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing says where the object is."""
+        asked = self.correction or self.prompt
+        return not len(asked.positive) and asked.drawn_area is None and asked.box is None
 
 
 @frozen
@@ -111,7 +147,7 @@ class ParentImage:
     smoothing: float
 
 
-def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Any:
+def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Partition | VolumePartition:
     """Prepare an image with its contours, or a volume with the bodies of its surface, to select objects from.
 
     Parameters
@@ -138,17 +174,10 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     >>> partition.select([(32, 18)])
     <Selection 301 px, 1 contour, 0 gaps, 98 % sure>
     """
-    if not isinstance(values, Result):
-        image = as_image(values)
-        if image.ndim == 3:
-            return VolumePartition(image)
-        return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE_PARAMETERS))
-    if values.image is None:
-        raise ValueError("the result has no image: make a partition of the image itself.")
-    if values.surface is not None:
-        surface = values.surface if values.surface.closed else EMPTY_SURFACE
-        return VolumePartition(values.image, surface, values.regions)
-    return Partition(as_plane(values.image), tuple(values.contours), plane_regions(values.regions), values.channel)
+    if isinstance(values, Result):
+        return Partition.from_result(values) if values.surface is None else VolumePartition.from_result(values)
+    image = as_image(values)
+    return VolumePartition(image) if image.ndim == 3 else Partition.from_image(image, params)
 
 
 def partition_without_run(image: Image) -> Partition | VolumePartition:
@@ -172,25 +201,29 @@ class Partition(drawing.Pictured):
         Channel of a color image whose edges count; with the luminance, the network sees the colors.
     uses_network : bool
         Whether the network answers where no contour is unambiguous.
-    parent : Frame or None
+    parent : ParentImage or None
         The larger image that contains this one.
 
     Examples
     --------
-    >>> partition = cpm.partition(cpm.example("disks"))
-    >>> partition.shape, partition.values.shape, bool(partition.interest.all()), len(list(partition.certain()))
-    ((64, 64), (64, 64), True, 2)
+    >>> partition = cpm.Partition.from_image(cpm.example("disks"))
+    >>> cpm.Partition.from_result(cpm.segment(partition.image, cpm.circle((32, 18), 5)))
+    <Partition disks, 64 x 64 px, 2 contours>
+    >>> partition.shape, partition.values.shape, bool(partition.interest.all())
+    ((64, 64), (64, 64), True)
+    >>> len(list(partition.find_unambiguous_objects()))
+    2
     >>> chosen = partition.select([(32, 18)], outside=[(32, 46)])
-    >>> again = partition.selection_of(chosen.mask, chosen.inside)
+    >>> again = partition.build_selection(chosen.mask, chosen.inside)
     >>> int(chosen.mask.sum()), bool((again.mask == chosen.mask).all())
     (301, True)
-    >>> any(one.same(chosen) for one in partition.candidates([(32, 18)]))
+    >>> any(one.has_same_region(chosen) for one in partition.find_candidates([(32, 18)]))
     True
-    >>> bool(partition.judged(chosen.mask).overlap > 0.8)
+    >>> bool(partition.evaluate_mask(chosen.mask).predicted_iou > 0.8)
     True
-    >>> len(partition.outlines(chosen.mask))
+    >>> len(partition.outline_mask(chosen.mask))
     1
-    >>> partition.around(chosen.mask, 301.0).shape
+    >>> partition.complete_object(chosen.mask, 301.0).shape
     (64, 64)
     >>> axes = partition.plot()
     """
@@ -201,6 +234,18 @@ class Partition(drawing.Pictured):
     channel: str = "luminance"
     uses_network: bool = True
     parent: ParentImage | None = None
+
+    @classmethod
+    def from_result(cls, result: Result) -> Partition:
+        """Make the partition of the image and the contours of a result; ValueError when it does not know its image."""
+        return cls(
+            as_plane(require_image(result)), tuple(result.contours), plane_regions(result.regions), result.channel
+        )
+
+    @classmethod
+    def from_image(cls, image: Image, params: Parameters | None = None) -> Partition:
+        """Make the partition of an image with the contours that a run from everywhere finds in it."""
+        return cls.from_result(segment(image, uniform_grid(image.shape), params or EVERYWHERE_PARAMETERS))
 
     @property
     def shape(self) -> Extent:
@@ -245,7 +290,8 @@ class Partition(drawing.Pictured):
         ValueError
             When points are not rows and columns, or the box does not have two corners.
         """
-        return next(self._rank_candidates(inside, outside, stroke, box, previous, areas))
+        request = self._read_request(inside, outside, stroke, box, previous, areas)
+        return self._select_best(request, self._predict_candidates(request.prompt, areas))
 
     def find_candidates(
         self,
@@ -263,11 +309,85 @@ class Partition(drawing.Pictured):
         other sizes, the insides of contours closed around the points, shape (M, 2) [px], bodies alone where
         necks join them to others, and together with them.
         """
-        first, *others = self._rank_candidates(inside, outside, stroke, box, previous, areas)
-        others = sorted(others, key=lambda one: -one.confidence)[: _MAX_CANDIDATES - 1]
-        return tuple(sorted([first, *others], key=lambda one: np.count_nonzero(one.mask)))
+        request = self._read_request(inside, outside, stroke, box, previous, areas)
+        answers = self._predict_candidates(request.prompt, areas)
+        first = self._select_best(request, answers)
+        if request.is_empty:
+            return (first,)
+        others = sorted(self._select_others(request, first.mask, answers), key=lambda one: -one.confidence)
+        return tuple(sorted([first, *others[: _MAX_CANDIDATES - 1]], key=lambda one: np.count_nonzero(one.mask)))
 
-    def _rank_candidates(
+    def _select_best(self, request: _Request, answers: Iterator[Candidate]) -> Selection:
+        """Select the object that a request most likely means; `answers` are those of the network to its prompt."""
+        if request.has_only_positive:
+            enclosed = self._from_unambiguous_contour(request.inside) or self._from_surrounding_line(request.inside)
+            if enclosed is not None:
+                return self._build_answer(enclosed, request.inside)
+        if request.is_empty:
+            remark = request.remark or "No place has been said to be inside."
+            return self.build_selection(np.zeros(self.shape, bool), request.inside, request.outside, remark)
+        found = self._from_previous(request) or self._from_network(request.prompt, answers)
+        return self._build_answer(found, request.inside, request.outside, request.remark)
+
+    def _from_unambiguous_contour(self, places: Array) -> Candidate | None:
+        """Return what a closed contour unambiguously encloses around points, shape (M, 2) [px], if one does."""
+        mask = self._closed_regions.find_object_around(places)
+        return None if mask is None else Candidate(mask, unambiguous=True)
+
+    def _from_surrounding_line(self, places: Array) -> Candidate | None:
+        """Return the object that points, shape (M, 2) [px], are drawn around, if they are."""
+        mask = object_enclosed_by(self.values, places, ~self.interest)
+        return None if mask is None else Candidate(mask)
+
+    def _from_previous(self, request: _Request) -> Candidate | None:
+        """Return the previous mask, if any, corrected by the points that contradict it.
+
+        Closed contours correct it where they are unambiguous, otherwise the network corrects all the rest.
+        """
+        prompt = request.correction
+        if prompt is None or prompt.previous_mask is None:
+            return None
+        mask, corrected = prompt.previous_mask, False
+        while True:
+            wrong = [(place, True) for place in prompt.positive if not mask[tuple(place)]]
+            wrong += [(place, False) for place in prompt.negative if mask[tuple(place)]]
+            if not wrong:
+                return Candidate(self._keep_connected(mask, prompt), unambiguous=corrected)
+            fixed = prompt.negative, prompt.positive
+            changed = (self._closed_regions.correct_mask(mask, place, adds, fixed[not adds]) for place, adds in wrong)
+            better = next((one for one in changed if one is not None), None)
+            if better is None:
+                return self._correct_by_network(replace(prompt, previous_mask=mask), mask, request.areas)
+            mask, corrected = better, True
+
+    def _correct_by_network(self, prompt: Prompt, mask: Mask, areas: Sequence[float]) -> Candidate:
+        """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove."""
+        found = next(self._predict_candidates(prompt, areas), Candidate(mask))
+        adds, removes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
+        if adds != removes:
+            found = found._replace(mask=found.mask | mask if adds else found.mask & mask)
+        return found._replace(mask=self._keep_connected(found.mask, prompt))
+
+    def _from_network(self, prompt: Prompt, answers: Iterator[Candidate]) -> Candidate:
+        """Return the first answer of the network to a prompt; only the pixels of its points without any."""
+        found = next(answers, Candidate(np.zeros(self.shape, bool)))
+        return found._replace(mask=self._keep_connected(found.mask, prompt))
+
+    def _build_answer(self, found: Candidate, inside: Array, outside: Array = NO_POINTS, remark: str = "") -> Selection:
+        """Build the selection of a candidate, with a remark if it holds only the pixels of the points."""
+        answer = self.build_selection(found.mask, inside, outside, remark, found.features, found.unambiguous)
+        return replace(answer, remark=_NO_OBJECT_REMARK) if answer.has_only_points and not remark else answer
+
+    def _select_others(self, request: _Request, first: Mask, answers: Iterator[Candidate]) -> Iterator[Selection]:
+        """Select the other objects that a request may mean besides the first one, shape (H, W)."""
+        known = [first]
+        for found in itertools.chain(answers, self._find_alternatives(first, request.prompt)):
+            mask = self._keep_connected(found.mask, request.prompt)
+            if mask.any() and all(compute_iou(mask, other) < _DUPLICATE_IOU for other in known):
+                known.append(mask)
+                yield self.build_selection(mask, request.inside, request.outside, request.remark, found.features)
+
+    def _read_request(
         self,
         inside: ArrayLike,
         outside: ArrayLike,
@@ -275,46 +395,26 @@ class Partition(drawing.Pictured):
         box: ArrayLike,
         previous: Selection | None,
         areas: Sequence[float],
-    ) -> Iterator[Selection]:
-        """Rank the different objects that a prompt may mean, the most plausible one first."""
+    ) -> _Request:
+        """Read what a user has given; ValueError when it cannot be used."""
         within, beyond, line, corners = (
             as_positions(given, "rows and columns") for given in (inside, outside, stroke, box)
         )
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
-        former, certain = previous.mask if previous is not None and previous.mask.any() else None, False
-        at_once = former is None and not len(line) and not len(corners)
-        if at_once:
-            former = self._closed_regions.find_object_around(within)
-            certain = former is not None
-            if former is None and not len(beyond):
-                former = object_enclosed_by(self.values, within, ~self.interest)
         meant = within if previous is None else _replace_surrounding_points(within, previous)
         newer = None if previous is None else ~_is_among(meant, previous.inside)
         places, remark = self._resolve_points(meant, beyond, newer)
-        afresh = self._add_drawn_prompts(places, meant if len(meant) >= MIN_DRAWN_PLACES else NO_POINTS, line, corners)
-        prompt = (
-            afresh
-            if former is None
-            else replace(self._add_drawn_prompts(places, NO_POINTS, line, corners), previous_mask=former)
-        )
-        answers = self._predict_candidates(afresh, areas)
-        if at_once and former is not None and former.any() and not len(beyond):
-            first = self.build_selection(former, within, unambiguous=certain)
-        elif len(prompt.positive) or prompt.drawn_area is not None or prompt.box is not None:
-            found = self._find_best_candidate(prompt, answers, areas)
-            first = self.build_selection(found.mask, within, beyond, remark, found.features, found.unambiguous)
-        else:
-            remark = remark or "No place has been said to be inside."
-            yield self.build_selection(np.zeros(self.shape, bool), within, beyond, remark)
-            return
-        yield replace(first, remark=_NO_OBJECT_REMARK) if first.has_only_points and not first.remark else first
-        known = [first.mask]
-        for found in itertools.chain(answers, self._find_alternatives(first.mask, afresh)):
-            tied = self._keep_connected(found.mask, afresh)
-            if tied.any() and all(compute_iou(tied, other) < _DUPLICATE_IOU for other in known):
-                known.append(tied)
-                yield self.build_selection(tied, within, beyond, remark, found.features)
+        lasso = meant if len(meant) >= MIN_DRAWN_PLACES else NO_POINTS
+        prompt = self._add_drawn_prompts(places, lasso, line, corners)
+        mask = previous.mask if previous is not None and previous.mask.any() else None
+        has_only_points = mask is None and not len(line) and not len(corners)
+        if has_only_points and len(beyond):  # negative points correct what a contour encloses
+            mask = self._closed_regions.find_object_around(within)
+        correction = None
+        if mask is not None:
+            correction = replace(self._add_drawn_prompts(places, NO_POINTS, line, corners), previous_mask=mask)
+        return _Request(within, beyond, areas, has_only_points and not len(beyond), prompt, correction, remark)
 
     def _add_drawn_prompts(self, places: Prompt, start: Array, line: Array, corners: Array) -> Prompt:
         """Add to a prompt a start, which replaces its positive points, a scribble and the corners of a box."""
@@ -357,28 +457,6 @@ class Partition(drawing.Pictured):
             )
         return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
-    def _find_best_candidate(self, prompt: Prompt, answers: Iterator[Candidate], areas: Sequence[float]) -> Candidate:
-        """Find the best candidate for a prompt; `answers` are those of the network without a previous mask."""
-        mask, certain = prompt.previous_mask, False
-        while mask is not None:  # first, unambiguous corrections by points that contradict the object so far
-            wrong = [(place, True) for place in prompt.positive if not mask[tuple(place)]]
-            wrong += [(place, False) for place in prompt.negative if mask[tuple(place)]]
-            if not wrong:
-                return Candidate(self._keep_connected(mask, prompt), unambiguous=certain)
-            kept = prompt.negative, prompt.positive
-            changed = (self._closed_regions.correct_mask(mask, place, adds, kept[not adds]) for place, adds in wrong)
-            better = next((found for found in changed if found is not None), None)
-            if better is None:
-                answers = self._predict_candidates(replace(prompt, previous_mask=mask), areas)
-                break
-            mask, certain = better, True
-        found = next(answers, None) or Candidate(np.zeros(self.shape, bool) if mask is None else mask.copy())
-        if mask is not None:  # positive points only add, and negative ones only remove
-            adds, takes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
-            if adds != takes:
-                found = found._replace(mask=found.mask | mask if adds else found.mask & mask)
-        return found._replace(mask=self._keep_connected(found.mask, prompt))
-
     def _predict_candidates(self, prompt: Prompt, areas: Sequence[float]) -> Iterator[Candidate]:
         """Predict the candidates for a prompt, the most likely one first; a tree of vessels precedes all others."""
         if not self.uses_network:
@@ -400,34 +478,26 @@ class Partition(drawing.Pictured):
     def _find_alternatives(self, mask: Mask, prompt: Prompt) -> Iterator[Candidate]:
         """Find alternatives to an object: closed contours around it, a body of it alone, or more than it."""
         pixels = prompt.positive if prompt.drawn_area is None else np.argwhere(prompt.drawn_area)
-        for other in (
-            itertools.islice(self._closed_regions.find_enclosing_masks(pixels), _MAX_CLOSED_CANDIDATES)
-            if len(pixels)
-            else ()
-        ):
-            yield Candidate(other)
-        box, corner = _padded_box(mask)
         if len(pixels):
-            parts = split_at_necks(mask[box])
-            there = np.clip(pixels - corner, 0, np.array(parts.shape) - 1)
-            held = np.bincount(parts[tuple(there.T)], minlength=int(parts.max()) + 1) >= max(
-                _MIN_DRAWN_SHARE * len(pixels), 1.0
-            )
-            held[0] = False
-            body = np.zeros_like(mask)
-            body[box] = held[parts]
-            yield Candidate(body)
+            enclosed = self._closed_regions.find_enclosing_masks(pixels)
+            yield from map(Candidate, itertools.islice(enclosed, _MAX_CLOSED_CANDIDATES))
+            yield Candidate(_cut_body_at_necks(mask, pixels))
+        if mask.any():
+            joined = self._join_similar_pixels(mask)
+            if _MIN_GROWTH < np.count_nonzero(joined) / np.count_nonzero(mask) < _MAX_GROWTH:
+                yield Candidate(joined)
+
+    def _join_similar_pixels(self, mask: Mask) -> Mask:
+        """Join an object, shape (H, W), with the pixels connected to it that are similar."""
+        box, _ = _padded_box(mask)
+        lengths = [int(_NEIGHBOR_REACH * (side.stop - side.start)) for side in box]
         wide = tuple(
-            slice(max(side.start - length, 0), side.stop + length)
-            for side in box
-            for length in [int(_NEIGHBOR_REACH * (side.stop - side.start))]
+            slice(max(side.start - length, 0), side.stop + length) for side, length in zip(box, lengths, strict=True)
         )
-        more = np.zeros_like(mask)
-        more[wide] = _select_connected(
-            find_similar_pixels(self.values[wide], mask[wide], self.interest[wide]), np.argwhere(mask[wide])
-        )
-        if _MIN_GROWTH < np.count_nonzero(more) / np.count_nonzero(mask) < _MAX_GROWTH:
-            yield Candidate(more)
+        similar = find_similar_pixels(self.values[wide], mask[wide], self.interest[wide])
+        joined = np.zeros_like(mask)
+        joined[wide] = _select_connected(similar, np.argwhere(mask[wide]))
+        return joined
 
     def _keep_connected(self, mask: Mask, prompt: Prompt) -> Mask:
         """Keep the parts of a mask that are connected to the prompt, with all positive points and no negative one."""
@@ -449,7 +519,7 @@ class Partition(drawing.Pictured):
     def complete_object(self, drawn: Mask, area: float) -> Mask:
         """Complete drawn pixels to an object of about this area [px²]; masks of shape (H, W)."""
         prompt = Prompt(np.empty((0, 2), np.int64), drawn_area=drawn)
-        return self._find_best_candidate(prompt, self._predict_candidates(prompt, [area]), ()).mask
+        return self._from_network(prompt, self._predict_candidates(prompt, [area])).mask
 
     def find_unambiguous_objects(self) -> Iterator[Mask]:
         """Find the objects that closed contours enclose unambiguously, each of shape (H, W), the largest first."""
@@ -574,6 +644,19 @@ def _select_connected(mask: Mask, pixels: Index, barred: Mask | None = None) -> 
     held[parts[tuple(pixels.T)]] = True
     held[0] = False
     return held[parts]
+
+
+def _cut_body_at_necks(mask: Mask, pixels: Index) -> Mask:
+    """Cut an object, shape (H, W), at its necks; keep the parts that hold enough of some pixels, shape (N, 2)."""
+    box, corner = _padded_box(mask)
+    parts = split_at_necks(mask[box])
+    there = np.clip(pixels - corner, 0, np.array(parts.shape) - 1)
+    counts = np.bincount(parts[tuple(there.T)], minlength=int(parts.max()) + 1)
+    held = counts >= max(_MIN_DRAWN_SHARE * len(pixels), 1.0)
+    held[0] = False
+    body = np.zeros_like(mask)
+    body[box] = held[parts]
+    return body
 
 
 def _is_among(places: Array, others: Array) -> Mask:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 from cpm_core.image.image import Image, as_plane
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.objects.all_objects import find_objects_everywhere, find_similar_objects
-from cpm_core.objects.partition import Partition, partition
+from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 
 
@@ -45,11 +46,11 @@ def select(
 
     Examples
     --------
-    >>> cpm.select(cpm.example("disks"), [(32, 18)]).holds(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
+    >>> cpm.select(cpm.example("disks"), [(32, 18)]).contains(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
     [True, False]
     """
     image = as_plane(values)
-    cut = Partition(image, ()) if prior else Partition(image, partition(image).contours, uses_network=False)
+    cut = Partition(image, ()) if prior else replace(Partition.from_image(image), uses_network=False)
     places = np.concatenate([as_positions(given, "rows and columns") for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
@@ -77,7 +78,8 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
     (2, 2)
     """
     if not like:
-        return tuple(find_objects_everywhere(values if isinstance(values, Partition) else partition(as_plane(values))))
+        cut = values if isinstance(values, Partition) else Partition.from_image(as_plane(values))
+        return tuple(find_objects_everywhere(cut))
     cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
     found = list(like)
     taken = np.any([one.mask for one in like], axis=0)

@@ -21,7 +21,8 @@ from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects.partition import Partition, partition, partition_without_run
-from cpm_core.objects.volume_partition import EMPTY_SURFACE, VolumePartition
+from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import EMPTY_SURFACE, VolumePartition, VolumeSelection
 from cpm_core.parameters.formatting import format_count, format_repr
 
 _MAX_PICTURE_SIDE = 2048
@@ -103,30 +104,32 @@ class NotebookView(drawing.Pictured):
     (None, 1)
     >>> axes = view.plot()
     >>> slices = cpm.notebook_view(cpm.example("ball"))
-    >>> slices.turn_to(12)
+    >>> slices.show_plane(12)
     >>> slices.plane
     12
     """
 
     def __init__(self, partition: Partition | VolumePartition, result: Result | None = None) -> None:
-        self.partition: Any = partition
-        self.objects: list[Any] = []
-        self.selection: Any = None
+        self.partition = partition
+        self.objects: list[Selection | VolumeSelection] = []
+        self.selection: Selection | VolumeSelection | None = None
         self.plane = partition.shape[0] // 2 if len(partition.shape) == 3 else None
         self._results, self._message = [result] if result is not None else [], _HELP_TEXT
         self._limits = drawing.gray_limits(self._image.values)
 
     def click(self, place: Sequence[float], correct: bool = False) -> None:
         """Select the object at a place (row, col) or (plane, row, col), or `correct` the selected one there."""
+        partition: Any = self.partition  # each kind corrects selections of its own kind
         at, former = np.array([place], dtype=float), self.selection
+        found: Selection | VolumeSelection
         if correct and former is not None:
             places = [former.inside, former.outside]
             side = int(former.contains(at)[0])
             places[side] = np.concatenate([places[side], at])
-            found = self.partition.select(*places, previous=former)
+            found = partition.select(*places, previous=former)
         else:
             former = next((one for one in self.objects if one.contains(at)[0]), None)
-            found = self.partition.select(at) if former is None else former
+            found = partition.select(at) if former is None else former
         self._message = found.remark
         if found.has_boundary and not found.has_only_points:
             self.objects = [*(one for one in self.objects if one is not former), found]
@@ -156,17 +159,18 @@ class NotebookView(drawing.Pictured):
 
     @property
     def _image(self) -> Image:
-        image: Image = self.partition.image
+        image = self.partition.image
         return image if self.plane is None else image.slice_across(0, self.plane)
 
-    def _find_contours(self, found: Sequence[Any]) -> list[Contour]:
+    def _find_contours(self, found: Sequence[Result | Selection | VolumeSelection]) -> list[Contour]:
         """Find the contours of results or objects, or where the plane cuts their surfaces."""
-        at = self.plane
-        return [
-            line
-            for one in found
-            for line in (one.contours if at is None else slice_surface(one.surface or EMPTY_SURFACE, 0, at))
-        ]
+        lines: list[Contour] = []
+        for one in found:
+            if self.plane is None and not isinstance(one, VolumeSelection):
+                lines += one.contours
+            elif self.plane is not None and not isinstance(one, Selection):
+                lines += slice_surface(one.surface or EMPTY_SURFACE, 0, self.plane)
+        return lines
 
     def __repr__(self) -> str:
         return format_repr("View", self.partition.image.source, format_count(len(self.objects), "object"))

@@ -9,16 +9,16 @@ from outlined images (`prior.bodies`), and further clicks correct its answer.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from copy import copy
+from collections.abc import Iterator
 from dataclasses import field, replace
-from functools import cached_property, lru_cache
-from itertools import tee
+from functools import cached_property
+from itertools import islice
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
+from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface, voxelize_surface
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
@@ -51,6 +51,13 @@ EMPTY_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
 """The surface of a volume in which nothing has run yet."""
 
 
+def require_image(result: Result) -> Image:
+    """Return the image of a result; ValueError when it does not know it."""
+    if result.image is None:
+        raise ValueError("the result has no image: make a partition of the image itself.")
+    return result.image
+
+
 @record
 class VolumePartition:
     """A volume, with the bodies that closed surfaces cut it into.
@@ -67,20 +74,26 @@ class VolumePartition:
     Examples
     --------
     >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
-    >>> bodies = cpm.partition(result)
-    >>> bodies.bodies_at(np.array([(15.0, 15.0, 15.0)])).tolist(), bodies.boundary_of(np.array([1])).closed
+    >>> bodies = cpm.VolumePartition.from_result(result)
+    >>> bodies.find_body_numbers(np.array([(15.0, 15.0, 15.0)])).tolist(), bodies.extract_boundary(np.array([1])).closed
     ([1], True)
-    >>> bodies.shape, int(bodies.labels.max()), bodies.solid.tolist(), bodies.select([(15, 15, 15)]).remark
+    >>> bodies.shape, int(bodies.labels.max()), bodies.solid_bodies.tolist(), bodies.select([(15, 15, 15)]).remark
     ((31, 31, 31), 1, [1], '')
-    >>> len(bodies.candidates([(15, 15, 15)]))
+    >>> len(bodies.find_candidates([(15, 15, 15)]))
     1
-    >>> bodies.selection_of(bodies.select([(15, 15, 15)]).packed, [(15, 15, 15)])
+    >>> bodies.build_selection(bodies.select([(15, 15, 15)]).packed_body, [(15, 15, 15)])
     <VolumeSelection ball, 1 part>
     """
 
     image: Image
     surface: Surface = EMPTY_SURFACE
     regions: AnyRegions | None = None
+
+    @classmethod
+    def from_result(cls, result: Result) -> VolumePartition:
+        """Make the partition of the volume and the closed surface of a result; ValueError when it has no image."""
+        surface = result.surface if result.surface is not None and result.surface.closed else EMPTY_SURFACE
+        return cls(require_image(result), surface, result.regions)
 
     def __post_init__(self) -> None:
         if len(self.surface.faces) and not self.surface.closed:
@@ -196,7 +209,7 @@ class VolumePartition:
         elif previous is not None and previous.has_boundary:
             body = body_from_mask(previous.mask, size)
         else:
-            body = next(self._predict_bodies(within[:1]))
+            body = self._predict_bodies(within[:1], 1)[0]
         found = self._correct_body(body, within, beyond, remark, voxels)
         return replace(found, inside=inside, outside=outside)
 
@@ -248,15 +261,21 @@ class VolumePartition:
         surface = replace(body.surface, spacing=self.image.spacing, unit=self.image.unit)
         return VolumeSelection(self, surface, within, beyond, voxels=body if isinstance(body, PackedVoxels) else None)
 
-    def _predict_bodies(self, place: Array) -> Iterator[BodyPrediction]:
-        """Predict the bodies around a point, shape (1, 3); predictions for the last point are kept."""
+    def _predict_bodies(self, place: Array, count: int | None = None) -> list[BodyPrediction]:
+        """Predict the bodies around a point, shape (1, 3), the most plausible one first: all, or at most `count`."""
         (at,) = self._clip_points(place) * self._predictor.voxel_sides
-        return copy(self._cached_predictions(tuple(at.tolist())))
+        key = tuple(at.tolist())
+        # taken out for as long as bodies are predicted, since no two threads may resume one generator
+        bodies, rest = self._bodies_at_last_point.pop(key, ([], self._predictor.predict_bodies(at)))
+        bodies += islice(rest, None if count is None else max(count - len(bodies), 0))
+        self._bodies_at_last_point.clear()
+        self._bodies_at_last_point[key] = bodies, rest
+        return bodies[:count]
 
     @cached_property
-    def _cached_predictions(self) -> Callable[[tuple[float, ...]], Iterator[BodyPrediction]]:
-        """Bodies around a point, of which copies iterate from the first one on; those of the last point are kept."""
-        return lru_cache(1)(lambda place: tee(self._predictor.predict_bodies(np.array(place)), 1)[0])
+    def _bodies_at_last_point(self) -> dict[tuple[float, ...], tuple[list[BodyPrediction], Iterator[BodyPrediction]]]:
+        """The bodies predicted so far around the last point, and the iterator over the others."""
+        return {}
 
     def _clip_points(self, places: Array) -> Array:
         """Clip points to the volume."""
@@ -330,7 +349,7 @@ class VolumeSelection:
         The positive and negative points of the prompt [voxels].
     remark : str
         One sentence on what was unusual about the points, or empty.
-    body : Body or None
+    body : BodyPrediction or None
         The prediction of the network; None for bodies of closed surfaces.
     voxels : PackedVoxels or None
         Its voxels, if it has been painted; a correction changes only what is near its point.
@@ -343,11 +362,13 @@ class VolumeSelection:
     <VolumeSelection ball, 1 part>
     >>> round(chosen.volume / result.surface.volume, 3), round(chosen.area / result.surface.area, 3)
     (1.0, 1.0)
-    >>> chosen.mask.shape, chosen.surface.closed, chosen.found, chosen.only_places, chosen.same(chosen)
-    ((31, 31, 31), True, True, False, True)
-    >>> chosen.holds(np.array([(15.0, 15.0, 15.0), (2.0, 2.0, 2.0)])).tolist()
+    >>> chosen.mask.shape, chosen.surface.closed, chosen.has_boundary, chosen.has_only_points
+    ((31, 31, 31), True, True, False)
+    >>> chosen.has_same_region(chosen)
+    True
+    >>> chosen.contains(np.array([(15.0, 15.0, 15.0), (2.0, 2.0, 2.0)])).tolist()
     [True, False]
-    >>> chosen.packed.surface.closed, chosen.body is None
+    >>> chosen.packed_body.surface.closed, chosen.body is None
     (True, True)
     """
 

@@ -21,7 +21,7 @@ from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
-from cpm_core.objects import Partition, Selection, compute_iou, objects_result, partition
+from cpm_core.objects import Partition, Selection, compute_iou, objects_result
 from cpm_core.pages.follow import describe_error
 from cpm_core.pages.page import Page, strip_image
 from cpm_core.pages.tracks import MIN_PART_FRACTION, MIN_TRACK_OVERLAP, Tracker, TrackEvent, find_origins
@@ -151,7 +151,7 @@ def follow_objects(
     for number in numbers:
         try:
             image = pages[number - 1]
-            part = partition(found_on(image))
+            part = Partition.from_result(found_on(image))
         except (ValueError, MemoryError) as error:
             yield Page(number, None, error=describe_error(error))
             continue

@@ -11,7 +11,7 @@ import numpy as np
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import max_scales
 from cpm_core.objects.methods.method import START_SPACING, ContourMethod, Contours, ContourState, Start
-from cpm_core.objects.partition import partition
+from cpm_core.objects.partition import Partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import RunState, evolve
@@ -41,7 +41,7 @@ def _iterate_states(
 def _evolve_to_object(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
     def find_boundaries(moment: RunState) -> Contours:
         """Find the closed boundaries of the objects of all outlines of the start, united where they overlap."""
-        cut = partition(moment.result)
+        cut = Partition.from_result(moment.result)
         chosen = [cut.select(outline) for outline in start.sample_curves(START_SPACING)]
         whole = chosen[0] if len(chosen) == 1 else cut.build_selection(np.any([one.mask for one in chosen], axis=0))
         return whole.contours

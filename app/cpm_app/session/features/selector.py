@@ -181,7 +181,7 @@ def partition_from_everywhere(source: EverywhereRun, task: BackgroundTask) -> Pa
         return Partition(image, (), plane_regions(regions), source.parameters.channel)
     grid = uniform_grid(image.shape)
     found = segment(image, grid, source.parameters, regions=regions, progress=lambda _: task.check_cancelled())
-    return cast("Partition", partition(found))
+    return Partition.from_result(found)
 
 
 def parameters_everywhere(document: Document) -> Parameters:
