@@ -9,7 +9,7 @@ import cpm_core
 GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "runs": (
         "Runs",
-        ("segment", "evolve", "Evolution", "Evolved", "Engine", "State", "Particles", "Forces", "Energies",
+        ("segment", "evolve", "Evolution", "RunState", "Engine", "State", "Particles", "Forces", "Energies",
          "Parameters", "PARAMETERS", "PRESETS", "Method", "METHODS"),
     ),
     "images": (
@@ -18,9 +18,9 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "starts": (
         "Where particles start, and what limits and steers them",
-        ("circle", "stroke", "uniform_grid", "gradient_threshold", "divergence_centers", "sphere", "box", "in_slice",
-         "everywhere", "on_strong_edges", "at_centers", "Regions", "VolumeRegions", "Extrusion",
-         "PlacedCharge", "coulomb_force"),
+        ("circle", "stroke", "uniform_grid", "gradient_threshold", "divergence_centers", "sphere",
+         "seeds_on_box", "seeds_in_slice", "seeds_everywhere", "seeds_on_strong_edges", "seeds_at_centers", "Regions",
+         "VolumeRegions", "Extrusion", "PlacedCharge", "coulomb_force"),
     ),
     "results": (
         "What is found, and how it is measured",
@@ -29,20 +29,21 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
          "SurfaceComparison", "VolumeTruth", "load_volume_truth"),
     ),
     "objects": (
-        "Objects chosen by places",
+        "Objects selected by prompts",
         ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition", "VolumeSelection",
-         "objects_result", "view", "View"),
+         "objects_result", "notebook_view", "NotebookView"),
     ),
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines")),
     "files": (
         "Files and pictures",
-        ("export", "encoded", "load_contours", "load_surface", "load_centerlines", "load_points", "write_figure",
+        ("export", "to_bytes", "load_contours", "load_surface", "load_centerlines", "load_points", "write_figure",
           "write_animation"),
     ),
-    "stacks": ("Stacks and time series", ("follow", "Page", "TrackEvent")),
+    "stacks": ("Stacks and time series", ("follow_pages", "Page", "TrackEvent")),
     "methods": (
         "Classical methods",
-        ("CONTOUR_METHODS", "ContourMethod", "ContourState", "Start", "run_method", "moments", "facts_of", "Facts"),
+        ("CONTOUR_METHODS", "ContourMethod", "ContourState", "Start", "run_method", "iterate_method", "report_run",
+         "RunReport"),
     ),
 }  # fmt: skip
 """File -> title and public names."""
