@@ -109,7 +109,7 @@ def run_batch(arguments: argparse.Namespace) -> int:
             for row in rows
         ]  # fmt: skip
         counts = {"done": len(rows) - failed, "failed": failed, "lacking_files": lacking, "seconds": round(seconds, 3)}
-        print_json(arguments, {"images": images, **counts, "summary": str(output / SUMMARY_NAME)})
+        print_json(arguments.name, {"images": images, **counts, "summary": str(output / SUMMARY_NAME)})
     else:
         for row in rows:
             if not row.trouble:

@@ -39,7 +39,7 @@ def run_benchmarks(arguments: argparse.Namespace) -> None:
         "python": platform.python_version(),
         **{name: version(name) for name in ("numpy", "scipy", "scikit-image", "numba")},
     }
-    values, repeats = _build_scene(2 if arguments.quick else 6), 1 if arguments.is_quick else 5
+    values, repeats = _build_scene(2 if arguments.quick else 6), 1 if arguments.quick else 5
     rows: list[JsonDict] = []
     for what, work in _list_measurements(values):
         work()  # compiles
@@ -48,7 +48,7 @@ def run_benchmarks(arguments: argparse.Namespace) -> None:
             print(f"{what:44}{rows[-1]['value']:10.1f} ms", flush=True)
     if arguments.json:
         facts = {"machine": machine, "quick": arguments.quick, "seconds": time.perf_counter() - began}
-        print_json(arguments, facts | {"measurements": rows})
+        print_json(arguments.name, facts | {"measurements": rows})
     else:
         print(", ".join(f"{name} {value}" for name, value in machine.items()))
 

@@ -122,7 +122,7 @@ def run_comparison(arguments: argparse.Namespace) -> int:
     check_targets(targets, arguments)
     image = _load_gray_image(arguments, session, targets)
     start = _build_start(image, drawn, arguments, session)
-    truth = cast("Truth | None", load_named_truth(arguments, image))
+    truth = cast("Truth | None", load_named_truth(arguments.truth, image))
     ensure_compiled()
     scores = ("Dice", "F", "Hausd. [px]", "mean [px]") if truth else ()
     if not arguments.json:
@@ -153,7 +153,7 @@ def run_comparison(arguments: argparse.Namespace) -> int:
         }
         for one in found
     ]
-    return print_report(arguments, {**given, "methods": rows}, (), files)
+    return print_report(arguments.name, arguments.json, {**given, "methods": rows}, (), files)
 
 
 def _format_cells(title: str, *cells: object) -> str:

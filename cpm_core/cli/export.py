@@ -106,7 +106,9 @@ def run_export(arguments: argparse.Namespace) -> int:
         path: count_left_out(result, find_format_suffix(path), outlines=arguments.outlines) for path in files.written
     }
     said, line = _describe_result(result, source)
-    return print_report(arguments, {"source": str(source), "left_out": missing, **said}, [line], files)
+    return print_report(
+        arguments.name, arguments.json, {"source": str(source), "left_out": missing, **said}, [line], files
+    )
 
 
 def _describe_result(result: Result | Centerlines, source: Path) -> tuple[JsonDict, str]:

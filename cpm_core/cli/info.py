@@ -41,5 +41,5 @@ def show_info(arguments: argparse.Namespace) -> int:
             print(f"{image.source}: {size}, gray levels {low:g} to {high:g}")
             print(*describe_geometry(image), *(f"Note: {note}" for note in image.notes), sep="\n")
     if arguments.json:
-        print_json(arguments, {**(facts[0] if single else {}), "images": facts})
+        print_json(arguments.name, {**(facts[0] if single else {}), "images": facts})
     return EXIT_IN_PART if any("trouble" in one for one in facts) else 0

@@ -179,10 +179,10 @@ def read_starts(path: str, image: Image) -> tuple[Start, ...]:
     return (start_from_surface(load_surface(path, image, warn=print_message)),)
 
 
-def load_named_truth(arguments: argparse.Namespace, image: Image) -> Truth | VolumeTruth | None:
+def load_named_truth(path: str | None, image: Image) -> Truth | VolumeTruth | None:
     """Load the given ground truth of this image or volume, if any."""
-    if arguments.truth is None:
+    if path is None:
         return None
     if image.ndim == 3:
-        return load_volume_truth(arguments.truth, image)
-    return load_truth(arguments.truth, image.shape, spacing=image.spacing, unit=image.unit)
+        return load_volume_truth(path, image)
+    return load_truth(path, image.shape, spacing=image.spacing, unit=image.unit)

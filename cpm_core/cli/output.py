@@ -6,7 +6,6 @@ Each object begins with ``command``, ``schema`` (the version of the schema) and 
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
@@ -129,13 +128,13 @@ class OutputFiles:
         self.written += [path for path in dict.fromkeys(paths) if str(Path(path)) not in known]
 
 
-def print_json(arguments: argparse.Namespace, facts: JsonObject) -> None:
+def print_json(command: str, facts: JsonObject) -> None:
     """Print the outcome of a command as one JSON object."""
-    print(json.dumps({"command": arguments.name, "schema": SCHEMA_VERSION, "version": VERSION, **facts}))
+    print(json.dumps({"command": command, "schema": SCHEMA_VERSION, "version": VERSION, **facts}))
 
 
 def print_report(
-    arguments: argparse.Namespace, facts: JsonObject, lines: Iterable[str], files: OutputFiles, advice: str = ""
+    command: str, as_json: bool, facts: JsonObject, lines: Iterable[str], files: OutputFiles, advice: str = ""
 ) -> int:
     """Print the outcome of a command as JSON, or as sentences with the files that were written; return the exit status.
 
@@ -145,8 +144,8 @@ def print_report(
         if not files.written:
             raise ValueError(f"{reason} {advice}".rstrip())
         print_message(f"{path} was not written: {reason} {advice}".rstrip())
-    if arguments.json:
-        print_json(arguments, {**facts, "not_written": files.refused})
+    if as_json:
+        print_json(command, {**facts, "not_written": files.refused})
     else:
         for line in (*lines, *(f"Wrote {path}" for path in files.written)):
             print(make_printable(line))

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 import re
 import time
-from collections.abc import Callable, Sequence
 from contextlib import suppress
-from pathlib import Path
 
 import numpy as np
 
@@ -22,67 +19,50 @@ from cpm_core.cli.output import (
     print_notes,
     print_report,
 )
+from cpm_core.cli.run_request import RunRequest
 from cpm_core.contours.result import Result
-from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
+from cpm_core.formats.common.provenance import describe_shapes
 from cpm_core.formats.stack_files import export_stack
 from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.types import Array, JsonDict, JsonObject
+from cpm_core.numerics.types import Array, JsonDict
 from cpm_core.pages.follow import follow_pages, limit_scales
 from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
-from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, quote_value
 from cpm_core.segmentation.evolve import segment
+from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds
 
 
-def run_pages(
-    arguments: argparse.Namespace,
-    path: Path,
-    part: JsonObject,
-    parameters: Parameters,
-    seeds: Callable[[Image], Array],
-    *,
-    prompt_points: Sequence[Sequence[tuple[float, ...]]],
-    drawn: tuple[JsonObject, ...],
-    regions: AnyRegions | None,
-    charges: Sequence[PlacedCharge],
-) -> int:
-    """Run the pages, and write what is found on all of them; after Ctrl+C, what has been done is written.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        The arguments of the command.
-    path, part
-        The stack, and further arguments of `load_pages`.
-    parameters, seeds
-        Parameters of all runs, and the function that gives the seeds, shape (N, 2), on an image.
-    prompt_points : sequence
-        Positive points of an object that is followed, and negative ones, each (row, col) [px]; without positive ones,
-        contours are followed.
-    drawn : tuple of mapping
-        Shapes that were drawn, as in session files.
-    regions, charges
-        Limits and placed charges on every page.
-    """
-    pages = load_pages(path, **part)
-    numbers = parse_page_numbers(arguments.pages, len(pages), pages.name)
+def run_pages(request: RunRequest) -> int:
+    """Run the pages, and write what is found on all of them; after Ctrl+C, what has been done is written."""
+    assert request.pages is not None
+    pages, parameters = load_pages(request.path, **request.part), request.parameters
+    numbers = parse_page_numbers(request.pages, len(pages), pages.name)
+    shapes = (*request.session.shapes, *request.drawn)
     with suppress(ValueError):  # which is reported when the page is run
         print_notes(pages.name, list_image_notes(pages[numbers[0] - 1], parameters))
     ensure_compiled()
     began = time.perf_counter()
     found: list[Page] = []
-    limits: JsonDict = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
+    limits: JsonDict = {
+        "max_steps": request.max_steps,
+        "regions": collect_regions(shapes, request.session.objects.barriers),
+        "charges": collect_charges(shapes),
+    }
+
+    def compute_page_seeds(image: Image) -> Array:
+        return compute_seeds(image, request.collect_shapes(image), parameters.smoothing, parameters.channel)
 
     def segment_page(image: Image) -> Result:
-        return segment(image, seeds(image), limit_scales(parameters, image.shape), **limits)
+        return segment(image, compute_page_seeds(image), limit_scales(parameters, image.shape), **limits)
 
-    if prompt_points[0]:
-        runs = follow_objects(pages, segment_page, np.array(prompt_points[0]), np.array(prompt_points[1]), numbers)
+    if request.positive_points:
+        positive, negative = np.array(request.positive_points), np.array(request.negative_points)
+        runs = follow_objects(pages, segment_page, positive, negative, numbers)
     else:
-        runs = follow_pages(pages, seeds, parameters, numbers=numbers, fresh=not arguments.follow, **limits)
+        fresh = not request.follows_pages
+        runs = follow_pages(pages, compute_page_seeds, parameters, numbers=numbers, fresh=fresh, **limits)
     interrupted, files = False, OutputFiles()
     try:
         with StatusLine() as line:
@@ -93,17 +73,18 @@ def run_pages(
                     line.print_above(f"page {page.number}: {page.error}")
     except KeyboardInterrupt:
         interrupted = True
+    drawn = (*describe_shapes(shapes), *request.describe_start_files())
     whole = StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.has_single_axis, drawn)
-    if interrupted and not (whole.results and arguments.export):
+    if interrupted and not (whole.results and request.exports):
         raise KeyboardInterrupt
     if not whole.results:
         raise ValueError(f"No page of {pages.name} could be used. Page {found[0].number}: {found[0].error}")
-    with files.record_writing(*arguments.export):
-        export_stack(whole, *arguments.export, refused=files.refuse_file)
+    with files.record_writing(*request.exports):
+        export_stack(whole, *request.exports, refused=files.refuse_file)
     if interrupted:
         done = f"{len(found)} of {format_count(len(numbers), 'page')} were done, and the files hold them"
         raise KeyboardInterrupt(f"{done}; --pages runs the others")
-    status = _print_page_report(arguments, whole, files, time.perf_counter() - began)
+    status = _print_page_report(request.as_json, whole, files, time.perf_counter() - began)
     return status or (EXIT_IN_PART if len(whole.results) < len(found) else 0)
 
 
@@ -126,7 +107,7 @@ def parse_page_numbers(text: str, count: int, name: str) -> list[int]:
     return numbers
 
 
-def _print_page_report(arguments: argparse.Namespace, found: StackResult, files: OutputFiles, seconds: float) -> int:
+def _print_page_report(as_json: bool, found: StackResult, files: OutputFiles, seconds: float) -> int:
     plain: list[JsonDict] = []
     lines: list[str] = []
     said: list[str] = []
@@ -143,4 +124,4 @@ def _print_page_report(arguments: argparse.Namespace, found: StackResult, files:
     counts = f"{format_count(len(found.pages), 'page')}, {format_count(tracks, 'track')} in {seconds:.2f} s"
     last = f"{found.source}: {counts}" + (f", {failed} failed" if failed else "")
     whole = {"tracks": tracks, "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
-    return print_report(arguments, {"pages": plain, **whole}, [*lines, *said, last], files)
+    return print_report("run", as_json, {"pages": plain, **whole}, [*lines, *said, last], files)

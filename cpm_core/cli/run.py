@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,25 +15,14 @@ from cpm_core.cli.arguments import (
     PART_OPTIONS,
     add_options,
     add_parameter_options,
-    check_exports,
-    check_targets,
-    group_coordinates,
-    parse_number_list,
-    parse_parameters,
-    parse_part,
-    refuse_options,
 )
 from cpm_core.cli.inputs import (
     apply_session_review,
     fit_parameters,
-    is_volume_session,
-    load_named_session,
     load_named_truth,
-    locate_image,
-    read_starts,
     segment_shapes,
 )
-from cpm_core.cli.large import is_large, is_large_volume, run_large
+from cpm_core.cli.large import run_large
 from cpm_core.cli.output import (
     OutputFiles,
     StatusLine,
@@ -47,6 +36,7 @@ from cpm_core.cli.output import (
     print_report,
 )
 from cpm_core.cli.pages import run_pages
+from cpm_core.cli.run_request import RunRequest, parse_run_request
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
@@ -55,38 +45,29 @@ from cpm_core.formats import (
     CENTERLINES_WRITABLE,
     CONTOURS_READABLE,
     SURFACES_READABLE,
-    VOLUMES_WRITABLE,
     count_left_out,
     find_format_suffix,
     load_image,
-    load_points,
     load_volume,
 )
-from cpm_core.formats.common.atomic import check_target, check_writable
-from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_shapes, record_drawn_shapes
+from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, record_drawn_shapes
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
-from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, ImageFile, SessionFile, save_session
-from cpm_core.formats.stack_files import STACKS_WRITABLE
-from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
+from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, ImageFile, save_session
 from cpm_core.model.state import State
-from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import JsonDict, JsonObject
+from cpm_core.numerics.types import JsonDict
 from cpm_core.objects import Partition, Selection, VolumePartition, objects_result, select_all
-from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.formatting import format_count, format_size
-from cpm_core.shapes import SEEDING_KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
-from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds, select_starts
+from cpm_core.shapes import SEEDING_KINDS
 
 _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
-"""Advice where a format cannot hold open contours."""
+"""Advice where a format that cannot hold open contours is not written."""
+
+_OPEN_CONTOURS_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed, or write SVG, GeoJSON or CSV."
+"""Advice where a format is written without the open contours, which it cannot hold."""
 
 _MAX_PRINTED_OBJECTS = 10
 """Largest number of objects that are printed one by one."""
-
-DrawnNumbers = Mapping[str, Sequence[tuple[float, ...]]]
-"""Numbers that the drawing options were given, by option."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -154,84 +135,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_segmentation(arguments: argparse.Namespace) -> int:
     """Find contours or a surface; every check that needs no image comes first."""
-    session = load_named_session(arguments)
-    of_volumes = {*SURFACES_READABLE, *CENTERLINES_WRITABLE}
-    volume = bool(
-        arguments.sphere
-        or arguments.volume
-        or is_volume_session(session)
-        or is_large_volume(arguments)
-        or any(Path(path).suffix.lower() in of_volumes for path in arguments.start)
-    )
-    _check_options(arguments, session, volume)
-    place = "PLANE,ROW,COL" if volume else "ROW,COL"
-    forms = {
-        "sphere" if volume else "circle": f"{place},RADIUS",
-        "stroke": f"{place},...",
-        **dict.fromkeys(("region", "barrier"), f"{place},{place if volume else '...'}"),
-        **dict.fromkeys(("object", "not"), place),
-    }
-    drawn: DrawnNumbers = {
-        name: [parse_number_list(f"--{name}", text, form) for text in getattr(arguments, name)]
-        for name, form in forms.items()
-    }
-    if drawn["not"] and not drawn["object"]:
-        raise ValueError("--not is given without --object: name a position inside the object as well.")
-    if arguments.objects:
-        refuse_options(arguments, ("object", "pages"), "one object, or a stack, but --objects finds all of an image")
-    preset = arguments.preset or ("volume" if volume and not arguments.session else None)
-    part = parse_part(arguments, volume=volume)
-    parameters = parse_parameters(arguments, PRESETS[preset] if preset else session.parameters)
-    path, reading = locate_image(arguments.image, session, arguments.session)
-    if is_large(arguments, path):
-        return run_large(arguments, path, reading | part, parameters, volume=volume)
-    refuse_options(arguments, ("scheduler", "workers"), "images in folders of Zarr that are run everywhere, by --auto")
-    if arguments.pages is None:
-        check_exports(arguments.export, arguments, path)
-        return _run_image(arguments, session, path, reading | part, parameters, drawn)
-    if drawn["object"] and not arguments.follow:
-        raise ValueError("--object is on the first of the pages: add --follow, which finds the object on the others.")
-    refuse_options(arguments, ("page", "truth", "save_session"), "one image, but --pages runs several")
-    for target in arguments.export:
-        check_target(target, STACKS_WRITABLE, "for all pages of a stack")
-    check_targets(arguments.export, arguments, path)
-    reading.pop("page", None)
-    shapes = _build_drawn_shapes(drawn, arguments)
-    return run_pages(
-        arguments,
-        path,
-        reading | part,
-        parameters,
-        lambda image: compute_seeds(
-            image, _collect_run_shapes(arguments, session, image, shapes), parameters.smoothing, parameters.channel
-        ),
-        prompt_points=(drawn["object"], drawn["not"]),
-        drawn=(*describe_shapes((*session.shapes, *shapes)), *_list_start_files(arguments)),
-        regions=collect_regions((*session.shapes, *shapes), session.objects.barriers),
-        charges=collect_charges(session.shapes),
-    )
+    request = parse_run_request(arguments)
+    if request.is_chunked:
+        return run_large(request)
+    return _run_image(request) if request.pages is None else run_pages(request)
 
 
-def _run_image(
-    arguments: argparse.Namespace,
-    session: SessionFile,
-    path: Path,
-    part: JsonObject,
-    parameters: Parameters,
-    drawn: DrawnNumbers,
-) -> int:
+def _run_image(request: RunRequest) -> int:
     """Find the contours of one image, or the surface in one volume."""
-    volume = "sphere" in drawn
-    image = (load_volume if volume else load_image)(path, **part)
-    parameters = fit_parameters(image, parameters, scales=arguments.scales is None)
-    truth = load_named_truth(arguments, image)
-    for place in drawn["object"]:
+    session = request.session
+    image = (load_volume if request.is_volume else load_image)(request.path, **request.part)
+    parameters = fit_parameters(image, request.parameters, scales=request.fits_scales)
+    truth = load_named_truth(request.truth_file, image)
+    for place in request.positive_points:
         if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
             at = ",".join(f"{number:g}" for number in place)
             raise ValueError(f"--object is {at} but lies outside the image, which has {format_size(image.shape)}.")
     started = time.perf_counter()
-    shapes = _build_drawn_shapes(drawn, arguments, image if volume else None)
-    starting = _collect_run_shapes(arguments, session, image, shapes)
+    shapes = request.collect_shapes(image)
     ensure_compiled()
     recorder = RunRecorder()
     with StatusLine() as line:
@@ -240,20 +161,29 @@ def _run_image(
             recorder(state)
             line.show_state(state)
 
-        regions = _build_volume_regions(drawn, session) if volume else None
         found = segment_shapes(
-            image, starting, parameters, session, max_steps=arguments.max_steps, progress=record_state, regions=regions
+            image,
+            shapes,
+            parameters,
+            session,
+            max_steps=request.max_steps,
+            progress=record_state,
+            regions=request.volume_regions,
         )
-    made = record_drawn_shapes(found, (*session.shapes, *shapes), _list_start_files(arguments))
+    made = record_drawn_shapes(found, request.collect_drawn_shapes(image), request.describe_start_files())
     chosen: Sequence[Selection] = ()
-    if volume:
-        result = shown = _select_bodies(made, drawn)
+    if request.is_volume:
+        result = shown = _select_bodies(made, request)
     else:
-        result = shown = apply_session_review(made, image, parameters, session, kept=arguments.image is None)
-        if drawn["object"] or arguments.objects:
+        result = shown = apply_session_review(made, image, parameters, session, kept=request.has_session_image)
+        if request.positive_points or request.all_objects:
             parted = Partition.from_result(result)
-            chosen = select_all(parted) if arguments.objects else [parted.select(drawn["object"], drawn["not"])]
-            if drawn["object"] and not chosen[0].mask.any():
+            chosen = (
+                select_all(parted)
+                if request.all_objects
+                else [parted.select(request.positive_points, request.negative_points)]
+            )
+            if request.positive_points and not chosen[0].mask.any():
                 raise ValueError("There is no object at this position: name another one inside it.")
             boundary = objects_result(chosen, image, channel=result.channel)
             drew = (*result.provenance.shapes, *boundary.provenance.shapes)
@@ -262,17 +192,17 @@ def _run_image(
     files = OutputFiles()
     files.export_result(
         shown,
-        arguments.export,
-        image=path,
-        space=arguments.space or "LPS",
-        warn=lambda sentence: print_message(f"{sentence} {_CLOSE_ADVICE[:-1]}, or write SVG, GeoJSON or CSV."),
+        request.exports,
+        image=request.path,
+        space=request.space,
+        warn=lambda sentence: print_message(f"{sentence} {_OPEN_CONTOURS_ADVICE}"),
     )
-    if arguments.save_session is not None:
-        own = arguments.image is None
+    if request.session_file is not None:
+        own = request.has_session_image
         whole = replace(
             session,
-            image=ImageFile(str(path.absolute()), image.sha256, image.shape, reading=Reading(**part)),
-            shapes=starting,
+            image=ImageFile(str(request.path.absolute()), image.sha256, image.shape, reading=Reading(**request.part)),
+            shapes=shapes,
             parameters=parameters,
             marks=session.marks if own else (),
             hand_edits=session.hand_edits if own else (),
@@ -280,92 +210,26 @@ def _run_image(
             pages={},
             notes=(),
         )
-        with files.record_writing(arguments.save_session):
-            save_session(add_recorded_run(whole, recorder), Path(arguments.save_session))
-    facts, lines = _describe_surface(result, seconds) if volume else _describe_contours(result, chosen, seconds)
-    if not volume:
-        written = [path for path in files.written if path in arguments.export]
+        with files.record_writing(request.session_file):
+            save_session(add_recorded_run(whole, recorder), Path(request.session_file))
+    if request.is_volume:
+        facts, lines = _describe_surface(result, seconds)
+    else:
+        facts, lines = _describe_contours(result, chosen, seconds)
+        written = [path for path in files.written if path in request.exports]
         facts["left_out"] = {path: count_left_out(shown, find_format_suffix(path)) for path in written}
     if truth is not None:
         facts["truth"], sentence = _measure_truth_agreement(shown, truth)
         lines.append(sentence)
     advice = _CLOSE_ADVICE if any(count_left_out(shown, find_format_suffix(path)) for path in files.refused) else ""
-    return print_report(arguments, facts, lines, files, advice)
+    return print_report("run", request.as_json, facts, lines, files, advice)
 
 
-def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: bool) -> None:
-    """Raise ValueError for options that have no meaning for this run."""
-    if volume:
-        refuse_options(arguments, ("circle", "objects", "pages", "save_session"), "images, but a volume is run")
-    else:
-        refuse_options(arguments, ("space",), "volumes, but an image is run")
-    given = [*arguments.circle, *arguments.sphere, *arguments.stroke, *arguments.points, *arguments.start]
-    named = arguments.objects or (arguments.object and not volume)
-    if not (given or arguments.auto or select_starts(session.shapes) or named):
-        if session.mode == "skeleton":
-            raise ValueError("The session is for a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
-        raise ValueError(
-            "No start is given: add --circle ROW,COL,RADIUS (in a volume --sphere PLANE,ROW,COL,RADIUS), "
-            "--stroke ROW,COL,ROW,COL,..., --points FILE.csv, --start FILE or --auto grid, or name a position inside "
-            "an object, --object ROW,COL."
-        )
-    for path in arguments.export if volume and not is_large(arguments, Path(arguments.image or "")) else ():
-        if find_format_suffix(path) not in VOLUMES_WRITABLE:
-            raise ValueError(f"{path} is for contours, but a volume has a surface: end its name in .ply or .stl.")
-    if arguments.save_session is not None:
-        if Path(arguments.save_session).suffix.lower() != SESSION_SUFFIX:
-            raise ValueError(f"--save-session is {arguments.save_session} but must end in {SESSION_SUFFIX}.")
-        check_writable(Path(arguments.save_session))
-
-
-def _build_drawn_shapes(
-    drawn: DrawnNumbers, arguments: argparse.Namespace, volume: Image | None = None
-) -> tuple[Shape, ...]:
-    """Return the shapes of the command line, in an image or in a volume, where limits are no shapes."""
-    axes = 2 if volume is None else 3
-    shapes: list[Shape] = [Stroke(group_coordinates(numbers, axes)) for numbers in drawn["stroke"]]
-    shapes += [Points(as_line(load_points(path, axes))) for path in arguments.points]
-    everywhere = [Everywhere(arguments.auto)] if arguments.auto else []
-    if volume is not None:
-        spheres = (Sphere.from_voxel_size(tuple(center), radius, volume.spacing) for *center, radius in drawn["sphere"])
-        return (*spheres, *shapes, *everywhere)
-    circles = (Circle((row, col), radius) for row, col, radius in drawn["circle"])
-    regions = (Region(group_coordinates(numbers, 2)) for numbers in drawn["region"])
-    barriers = (Barrier(group_coordinates(numbers, 2)) for numbers in drawn["barrier"])
-    return (*circles, *shapes, *regions, *barriers, *everywhere)
-
-
-def _collect_run_shapes(
-    arguments: argparse.Namespace, session: SessionFile, image: Image, drawn: Sequence[Shape]
-) -> tuple[Shape, ...]:
-    """Return all shapes of a run: those of the session, those drawn, and those of files."""
-    files = (start for path in arguments.start for start in read_starts(path, image))
-    shapes = (*session.shapes, *drawn, *files)
-    return shapes if select_starts(shapes) else (*shapes, Everywhere("grid"))  # only an object was named
-
-
-def _build_volume_regions(drawn: DrawnNumbers, session: SessionFile) -> AnyRegions | None:
-    """Return boxes of interest and planes as barriers, with the limits of a session; None where none is drawn."""
-    if not (drawn["region"] or drawn["barrier"]):
-        return None
-    saved = collect_regions(session.shapes, session.objects.barriers)
-    before = saved if isinstance(saved, VolumeRegions) else VolumeRegions()
-    boxes, planes = (
-        tuple(((a, b, c), (d, e, f)) for a, b, c, d, e, f in drawn[name]) for name in ("region", "barrier")
-    )
-    return VolumeRegions((*before.interest, *boxes), (*before.barriers, *planes))
-
-
-def _list_start_files(arguments: argparse.Namespace) -> list[JsonDict]:
-    """Return the files whose contours a run starts from, as session files hold shapes."""
-    return [{"shape": "points", "file": Path(path).name} for path in arguments.start]
-
-
-def _select_bodies(found: Result, drawn: DrawnNumbers) -> Result:
+def _select_bodies(found: Result, request: RunRequest) -> Result:
     """Restrict the surface of a result to the bodies that contain the positive points, if any."""
-    if not drawn["object"]:
+    if not request.positive_points:
         return found
-    chosen = VolumePartition.from_result(found).select(drawn["object"], drawn["not"])
+    chosen = VolumePartition.from_result(found).select(request.positive_points, request.negative_points)
     if chosen.body is not None or not chosen.has_boundary:
         raise ValueError("There is no object at this position: name one that the surface encloses.")
     return replace(found, surface=chosen.surface)

@@ -86,7 +86,7 @@ def run_skeleton(arguments: argparse.Namespace) -> int:
     seconds = time.perf_counter() - started
     files = OutputFiles()
     files.export_result(found, arguments.export, **({"space": arguments.space or "LPS"} if volume else {}))
-    return print_report(arguments, *_describe_skeleton(found, seconds), files)
+    return print_report(arguments.name, arguments.json, *_describe_skeleton(found, seconds), files)
 
 
 def _describe_skeleton(found: Skeleton | Centerlines, seconds: float) -> tuple[JsonDict, list[str]]:
