@@ -155,7 +155,7 @@ from cpm_core.segmentation.method import Method
 
 __version__ = VERSION
 
-METHODS: Mapping[str, Any] = MappingProxyType({**CONTOUR_METHODS, **RUN_METHODS})
+METHODS: Mapping[str, type[Method[Any]] | ContourMethod[Any]] = MappingProxyType({**CONTOUR_METHODS, **RUN_METHODS})
 """All methods by name: classes that run step by step, each a `Method`, and the classical ones for comparison."""
 
 __all__ = [

@@ -159,7 +159,7 @@ def test_a_tool_is_a_class_and_an_entry_in_the_table_of_tools(monkeypatch, opene
     assert window.session.document.shapes == ()
 
 
-# A method: a class with the attributes of `Method`, and a place in `METHODS`.
+# A method: a class with the attributes of `Method`, and a place in `RUN_METHODS`.
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ from cpm_app.session.worker.commands import (
 )
 from cpm_app.session.worker.run import Run
 from cpm_app.session.worker.worker_thread import WorkerThread
-from cpm_core import METHODS, Image, Parameters
+from cpm_core import RUN_METHODS, Image, Parameters
 from cpm_core.formats import Reading
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.shapes import Sphere
@@ -143,7 +143,7 @@ class Session(QObject):
     def status(self) -> RunStatus:
         """State of the run."""
         status, document = self.store.status, self.document
-        method = METHODS[status.method]
+        method = RUN_METHODS[status.method]
         other = status.method != MODES[document.mode].method
         stale = status.started and (other or (method.seeded and self.run_updater.is_outdated(document)))
         steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
@@ -185,7 +185,7 @@ class Session(QObject):
 
         `name` follows "Undo" in the menu. Successive edits with the same gesture are undone together, as is the
         `erasure` of particles. A gesture that changes the forces on particles at rest, such as the drag of a slider,
-        wakes them. A `ValueError` of `edit` is shown to the user and changes nothing.
+        reactivates them. A `ValueError` of `edit` is shown to the user and changes nothing.
         """
         before = self.document
         try:
@@ -413,7 +413,7 @@ class Session(QObject):
         status, shown = self.status, self.scene.snapshot
         if shown is None or status.phase != "finished" or status.stale:
             return None
-        if status.steering == METHODS[status.method].steering(after.parameters):
+        if status.steering == RUN_METHODS[status.method].steering(after.parameters):
             return None
         return self.store.generation, shown.timeline.branch, shown.state.step
 

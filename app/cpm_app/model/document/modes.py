@@ -8,7 +8,7 @@ from dataclasses import replace
 from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.parameters.controls import RATIO_CONTROL
 from cpm_app.model.text.language import tr
-from cpm_core import METHODS, PRESETS, Parameters
+from cpm_core import PRESETS, RUN_METHODS, Parameters
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.types import frozen
 from cpm_core.parameters import PLANE_PARAMETERS, VOLUME_PARAMETERS
@@ -28,7 +28,7 @@ class ModeInfo:
     preset : str
         Name among the core's `PRESETS`.
     method : str
-        Name among the core's `METHODS`.
+        Name among the core's `RUN_METHODS`.
     hint : str
         What to do next when everything is ready for a run, with the names of keys (see `insert_keys`); empty for the
         usual hint.
@@ -80,13 +80,13 @@ def initial_parameters(mode: Mode, image: ImageReference | None = None) -> Param
 
 def needs_start(mode: Mode) -> bool:
     """Tell whether a run in a mode needs a start."""
-    return bool(METHODS[MODES[mode].method].seeded)
+    return RUN_METHODS[MODES[mode].method].seeded
 
 
 def find_effective_controls(mode: Mode, dimension: int = 2) -> frozenset[str]:
     """Return the names of the controls that have an effect in a mode, on an image with `dimension` axes."""
     lacking = (*PLANE_PARAMETERS, _SKELETON_WIDTH) if dimension == 3 else VOLUME_PARAMETERS
-    acting = (name for name in METHODS[MODES[mode].method].parameters if name not in lacking)
+    acting = (name for name in RUN_METHODS[MODES[mode].method].parameters if name not in lacking)
     return frozenset(RATIO_CONTROL if name == "w1" else name for name in acting)
 
 

@@ -21,7 +21,7 @@ from cpm_app.model.volume.slices import SampledForce
 from cpm_app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from cpm_app.session.timeline.timeline import TimelineState
 from cpm_core import (
-    METHODS,
+    RUN_METHODS,
     Image,
     Method,
     Parameters,
@@ -56,7 +56,7 @@ class CoreFunctions:
     load_image: Callable[..., Image] = load_image
     load_volume: Callable[..., Image] = load_volume
     methods: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]] = field(
-        default_factory=lambda: METHODS
+        default_factory=lambda: RUN_METHODS
     )
     encode: Callable[..., bytes] = to_bytes
     warm_up: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_runs

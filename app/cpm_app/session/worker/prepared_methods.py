@@ -19,7 +19,7 @@ from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import SampledForce
 from cpm_app.session.exchange.messages import OverlayData
-from cpm_core import METHODS, Contour, Image, Method, Parameters, PlacedCharge
+from cpm_core import RUN_METHODS, Contour, Image, Method, Parameters, PlacedCharge
 from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import SkeletonMethod
 from cpm_core.numerics import Array
@@ -74,7 +74,7 @@ class PreparedMethods:
 
     def compute_seeds(self, document: Document) -> Array:
         """Return the seeds of a run of a document, shape (N, D) [px]; none if its method needs none."""
-        if not METHODS[MODES[document.mode].method].seeded:
+        if not RUN_METHODS[MODES[document.mode].method].seeded:
             return np.zeros((0, 2))
         return document.collect_seeds(self.compute_image_seeds(document))
 

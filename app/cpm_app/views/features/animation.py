@@ -17,7 +17,7 @@ from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.export.frames import AnimationPlan, FrameRenderer, create_frame_source
 from cpm_app.views.items.item import image_rectangle
 from cpm_app.views.window.window import Feature
-from cpm_core import METHODS, write_animation
+from cpm_core import RUN_METHODS, write_animation
 from cpm_core.formats import check_animation, describe_image_provenance, describe_shapes, dump_provenance
 from cpm_core.numerics import Pixels
 from cpm_core.parameters import Provenance, select_parameters
@@ -28,7 +28,7 @@ def provenance_comment(session: Session) -> str:
     document, image = session.document, session.document.image
     if image is None:
         return ""
-    method, shapes = METHODS[MODES[document.mode].method], describe_shapes(document.shapes)
+    method, shapes = RUN_METHODS[MODES[document.mode].method], describe_shapes(document.shapes)
     parameters = select_parameters(document.parameters, method.parameters)
     steered = session.status.steered
     made = Provenance(method.name, parameters, shapes=shapes, steered=steered, sha256=image.sha256)
