@@ -17,7 +17,7 @@ from cpm_core.field.interpolation import value_at
 from cpm_core.numerics.grids import find_connected_parts, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
-from cpm_core.objects.prior.body_predictor import MAX_LOGIT, BodyPrediction
+from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
 from cpm_core.objects.prior.crops import Crop3D
 
 _EDGE_SEARCH_REACH = 2.0

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy
@@ -30,10 +30,10 @@ MIN_FIRST_SIDE = 40.0
 MAX_RELATIVE_SIDE = 1.1
 """Largest side of a crop, in sides of the image or of the volume."""
 
-ANSWER_MARGIN = 1.35
+_ANSWER_MARGIN = 1.35
 """Side of a crop around an answer, as a multiple of the side of the answer."""
 
-MIN_ANSWER_SIDE = 24.0
+_MIN_ANSWER_SIDE = 24.0
 """Least side of a crop around an answer [px, or smallest sides of a voxel]."""
 
 INSIDE_PROBABILITY = 0.5
@@ -53,6 +53,9 @@ _COLOR_WEIGHT = 0.5
 
 _GRAY_SAMPLE_COUNT = 100_000
 """Approximate number of pixels by which the gray levels of an image are measured."""
+
+_MAX_FLAT_RANGE = 1e-6
+"""Range of gray levels, as a fraction of the largest, up to which a volume is uniform."""
 
 
 def find_sample_step(shape: Extent) -> int:
@@ -79,6 +82,11 @@ class Crop:
 
     center: Array
     side: float
+
+    @classmethod
+    def from_bounds(cls, low: Array, high: Array) -> Self:
+        """Crop around an answer between two corners, each of shape (D,), with a margin."""
+        return cls(0.5 * (low + high), max(_ANSWER_MARGIN * float((high - low).max()), _MIN_ANSWER_SIDE))
 
     @property
     def step_size(self) -> float:
@@ -213,10 +221,6 @@ def sample_bilinear(values: Mask | Single, rows: Array, cols: Array) -> Single:
     return np.asarray(seen)
 
 
-_MAX_FLAT_RANGE = 1e-6
-"""Range of gray levels, as a fraction of the largest, up to which a volume is uniform."""
-
-
 @record
 class Crop3D(Crop):
     """A cube of a volume."""
@@ -251,31 +255,36 @@ class VolumeSampler:
     values: Array
     voxel_sides: Array
 
-    def sample_crop(self, cube: Crop3D, across: dict[int, float] | None = None) -> Single:
-        """Sample gray levels from 0 to 255 at the steps of a crop, shape (SIDE, SIDE, SIDE).
+    def sample_crop(self, crop: Crop3D) -> Single:
+        """Sample gray levels from 0 to 255 at the steps of a crop, shape (SIDE, SIDE, SIDE)."""
+        return self._sample_grid(crop.axis_positions, crop.step_size)
 
-        With `across`, of one slice at that place on an axis.
-        """
-        lines = [
-            np.array([across[axis]]) if across and axis in across else cube.axis_positions[axis] for axis in range(3)
-        ]
+    def sample_slice(self, crop: Crop3D, axis: int, position: float) -> Single:
+        """Sample gray levels from 0 to 255 in the slice of a crop at a position on an axis, shape (SIDE, SIDE)."""
+        lines = crop.axis_positions
+        lines[axis] = np.array([position])
+        grays: Single = np.moveaxis(self._sample_grid(lines, crop.step_size), axis, 0)[0]
+        return grays
+
+    def _sample_grid(self, lines: list[Array], step_size: float) -> Single:
+        """Sample gray levels from 0 to 255 at the crossings of lines along each axis, each of shape (K,)."""
         low, high = self._gray_range
         voxels = [line / side for line, side in zip(lines, self.voxel_sides.tolist(), strict=True)]
         factor = 255.0 / (high - low) if high - low > _MAX_FLAT_RANGE * max(abs(low), abs(high)) else 0.0
-        return (resample_with_tent(self.values, voxels, tuple(cube.step_size / self.voxel_sides)) - low) * factor
+        return (resample_with_tent(self.values, voxels, tuple(step_size / self.voxel_sides)) - low) * factor
 
-    def find_inner_steps(self, cube: Crop3D) -> Index:
+    def find_inner_steps(self, crop: Crop3D) -> Index:
         """Find for each axis the first and the last step of a crop in the volume, shape (3, 2)."""
         found = []
-        for line, side, count in zip(cube.axis_positions, self.voxel_sides.tolist(), self.values.shape, strict=True):
+        for line, side, count in zip(crop.axis_positions, self.voxel_sides.tolist(), self.values.shape, strict=True):
             there = np.flatnonzero((line >= -0.5 * side) & (line <= (count - 0.5) * side))
             found.append((there[0], there[-1]) if len(there) else (0, 0))
         return np.array(found)
 
     @cached_property
-    def longest_side(self) -> float:
-        """Length of the longest side of the volume."""
-        return float((self.voxel_sides * self.values.shape).max())
+    def largest_crop_side(self) -> float:
+        """Side of the largest crop, by the longest side of the volume."""
+        return MAX_RELATIVE_SIDE * float((self.voxel_sides * self.values.shape).max())
 
     @cached_property
     def _gray_range(self) -> tuple[float, ...]:
@@ -302,3 +311,10 @@ def resample_with_tent(values: Array | Single | Mask, lines: list[Array], widths
     for axis in np.argsort([len(tent) / tent.shape[1] for tent in weights]).tolist():
         found = np.moveaxis(np.tensordot(weights[axis], found, (1, axis)), 0, axis)
     return np.ascontiguousarray(found)
+
+
+def average_blocks(values: Single, side: int) -> Single:
+    """Average blocks of `side` steps along each axis of a cube whose sides are divisible by it."""
+    for _ in range(3):
+        values = np.moveaxis(np.sum([values[k::side] for k in range(side)], axis=0), 0, -1)
+    return values / np.float32(side**3)

@@ -17,11 +17,9 @@ import scipy
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.objects.prior.crops import (
-    ANSWER_MARGIN,
     CROP_SIZE_RATIO,
     INSIDE_PROBABILITY,
     MAX_RELATIVE_SIDE,
-    MIN_ANSWER_SIDE,
     MIN_FIRST_SIDE,
     Crop2D,
     ImageSampler,
@@ -272,7 +270,7 @@ class ObjectPredictor:
         yield Crop2D(0.5 * shape, largest)
 
     def _predict_crop(self, window: Crop2D, prompt: Prompt, former: CropPrediction | None) -> CropPrediction:
-        """Predict the object in a crop, given a former answer or the previous mask of the prompt."""
+        """Predict the object in a crop, given an earlier answer or the previous mask of the prompt."""
         seen = self._sampler.sample_crop(window)
         inside, outside = (mark_points(window.to_crop_steps(each)) for each in (prompt.positive, prompt.negative))
         drawn: Single = np.zeros(seen.shape[1:], np.float32)
@@ -321,8 +319,7 @@ def build_input_maps(
 def _crop_around(found: Array | Index, prompt: Prompt) -> Crop2D:
     """Crop around an answer, pixels of shape (N, 2), and all points."""
     places = np.concatenate([found, prompt.positive, prompt.negative])
-    low, high = places.min(axis=0), places.max(axis=0)
-    return Crop2D(0.5 * (low + high), max(ANSWER_MARGIN * float((high - low).max()), MIN_ANSWER_SIDE))
+    return Crop2D.from_bounds(places.min(axis=0), places.max(axis=0))
 
 
 def _compute_probability_iou(seen: Single, other: Single) -> float:

@@ -1,0 +1,142 @@
+"""Corrections: what a point changes that contradicts a body.
+
+Near the boundary it only moves the boundary. Else it adds the part that edges enclose, or removes the part behind a
+neck; where there is none, the network answers in the slices through it, and on from these.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+import skimage
+
+from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
+from cpm_core.objects.prior.crops import average_blocks
+from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
+from cpm_core.objects.prior.network import Network
+from cpm_core.objects.prior.slice_propagation import propagate_correction
+from cpm_core.objects.prior.volume_slices import CropContext
+
+_CORRECTION_WEIGHT = 2.0
+"""Weight of slice logits that a correction has led to, as a multiple of their first weight."""
+
+_BOUNDARY_TOLERANCE = 1.5
+"""Distance from the boundary up to which a point only moves the boundary [smallest sides of a voxel]."""
+
+_BODY_BASIN = 1
+"""Number of the basin of the body."""
+
+_OUTSIDE_BASIN = 2
+"""Number of the basin outside."""
+
+_MIN_ADDED_STRENGTH = 0.5
+"""Least edge strength around an added part, as a fraction of that along the boundary of the body."""
+
+_MAX_NECK_RADIUS = 3
+"""Half the width of the widest neck [steps]."""
+
+_POINT_NEIGHBORHOOD = 2
+"""Distance from a point within which a change is due to it [steps]."""
+
+
+def correct_in_crop(
+    body: BodyPrediction, context: CropContext, point: Array, adds: bool, network: Network
+) -> BodyPrediction:
+    """Correct a body in a crop by a point, shape (3,), that contradicts it, and `adds` to it or removes from it."""
+    before = body.resample_in(context.crop)
+    slice_logits = _correct_slice_logits(before, context, context.crop.to_crop_steps(point), adds, network)
+    logits = refine_by_intensity(context, slice_logits)
+    logits = np.maximum(logits, before.logits) if adds else np.minimum(logits, before.logits)
+    return BodyPrediction(context.crop, slice_logits, logits)
+
+
+def _correct_slice_logits(
+    body: BodyPrediction, context: CropContext, step: Array, adds: bool, network: Network
+) -> Single:
+    """Correct the logits of the slices by a point [steps]."""
+    if _is_at_boundary(body, step):
+        return body.slice_logits
+    changed = _add_by_watershed(body, context) if adds else _cut_at_neck(body, context, step)
+    if changed is None:
+        logits, share = propagate_correction(context, body, step, adds, network)
+        largest = _CORRECTION_WEIGHT * MAX_LOGIT
+        logits = np.clip(_CORRECTION_WEIGHT**2 * logits, -largest, largest)
+        return np.asarray(share * logits + (1.0 - share) * body.slice_logits, np.float32)
+    # at the rim of the change gray levels decide
+    weight = np.where(changed, 1.0, 0.0) + (_CORRECTION_WEIGHT - 1.0) * scipy.ndimage.binary_erosion(changed)
+    return np.where(changed, (MAX_LOGIT if adds else -MAX_LOGIT) * weight.astype(np.float32), body.slice_logits)
+
+
+def _is_at_boundary(body: BodyPrediction, step: Array) -> bool:
+    """Return whether a step lies so near to the boundary of a body that its point only moves the boundary."""
+    ways = np.concatenate([np.eye(3), -np.eye(3)]) * (_BOUNDARY_TOLERANCE / body.crop.step_size)
+    near = scipy.ndimage.map_coordinates(body.logits, (step + ways).T, order=1, mode="nearest") > 0.0
+    return bool(near.any() and not near.all())
+
+
+def _add_by_watershed(body: BodyPrediction, context: CropContext) -> Mask | None:
+    """Find the part that edges enclose together with points that a body lacks.
+
+    Basins of the edge map are flooded from the body and its points, and from the sides of the crop and negative points
+    (watershed from markers: Meyer 1994, doi:10.1016/0165-1684(94)90060-4). None unless the boundary of the new part is
+    about as strong as that of the body.
+    """
+    before = average_blocks(body.logits, 2) > 0.0
+    edges = scipy.ndimage.gaussian_gradient_magnitude(average_blocks(context.grays, 2), 1.0)
+    markers = np.where(before, _BODY_BASIN, 0).astype(np.int32)
+    for axis in range(3):
+        np.moveaxis(markers, axis, 0)[[0, -1]] = _OUTSIDE_BASIN
+    for steps, basin in ((context.negative, _OUTSIDE_BASIN), (context.positive, _BODY_BASIN)):
+        blocks = np.clip(np.rint((steps - 0.5) / 2.0), 0, len(before) - 1).astype(np.int64)
+        markers[tuple(blocks.T)] = basin
+    added = (skimage.segmentation.watershed(edges, markers) == _BODY_BASIN) & ~before  # type: ignore[no-untyped-call]
+    along = scipy.ndimage.binary_dilation(added) & ~added & ~scipy.ndimage.binary_dilation(before, iterations=2)
+    around = before & ~scipy.ndimage.binary_erosion(before)
+    if not along.any() or not around.any() or np.median(edges[along]) < _MIN_ADDED_STRENGTH * np.median(edges[around]):
+        return None
+    return np.asarray(added.repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2))
+
+
+def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mask | None:
+    """Find the part of a body that holds a step and lies behind a neck, seen from the positive points; else None."""
+    whole = body.logits > 0.0
+    if not whole.any():
+        return None
+    box = scipy.ndimage.find_objects(whole.astype(np.int8))[0]
+    before, removed = whole[box], np.zeros_like(whole)
+    depth = scipy.ndimage.distance_transform_edt(np.pad(before, 1))[1:-1, 1:-1, 1:-1]
+    first, last = np.array([side.start for side in box]), np.array(before.shape) - 1
+    inner = tuple(np.clip(np.rint(context.positive) - first, 0, last).astype(np.int64).T)
+    outer = tuple(np.clip(np.rint(step) - first, 0, last).astype(np.int64))
+    for radius in range(1, _MAX_NECK_RADIUS + 1):
+        parts, _ = scipy.ndimage.label(depth > radius)
+        held = np.setdiff1d(parts[inner], 0)
+        if not len(held):
+            return None
+        if parts[outer] in held:
+            continue
+        kept = scipy.ndimage.distance_transform_edt(~np.isin(parts, held)) <= radius + 1.0
+        rest, _ = scipy.ndimage.label(before & ~kept, np.ones((3, 3, 3)))
+        if rest[outer]:
+            removed[box] = rest == rest[outer]
+            return removed
+    return None
+
+
+def find_changes_near(before: BodyPrediction, after: BodyPrediction, point: Array) -> Mask:
+    """Find the steps of a body that a point, shape (3,), has changed, without a rim that leads away from it.
+
+    Returns a mask, shape (SIDE, SIDE, SIDE).
+    """
+    changed = (before.resample_in(after.crop).logits > 0.0) != (after.logits > 0.0)
+    parts, _ = scipy.ndimage.label(scipy.ndimage.binary_erosion(changed))
+    near = np.zeros_like(changed)
+    near[
+        tuple(
+            slice(max(step - _POINT_NEIGHBORHOOD, 0), step + _POINT_NEIGHBORHOOD + 1)
+            for step in np.rint(after.crop.to_crop_steps(point)).astype(int)
+        )
+    ] = True
+    held = np.isin(parts, np.setdiff1d(parts[near], 0))
+    return np.asarray((scipy.ndimage.binary_dilation(held, iterations=2) | near) & changed)
