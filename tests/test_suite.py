@@ -1,6 +1,7 @@
-"""The tests themselves: each of them asserts something."""
+"""The tests themselves: each of them asserts something, in a folder and of a sentence that can be found."""
 
 import ast
+from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 TESTS = Path(__file__).parent
+ROOT = TESTS.parent
 FILES = sorted(TESTS.rglob("*.py"))
 FUNCTION = ast.FunctionDef | ast.AsyncFunctionDef
 CHECKS = {"raises", "warns", "fail", "waitUntil", "waitSignal", "run_state_machine_as_test"}
@@ -108,3 +110,43 @@ def test_a_test_that_can_end_without_an_assertion_is_seen(body: str, is_checked:
     lines = "".join(f"\n  {line}" for line in body.splitlines())
     source = f"def test_a():{lines}\ndef helper():\n  assert d"
     assert find_unchecked_tests({"a": source}) == ([] if is_checked else ["a: test_a"])
+
+
+def find_folders(path: Path, pattern: str) -> set[str]:
+    """Folders below this one that hold such files, by their paths from here."""
+    return {file.parent.relative_to(path).as_posix() for file in path.rglob(pattern)} - {"."}
+
+
+@pytest.mark.parametrize(("tests", "source"), [("core", "cpm_core"), ("app", "app/cpm_app")])
+def test_folders_of_tests_mirror_those_of_the_source(tests: str, source: str) -> None:
+    assert find_folders(TESTS / tests, "*.py") - find_folders(ROOT / source, "*.py") == set()
+
+
+def test_each_room_of_the_core_has_a_folder_of_tests() -> None:
+    rooms = {folder.split("/")[0] for folder in find_folders(ROOT / "cpm_core", "*.py")}
+    assert rooms - {folder.split("/")[0] for folder in find_folders(TESTS / "core", "test_*.py")} == set()
+
+
+SHORTEST_SENTENCE = 5
+"""Words from which on a text is a sentence of the program; fewer are its category."""
+
+
+def find_sentences(source: str) -> set[str]:
+    """Sentences that a module asserts or expects of an error."""
+    texts: list[ast.AST] = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Assert):
+            texts += ast.walk(node.test)
+        elif isinstance(node, ast.keyword) and node.arg == "match":
+            texts += ast.walk(node.value)
+    found = {text.value for text in texts if isinstance(text, ast.Constant) and isinstance(text.value, str)}
+    plain = {text.replace("\\", "").strip("^$. \n") for text in found}
+    return {text for text in plain if len(text.split()) >= SHORTEST_SENTENCE}
+
+
+def test_a_sentence_is_asserted_word_by_word_in_one_place() -> None:
+    places = defaultdict(list)
+    for module, source in read_sources().items():
+        for sentence in find_sentences(source):
+            places[sentence].append(module)
+    assert {sentence: modules for sentence, modules in places.items() if len(modules) > 1} == {}

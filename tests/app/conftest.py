@@ -24,7 +24,7 @@ from PySide6.QtWidgets import QApplication, QDialog
 from pytestqt.qtbot import QtBot
 
 from cpm_core.shapes import Circle
-from tests.app.window.windows import (
+from tests.app.views.window.windows import (
     KEPT,
     Kept,
     begin_anew,

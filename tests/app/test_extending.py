@@ -37,7 +37,7 @@ from cpm_core.segmentation.method import RUN_METHODS
 from cpm_core.shapes import Circle
 
 from .conftest import Hand
-from .window.windows import close_window, close_workspace
+from .views.window.windows import close_window, close_workspace
 
 SQUARE = np.array([[10.0, 10.0], [10.0, 20.0], [20.0, 20.0], [20.0, 10.0]])
 

@@ -11,7 +11,7 @@ from cpm_core.formats.sessions.session_file import SessionFile, save_session
 from cpm_core.pages import follow as following
 from cpm_core.shapes import Circle
 
-from .drawn import MOVING, SHAPE, SPLITTING
+from ..pages.drawn import MOVING, SHAPE, SPLITTING
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 
-from .drawn import SHAPE, page
+from ..pages.drawn import SHAPE, page
 
 NOTHING, LEFT, RIGHT = np.zeros(SHAPE), page((32, 22, 12)), page((32, 66, 14))
 INSIDE = Circle((32.0, 66.0), 5.0)

@@ -13,7 +13,7 @@ import cpm_core as cpm
 from cpm_core.formats.stack_files import export_stack
 from cpm_core.pages.page import Page, StackResult
 
-from .drawn import MOVING, SHAPE, SPLITTING
+from ..pages.drawn import MOVING, SHAPE, SPLITTING
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.model.equations import STILL_DISTANCE
 from cpm_core.numerics import parallel
 
-from ..dynamics.moving import repulsion
+from ..model.moving import repulsion
 from ..scenes import disk, ring
 
 SCENE = disk((64, 60), (31.4, 29.7), 17.0)

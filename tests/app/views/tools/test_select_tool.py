@@ -1,0 +1,168 @@
+"""The tool that selects contours and objects: clicks and frames; Shift adds, Ctrl removes, Esc cancels."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cpm_app.model.document import edits
+from cpm_app.views.features.objects import ObjectsFeature
+from cpm_app.views.window.window import MainWindow
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QApplication
+
+from cpm_core.contours.contour import Contour
+from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
+from cpm_core.shapes import Circle
+from tests.app.conftest import Hand
+from tests.app.views.panels.test_object_table import shown_contours
+
+pytestmark = pytest.mark.shared_window
+
+KEY, LEFT = Qt.Key, Qt.MouseButton.LeftButton
+SHIFT, CONTROL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
+NONE = Qt.KeyboardModifier.NoModifier
+PLACES = [(20, 20), (20, 60), (20, 100), (60, 20), (60, 60), (60, 100)]
+
+
+def ring(place: tuple[int, int]) -> np.ndarray:
+    angles = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    return np.stack([place[0] + 11.0 * np.sin(angles), place[1] + 11.0 * np.cos(angles)], axis=1)
+
+
+@pytest.fixture
+def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
+    """A window with six closed contours, and the tool is in use."""
+    path = tmp_path / "discs.npy"
+    np.save(path, np.random.default_rng(0).normal(100.0, 1.0, (84, 124)))
+    session = window.session
+    session.open_file(path)
+    hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
+    shown_contours(window, *(Contour(ring(place), True, 5.0) for place in PLACES))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_S)
+    return window
+
+
+def drag(hand: Hand, *places: tuple[float, float], held: Qt.KeyboardModifier = NONE, release: bool = True) -> None:
+    view = hand.canvas.viewport()
+    hand.qtbot.mousePress(view, LEFT, held, hand.at(*places[0]))
+    for start, end in pairwise(places):
+        for share in (0.5, 1.0):
+            at = tuple(np.array(start) + share * (np.array(end) - start))
+            move(hand, at, held)
+    if release:
+        hand.qtbot.mouseRelease(view, LEFT, held, hand.at(*places[-1]))
+
+
+def move(hand: Hand, at: tuple[float, ...], held: Qt.KeyboardModifier) -> None:
+    """A move of the pointer with modifier keys, which `qtbot.mouseMove` cannot hold."""
+    view, place = hand.canvas.viewport(), hand.at(*at)
+    kind, on_screen = QMouseEvent.Type.MouseMove, view.mapToGlobal(place).toPointF()
+    event = QMouseEvent(kind, place.toPointF(), on_screen, Qt.MouseButton.NoButton, LEFT, held)
+    QApplication.sendEvent(view, event)
+
+
+def selected(window: MainWindow) -> set[tuple[int, int]]:
+    centers = [np.mean(item.contour.points, axis=0) for item in window.workspace.review.selected_items]
+    return {min(PLACES, key=lambda place: float(np.hypot(*(center - place)))) for center in centers}
+
+
+def chosen(window: MainWindow) -> frozenset[int]:
+    return window.workspace.object_list.selected_numbers
+
+
+def test_a_frame_selects_what_lies_in_it_shift_adds_and_ctrl_removes(found, hand) -> None:
+    drag(hand, (3.0, 3.0), (40.0, 80.0))
+    assert selected(found) == {(20, 20), (20, 60)}
+    drag(hand, (40.0, 80.0), (3.0, 118.0), held=SHIFT)
+    assert selected(found) == {(20, 20), (20, 60), (20, 100)}
+    drag(hand, (3.0, 40.0), (40.0, 80.0), held=CONTROL)
+    assert selected(found) == {(20, 20), (20, 100)}
+    drag(hand, (40.0, 3.0), (80.0, 40.0))
+    assert selected(found) == {(60, 20)}
+    assert hand.canvas.layers.contours._selected.count == 1
+
+
+def test_a_click_removes_a_contour_and_one_away_from_all_of_them_clears_the_selection(found, hand) -> None:
+    drag(hand, (3.0, 3.0), (80.0, 118.0))
+    assert len(selected(found)) == 6
+    drag(hand, (20.0, 31.0), held=CONTROL)
+    assert selected(found) == {*PLACES} - {(20, 20)}
+    drag(hand, (40.0, 40.0), held=SHIFT)
+    assert len(selected(found)) == 5
+    drag(hand, (40.0, 40.0))
+    assert selected(found) == set()
+
+
+def test_escape_during_a_drag_selects_what_was_selected_before(found, hand) -> None:
+    drag(hand, (20.0, 31.0))
+    drag(hand, (40.0, 3.0), (80.0, 80.0), release=False)
+    assert len(selected(found)) == 2
+    hand.key(KEY.Key_Escape)
+    assert selected(found) == {(20, 20)}
+
+
+def test_a_click_inside_a_closed_contour_selects_it_and_enter_makes_an_object_that_f2_names(found, hand) -> None:
+    drag(hand, (20.0, 60.0))
+    assert selected(found) == {(20, 60)}
+    hand.key(KEY.Key_Return)
+    hand.key(KEY.Key_F2)
+    field = found.get_feature(ObjectsFeature).panel.name
+    hand.wait(field.hasFocus)
+    hand.qtbot.keyClicks(field, "aorta")
+    hand.qtbot.keyClick(field, KEY.Key_Return)
+    (item,) = found.session.document.objects.items
+    assert item.name == "aorta"
+    drag(hand, (20.0, 71.0))
+    assert (chosen(found), selected(found)) == ({item.number}, set()), "the contour around it is that of the object"
+
+
+def test_objects_and_contours_are_selected_together_and_merged(found, hand) -> None:
+    item = SegmentedObject(1, (), (tuple(map(tuple, ring((60, 20)).tolist())),))
+    found.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((item,))))
+    drag(hand, (40.0, 3.0), (80.0, 80.0))
+    assert (chosen(found), selected(found)) == ({1}, {(60, 60)})
+    hand.key(KEY.Key_M)
+    (whole,) = found.session.document.objects.items
+    assert (whole.number, len(whole.boundary)) == (1, 2)
+    assert found.session.history.undo_name == "merge 2 objects"
+
+
+def test_delete_removes_objects_rejects_contours_and_a_double_click_names(found, hand) -> None:
+    drag(hand, (20.0, 20.0))
+    hand.key(KEY.Key_Delete)
+    assert [mark.verdict for mark in found.session.document.marks] == ["rejected"]
+    hand.double_click(20.0, 60.0)
+    hand.release(20.0, 60.0)  # which QTest leaves out
+    field = found.get_feature(ObjectsFeature).panel.name
+    hand.wait(field.hasFocus)
+    hand.qtbot.keyClick(field, KEY.Key_Escape)
+    assert found.session.document.objects.items == ()
+
+
+def test_a_line_of_a_shape_comes_before_what_lies_under_it_and_its_inside_after(found, hand) -> None:
+    circle = Circle((20.0, 60.0), 15.0)
+    found.session.edit("draw", lambda document: edits.add_shape(document, circle))
+    drag(hand, (20.0, 60.0))
+    assert (found.session.selected_shape, selected(found)) == (None, {(20, 60)})
+    drag(hand, (20.0, 75.0), (30.0, 75.0))
+    assert (found.session.selected_shape, selected(found)) == (0, set())
+    assert found.session.document.shapes[0].center == pytest.approx((30.0, 60.0), abs=0.5)
+
+
+def test_keys_alone_select_and_accept(found, hand) -> None:
+    hand.key(KEY.Key_N, SHIFT)
+    hand.key(KEY.Key_N, SHIFT)
+    assert len(found.workspace.object_list.selected_keys) == 1
+    hand.key(KEY.Key_I, CONTROL)
+    assert len(found.workspace.object_list.selected_keys) == 5
+    hand.key(KEY.Key_Return)
+    assert len(found.session.document.objects.items) == 5
+    assert found.session.history.undo_name == "accept 5 contours"
+    hand.key(KEY.Key_X)
+    assert len(found.session.document.objects.rejected) == 5
