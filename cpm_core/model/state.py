@@ -153,6 +153,14 @@ class State(ABC):
     (9, (9, 2), (0, 3), True)
     >>> bool(np.allclose(state.to_particle_places(state.position), state.particles.position))
     True
+    >>> state.from_seeds(cpm.circle((32, 32), 8), cpm.example("disk"), 3, None).count
+    0
+    >>> state.begin_scale(1, state.position).scale, state.window, state.widen_window() is state
+    (1, None, True)
+    >>> state.erase_particles(state.position[:, 0] < 32).count, state.reactivate_all().reactivated
+    (5, 1)
+    >>> state.reactivate_near(np.array([(32.0, 50.0, 1.0)])).reactivated
+    0
     >>> ended = state.stop("seen enough")
     >>> ended.stop_reason, ended.resume().stop_reason
     ('seen enough', '')

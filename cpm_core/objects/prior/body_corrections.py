@@ -127,7 +127,7 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
 def find_changes_near(before: BodyPrediction, after: BodyPrediction, point: Array) -> Mask:
     """Find the steps of a body that a point, shape (3,), has changed, without a rim that leads away from it.
 
-    Returns a mask, shape (SIDE, SIDE, SIDE).
+    Returns a mask, shape (CROP_SIDE, CROP_SIDE, CROP_SIDE).
     """
     changed = (before.resample_in(after.crop).logits > 0.0) != (after.logits > 0.0)
     parts, _ = scipy.ndimage.label(scipy.ndimage.binary_erosion(changed))

@@ -24,7 +24,7 @@ class BodyPrediction:
     ----------
     crop : Crop3D
         The crop that it lies in.
-    slice_logits, logits : ndarray of float32, shape (SIDE, SIDE, SIDE)
+    slice_logits, logits : ndarray of float32, shape (CROP_SIDE, CROP_SIDE, CROP_SIDE)
         Logits of the steps of the crop to lie in the body, by the slices alone, and in total.
     """
 
@@ -66,7 +66,7 @@ def body_from_mask(mask: Mask, voxel_sides: Array) -> BodyPrediction:
 def logits_from_mask(mask: Mask, voxel_sides: Array, crop: Crop3D) -> Single:
     """Compute the logits of the steps of a crop to lie in some voxels, shape (P, R, C), whose sides are given.
 
-    Returns float32, shape (SIDE, SIDE, SIDE).
+    Returns float32, shape (CROP_SIDE, CROP_SIDE, CROP_SIDE).
     """
     lines = [line / side for line, side in zip(crop.axis_positions, voxel_sides.tolist(), strict=True)]
     share = resample_with_tent(mask, lines, tuple(crop.step_size / voxel_sides))

@@ -27,7 +27,7 @@ _AGREEMENT_WEIGHT = 0.3
 def rank_crop_sizes(point: Array, sampler: VolumeSampler, network: Network) -> list[tuple[Crop3D, list[Single]]]:
     """Rank crops of all sizes around a point, shape (3,), with the probabilities in their slices; the clearest first.
 
-    The probabilities are those across each axis, each of shape (SIDE, SIDE).
+    The probabilities are those across each axis, each of shape (CROP_SIDE, CROP_SIDE).
     """
     largest = sampler.largest_crop_side
     count = max(int(np.ceil(np.log(largest / MIN_FIRST_SIDE) / np.log(CROP_SIZE_RATIO) - 0.5)), 0)

@@ -95,7 +95,7 @@ class Crop:
 
     @property
     def axis_positions(self) -> list[Array]:
-        """Positions of its steps along each axis, each of shape (SIDE,)."""
+        """Positions of its steps along each axis, each of shape (CROP_SIDE,)."""
         return [middle + (np.arange(CROP_SIDE) - CROP_SIDE / 2) * self.step_size for middle in self.center.tolist()]
 
     def to_crop_steps(self, places: Array | Index) -> Array:
@@ -108,7 +108,7 @@ class Crop:
 
 
 def mark_points(steps: Array) -> Mask:
-    """Mark the pixels, shape (SIDE, SIDE), of a crop or of one of its slices that hold points, shape (N, 2) [steps]."""
+    """Mark the pixels, shape (CROP_SIDE, CROP_SIDE), of a crop or a slice of it that hold points, shape (N, 2)."""
     on = np.zeros((CROP_SIDE, CROP_SIDE), np.bool_)
     place = np.rint(steps).astype(np.int64)
     on[tuple(place[((place >= 0) & (place < CROP_SIDE)).all(axis=1)].T)] = True
@@ -120,11 +120,11 @@ class Crop2D(Crop):
     """A square of an image; its steps are its pixels."""
 
     def sample_map(self, values: Mask | Single) -> Single:
-        """Sample a map of the image, shape (H, W), in the crop, shape (SIDE, SIDE); zeros beyond the image."""
+        """Sample a map of the image, shape (H, W), in the crop, shape (CROP_SIDE, CROP_SIDE); zeros beyond it."""
         return _sample_within(values, *self.axis_positions)
 
     def sample_from(self, other: Crop2D, seen: Single) -> Single:
-        """Sample the map of another crop in this one, both of shape (SIDE, SIDE); zeros beyond it."""
+        """Sample the map of another crop in this one, both of shape (CROP_SIDE, CROP_SIDE); zeros beyond it."""
         return _sample_within(seen, *other.axes_to_crop_steps(self.axis_positions))
 
     def map_back(self, seen: Single, shape: Extent) -> tuple[tuple[slice, slice], Single]:
@@ -151,7 +151,7 @@ class ImageSampler:
     gray_range: tuple[float, ...] = ()
 
     def sample_crop(self, window: Crop2D) -> Single:
-        """Sample brightness and two color differences in a crop, shape (3, SIDE, SIDE), of about unit variance."""
+        """Sample brightness and two color differences, shape (3, CROP_SIDE, CROP_SIDE), of about unit variance."""
         coarsest = max(int(np.log2(min(self.values.shape[:2]) / CROP_SIDE)), 0)
         number = int(np.clip(np.log2(max(window.step_size, 1.0)), 0, coarsest))
         level, coarseness = self._pyramid_level(number), window.step_size / 2**number
@@ -230,7 +230,10 @@ class Crop3D(Crop):
         return (steps - CROP_SIDE / 2) * self.step_size + self.center
 
     def resample_from(self, other: Crop3D, values: Single, beyond: float) -> Single:
-        """Resample values of another crop, shape (SIDE, SIDE, SIDE), in this one, trilinear; `beyond` outside it."""
+        """Resample values of another crop in this one, trilinear; `beyond` outside it.
+
+        Both have the shape (CROP_SIDE, CROP_SIDE, CROP_SIDE).
+        """
         if other is self:
             return values
         lines = other.axes_to_crop_steps(self.axis_positions)
@@ -256,11 +259,11 @@ class VolumeSampler:
     voxel_sides: Array
 
     def sample_crop(self, crop: Crop3D) -> Single:
-        """Sample gray levels from 0 to 255 at the steps of a crop, shape (SIDE, SIDE, SIDE)."""
+        """Sample gray levels from 0 to 255 at the steps of a crop, shape (CROP_SIDE, CROP_SIDE, CROP_SIDE)."""
         return self._sample_grid(crop.axis_positions, crop.step_size)
 
     def sample_slice(self, crop: Crop3D, axis: int, position: float) -> Single:
-        """Sample gray levels from 0 to 255 in the slice of a crop at a position on an axis, shape (SIDE, SIDE)."""
+        """Sample gray levels, 0 to 255, in the slice of a crop across an axis, shape (CROP_SIDE, CROP_SIDE)."""
         lines = crop.axis_positions
         lines[axis] = np.array([position])
         grays: Single = np.moveaxis(self._sample_grid(lines, crop.step_size), axis, 0)[0]

@@ -39,7 +39,7 @@ _MAX_INTENSITY_LOGIT = 4.0
 
 
 def refine_by_intensity(context: CropContext, slice_logits: Single) -> Single:
-    """Refine the logits of the slices, shape (SIDE, SIDE, SIDE), by points and gray levels.
+    """Refine the logits of the slices, shape (CROP_SIDE, CROP_SIDE, CROP_SIDE), by points and gray levels.
 
     Returns float32 of the same shape. What is inside is measured again in each round, on steps twice as long.
     """

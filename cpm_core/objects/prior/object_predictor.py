@@ -297,7 +297,7 @@ class ObjectPredictor:
 def build_input_maps(
     channels: Single, level: Array | Single | None, inside: Mask, outside: Mask, drawn: Single, previous: Single
 ) -> Single:
-    """Build the input maps of the network for a crop, shape (9, SIDE, SIDE).
+    """Build the input maps of the network for a crop, shape (9, CROP_SIDE, CROP_SIDE).
 
     Parameters
     ----------

@@ -33,14 +33,14 @@ def propagate_slices(context: CropContext, probabilities: list[Single], network:
     ----------
     context : CropContext
         The crop.
-    probabilities : list of ndarray of float32, shape (SIDE, SIDE)
+    probabilities : list of ndarray of float32, shape (CROP_SIDE, CROP_SIDE)
         Probabilities in the slices through the point across each axis.
     network : Network
         The network.
 
     Returns
     -------
-    ndarray of float32, shape (SIDE, SIDE, SIDE)
+    ndarray of float32, shape (CROP_SIDE, CROP_SIDE, CROP_SIDE)
         Mean of the logits of the slices across the three axes.
     """
     start = _find_nearest_step(context.positive[0])
@@ -82,7 +82,7 @@ def propagate_correction(
 
     Returns
     -------
-    tuple of ndarray of float32, shape (SIDE, SIDE, SIDE)
+    tuple of ndarray of float32, shape (CROP_SIDE, CROP_SIDE, CROP_SIDE)
         Mean of the logits of the slices that were asked across the three axes, and its weight: 1 from the first to the
         last of these slices across an axis, falling to 0 over one slice spacing beyond.
     """

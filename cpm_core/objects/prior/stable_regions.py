@@ -23,7 +23,7 @@ def find_stable_regions(context: CropContext) -> Iterator[Mask]:
 
     Only those tolerances count at which the region hardly grows (maximally stable regions: Matas et al. 2004,
     doi:10.1016/j.imavis.2004.02.006). Bridges narrower than three steps are cut. Yields masks, shape
-    (SIDE, SIDE, SIDE).
+    (CROP_SIDE, CROP_SIDE, CROP_SIDE).
     """
     step = tuple(np.clip(np.rint(context.positive[0]), 0, CROP_SIDE - 1).astype(int).tolist())
     grays = scipy.ndimage.gaussian_filter(context.grays, 1.0)

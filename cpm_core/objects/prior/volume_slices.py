@@ -25,7 +25,7 @@ class CropContext(NamedTuple):
     ----------
     crop : Crop3D
         The crop.
-    grays : ndarray of float32, shape (SIDE, SIDE, SIDE)
+    grays : ndarray of float32, shape (CROP_SIDE, CROP_SIDE, CROP_SIDE)
         Gray levels of its steps, from 0 to 255.
     inner_steps : ndarray of int64, shape (3, 2)
         Its first and last step in the volume, for each axis.
@@ -50,11 +50,11 @@ class SliceQuery(NamedTuple):
     ----------
     axis, step : int
         The axis across it, and its step on that axis.
-    previous : ndarray of float32, shape (SIDE, SIDE)
+    previous : ndarray of float32, shape (CROP_SIDE, CROP_SIDE)
         Probabilities of the answer so far: those in the slice that the query comes from.
     direction : int
         Side on which slices follow, -1 or 1; 0 for both.
-    added, removed : ndarray of bool, shape (SIDE, SIDE), optional
+    added, removed : ndarray of bool, shape (CROP_SIDE, CROP_SIDE), optional
         What a correction has added or removed in the slice that the query comes from.
     """
 
@@ -67,7 +67,7 @@ class SliceQuery(NamedTuple):
 
 
 class SlicePrediction(NamedTuple):
-    """Answer of the network in a slice: probabilities, shape (SIDE, SIDE), and the overlap that it predicts."""
+    """Answer of the network in a slice: probabilities, (CROP_SIDE, CROP_SIDE), and the overlap that it predicts."""
 
     probability: Single
     predicted_iou: float
@@ -78,7 +78,7 @@ def predict_slices_through(
 ) -> list[SlicePrediction]:
     """Predict the three slices of each crop through a positive point, shape (3,), from nothing but these slices.
 
-    `previous` are probabilities of as many slices, shape (SIDE, SIDE), or nothing.
+    `previous` are probabilities of as many slices, shape (CROP_SIDE, CROP_SIDE), or nothing.
     """
     slices = [(crop, axis) for crop in crops for axis in range(3)]
 

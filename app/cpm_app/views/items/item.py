@@ -47,7 +47,7 @@ def enable_caching(item: QGraphicsItem) -> None:
     item.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
 
 
-class ImageOverlay(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of its kinds takes what they draw
+class ImageOverlay(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
     """An item that covers the image and a rim around it.
 
     It is a plain Qt item: a pyqtgraph item tracks every change of its view, which costs time and is not needed here.
