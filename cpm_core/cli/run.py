@@ -98,10 +98,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         (place, "--region", line, "corners of a polygon that particles stay in, in px; in a volume of a box"),
         (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a point of a plane "
          "and the direction across it"),
-        (named, "--object", "ROW,COL", "a place inside an object, in px; its boundary is closed, and written instead "
-         "of the contours (all places lie in one object; without a start, particles start everywhere); with --pages on "
+        (named, "--object", "ROW,COL", "a point inside an object, in px; its boundary is closed, and written instead "
+         "of the contours (all points lie in one object; without a start, particles start everywhere); with --pages on "
          "the first of them, and --follow finds it on the others"),
-        (named, "--not", "ROW,COL", "a place outside the object, in px"),
+        (named, "--not", "ROW,COL", "a point outside the object, in px"),
     ):  # fmt: skip
         group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
     named.add_argument(
@@ -308,7 +308,7 @@ def _measure_truth_agreement(result: Result, truth: Truth | VolumeTruth) -> tupl
         found = compare(result.contours, truth)
     values = {name: getattr(found, name) for name in measures} | {"mean_distance": found.mean_boundary_distance}
     agreed = {name: round(value, 6) if math.isfinite(value) else None for name, value in values.items()}
-    sentence = f"Beside {truth.source}: Dice "
+    sentence = f"Compared with {truth.source}: Dice "
     sentence += "not known" if agreed["dice"] is None else f"{agreed['dice']:.3f}"
     sentence += f", F {agreed['f']:.3f}"
     if agreed["hausdorff"] is not None:

@@ -116,7 +116,7 @@ class ImageFields:
         """Return these fields with other regions of interest and barriers, and as many scales.
 
         With other barriers only, no field is built again; with other regions of interest the image gradient is taken
-        over. A state of a run in the former regions can be stepped in the new ones.
+        over. A state of a run in the previous regions can be stepped in the new ones.
 
         Raises
         ------

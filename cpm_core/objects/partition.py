@@ -78,7 +78,7 @@ _NEIGHBOR_REACH = 1.0
 _MIN_DRAWN_SHARE = 0.1
 """Least share of what has been drawn that lies in a body that the prompt means."""
 
-_NO_OBJECT_REMARK = "No object was found around these places: only their own pixels are chosen."
+_NO_OBJECT_REMARK = "No object was found around these points: only their own pixels are selected."
 """Remark on a selection that holds only the pixels of its points."""
 
 
@@ -324,7 +324,7 @@ class Partition(drawing.Pictured):
             if enclosed is not None:
                 return self._build_answer(enclosed, request.inside)
         if request.is_empty:
-            remark = request.remark or "No place has been said to be inside."
+            remark = request.remark or "No point is marked as inside."
             return self.build_selection(np.zeros(self.shape, bool), request.inside, request.outside, remark)
         found = self._from_previous(request) or self._from_network(request.prompt, answers)
         return self._build_answer(found, request.inside, request.outside, request.remark)
@@ -444,12 +444,12 @@ class Partition(drawing.Pictured):
         within, beyond = (np.rint(np.clip(places, 0, limit)).astype(np.int64) for places in (inside, outside))
         interest = self.interest
         if ((every < -0.5) | (every > limit + 0.5)).any():
-            remark = "A place outside the image counts as the nearest one in it."
+            remark = "A point outside the image counts as the nearest one in it."
         elif not interest[tuple(np.concatenate([within, beyond]).T)].all():
-            remark = "A place outside the regions of interest counts for nothing."
+            remark = "A point outside the regions of interest is ignored."
         same = (within[:, None] == beyond[None]).all(axis=2)
         if same.any():
-            remark = "The same place has been said to be inside and outside; what was said last counts."
+            remark = "The same point is marked as inside and as outside; the last mark counts."
             newer = np.zeros(len(within), bool) if newer is None else newer
             within, beyond = (
                 within[newer | ~same.any(axis=1)],

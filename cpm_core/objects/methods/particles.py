@@ -62,7 +62,7 @@ PROPOSED_OBJECT = ContourMethod(
     "object",
     "Object of the particles",
     "The object that is proposed for the start after a run of the charged particles: what their contours enclose "
-    "beyond doubt, elsewhere what a learned prior expects.",
+    "beyond doubt, elsewhere what the network predicts.",
     "Objects of this program, on the particles of Jalba, Wilkinson and Roerdink (2004)",
     Parameters,
     _evolve_to_object,

@@ -83,7 +83,7 @@ def test_the_result_of_a_run_is_cut_along_its_surface():
     assert everything.volume == pytest.approx(FULL, rel=0.03)
 
 
-def test_what_has_been_selected_is_kept_as_text_and_comes_back():
+def test_what_has_been_selected_is_kept_in_single_precision_and_comes_back():
     surface = parted().select([WALL]).surface
     kept = PackedSurface.from_surface(surface)
     again = PackedSurface(kept.vertices, kept.faces)
@@ -235,7 +235,7 @@ def test_what_a_click_gives_stays_in_the_region_of_interest(side):
     beyond = cut.select([center - 6.0])
     assert (beyond.has_boundary, beyond.remark) == (
         False,
-        "A place outside the regions of interest counts for nothing.",
+        "A point outside the regions of interest is ignored.",
     )
 
 
