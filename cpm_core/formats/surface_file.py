@@ -218,7 +218,5 @@ def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Ar
             )
     if values.shape != into[part].shape:
         has, wanted = (" x ".join(map(str, shape)) for shape in (labels.values.shape, volume.shape))
-        raise ValueError(
-            f"{name} has {has} voxels, but this volume has {wanted}: choose the labels of this volume."
-        )
+        raise ValueError(f"{name} has {has} voxels, but this volume has {wanted}: choose the labels of this volume.")
     into[part] += values

@@ -71,7 +71,9 @@ class CenterlineBranch:
 
     def __repr__(self) -> str:
         return format_repr(
-            "CenterlineBranch", format_count(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open"
+            "CenterlineBranch",
+            format_count(len(self.points), "vertex", "vertices"),
+            "closed" if self.closed else "open",
         )
 
 
