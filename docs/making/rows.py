@@ -80,7 +80,7 @@ ROWS = (
     Row("Volumes: surfaces, slices, a view in space", "a volume is opened like an image, `--sphere`",
         f"{_CLI}/test_cli_volume.py::test_every_start_leads_to_the_surface"),
     Row("Stacks page by page, with objects followed", "Run all pages, `--pages all --follow`, `follow`",
-        f"{_CLI}/test_follow.py::test_a_disk_that_moves_and_grows_is_one_track_with_its_area_on_every_page"),
+        "tests/core/pages/test_follow.py::test_a_disk_that_moves_and_grows_is_one_track_with_its_area_on_every_page"),
     Row("Many images at once, in processes or on a cluster", "`cpm batch`",
         f"{_CLI}/test_cli_session.py::test_a_batch_does_to_each_image_what_a_run_does_and_reports_a_bad_one"),
     Row("A command line for scripts, with JSON", "`cpm run --json`",
