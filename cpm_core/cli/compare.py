@@ -170,7 +170,7 @@ def _load_gray_image(arguments: argparse.Namespace, session: SessionFile, target
     channel = arguments.channel or session.parameters.channel
     fit_parameters(image, replace(session.parameters, channel=channel), scales=False)
     if image.colors is not None and channel != LUMINANCE_CHOICE:
-        image = replace(image, values=image.gray_levels(channel), colors=None)
+        image = replace(image, stored=image.gray_levels(channel), colors=None)
     check_axes(session.shapes, image.shape, image.source)
     return image
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import copy
 import hashlib
 import math
-from dataclasses import InitVar
+from dataclasses import InitVar, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.image import drawing
 from cpm_core.image.colors import (
     LUMINANCE_CHOICE,
     Colors,
+    ReducedSamples,
     check_color_choice,
     extract_channel,
     gray_from_color,
@@ -25,7 +25,7 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import NO_DATA_VALUE, make_usable
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
-from cpm_core.numerics.types import Array, Extent, Sides, record
+from cpm_core.numerics.types import Array, Extent, Mask, Numbers, Sides, Texts, record
 from cpm_core.parameters.formatting import format_repr, format_size, quote_value
 
 MINIMUM_SIDE = 8
@@ -35,7 +35,7 @@ _BYTES_PER_VOXEL = 40
 """Memory that a run on a volume takes for each voxel [bytes]."""
 
 _MAX_STORED_BYTES = 2
-"""Bytes of a gray level up to which an image keeps the stored type until `values` is asked for."""
+"""Bytes of an integer up to which an image stores gray levels in the type in which they are given."""
 
 _AXIS_COUNTS = {2: "two", 3: "three"}
 """Number of axes -> word for it."""
@@ -51,10 +51,12 @@ class Image(drawing.Pictured):
 
     Parameters
     ----------
-    values : array_like of real numbers, shape (H, W), (P, H, W), (H, W, 3) or (H, W, 4)
-        Gray levels. They are copied to float64 and are then read-only. Pixels without data, such as masked ones, are
-        filled, and extreme gray levels divided by a power of ten (`gray_levels.make_usable`). Three or
-        four values a pixel are red, green, blue and opacity, from which `color` makes gray levels.
+    stored : array_like of real numbers, shape (H, W), (P, H, W), (H, W, 3) or (H, W, 4)
+        Gray levels. They are copied, unless they are in an array that owns its memory and is read-only, and are then
+        read-only. Pixels without data, such as masked ones, are filled, and extreme gray levels divided by a power of
+        ten (`gray_levels.make_usable`). Three or four values a pixel are red, green, blue and opacity, from which
+        `color` makes gray levels. Images of integers of one or two bytes keep their type, all others hold float64;
+        `values` is float64 always.
     spacing : tuple of float, optional
         Size of a pixel along each axis, in `unit`; 1 px each where it is not known.
     unit : str, optional
@@ -66,7 +68,7 @@ class Image(drawing.Pictured):
     colors : Colors, optional
         Colors of the pixels, for display; None for a gray image.
     file_sha256 : str, optional
-        Hash of its file, as `fingerprint` makes it; empty for an image that is not from a file.
+        Hash of its file, as `compute_fingerprint` makes it; empty for an image that is not from a file.
     geometry : Geometry, optional
         Position in space; None where it is not known. Written files keep it.
     hounsfield : bool, optional
@@ -78,11 +80,13 @@ class Image(drawing.Pictured):
         How gray levels are made of color, as in `load_image`: brightness to the eye, one of its channels, or
         the channel whose gray levels vary the most. With the luminance the image keeps its colors, so that
         `Parameters.channel` can choose another one for a run.
+    checked : bool, optional
+        Whether all this has been checked, as what is taken from another image: it is then kept as it is.
 
     Raises
     ------
     ValueError
-        When `values` is not a grid of two or three axes of finite real numbers, at least `MINIMUM_SIDE` pixels along
+        When `stored` is not a grid of two or three axes of finite real numbers, at least `MINIMUM_SIDE` pixels along
         each, when `spacing` is not one positive number for each axis, or when `colors` has another shape.
 
     Examples
@@ -92,23 +96,24 @@ class Image(drawing.Pictured):
     <Image drawn, 40 x 60 px, 0.5 µm a pixel>
     >>> image.shape, image.ndim, [round(level, 1) for level in image.gray_range], image.sha256[:8]
     ((40, 60), 2, [0.0, 70.7], '2cd5ef8e')
-    >>> cpm.Image(np.eye(8, dtype=np.uint8)).stored.dtype.name
-    'uint8'
+    >>> small = cpm.Image(np.eye(8, dtype=np.uint8))
+    >>> small.stored.dtype.name, small.values.dtype.name
+    ('uint8', 'float64')
     >>> image.is_ct, cpm.Image(np.eye(8), hounsfield=True).is_ct
     (False, True)
-    >>> image.sized((2.0, 2.0), "mm")
+    >>> image.with_spacing((2.0, 2.0), "mm")
     <Image drawn, 40 x 60 px, 2 mm a pixel>
-    >>> cpm.example("ball").cut(axis=0, index=15)
+    >>> cpm.example("ball").slice_across(axis=0, index=15)
     <Image ball, 31 x 31 px, 1 mm a pixel>
     >>> colored = cpm.example("colors")
-    >>> colored.channel("red"), colored.gray("red").max().item(), colored.gray_at((32, 32), "green")
+    >>> colored.resolve_channel("red"), colored.gray_levels("red").max().item(), colored.gray_at((32, 32), "green")
     ('red', 220.0, 50.0)
     >>> cpm.Image(colored.colors.samples, color="contrast").notes
     ('The channel red of its colors was taken, which varies the most.',)
     >>> axes = image.plot()
     """
 
-    values: Array
+    stored: Numbers
     spacing: Sides = ()
     unit: str | None = None
     source: str = "image"
@@ -119,88 +124,40 @@ class Image(drawing.Pictured):
     color: InitVar[str] = LUMINANCE_CHOICE
     hounsfield: bool | None = None
     finer: tuple[Any, ...] = ()
+    checked: InitVar[bool] = False
 
-    def __post_init__(self, color: str) -> None:
+    def __post_init__(self, color: str, checked: bool) -> None:
+        if checked:
+            return
         check_color_choice(color)
-        given, masked = np.asarray(self.values), np.ma.getmask(self.values)
+        given, mask = np.asarray(self.stored), np.ma.getmask(self.stored)
+        colors, notes = self.colors, self.notes
         if given.dtype.kind not in "buif":
             raise ValueError(f"{self.source} holds values of type {given.dtype}, but gray levels must be real numbers.")
         if given.ndim == 3 and given.shape[-1] in (3, 4) and min(given.shape[:2]) >= MINIMUM_SIDE:
-            given = self._take_colors(given, color)
-        if given.ndim not in (2, 3) or (given.ndim == 3 and given.shape[-1] < MINIMUM_SIDE):
-            raise _not_a_plane_error(self.source, given.shape)
-        if given.ndim == 3 and min(given.shape) < MINIMUM_SIDE:
+            given, found, said = _reduce_colors(given, color)
+            colors, notes = found or colors, (*notes, *said)
+        _check_shape(self.source, given.shape)
+        stored, changes = _check_gray_levels(self.source, given, mask if isinstance(mask, np.ndarray) else None)
+        spacing = _check_spacing(self.source, self.spacing, stored.ndim)
+        if colors is not None and colors.samples.shape != (*stored.shape, 3):
             raise ValueError(
-                f"{self.source} has {format_size(given.shape, 'voxels')}, but a volume needs at least {MINIMUM_SIDE} "
-                "planes, rows and columns."
+                f"The colors of {self.source} have the shape {colors.samples.shape}, "
+                f"but must have {(*stored.shape, 3)}."
             )
-        if min(given.shape) < MINIMUM_SIDE:
-            raise ValueError(
-                f"{self.source} is {format_size(given.shape)}, but an image needs at least {MINIMUM_SIDE} px "
-                "along each side."
-            )
-        if given.ndim == 3:
-            check_field_memory(given.shape, _BYTES_PER_VOXEL, self.source)
-        known, whole = vars(self), masked is np.ma.nomask
-        small = given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _MAX_STORED_BYTES and whole
-        precision = given.dtype if small else np.float64
-        owner = given if given.base is None else given.base
-        fits = given.dtype == np.float64 and type(owner) is np.ndarray and given.flags.c_contiguous
-        unchanging = fits and not (given.flags.writeable or owner.flags.writeable)  # its memory is never written to
-        with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
-            values = given if unchanging else np.array(given, precision, order="C")
-        if not whole:
-            values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA_VALUE
-            given = values
-        ends = float(given.min()), float(given.max())  # faster on few bytes per pixel than on eight
-        if not all(map(math.isfinite, ends)):
-            unusable = values.size - int(np.isfinite(values).sum())
-            raise ValueError(
-                f"{self.source} holds {unusable} value{'' if unusable == 1 else 's'} that "
-                f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
-            )
-        values, changes = make_usable(values, ends)
+        object.__setattr__(self, "stored", stored)
+        object.__setattr__(self, "spacing", spacing)
+        object.__setattr__(self, "notes", (*notes, *changes))
+        object.__setattr__(self, "colors", colors)
+
+    @cached_property
+    def values(self) -> Array:
+        """Gray levels in double precision, in the shape of the image; read-only.
+
+        Integers are converted when they are first asked for, so that the image can be shown before.
+        """
+        values = self.stored.astype(np.float64, copy=False)
         values.flags.writeable = False
-        del known["values"]
-        known["_stored" if small else "values"] = values
-        known.update(spacing=_check_spacing(self.source, self.spacing, values.ndim), notes=(*self.notes, *changes))
-        if not changes:
-            known["gray_range"] = ends
-        if self.colors is not None and self.colors.samples.shape != (*self.shape, 3):
-            raise ValueError(
-                f"The colors of {self.source} have the shape {self.colors.samples.shape}, "
-                f"but must have {(*self.shape, 3)}."
-            )
-
-    def __getattr__(self, name: str) -> Array:
-        """Convert stored integers to `values` when they are first asked for: the image is seen before."""
-        if name != "values":
-            raise AttributeError(f"An image has no {name}.")
-        known = vars(self)
-        stored = known.get("_stored")
-        if stored is not None:
-            values = stored.astype(np.float64)
-            values.flags.writeable = False
-            known.setdefault("values", values)
-            known.pop("_stored", None)
-        return known["values"]
-
-    @property
-    def stored(self) -> NDArray[Any]:
-        """Gray levels in the shape of the image and the type in which they are kept: float64 once `values` was read."""
-        stored = vars(self).get("_stored")
-        return self.values if stored is None else stored
-
-    def _take_colors(self, samples: NDArray[Any], color: str) -> NDArray[Any]:
-        """Reduce colors to gray levels, and keep them next to the luminance."""
-        alpha = samples[..., 3] if samples.shape[-1] == 4 else None
-        values, colors, notes = reduce_to_gray(np.array(samples[..., :3]), alpha)
-        if colors is not None and color == LUMINANCE_CHOICE:
-            object.__setattr__(self, "colors", colors)
-        elif colors is not None:
-            values, said = gray_from_color(values, colors, color)
-            notes = (said, *notes[1:])
-        object.__setattr__(self, "notes", (*self.notes, *notes))
         return values
 
     def __repr__(self) -> str:
@@ -254,7 +211,7 @@ class Image(drawing.Pictured):
     @cached_property
     def gray_range(self) -> tuple[float, float]:
         """Least and largest gray level."""
-        return float(self.values.min()), float(self.values.max())
+        return float(self.stored.min()), float(self.stored.max())
 
     @property
     def is_ct(self) -> bool:
@@ -273,20 +230,14 @@ class Image(drawing.Pictured):
         `factor` of the new unit make one of the present unit: the place in space is converted.
         """
         sizes = _check_spacing(self.source, spacing, self.ndim)
-        self.values  # noqa: B018 - made once for both
         geometry = None if self.geometry is None else self.geometry.scaled(factor)
-        made = copy.copy(self)
-        vars(made).update(spacing=sizes, unit=unit, geometry=geometry)
-        return made
+        # integers are converted once for both images
+        return replace(self, stored=self.values, spacing=sizes, unit=unit, geometry=geometry, checked=True)
 
     def slice_across(self, axis: int, index: int) -> Image:
         """Return a slice of a volume across an axis, as an image that shares the gray levels without another check."""
         sides = tuple(side for other, side in enumerate(self.spacing) if other != axis)
-        made = object.__new__(type(self))
-        values = self.values[(slice(None),) * axis + (index,)]
-        vars(made).update(values=values, spacing=sides, unit=self.unit, source=self.source)
-        vars(made).update(notes=(), colors=None, file_sha256="", geometry=None)
-        return made
+        return Image(self.values[(slice(None),) * axis + (index,)], sides, self.unit, self.source, checked=True)
 
     @property
     def shape(self) -> Extent:
@@ -311,6 +262,61 @@ class Image(drawing.Pictured):
     def ndim(self) -> int:
         """Number of axes."""
         return self.stored.ndim
+
+
+def _reduce_colors(samples: Numbers, color: str) -> ReducedSamples:
+    """Reduce colors, shape (H, W, 3) or (H, W, 4), to gray levels; the colors are returned with luminance alone."""
+    alpha = samples[..., 3] if samples.shape[-1] == 4 else None
+    gray, colors, notes = reduce_to_gray(np.array(samples[..., :3]), alpha)
+    if colors is None or color == LUMINANCE_CHOICE:
+        return gray, colors, notes
+    gray, note = gray_from_color(gray, colors, color)
+    return gray, None, (note, *notes[1:])
+
+
+def _check_shape(source: str, shape: Extent) -> None:
+    """Raise a `ValueError` unless an image or a volume has this shape and a run on the volume fits into memory."""
+    if len(shape) not in (2, 3) or (len(shape) == 3 and shape[-1] < MINIMUM_SIDE):
+        raise _not_a_plane_error(source, shape)
+    if len(shape) == 3 and min(shape) < MINIMUM_SIDE:
+        raise ValueError(
+            f"{source} has {format_size(shape, 'voxels')}, but a volume needs at least {MINIMUM_SIDE} "
+            "planes, rows and columns."
+        )
+    if min(shape) < MINIMUM_SIDE:
+        raise ValueError(
+            f"{source} is {format_size(shape)}, but an image needs at least {MINIMUM_SIDE} px along each side."
+        )
+    if len(shape) == 3:
+        check_field_memory(shape, _BYTES_PER_VOXEL, source)
+
+
+def _check_gray_levels(source: str, given: Numbers, masked: Mask | None) -> tuple[Numbers, Texts]:
+    r"""Return gray levels as an image stores them, shape (\*shape), and what was changed; ValueError if not finite.
+
+    `masked`, shape (\*shape) or (\*shape, 3 or 4), marks pixels without data.
+    """
+    small = given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _MAX_STORED_BYTES and masked is None
+    dtype = given.dtype if small else np.dtype(np.float64)
+    stays = given.flags.owndata and given.flags.c_contiguous and not given.flags.writeable  # nobody writes to it
+    if masked is None and stays and given.dtype == dtype:
+        stored = given
+    else:
+        with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
+            stored = np.array(given, dtype, order="C")
+    if masked is not None:
+        stored[masked if masked.shape == stored.shape else masked.any(axis=-1)] = NO_DATA_VALUE
+        given = stored
+    ends = float(given.min()), float(given.max())  # faster on few bytes per pixel than on eight
+    if not all(map(math.isfinite, ends)):
+        unusable = stored.size - int(np.isfinite(stored).sum())
+        raise ValueError(
+            f"{source} holds {unusable} value{'' if unusable == 1 else 's'} that "
+            f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
+        )
+    stored, changes = make_usable(stored, ends)
+    stored.flags.writeable = False
+    return stored, changes
 
 
 def _check_spacing(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:

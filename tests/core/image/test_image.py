@@ -18,6 +18,35 @@ def test_values_become_a_read_only_float64_copy():
         image.values[0, 0] = 1
 
 
+def test_an_array_that_nobody_can_write_to_is_shared():
+    given = np.arange(120.0).reshape(10, 12).copy()
+    read_only_view = given[:]
+    read_only_view.flags.writeable = False
+    assert not np.shares_memory(Image(read_only_view).values, given)
+    given.flags.writeable = False
+    assert Image(given).values is given
+
+
+def test_masked_pixels_of_a_read_only_array_are_filled():
+    given = np.arange(120.0).reshape(10, 12).copy()
+    given.flags.writeable = False
+    image = Image(np.ma.masked_greater(given, 100.0))
+    assert (image.gray_range, image.notes) == (
+        (0.0, 100.0),
+        ("19 pixels have no data, filled from around: contours there mean nothing.",),
+    )
+    assert given.max() == 119.0
+
+
+def test_integers_keep_their_type_and_are_converted_once_for_an_image_of_another_spacing():
+    image = Image(np.arange(120, dtype=np.uint8).reshape(10, 12), notes=("first",))
+    other = image.with_spacing((0.5, 0.25), "mm")
+    assert image.stored.dtype == np.uint8
+    assert other.values is image.values
+    assert (other.spacing, other.unit, other.notes) == ((0.5, 0.25), "mm", ("first",))
+    assert other.sha256 == image.sha256
+
+
 def test_a_volume_has_planes_rows_and_columns():
     volume = Image(np.zeros((9, 20, 8)), spacing=(2.0, 0.5, 0.5))
     assert (volume.shape, volume.ndim, volume.spacing) == ((9, 20, 8), 3, (2.0, 0.5, 0.5))
