@@ -1,14 +1,8 @@
-"""Bodies of objects as documents and sessions hold them: a closed surface as text, or voxels, eight in a byte.
-
-Text holds compressed bytes, which are checked before they are decompressed.
-"""
+"""Bodies of objects as documents and sessions hold them: a closed surface, or voxels, eight in a byte."""
 
 from __future__ import annotations
 
-import base64
-import binascii
 import math
-import zlib
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
@@ -16,15 +10,11 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
-from numpy.typing import DTypeLike
 
 from cpm_core.contours.surface import Surface, voxelize_surface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import true_bounds, zero_surface
-from cpm_core.numerics.types import Array, Index, Integers, Mask, Numbers, Pixels, Place, frozen
-
-_MAX_ARRAY_BYTES = 256 * 2**20
-"""Largest array that is read [bytes]."""
+from cpm_core.numerics.types import Array, Index, Integers, Mask, Pixels, Place, frozen
 
 Corner = Sequence[int] | Index
 """A voxel, or the sides of a box, (plane, row, col)."""
@@ -32,71 +22,26 @@ Corner = Sequence[int] | Index
 MAX_BOX_VOXELS = 2**28
 """Largest box around a surface [voxels]; filling it takes at least one byte per voxel."""
 
-_COMPRESSION_LEVEL = 1
-"""Level of zlib: higher ones hardly shrink coordinates further, however long they take."""
-
-
-def encode_array(array: Numbers) -> str:
-    """Encode an array of any shape as text: its bytes in little-endian order, compressed."""
-    data = np.ascontiguousarray(array).astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
-    return base64.b64encode(zlib.compress(data, _COMPRESSION_LEVEL)).decode()
-
-
-def decode_array(text: object, dtype: DTypeLike, count: int | None, where: str) -> Numbers:
-    """Decode numbers from text.
-
-    Parameters
-    ----------
-    text : object
-        Text of `encode_array`.
-    dtype : dtype
-        Type of the numbers.
-    count : int or None
-        Number of them; None for any.
-    where : str
-        Name for messages.
-
-    Returns
-    -------
-    ndarray, shape (count,)
-        The numbers.
-
-    Raises
-    ------
-    ValueError
-        When it is no such text, or holds another number of them.
-    """
-    kind = np.dtype(dtype).newbyteorder("<")
-    size = _MAX_ARRAY_BYTES if count is None else count * kind.itemsize
-    if not isinstance(text, str) or size > _MAX_ARRAY_BYTES:
-        raise ValueError(f"{where} holds no array that can be read.")
-    try:
-        unpacking = zlib.decompressobj()
-        data = unpacking.decompress(base64.b64decode(text, validate=True), size + 1)
-    except (zlib.error, binascii.Error, ValueError) as error:
-        raise ValueError(f"{where} is damaged.") from error
-    if (len(data) != size if count is not None else len(data) > size or len(data) % kind.itemsize) or not unpacking.eof:
-        raise ValueError(f"{where} is damaged: it does not hold what its shape says.")
-    return np.frombuffer(data, kind).astype(dtype)
-
 
 @frozen
 class PackedSurface:
-    """Closed surface as text, in single precision.
+    """Closed surface in single precision.
 
     Attributes
     ----------
-    vertices, faces : str
-        Its vertices [voxels] and triangles.
+    vertices : bytes
+        The vertices (plane, row, col) [voxels], float32, little-endian.
+    faces : bytes
+        The numbers of the three vertices of each triangle, from 0, int32, little-endian.
 
     Raises
     ------
     ValueError
-        When the text holds no surface, or one that is not closed or far too large.
+        When the bytes hold no surface, or one that is not closed or far too large.
     """
 
-    vertices: str
-    faces: str
+    vertices: bytes
+    faces: bytes
 
     def __post_init__(self) -> None:
         if not len(self.surface.faces) or not self.surface.closed:
@@ -110,17 +55,16 @@ class PackedSurface:
 
     @classmethod
     def from_surface(cls, surface: Surface) -> PackedSurface:
-        """Encode a surface."""
-        return cls(encode_array(surface.vertices.astype(np.float32)), encode_array(surface.faces.astype(np.int32)))
+        """Pack a surface."""
+        return cls(surface.vertices.astype("<f4").tobytes(), surface.faces.astype("<i4").tobytes())
 
     @cached_property
     def surface(self) -> Surface:
-        """The decoded surface [voxels]."""
-        vertices = decode_array(self.vertices, np.float32, None, "the surface of an object")
-        faces = decode_array(self.faces, np.int32, None, "the surface of an object")
-        if len(vertices) % 3 or len(faces) % 3:
+        """The surface [voxels]."""
+        vertices, faces = np.dtype(("<f4", 3)), np.dtype(("<i4", 3))
+        if len(self.vertices) % vertices.itemsize or len(self.faces) % faces.itemsize:
             raise ValueError("the surface of an object is damaged: it does not consist of triangles.")
-        return Surface(vertices.reshape(-1, 3), faces.reshape(-1, 3))
+        return Surface(np.frombuffer(self.vertices, vertices), np.frombuffer(self.faces, faces))
 
     @cached_property
     def voxels(self) -> Voxels:
@@ -175,9 +119,6 @@ _LEAST_LEVEL_OFFSET = 0.15
 
 _PLANES_PER_PIECE = 16
 """Planes of a surface that are built at once: meanwhile the interpreter does nothing else."""
-
-_VERTEX_KEY_WEIGHTS = np.array([1.0, math.e, math.pi])
-"""Weights of the coordinates in a sum that identifies a vertex."""
 
 _CACHED_BODIES = 32
 """Number of bodies whose surfaces and shells are cached: an undo stack holds many versions of each."""
@@ -321,6 +262,10 @@ def _build_surface(body: PackedVoxels) -> Surface:
     parts = [zero_surface(level, ((first, last + 1), *inner)) for first, last in ends]
     counts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
     vertices = np.concatenate([part for part, _ in parts])
-    _, kept, numbers = np.unique((vertices * _VERTEX_KEY_WEIGHTS).sum(axis=1), return_index=True, return_inverse=True)
-    faces = numbers[np.concatenate([part + count for (_, part), count in zip(parts, counts, strict=False)])]
-    return Surface(vertices[kept] + np.array(body.first) - _SURFACE_MARGIN, faces)
+    faces = np.concatenate([part + count for (_, part), count in zip(parts, counts, strict=False)])
+    order = np.lexsort(vertices.T)  # much faster than np.unique(axis=0)
+    ordered = vertices[order]
+    is_new = np.append(True, (ordered[1:] != ordered[:-1]).any(axis=1))
+    numbers = np.empty(len(order), np.int64)
+    numbers[order] = np.cumsum(is_new) - 1
+    return Surface(ordered[is_new] + np.array(body.first) - _SURFACE_MARGIN, numbers[faces])

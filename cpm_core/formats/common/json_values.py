@@ -1,15 +1,19 @@
 """Values as JSON and back: frozen dataclasses by the types of their fields, arrays, shapes, limits, parameters.
 
-Dataclasses may hold numbers, text, booleans, literals, voxels, tuples and dataclasses, or a union of these. Values
-are checked against the types when they are read; a mismatch raises ValueError with a one-sentence message.
+Dataclasses may hold numbers, text, bytes, booleans, literals, voxels, tuples and dataclasses, or a union of these.
+Values are checked against the types when they are read; a mismatch raises ValueError with a one-sentence message.
+Arrays and bytes are compressed and written as text; they are checked before they are decompressed.
 """
 
 from __future__ import annotations
 
+import base64
+import binascii
 import contextlib
 import dataclasses
 import json
 import math
+import zlib
 from collections.abc import Callable, Mapping
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -17,7 +21,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 from numpy.typing import DTypeLike
 
-from cpm_core.contours.packed_surface import MAX_BOX_VOXELS, PackedVoxels, decode_array, encode_array
+from cpm_core.contours.packed_surface import MAX_BOX_VOXELS, PackedVoxels
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.numerics.types import JsonDict, JsonObject, Numbers, Texts, frozen
@@ -31,6 +35,12 @@ LARGEST_NUMBER = 1e6
 """Largest magnitude of a number: far outside any image, yet sums of such numbers do not overflow."""
 
 _REGION_TYPES: dict[str, type[AnyRegions]] = {"regions": Regions, "volume_regions": VolumeRegions}
+
+_MAX_ARRAY_BYTES = 256 * 2**20
+"""Largest array that is read [bytes]."""
+
+_COMPRESSION_LEVEL = 1
+"""Level of zlib: higher ones hardly shrink coordinates further, however long they take."""
 
 REGION_KEYS = tuple(_REGION_TYPES)
 """Keys of the entries that hold the limits of particles, in an image and in a volume."""
@@ -55,8 +65,10 @@ def to_json(value: object) -> Any:
         return {
             "first": to_json(value.first),
             "shape": value.mask.shape,
-            "voxels": encode_array(np.packbits(value.mask)),
+            "voxels": _encode_bytes(np.packbits(value.mask).tobytes()),
         }
+    if isinstance(value, bytes):
+        return _encode_bytes(value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_json(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, bool | str | int) or value is None:
@@ -202,14 +214,15 @@ def _parse_voxels(plain: object, where: str) -> Voxels:
     count = math.prod(box.shape)
     if min(box.shape) < 1 or count > MAX_BOX_VOXELS:
         raise ValueError(f"shape of {where} is {quote_value(box.shape)} but may be {MAX_BOX_VOXELS:,} voxels at most.")
-    bits = decode_array(box.voxels, np.uint8, -(-count // 8), where)
-    return Voxels(np.unpackbits(bits, count=count).reshape(box.shape).astype(bool), box.first)
+    bits = _decode_bytes(box.voxels, -(-count // 8), where)
+    return Voxels(np.unpackbits(np.frombuffer(bits, np.uint8), count=count).reshape(box.shape).astype(bool), box.first)
 
 
 _VALUE_PARSERS: dict[Any, Callable[[object, str], Any]] = {
     float: expect_number,
     int: _expect_whole_number,
     str: expect_text,
+    bytes: lambda plain, where: _decode_bytes(expect_text(plain, where), None, where),
     bool: lambda plain, where: _expect_type(plain, bool, "true or false", where),
     Voxels: _parse_voxels,
     PackedVoxels: lambda plain, where: PackedVoxels.from_voxels(_parse_voxels(plain, where)),
@@ -218,7 +231,8 @@ _VALUE_PARSERS: dict[Any, Callable[[object, str], Any]] = {
 
 def array_to_json(array: Numbers) -> JsonDict:
     """Convert an array of numbers of any shape to JSON, losslessly."""
-    return {"shape": list(array.shape), "data": encode_array(array)}
+    little_endian = array.astype(array.dtype.newbyteorder("<"), copy=False)
+    return {"shape": list(array.shape), "data": _encode_bytes(little_endian.tobytes())}
 
 
 def array_from_json(plain: object, dtype: DTypeLike, shape: tuple[int | None, ...], where: str) -> Numbers:
@@ -233,7 +247,29 @@ def array_from_json(plain: object, dtype: DTypeLike, shape: tuple[int | None, ..
     ):
         wanted = " x ".join("any" if side is None else str(side) for side in shape)
         raise ValueError(f"{where} has the shape {quote_value(sides)} but must have {wanted} entries.")
-    return decode_array(given.get("data"), dtype, math.prod(sides), where).reshape(sides)
+    kind = np.dtype(dtype).newbyteorder("<")
+    data = _decode_bytes(given.get("data"), math.prod(sides) * kind.itemsize, where)
+    return np.frombuffer(data, kind).astype(dtype).reshape(sides)
+
+
+def _encode_bytes(data: bytes) -> str:
+    """Encode bytes as text, compressed."""
+    return base64.b64encode(zlib.compress(data, _COMPRESSION_LEVEL)).decode()
+
+
+def _decode_bytes(text: object, size: int | None, where: str) -> bytes:
+    """Decode text of `_encode_bytes` that holds `size` bytes, or any number; ValueError, naming `where`, otherwise."""
+    most = _MAX_ARRAY_BYTES if size is None else size
+    if not isinstance(text, str) or most > _MAX_ARRAY_BYTES:
+        raise ValueError(f"{where} holds no array that can be read.")
+    try:
+        unpacking = zlib.decompressobj()
+        data = unpacking.decompress(base64.b64decode(text, validate=True), most + 1)
+    except (zlib.error, binascii.Error, ValueError) as error:
+        raise ValueError(f"{where} is damaged.") from error
+    if size not in (None, len(data)) or len(data) > most or not unpacking.eof:
+        raise ValueError(f"{where} is damaged: it does not hold what its shape says.")
+    return data
 
 
 def regions_to_json(regions: AnyRegions | None) -> JsonDict:
