@@ -32,13 +32,12 @@ from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.finer_scale import find_unexplained_edges
 
-_ROW, _COL = np.indices((32, 32))
-_IMAGE = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
+_IMAGE = 255.0 * (np.hypot(*(np.indices((32, 32)) - 15.5)) < 9.0)
 _TALL = np.zeros((512, 4))
 """Rows of which several threads take some each."""
 
 _REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=(((5.3, 2.2), (6.1, 28.4)),))
-_PARAMETERS = Parameters(scales=2)
+_TWO_SCALES = Parameters(scales=2)
 _CHARGES = (PlacedCharge((4.0, 4.0), 1.0),)
 _CHARGES_IN_VOLUME = (PlacedCharge((4.0, 4.0, 4.0), 1.0),)
 _STEPS = 12
@@ -50,11 +49,11 @@ _MOST_STEPS = 60
 def step_once() -> None:
     """Run the kernels of the steps of a run, and of its energy."""
     smoothed_gradient(_TALL, 1.0)
-    engine = Engine(_IMAGE, _PARAMETERS)
+    engine = Engine(_IMAGE, _TWO_SCALES)
     state = engine.start(circle((15.5, 15.5), 5.0))
     for _ in range(_MOST_STEPS):
-        state = engine.step(state, _PARAMETERS)
-    engine.energies(state, _PARAMETERS)
+        state = engine.step(state, _TWO_SCALES)
+    engine.energies(state, _TWO_SCALES)
 
 
 def contours_once() -> None:
@@ -78,10 +77,10 @@ def objects_once() -> None:
 
 def extras_once() -> None:
     """Run the kernels of regions, barriers, placed charges, forces, denoising, and of the level sets next to them."""
-    engine = Engine(_IMAGE, _PARAMETERS, _REGIONS)
-    state = engine.step(engine.start(circle((15.5, 15.5), 5.0)), _PARAMETERS, _CHARGES)
-    engine.forces(state, _PARAMETERS, _CHARGES)
-    engine.energies(state, _PARAMETERS, _CHARGES)
+    engine = Engine(_IMAGE, _TWO_SCALES, _REGIONS)
+    state = engine.step(engine.start(circle((15.5, 15.5), 5.0)), _TWO_SCALES, _CHARGES)
+    engine.forces(state, _TWO_SCALES, _CHARGES)
+    engine.energies(state, _TWO_SCALES, _CHARGES)
     remove_noise(_IMAGE)
     Image(np.stack([_IMAGE, _IMAGE, 255.0 - _IMAGE], axis=-1).astype(np.uint8))
     start = Start((circle((15.5, 15.5), 5.0),))
@@ -93,7 +92,7 @@ def large_once() -> None:
     slopes = partial(gradient_in_window, _IMAGE, 1.0)
     smoothed_gradient(_TALL, 1.0, np.float32)
     part = build_scale_field(_IMAGE, 1.0, 0.0, slopes=slopes).crop((slice(0, 32), slice(0, 31)))
-    find_contours(circle((15.5, 15.5), 9.0), limit_field_to(part, part.edge_map > part.floor), _PARAMETERS)
+    find_contours(circle((15.5, 15.5), 9.0), limit_field_to(part, part.edge_map > part.floor), _TWO_SCALES)
 
 
 def volume_once() -> None:
@@ -111,8 +110,8 @@ def volume_once() -> None:
 
 def _contours() -> Result:
     """Contours of particles that lie on the edge of the disk."""
-    engine = Engine(_IMAGE, _PARAMETERS)
-    return engine.result(engine.start(circle((15.5, 15.5), 9.0)), _PARAMETERS)
+    engine = Engine(_IMAGE, _TWO_SCALES)
+    return engine.result(engine.start(circle((15.5, 15.5), 9.0)), _TWO_SCALES)
 
 
 Part = Callback

@@ -133,7 +133,7 @@ def run_comparison(arguments: argparse.Namespace) -> int:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], arguments.max_steps)
         facts = report_run(moment, truth)
         if not facts.stop_reason:
-            facts = replace(facts, stop_reason=f"stopped after {format_count(facts.steps, 'step')}, as asked")
+            facts = replace(facts, stop_reason=f"stopped after {format_count(facts.steps, 'step')}, as requested")
         if not arguments.json:
             agreed = (facts.dice, facts.f, facts.hausdorff, facts.mean_distance) if truth else ()
             measures = (f"{value:.3f}" if value is not None and np.isfinite(value) else "-" for value in agreed)

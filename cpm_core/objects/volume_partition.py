@@ -4,7 +4,7 @@ A body is a connected part of the volume without the surface: the inside of a su
 the wall of a shell, or the hollow in it. Its boundary consists of the components of the surface next to it; its volume
 and area are measured on triangles, not on voxels. A click selects the body that it lies in, further positive points add
 other bodies, and negative ones remove bodies. Where no surface encloses a click, a network answers that has learned
-from outlined images (`prior.bodies`), and further clicks correct its answer.
+from outlined images (`prior.body_predictor`), and further clicks correct its answer.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
-from cpm_core.objects.prior.body_predictor import (
+from cpm_core.objects.prior.body_corrections import find_changes_near
+from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
-    BodyPredictor,
     body_from_mask,
-    find_changes_near,
     is_different_body,
     logits_from_mask,
 )
+from cpm_core.objects.prior.body_predictor import BodyPredictor
 from cpm_core.objects.prior.body_surface import extract_body_surface
 from cpm_core.objects.prior.crops import CROP_SIDE, resample_with_tent
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
@@ -41,10 +41,10 @@ from cpm_core.parameters.formatting import format_count, format_repr, format_siz
 _BODY_LOOKUP_DISTANCE = 0.75
 """Distance from a surface at which the bodies on its sides are looked up [smallest sides of a voxel]."""
 
-_NO_POINT_REMARK = "No place has been said to be inside."
-_CONFLICTING_BODY_REMARK = "The same body has been said to be inside and outside; it is left out."
-_CONFLICTING_POINT_REMARK = "The same place has been said to be inside and outside; what was said last counts."
-_OUTSIDE_INTEREST_REMARK = "A place outside the regions of interest counts for nothing."
+_NO_POINT_REMARK = "No point is marked as inside."
+_CONFLICTING_BODY_REMARK = "The same body is marked as inside and as outside; it is left out."
+_CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; the last mark counts."
+_OUTSIDE_INTEREST_REMARK = "A point outside the regions of interest is ignored."
 _NO_BODY_REMARK = "No body was found at this place."
 
 EMPTY_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))

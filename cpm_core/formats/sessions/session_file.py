@@ -41,7 +41,7 @@ from cpm_core.parameters.formatting import quote_value
 from cpm_core.shapes import Shape
 from cpm_core.shapes.document_shapes import check_axes
 
-T = TypeVar("T")
+Entry = TypeVar("Entry")
 
 SESSION_MARK = "cpm-session"
 """Key that distinguishes a session file from other JSON."""
@@ -65,7 +65,7 @@ class ImageFile:
     path : str
         Its file; a relative path starts at the folder of the session file.
     sha256 : str
-        Hash of that file, as returned by `fingerprint`; empty if unknown.
+        Hash of that file, as returned by `compute_fingerprint`; empty if unknown.
     shape : tuple of int
         (rows, cols), or (planes, rows, cols); empty if unknown.
     absolute : str
@@ -121,7 +121,7 @@ class SessionFile:
         Mode of the window; empty for the default.
     objects : SegmentedObjects
         The objects that have been selected, with their classes.
-    outlined : Outlined
+    outlined : SkeletonTarget
         Outlines that have a skeleton in place of structures found in the image.
     view : mapping
         View of the window, as JSON; no effect on a run.
@@ -137,7 +137,7 @@ class SessionFile:
         The ground truth that contours are compared with.
     pages : mapping
         The other pages of a stack, as JSON of the window; no effect on a run.
-    comparison : Compared
+    comparison : MethodComparison
         The methods that are compared.
     """
 
@@ -245,7 +245,7 @@ def decode_session(content: bytes, name: str) -> SessionFile:
     plain = _parse_session(content, name)
     notes: list[str] = []
 
-    def read_optional(key: str, words: str, read: Callable[[Any], T], otherwise: T) -> T:
+    def read_optional(key: str, words: str, read: Callable[[Any], Entry], otherwise: Entry) -> Entry:
         """Read an optional entry; if it is damaged, it is left out with a note."""
         try:
             return read(plain[key]) if plain.get(key) is not None else otherwise
@@ -253,7 +253,7 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             notes.append(f"The {words} left out: {error}")
             return otherwise
 
-    def read_list(key: str, what: str, read: Callable[[object, str], T]) -> tuple[T, ...]:
+    def read_list(key: str, what: str, read: Callable[[object, str], Entry]) -> tuple[Entry, ...]:
         return tuple(read(one, f"{what} {at}") for at, one in enumerate(expect_list(plain.get(key, []), key), start=1))
 
     try:

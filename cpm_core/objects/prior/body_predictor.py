@@ -15,10 +15,7 @@ import scipy
 
 from cpm_core.numerics.types import Array, Single, record
 from cpm_core.objects.prior.body_corrections import correct_in_crop
-from cpm_core.objects.prior.body_corrections import find_changes_near as find_changes_near
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction, is_different_body
-from cpm_core.objects.prior.body_prediction import body_from_mask as body_from_mask
-from cpm_core.objects.prior.body_prediction import logits_from_mask as logits_from_mask
 from cpm_core.objects.prior.crop_search import crop_closely, rank_crop_sizes
 from cpm_core.objects.prior.crops import CROP_SIDE, Crop3D, VolumeSampler
 from cpm_core.objects.prior.intensity_refinement import POINT_LOGIT, refine_by_intensity

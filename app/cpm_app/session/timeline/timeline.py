@@ -53,7 +53,7 @@ class TimelineState:
 
     Attributes
     ----------
-    branches : tuple of Branch
+    branches : tuple of TimelineBranch
         The branches, the oldest first; the same tuple as long as only the last step of `branch` changes.
     branch : int
         The current branch, 0 before there is one.
