@@ -254,11 +254,11 @@ def export(
     for file in files:
         check_export(file)
     for file in files:
-        shown_as = result
+        written = result
         if find_format_suffix(file) == ".labelme.json" and image is not None and not isinstance(result, Centerlines):
-            shown_as = labelme.set_relative_source(result, file, Path(image))
+            written = labelme.set_relative_source(result, file, Path(image))
         try:
-            content = to_bytes(shown_as, find_format_suffix(file), outlines=outlines, space=space, image=image)
+            content = to_bytes(written, find_format_suffix(file), outlines=outlines, space=space, image=image)
             contents += [(file, content), *encode_descriptions(result, file, outlines=outlines)]
         except ValueError as error:
             if refused is None or (file is files[-1] and not contents):
@@ -357,19 +357,19 @@ def to_bytes(
     >>> cpm.to_bytes(result, ".svg")[:5]
     b'<?xml'
     """
-    form = next((one for one in FILE_FORMATS if one.suffix == suffix), None)
-    if form is None:
+    file_format = next((one for one in FILE_FORMATS if one.suffix == suffix), None)
+    if file_format is None:
         raise ValueError(
             f"{quote_value(suffix)} names no format that can be written: choose one of {', '.join(_FORMAT_SUFFIXES)}."
         )
     if isinstance(result, Skeleton) and result.lines is not None:
         result = result.lines
     if isinstance(result, Centerlines):
-        if not form.lines:
+        if not file_format.lines:
             raise ValueError(f'A file with the suffix "{suffix}" contains no center lines in a volume: choose .swc.')
-    elif form.lines:
+    elif file_format.lines:
         raise ValueError(f"{result.source} has no center lines in a volume, which {suffix} is for: find its skeleton.")
-    elif isinstance(result, Result) and result.surface is not None and not form.volume:
+    elif isinstance(result, Result) and result.surface is not None and not file_format.volume:
         raise ValueError(
             f'{result.source} is a volume, but a file with the suffix "{suffix}" contains what lies in a plane: '
             f"choose one of {', '.join(VOLUMES_WRITABLE)}."
@@ -381,7 +381,7 @@ def to_bytes(
         )
         result = replace(result, contours=contours, source=make_printable(result.source))
     options: JsonDict = {"outlines": outlines, "space": space, "image": None if image is None else Path(image)}
-    return form.encode(result, **{name: options[name] for name in form.options})
+    return file_format.encode(result, **{name: options[name] for name in file_format.options})
 
 
 def find_format_suffix(path: AnyPath) -> str:

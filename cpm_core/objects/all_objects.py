@@ -109,8 +109,8 @@ def find_objects_everywhere(partition: Partition, check: Callback = lambda: None
     that is more likely an object owns it; a part that owns little of its boundary is background of the others. `check`
     is called between the parts, and may raise to end the search.
     """
-    for mask, signs, certain in find_object_candidates(ImageParts.from_partition(partition), check):
-        yield _build_proposal(partition, mask, signs, certain=certain)
+    for mask, features, unambiguous in find_object_candidates(ImageParts.from_partition(partition), check):
+        yield _build_proposal(partition, mask, features, unambiguous=unambiguous)
 
 
 @record
@@ -173,8 +173,8 @@ class ImageParts:
     @cached_property
     def _may_be_object(self) -> Mask:
         """Which parts may be objects, shape (N + 1,)."""
-        frame = self.partition.parent
-        most = _MAX_PART_SHARE * math.prod(self.partition.shape if frame is None else frame.shape)
+        parent = self.partition.parent
+        most = _MAX_PART_SHARE * math.prod(self.partition.shape if parent is None else parent.shape)
         bounded = self.contour_fraction >= np.where(self.may_change, _MIN_VISIBLE_CONTOUR_SHARE, _MIN_CONTOUR_SHARE)
         wanted = (self.areas >= _MIN_PROPOSAL_AREA) & (self.areas <= most) & bounded
         wanted[0] = False
@@ -220,13 +220,13 @@ class ImageParts:
         )
         return {number: one for number, one in answers if one is not None}
 
-    def measure_boundary_ownership(self, judged: Mapping[int, Prediction]) -> Array:
+    def measure_boundary_ownership(self, predictions: Mapping[int, Prediction]) -> Array:
         """Measure the share of its boundary that each part owns, shape (N + 1,), the image border left out.
 
-        `judged` holds the predictions by number; the part of higher predicted overlap owns the boundary between two.
+        `predictions` are by part number; of two parts, the one of higher predicted overlap owns the boundary.
         """
         worth = np.zeros(len(self.areas))
-        worth[list(judged)] = [one.predicted_iou for one in judged.values()]
+        worth[list(predictions)] = [one.predicted_iou for one in predictions.values()]
         around = np.bincount(self.link_part, minlength=len(worth))
         won = np.bincount(self.link_part[worth[self.link_part] > worth[self.link_neighbor]], minlength=len(worth))
         return won / np.maximum(around, 1)
@@ -234,10 +234,10 @@ class ImageParts:
 
 def _find_inner_borders(partition: Partition) -> list[tuple[bool, ...]]:
     """Return whether the first rows and columns of an image, and the last, lie inside a larger one, shape (2, 2)."""
-    frame = partition.parent
-    if frame is None:
+    parent = partition.parent
+    if parent is None:
         return [(False, False), (False, False)]
-    sides = list(zip(frame.corner, partition.shape, frame.shape, strict=True))
+    sides = list(zip(parent.corner, partition.shape, parent.shape, strict=True))
     return [tuple(first > 0 for first, _, _ in sides), tuple(first + n < whole for first, n, whole in sides)]
 
 
@@ -262,14 +262,14 @@ def find_object_candidates(parts: ImageParts, check: Callback = lambda: None) ->
         known.append((box, mask[box]))
         taken[box] |= scipy.ndimage.binary_fill_holes(mask[box])
         yield Candidate(mask, unambiguous=True)
-    judged = parts.evaluate_parts(taken, check)
-    owned = parts.measure_boundary_ownership(judged)
-    for number, likely in sorted(judged.items(), key=lambda item: -item[1].predicted_iou):
+    predictions = parts.evaluate_parts(taken, check)
+    owned = parts.measure_boundary_ownership(predictions)
+    for number, likely in sorted(predictions.items(), key=lambda item: -item[1].predicted_iou):
         mask = likely.mask & partition.interest
         pixels = np.count_nonzero(mask)
-        signs = ConfidenceFeatures(*likely[2:], point_count=0)
+        features = ConfidenceFeatures(*likely[2:], point_count=0)
         if (
-            estimate_confidence(signs) < _MIN_CONFIDENCE
+            estimate_confidence(features) < _MIN_CONFIDENCE
             or owned[number] < _MIN_OWNED_SHARE
             or pixels < _MIN_PROPOSAL_AREA
         ):
@@ -282,7 +282,7 @@ def find_object_candidates(parts: ImageParts, check: Callback = lambda: None) ->
         box = bounding_window(mask)
         known.append((box, mask[box]))
         taken |= mask
-        yield Candidate(mask, signs)
+        yield Candidate(mask, features)
 
 
 def _is_disjoint_or_nested(mask: Mask, box: Window, there: Mask) -> bool:
@@ -300,19 +300,19 @@ def _is_disjoint_or_nested(mask: Mask, box: Window, there: Mask) -> bool:
 
 
 def _build_proposal(
-    partition: Partition, mask: Mask, signs: ConfidenceFeatures | None = None, *, certain: bool = False
+    partition: Partition, mask: Mask, features: ConfidenceFeatures | None = None, *, unambiguous: bool = False
 ) -> Selection:
     """Build the selection of some pixels, shape (H, W), with the deepest of them as its positive point."""
     box = bounding_window(mask)
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
-    if signs is None:
-        signs = (
+    if features is None:
+        features = (
             ConfidenceFeatures(*partition.evaluate_mask(mask, place)[2:], point_count=0)
             if partition.uses_network
             else ConfidenceFeatures(point_count=0)
         )
-    return partition.build_selection(mask, place, features=signs, unambiguous=certain)
+    return partition.build_selection(mask, place, features=features, unambiguous=unambiguous)
 
 
 def _find_largest_component(mask: Mask) -> Mask:

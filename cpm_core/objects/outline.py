@@ -110,7 +110,7 @@ def _trace_links(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
 
 
 def place_vertices(
-    steps: BoundaryLinks, lines: Crossings, strength: Array, strong: float
+    links: BoundaryLinks, crossings: Crossings, strength: Array, strong: float
 ) -> tuple[Array, NDArray[np.int8]]:
     """Place the vertices of outlines, shape (N, 2) [px], and tell what each lies on, shape (N,).
 
@@ -118,39 +118,39 @@ def place_vertices(
     at the largest edge strength on the link, the more exactly the stronger that edge is, so that weak edges leave the
     outline smooth.
     """
-    place, target, hold = (np.empty(len(steps.row)) for _ in range(3))
-    kind = np.empty(len(steps.row), np.int8)
-    _find_targets(steps, lines.right, lines.down, strength, strong, target, hold, kind)
+    place, target, weight = (np.empty(len(links.row)) for _ in range(3))
+    kind = np.empty(len(links.row), np.int8)
+    _find_targets(links, crossings.right, crossings.down, strength, strong, target, weight, kind)
     place[:] = target
-    _smooth_vertices(steps, place, target, hold, kind)
+    _smooth_vertices(links, place, target, weight, kind)
     out = np.stack(
-        [steps.row + place * _ROW_STEPS[steps.direction], steps.col + place * _COL_STEPS[steps.direction]], axis=1
+        [links.row + place * _ROW_STEPS[links.direction], links.col + place * _COL_STEPS[links.direction]], axis=1
     )
     return out, kind
 
 
 @compiled
 def _find_targets(
-    steps: BoundaryLinks,
+    links: BoundaryLinks,
     right: Single,
     down: Single,
     strength: Array,
     strong: float,
     target: Array,
-    hold: Array,
+    weight: Array,
     kind: NDArray[np.int8],
 ) -> None:
     """Find the target of each vertex on its link, from the true pixel, its weight, and what the vertex lies on."""
     rows, cols = strength.shape
-    for n in range(len(steps.row)):
-        r, c, d = steps.row[n], steps.col[n], steps.direction[n]
+    for n in range(len(links.row)):
+        r, c, d = links.row[n], links.col[n], links.direction[n]
         y, x = r + _ROW_STEPS[d], c + _COL_STEPS[d]
-        kind[n], hold[n] = VERTEX_ON_BORDER, 0.0
+        kind[n], weight[n] = VERTEX_ON_BORDER, 0.0
         if not (0 <= y < rows and 0 <= x < cols):
             target[n] = 0.5
             continue
-        links = right if d % 2 == 0 else down
-        crossing = links[min(r, y), min(c, x)]
+        crossings = right if d % 2 == 0 else down
+        crossing = crossings[min(r, y), min(c, x)]
         if crossing >= 0.0:
             kind[n] = VERTEX_ON_LINE
             target[n] = min(max(crossing if d < 2 else 1.0 - crossing, _MIN_LINK_POSITION), _MAX_LINK_POSITION)
@@ -158,8 +158,8 @@ def _find_targets(
         kind[n] = VERTEX_FREE
         target[n], top = _find_edge_peak(strength, r, c, _ROW_STEPS[d], _COL_STEPS[d])
         edge = _EDGE_WEIGHT * min(top / strong, 1.0) ** 2
-        hold[n] = edge + _MIDDLE_WEIGHT
-        target[n] = (edge * target[n] + _MIDDLE_WEIGHT * 0.5) / hold[n]
+        weight[n] = edge + _MIDDLE_WEIGHT
+        target[n] = (edge * target[n] + _MIDDLE_WEIGHT * 0.5) / weight[n]
 
 
 @compiled
@@ -181,10 +181,10 @@ def _find_edge_peak(strength: Array, r: int, c: int, down: int, right: int) -> t
 
 
 @compiled
-def _smooth_vertices(steps: BoundaryLinks, place: Array, target: Array, hold: Array, kind: NDArray[np.int8]) -> None:
+def _smooth_vertices(links: BoundaryLinks, place: Array, target: Array, weight: Array, kind: NDArray[np.int8]) -> None:
     """Move free vertices on their links, so that the line bends little and stays near strong edges."""
-    for line in range(len(steps.first_link) - 1):
-        first, count = steps.first_link[line], steps.first_link[line + 1] - steps.first_link[line]
+    for line in range(len(links.first_link) - 1):
+        first, count = links.first_link[line], links.first_link[line + 1] - links.first_link[line]
         if count < 8:
             continue
         for _ in range(_SMOOTHING_SWEEPS):
@@ -193,13 +193,13 @@ def _smooth_vertices(steps: BoundaryLinks, place: Array, target: Array, hold: Ar
                 if kind[n] != VERTEX_FREE:
                     continue
                 wanted = 0.0
-                for shift, weight in ((-2, -1.0), (-1, 4.0), (1, 4.0), (2, -1.0)):
+                for shift, factor in ((-2, -1.0), (-1, 4.0), (1, 4.0), (2, -1.0)):
                     m = first + (k + shift) % count
-                    d = steps.direction[m]
-                    y = steps.row[m] + place[m] * _ROW_STEPS[d] - steps.row[n]
-                    x = steps.col[m] + place[m] * _COL_STEPS[d] - steps.col[n]
-                    wanted += weight / 6.0 * (y * _ROW_STEPS[steps.direction[n]] + x * _COL_STEPS[steps.direction[n]])
-                mixed = (hold[n] * target[n] + wanted) / (hold[n] + 1.0)
+                    d = links.direction[m]
+                    y = links.row[m] + place[m] * _ROW_STEPS[d] - links.row[n]
+                    x = links.col[m] + place[m] * _COL_STEPS[d] - links.col[n]
+                    wanted += factor / 6.0 * (y * _ROW_STEPS[links.direction[n]] + x * _COL_STEPS[links.direction[n]])
+                mixed = (weight[n] * target[n] + wanted) / (weight[n] + 1.0)
                 place[n] = min(max(mixed, _MIN_LINK_POSITION), _MAX_LINK_POSITION)
 
 
@@ -233,22 +233,22 @@ class ObjectOutline:
             return (path,)
         start = int(np.argmin(bridged))
         path = np.concatenate([path[start:-1], path[: start + 1]])
-        steps = np.flatnonzero(np.diff(np.roll(bridged, -start).astype(int), prepend=0, append=0))
-        stretches = (path[begin : end + 1] for begin, end in steps.reshape(-1, 2).tolist())
+        ends = np.flatnonzero(np.diff(np.roll(bridged, -start).astype(int), prepend=0, append=0))
+        stretches = (path[begin : end + 1] for begin, end in ends.reshape(-1, 2).tolist())
         return tuple(stretch for stretch in stretches if polyline.path_length(stretch) > _MAX_IGNORED_GAP)
 
 
-def compute_outlines(mask: Mask, ground: BoundaryGuides) -> tuple[ObjectOutline, ...]:
+def compute_outlines(mask: Mask, guides: BoundaryGuides) -> tuple[ObjectOutline, ...]:
     """Compute the closed boundaries of the true pixels of a mask, shape (H, W), the longest first."""
-    steps = trace_outlines(mask)
-    points, kind = place_vertices(steps, ground.lines, ground.strength, ground.strong_edge_level)
+    links = trace_outlines(mask)
+    points, kind = place_vertices(links, guides.lines, guides.strength, guides.strong_edge_level)
     limit = np.array(mask.shape)[:, None] - 1
     found = []
-    for begin, end in zip(steps.first_link[:-1].tolist(), steps.first_link[1:].tolist(), strict=True):
+    for begin, end in zip(links.first_link[:-1].tolist(), links.first_link[1:].tolist(), strict=True):
         part = slice(begin, end)
-        row, col, way = steps.row[part], steps.col[part], steps.direction[part]
+        row, col, way = links.row[part], links.col[part], links.direction[part]
         beyond = np.clip(np.stack([row + _ROW_STEPS[way], col + _COL_STEPS[way]]), 0, limit)
-        free = (kind[part] == VERTEX_FREE) & ~ground.near_lines[row, col] & ground.interest[beyond[0], beyond[1]]
+        free = (kind[part] == VERTEX_FREE) & ~guides.near_lines[row, col] & guides.interest[beyond[0], beyond[1]]
         vertices = points[part]
         edge = kind[part] == VERTEX_ON_BORDER
         corner = edge & np.roll(edge, -1) & (way != np.roll(way, -1))
@@ -258,18 +258,18 @@ def compute_outlines(mask: Mask, ground: BoundaryGuides) -> tuple[ObjectOutline,
             after = np.flatnonzero(corner) + 1
             vertices = np.insert(vertices, after, places[corner], axis=0)
             free = np.insert(free, after, False)
-        found.append(_build_outline(vertices, free, ground))
+        found.append(_build_outline(vertices, free, guides))
     return tuple(sorted(found, key=lambda outline: -outline.contour.length))
 
 
-def _build_outline(points: Array, free: Mask, ground: BoundaryGuides) -> ObjectOutline:
+def _build_outline(points: Array, free: Mask, guides: BoundaryGuides) -> ObjectOutline:
     """Build the outline through vertices, with its strength, contrast and gaps."""
     path = np.concatenate([points, points[:1]])
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
     middle = 0.5 * (path[1:] + path[:-1])
-    strength = float(interpolate_field(ground.strength[None], middle)[:, 0] @ lengths / lengths.sum())
+    strength = float(interpolate_field(guides.strength[None], middle)[:, 0] @ lengths / lengths.sum())
     along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    sides = partial(mean_contrast, ground.values, points, along[:, ::-1] * (-1.0, 1.0), OBJECT_SMOOTHING)
+    sides = partial(mean_contrast, guides.values, points, along[:, ::-1] * (-1.0, 1.0), OBJECT_SMOOTHING)
     bridged = free & np.roll(free, -1)
     row, col = points.T
     hole = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row) < 0.0  # the pixels are on the right hand

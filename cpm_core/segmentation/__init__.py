@@ -1,4 +1,4 @@
-"""A whole run: the engine that composes a step, the schedule of scales, its completion, and interventions."""
+"""Runs: the engine that takes steps, an iterator over them, their results, and the interface of all methods."""
 
 from cpm_core.segmentation.large_images import LargeImageSettings as LargeImageSettings
 from cpm_core.segmentation.large_images import large_image_settings as large_image_settings

@@ -1,4 +1,4 @@
-"""The engine: one step of a run is the composition of motion, deletion, insertion and equilibrium.
+"""The engine: starts a run, takes its steps by the law for an image or a volume, and finds contours or surfaces.
 
 ``Engine(image, parameters)`` prepares the fields; ``start`` makes the first state of a run; ``step`` makes the next one
 from any state, without memory of its own, so that a run can be paused, changed, replayed and branched.
@@ -40,9 +40,9 @@ from cpm_core.segmentation.reach.reach_map import ReachMap
 
 
 class _Law(NamedTuple):
-    """States, step, forces, energies and result of a run.
+    """What differs between a run in an image and one in a volume: the class of states, and how each value is computed.
 
-    Fields are a `ScaleField` in the plane and a `VolumeField` in a volume.
+    The functions take a `ScaleField` in an image and a `VolumeField` in a volume.
     """
 
     state: type[State]

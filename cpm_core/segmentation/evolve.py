@@ -188,7 +188,7 @@ class Evolution(Iterator[RunState]):
 
     @property
     def moment(self) -> RunState:
-        """The newest moment."""
+        """The newest state of the run; the first one before the iteration begins."""
         return self._moment
 
     @property
@@ -197,7 +197,7 @@ class Evolution(Iterator[RunState]):
         return self._engine.result(self._moment.state, self._parameters)
 
     def stop(self, reason: str = "stopped, as requested") -> None:
-        """End the run: nothing follows the newest moment; `reason` becomes `Result.stop_reason`."""
+        """End the run: no step follows; `reason` becomes `Result.stop_reason`."""
         if not self._moment.stop_reason:
             self._moment = RunState(self._engine, self._moment.state.stop(reason), self._parameters)
 
@@ -238,8 +238,8 @@ def evolve(
     Returns
     -------
     Evolution
-        Yields a moment of the run at each step, the first being the start, with the particles and, computed on
-        demand, the contours. Its `parameters` and `charges` can be set at any time, and `stop` ends the run.
+        Yields a `RunState` at each step, the first being the start, with the particles and, computed on demand, the
+        contours. Its `parameters` and `charges` can be set at any time, and `stop` ends the run.
 
     Raises
     ------

@@ -41,9 +41,9 @@ Directions = NDArray[np.uint8]
 
 
 def thin_seeds(state: State) -> State:
-    """Thin the first state of a run in a large image to one seed a cell where seeds are more than cells.
+    """Thin the first state of a run in a large image to one seed in each cell, if there are more seeds than cells.
 
-    A finer scale begins with the others.
+    The seeds that are left out take part from the next finer scale on.
     """
     if not isinstance(state, PlaneState) or math.prod(state.shape) <= _MIN_THINNED_PIXELS:
         return state
@@ -55,13 +55,13 @@ def thin_seeds(state: State) -> State:
 
 
 def begin_scale(state: State, field: ScaleField) -> State:
-    """Return the first state of a scale, without the seeds that are not near an edge yet to be explained.
+    """Return the first state of a scale, of whose seeds only those stay that are near an edge not explained yet.
 
     An edge is explained by a particle of the coarser scale near it where the image rises in about the same direction,
     so that one side of a thin object does not explain the other. It counts as covered for as long as the coarser scale
     had to be idle to end: repulsion need not spread the particles along it once more.
 
-    All seeds stay where an edge that is not explained has none near it: particles may come to it from afar. They also
+    All seeds stay if some edge that is not explained has no seed near it: particles may come to it from afar. They also
     stay in a small image in which they are not everywhere.
     """
     if not isinstance(state, PlaneState):

@@ -53,9 +53,9 @@ def find_state_contours(
     def to_image_places(points: Array) -> Array:
         return to_image(points + state.corner, state.scale, image.shape)
 
-    # an edge without particles may have been cleared by the user; it is then not traced
-    filled = state.converged and not state.charges and not state.erased
-    found, bridged = find_contours(state.particles.position, field, parameters, at_rest=filled)
+    # otherwise an edge may be without particles because the user cleared it, and must not be traced
+    covers_edges = state.converged and not state.charges and not state.erased
+    found, bridged = find_contours(state.particles.position, field, parameters, at_rest=covers_edges)
 
     def way_of(points: Array) -> str:
         known = map_of(state.start, parameters)

@@ -39,19 +39,19 @@ class RunUpdater:
         self._store = store
         self._post = post
         self._run = 0
-        self._late: dict[int, tuple[object, ...]] = {}
+        self._start_inputs_by_run: dict[int, tuple[object, ...]] = {}
         self.sources_by_run: dict[int, Counter[Hashable]] = {}
         """The sources of the particles of each run, by its generation."""
         self._erasures = 0
-        self._drawn: Counter[Hashable] = Counter()
+        self._last_start_counts: Counter[Hashable] = Counter()
         self._last_shapes: tuple[Shape, ...] | None = None
         self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable] | None, bool] = (None, None, False)
 
     def begin_run(self, run: int, document: Document) -> None:
         """Record that the run of this generation starts from a document."""
         self._run = run
-        self._late[run], self.sources_by_run[run] = document.start_inputs, document.start_counts
-        self._drawn, self._last_shapes = document.start_counts, document.shapes
+        self._start_inputs_by_run[run], self.sources_by_run[run] = document.start_inputs, document.start_counts
+        self._last_start_counts, self._last_shapes = document.start_counts, document.shapes
 
     def set_current_run(self, run: int) -> None:
         """Make the run of the timeline that began as this generation the current one."""
@@ -61,13 +61,14 @@ class RunUpdater:
     def restore_runs(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
         """Take over the runs of a session: their first documents and the sources of their particles."""
         document = self._store.scene.document
-        self._drawn, self._last_shapes = document.start_counts, document.shapes
-        for run, (first, executed) in begun.items():
-            self._late[run], self.sources_by_run[run] = replace(first, image=document.image).start_inputs, executed
+        self._last_start_counts, self._last_shapes = document.start_counts, document.shapes
+        for run, (first, sources) in begun.items():
+            self._start_inputs_by_run[run] = replace(first, image=document.image).start_inputs
+            self.sources_by_run[run] = sources
 
     def clear(self) -> None:
         """Remove all runs, because another image has been opened."""
-        self._late.clear()
+        self._start_inputs_by_run.clear()
         self.sources_by_run.clear()
         self._run = 0
 
@@ -85,11 +86,11 @@ class RunUpdater:
 
         Starts that have only been added join the run.
         """
-        executed = self._current_sources
+        sources = self._current_sources
         # The window asks many times a second, and many thousand points take a while to compare.
-        if document.shapes is not self._outdated[0] or executed is not self._outdated[1]:
-            self._outdated = document.shapes, executed, bool(executed - document.start_counts)
-        return self._outdated[2] or document.start_inputs != self._late.get(self._run, ())
+        if document.shapes is not self._outdated[0] or sources is not self._outdated[1]:
+            self._outdated = document.shapes, sources, bool(sources - document.start_counts)
+        return self._outdated[2] or document.start_inputs != self._start_inputs_by_run.get(self._run, ())
 
     def update_run(self, before: Document, after: Document, complete: bool) -> None:
         """Send the changes of the document to the worker; unless `complete`, the gesture is still going on."""
@@ -116,8 +117,8 @@ class RunUpdater:
             return  # most often only parameters changed, and many points take a while to compare
         self._last_shapes = document.shapes
         drawn = document.start_counts
-        lost, gained = self._drawn - drawn, drawn - self._drawn
-        self._drawn = drawn
+        lost, gained = self._last_start_counts - drawn, drawn - self._last_start_counts
+        self._last_start_counts = drawn
         if not self._store.status.started or lost.total() == gained.total():
             return  # no change, or a start that was moved or reshaped
         new = (drawn - self._current_sources) & gained

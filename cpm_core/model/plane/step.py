@@ -111,7 +111,7 @@ def is_travelling(state: PlaneState, parameters: Parameters) -> bool:
 
 
 def _let_gather(state: PlaneState, scale_field: ScaleField, idle: Index) -> None:
-    """Keep the repulsion of particles that gather around an attracting charge off the edges, then fix them (in place).
+    """Let particles off the edges that gather around an attracting charge repel each other, then hold them, in `idle`.
 
     If the repulsion faded first, they would all move to one position, and all but one would be deleted.
     """
@@ -174,13 +174,13 @@ def drop_resting_off_edge(state: PlaneState, scale_field: ScaleField) -> PlaneSt
     return replace(state, particles=state.particles.keep(found), deleted=state.deleted + int((~found).sum()))
 
 
-def drop_off_edge(state: PlaneState, scale_field: ScaleField, and_drawn: bool = False) -> PlaneState:
+def drop_off_edge(state: PlaneState, scale_field: ScaleField, keep_attracted: bool = False) -> PlaneState:
     """Drop the particles off the edge, since a finer scale begins with all seeds again.
 
-    Those within reach of an attracting charge can be kept.
+    With `keep_attracted`, those within reach of an attracting charge stay.
     """
     _, found, _ = edge_contact_at(state.particles.position, scale_field)
-    if and_drawn:
+    if keep_attracted:
         found |= _is_attracted(state)
     return replace(state, particles=state.particles.keep(found))
 
@@ -204,7 +204,7 @@ _FADED_INTERVAL = 4
 def move_particles(
     state: PlaneState, idle: Index, scale_field: ScaleField, parameters: Parameters
 ) -> tuple[PlaneState, MovedParticles]:
-    """Move the particles of a state and drop those that leave the image; return also the motion, shape (N,)."""
+    """Move the particles of a state and drop those that leave the image; also return how they moved."""
     particles, step = state.particles, state.step_of_scale
     mesh = current_mesh_force(state, idle, scale_field, parameters)
     moved = move_in_plane(particles, idle, mesh, scale_field, parameters)
@@ -310,7 +310,7 @@ def check_end(
     if state.scale > 0:
         done = state.idle >= IDLE_STEPS and not is_travelling(state, parameters)
         if state.count == 0 or done or overdue:
-            return start_scale(drop_off_edge(state, scale_field, and_drawn=True), state.scale - 1, regions)
+            return start_scale(drop_off_edge(state, scale_field, keep_attracted=True), state.scale - 1, regions)
         return state
     if state.count == 0:
         return state.stop("all particles left the image")

@@ -72,7 +72,7 @@ def trace_ridges(points: Array, scale_field: ScaleField, d_min: float, at_rest: 
     edges : ndarray of int64, shape (E, 2)
         Pairs of vertices.
     """
-    reach = RidgeSearchLimits(
+    limits = RidgeSearchLimits(
         step=min(_MAX_STEP, _MAX_STEP_IN_SPACINGS * d_min),
         longest=(_LONGEST_BETWEEN_POINTS_AT_REST if at_rest else _LONGEST_BETWEEN_POINTS) * d_min,
         loose=_LONGEST_LOOSE_END * d_min,
@@ -82,8 +82,8 @@ def trace_ridges(points: Array, scale_field: ScaleField, d_min: float, at_rest: 
         faintest=EDGE_END_FRACTION * scale_field.floor,
     )
     ridge = ridge_arrays(scale_field)
-    seeds = _place_seeds(points, ridge, reach)
-    walks = _RidgeWalks(ridge, scale_field.barrier_map, seeds, reach)
+    seeds = _place_seeds(points, ridge, limits)
+    walks = _RidgeWalks(ridge, scale_field.barrier_map, seeds, limits)
     every = np.arange(len(points))
     following = walks.follow_seeds(every, 1.0, loose=False)
     followed = np.zeros(len(points), np.bool_)
@@ -95,12 +95,12 @@ def trace_ridges(points: Array, scale_field: ScaleField, d_min: float, at_rest: 
     return walks.vertices_and_edges()
 
 
-def _place_seeds(points: Array, ridge: Ridge, reach: RidgeSearchLimits) -> RidgeSeeds:
+def _place_seeds(points: Array, ridge: Ridge, limits: RidgeSearchLimits) -> RidgeSeeds:
     """Sort points into seeds by pixel, moved exactly onto the ridge."""
     place = np.array(points, dtype=float)
     ahead = np.zeros_like(place)
     run_in_parallel(
-        lambda first, last: place_on_ridge(ridge, place, ahead, reach.step, first, last),
+        lambda first, last: place_on_ridge(ridge, place, ahead, limits.step, first, last),
         len(place),
         _LEAST_SEEDS_PER_THREAD,
     )
@@ -119,9 +119,9 @@ def _place_seeds(points: Array, ridge: Ridge, reach: RidgeSearchLimits) -> Ridge
 class _RidgeWalks:
     """Paths from seed to seed, collected as they are found."""
 
-    def __init__(self, ridge: Ridge, barrier_map: BarrierMap, seeds: RidgeSeeds, reach: RidgeSearchLimits) -> None:
-        self._walked = ridge, barrier_map, seeds, reach
-        self._longest = int(2.0 * reach.longest / reach.step) + 2
+    def __init__(self, ridge: Ridge, barrier_map: BarrierMap, seeds: RidgeSeeds, limits: RidgeSearchLimits) -> None:
+        self._walked = ridge, barrier_map, seeds, limits
+        self._longest = int(2.0 * limits.longest / limits.step) + 2
         self._vertices, self._edges = [seeds.place], [np.empty((0, 2), np.int64)]
         self._count = len(seeds.place)
 

@@ -88,7 +88,7 @@ def trace_seed_paths(
     ridge: Ridge,
     barrier_map: BarrierMap,
     seeds: RidgeSeeds,
-    reach: RidgeSearchLimits,
+    limits: RidgeSearchLimits,
     numbers: Index,
     met: Index,
     sign: float,
@@ -107,7 +107,7 @@ def trace_seed_paths(
     added, joined = 0, 0
     while first < last and added + len(way) < len(vertices) and joined + len(way) < len(edges):
         i = numbers[first]
-        steps, other = _follow_ridge(ridge, barrier_map, seeds, i, sign, reach, way)
+        steps, other = _follow_ridge(ridge, barrier_map, seeds, i, sign, limits, way)
         met[first] = other
         first += 1
         if other >= 0:
@@ -145,7 +145,7 @@ def _last_vertex_near_line(way: Array, first: int, last: int) -> int:
 
 @inlined
 def _follow_ridge(
-    ridge: Ridge, barrier_map: BarrierMap, seeds: RidgeSeeds, i: int, sign: float, reach: RidgeSearchLimits, way: Array
+    ridge: Ridge, barrier_map: BarrierMap, seeds: RidgeSeeds, i: int, sign: float, limits: RidgeSearchLimits, way: Array
 ) -> tuple[int, int]:
     """Follow the ridge from seed `i` ahead or back to the next one.
 
@@ -158,10 +158,10 @@ def _follow_ridge(
     barred = len(barrier_map.segments) > 0
     steps, loose, behind, before = 0, 0, 0, 0
     length, under, leaving = 0.0, 0.0, False
-    while length < reach.longest and steps < len(way) - 2 and not leaving:
+    while length < limits.longest and steps < len(way) - 2 and not leaving:
         if down == 0.0 and right == 0.0:
             break
-        found, leaving, row, col, down, right = _advance_along_ridge(ridge, row, col, down, right, sign, reach.step)
+        found, leaving, row, col, down, right = _advance_along_ridge(ridge, row, col, down, right, sign, limits.step)
         way[steps + 1, 0], way[steps + 1, 1] = row, col
         if not found or (barred and crosses_barrier(barrier_map, way[steps], way[steps + 1])):
             break
@@ -170,17 +170,17 @@ def _follow_ridge(
         length += step
         last = interpolate_bilinear(ridge.strength, row, col)
         way[steps, 2], way[steps, 3] = last, length
-        while length - way[behind + 1, 3] > reach.fading:
+        while length - way[behind + 1, 3] > limits.fading:
             behind += 1
-        while length - way[before + 1, 3] > 2.0 * reach.fading:
+        while length - way[before + 1, 3] > 2.0 * limits.fading:
             before += 1
-        under = 0.0 if last >= reach.floor else under + step
-        if last < reach.faintest or last < EDGE_END_FRACTION * way[behind, 2] or under > reach.dip:
+        under = 0.0 if last >= limits.floor else under + step
+        if last < limits.faintest or last < EDGE_END_FRACTION * way[behind, 2] or under > limits.dip:
             break
-        good = last >= max(reach.floor, EDGE_END_FRACTION * way[before, 2])
-        if good and length <= reach.loose and loose == steps - 1:
+        good = last >= max(limits.floor, EDGE_END_FRACTION * way[before, 2])
+        if good and length <= limits.loose and loose == steps - 1:
             loose = steps
-        met = _find_met_seed(seeds, i, sign, row, col, down, right, length, reach.step)
+        met = _find_met_seed(seeds, i, sign, row, col, down, right, length, limits.step)
         if met >= 0 and not (barred and crosses_barrier(barrier_map, way[steps], seeds.place[met])):
             beyond = (row - seeds.place[met, 0]) * down + (col - seeds.place[met, 1]) * right
             return steps - 1 if beyond > 0.0 else steps, met

@@ -1,4 +1,4 @@
-"""How far the gray levels around particles lie above those at the particles: positive on the bright side of an edge.
+"""Height of gray levels over the local threshold of the edge: positive on its bright side, zero on the surface.
 
 At each particle the smoothed volume has some value, the local threshold of the edge. Around the particles it is
 spread by a Gaussian, and the surface lies where the volume passes through it. So it follows edges whose contrast and
@@ -49,7 +49,7 @@ class VoxelBox(NamedTuple):
 def height_over_threshold(
     volume: Single, box: VoxelBox, levels: LocalThresholds, size: Array, width: float, band: float
 ) -> Single:
-    """Compute the height over the local threshold within `band` of a particle, in steps of the slope; NaN elsewhere.
+    """Compute the height over the local threshold, divided by the slope, within `band` of a particle; NaN elsewhere.
 
     It is about the distance to the edge, in smallest sides of a voxel.
 
@@ -73,22 +73,22 @@ def height_over_threshold(
     ndarray of float32, shape `box.shape`
         The height.
     """
-    found = np.full(box.shape, np.nan, np.float32)
+    height = np.full(box.shape, np.nan, np.float32)
     radii = np.maximum(band / size, _LEAST_BAND_RADIUS)
     reach = max(_GAUSSIAN_CUTOFF * width, float((radii * size).max()))
     places = levels.points - box.begin
     order, begin, cells = _sort_into_cells(places * size, np.array(box.shape) * size, reach)
     points, thresholds, slopes = places[order], levels.thresholds[order], levels.slopes[order]
-    _mark_band(found, points, radii)
+    _mark_band(height, points, radii)
     weight = -0.5 / width**2
 
     def compute_planes(first: int, last: int) -> None:
         _compute_height(
-            volume, box.begin, found, points, thresholds, slopes, begin, cells, size, reach, weight, first, last
+            volume, box.begin, height, points, thresholds, slopes, begin, cells, size, reach, weight, first, last
         )
 
-    run_in_parallel(compute_planes, len(found), _LEAST_PLANES_PER_THREAD)
-    return found
+    run_in_parallel(compute_planes, len(height), _LEAST_PLANES_PER_THREAD)
+    return height
 
 
 def _sort_into_cells(places: Array, extent: Array, side: float) -> tuple[Index, NDArray[np.int32], Index]:
@@ -101,27 +101,27 @@ def _sort_into_cells(places: Array, extent: Array, side: float) -> tuple[Index, 
 
 
 @compiled
-def _mark_band(found: Single, points: Array, radii: Array) -> None:
+def _mark_band(height: Single, points: Array, radii: Array) -> None:
     """Set the voxels of the band to zero."""
     low, high = np.empty(3, np.int64), np.empty(3, np.int64)
     for i in range(len(points)):
         for k in range(3):
             low[k] = max(int(np.ceil(points[i, k] - radii[k])), 0)
-            high[k] = min(int(np.floor(points[i, k] + radii[k])) + 1, found.shape[k])
+            high[k] = min(int(np.floor(points[i, k] + radii[k])) + 1, height.shape[k])
         for p in range(low[0], high[0]):
             across = 1.0 - ((p - points[i, 0]) / radii[0]) ** 2
             for r in range(low[1], high[1]):
                 left = across - ((r - points[i, 1]) / radii[1]) ** 2
                 for c in range(low[2], high[2]):
                     if ((c - points[i, 2]) / radii[2]) ** 2 <= left:
-                        found[p, r, c] = 0.0
+                        height[p, r, c] = 0.0
 
 
 @compiled
 def _compute_height(
     volume: Single,
     origin: Index,
-    found: Single,
+    height: Single,
     points: Array,
     thresholds: Array,
     slopes: Array,
@@ -137,11 +137,11 @@ def _compute_height(
     for p in range(first, last):
         plane = min(max(p + origin[0], 0), top)
         a = min(int(p * size[0] / reach), cells[0] - 1)
-        for r in range(found.shape[1]):
+        for r in range(height.shape[1]):
             row = min(max(r + origin[1], 0), bottom)
             b = min(int(r * size[1] / reach), cells[1] - 1)
-            for c in range(found.shape[2]):
-                if np.isnan(found[p, r, c]):
+            for c in range(height.shape[2]):
+                if np.isnan(height[p, r, c]):
                     continue
                 d = min(int(c * size[2] / reach), cells[2] - 1)
                 total = threshold = slope = 0.0
@@ -157,4 +157,4 @@ def _compute_height(
                                 threshold += part * thresholds[i]
                                 slope += part * slopes[i]
                 col = min(max(c + origin[2], 0), right)
-                found[p, r, c] = (volume[plane, row, col] * total - threshold) / max(slope, 1e-30)
+                height[p, r, c] = (volume[plane, row, col] * total - threshold) / max(slope, 1e-30)

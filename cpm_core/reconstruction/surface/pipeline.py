@@ -73,19 +73,19 @@ def find_surface(
     high = np.minimum(np.ceil(points.max(0) + band / size).astype(np.int64) + 2, volume.shape)
     planes, rows, cols = (high - low + 2).tolist()
     box = VoxelBox(low - 1, (planes, rows, cols))
-    found = height_over_threshold(volume, box, levels, size, width, band)
+    height = height_over_threshold(volume, box, levels, size, width, band)
     left_out = None
     if shut is not None:  # the part of it that lies in the box, which may reach beyond the volume
         along = [np.arange(begin, begin + count) for begin, count in zip(box.begin.tolist(), box.shape, strict=True)]
         left_out = shut[np.ix_(*(np.clip(at, 0, n - 1) for at, n in zip(along, shut.shape, strict=True)))]
-    sign = _decide_inside(found, left_out)
+    sign = _decide_inside(height, left_out)
     surroundings = SaddleSurroundings(volume, sign, levels.points, sign * normals, levels.slopes, size)
-    bridge_necks(found, box.begin, surroundings)
-    bridge_thin_vessels(found, box.begin, surroundings, blurred_edge_width(smoothing))
-    bridge_corner_contacts(found, RAISED_HEIGHT)
+    bridge_necks(height, box.begin, surroundings)
+    bridge_thin_vessels(height, box.begin, surroundings, blurred_edge_width(smoothing))
+    bridge_corner_contacts(height, RAISED_HEIGHT)
     if left_out is not None:
-        found[left_out] = -1.0
-    vertices, faces = zero_surface(found)
+        height[left_out] = -1.0
+    vertices, faces = zero_surface(height)
     vertices += box.begin
     supported = has_point_within(vertices * size, points * size, apart)
     return keep_supported_components(vertices, faces, points, supported, spacing, unit)
@@ -109,20 +109,20 @@ def width_and_band(apart: float) -> tuple[float, float]:
     return max(_THRESHOLD_SPREAD * apart, _LEAST_THRESHOLD_SPREAD), max(_BAND_THICKNESS * apart, _LEAST_BAND_THICKNESS)
 
 
-def _decide_inside(found: Single, left_out: Mask | None) -> float:
+def _decide_inside(height: Single, left_out: Mask | None) -> float:
     """Decide on every voxel of a height, its rim being outside; return -1 if bright and dark were exchanged.
 
     An object may be darker than its surroundings: the inside is the side that less of the border lies on.
     """
     if left_out is not None:
-        found[left_out] = np.inf
-    fill_unknown_regions(found)
-    inner = found[1:-1, 1:-1, 1:-1]
+        height[left_out] = np.inf
+    fill_unknown_regions(height)
+    inner = height[1:-1, 1:-1, 1:-1]
     border = [side for axis in range(3) for side in (inner.take(0, axis), inner.take(-1, axis))]
     bright = sum(int((side > 0.0).sum()) for side in border)
     sign = -1.0 if 2 * bright > sum(side.size for side in border) else 1.0
-    found *= np.float32(sign)
-    set_border_voxels(found, -1.0)
+    height *= np.float32(sign)
+    set_border_voxels(height, -1.0)
     if left_out is not None:
-        found[left_out] = -1.0
+        height[left_out] = -1.0
     return sign

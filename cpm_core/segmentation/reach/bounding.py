@@ -102,9 +102,9 @@ class Bounds(NamedTuple):
     inside : ndarray of bool, shape (H, W)
         Pixels that it encloses.
     sigma : float
-        Smoothing of the edge map that it was found in, about its inaccuracy [px].
+        Smoothing of the edge map that it was found in, and about the error of its position [px].
     whole : bool
-        Whether each piece of the start lies on one side of it; otherwise it also runs through one.
+        Whether no piece of the start is cut by it.
     around : bool
         Whether a piece of the start has been drawn around an object.
     """
@@ -118,7 +118,7 @@ class Bounds(NamedTuple):
 
 
 def find_bounds(values: Array, start: Array, closed: Mask, beta: float) -> Bounds | None:
-    """Find the boundary of the area that a start lies in or has been drawn around; None for one from everywhere.
+    """Find the boundary of the area that a start lies in, or of the object that it surrounds; None for one everywhere.
 
     Parameters
     ----------
@@ -171,13 +171,13 @@ def _compute_bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta:
     shut = closed[::stride, ::stride] | _border_frame(strength.shape, sigma / stride)
     drawn = _label_pieces(area, closed, stride)
     pieces, labels = _split_basins(strength, drawn, shut, beta)
-    things = _find_enclosed_objects(
+    surrounded = _find_enclosed_objects(
         values[::stride, ::stride], strength, drawn, hollow[::stride, ::stride], labels, shut
     )
-    if things.any():
-        rest = np.where(np.isin(drawn, np.setdiff1d(drawn[things], 0)), 0, drawn).astype(np.int32)
-        pieces, labels = _split_basins(strength, rest, shut | things, beta)
-        labels[things] = pieces[things] = max(int(labels.max()), int(pieces.max())) + 1
+    if surrounded.any():
+        rest = np.where(np.isin(drawn, np.setdiff1d(drawn[surrounded], 0)), 0, drawn).astype(np.int32)
+        pieces, labels = _split_basins(strength, rest, shut | surrounded, beta)
+        labels[surrounded] = pieces[surrounded] = max(int(labels.max()), int(pieces.max())) + 1
     touched = np.unique(np.stack([pieces, labels])[:, (pieces > 0) & (labels > 0)], axis=1)
     own = np.zeros(labels.max() + 1, bool)
     own[touched[1]] = True
@@ -186,7 +186,7 @@ def _compute_bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta:
     grid = np.ix_(*(np.minimum((np.arange(n) + stride // 2) // stride, m - 1) for n, m in sides))
     beside, inside = beside[grid], own[labels][grid]
     whole = touched.shape[1] == len(np.unique(touched[0])) > 0
-    return Bounds(area, beside, inside, sigma, whole, bool(things.any()))
+    return Bounds(area, beside, inside, sigma, whole, bool(surrounded.any()))
 
 
 def _split_basins(strength: Array, pieces: Labels, shut: Mask, beta: float) -> tuple[Labels, Labels]:
@@ -204,24 +204,24 @@ def _find_enclosed_objects(
     for number in np.setdiff1d(pieces[hollow], 0).tolist():
         box = tuple(slice(max(side.start - 1, 0), side.stop + 1) for side in boxes[number - 1])
         piece = pieces[box] == number
-        thing = find_surrounded_object(values[box], strength[box], piece & ~shut[box])
+        inner = find_surrounded_object(values[box], strength[box], piece & ~shut[box])
         if (
-            np.count_nonzero(thing) < _MIN_OBJECT_SHARE * np.count_nonzero(piece)
-            or _share_at_line(piece, thing) > _MAX_SHARE_AT_LINE
+            np.count_nonzero(inner) < _MIN_OBJECT_SHARE * np.count_nonzero(piece)
+            or _share_at_line(piece, inner) > _MAX_SHARE_AT_LINE
         ):
             continue
         bounded = np.isin(labels, np.setdiff1d(labels[box][piece], 0))
-        if _usual_strength(strength[box], thing, rim[box]) > _MIN_OBJECT_STRENGTH * _usual_strength(
+        if _usual_strength(strength[box], inner, rim[box]) > _MIN_OBJECT_STRENGTH * _usual_strength(
             strength, bounded, rim
         ):
-            found[box] |= thing
+            found[box] |= inner
     return found
 
 
-def _share_at_line(piece: Mask, thing: Mask) -> float:
+def _share_at_line(piece: Mask, inner: Mask) -> float:
     """Return the share of the boundary of an object that lies at the border of the piece of a start around it."""
     depth = scipy.ndimage.distance_transform_edt(piece)
-    along = depth[thing & ~np.asarray(scipy.ndimage.binary_erosion(thing, border_value=1))]
+    along = depth[inner & ~np.asarray(scipy.ndimage.binary_erosion(inner, border_value=1))]
     near = max(_LINE_DISTANCE * float(depth.max()), _MIN_LINE_DISTANCE)
     return float((along <= near).mean()) if along.size else 0.0
 
@@ -310,11 +310,11 @@ def _label_basin_parts(strength: Array, pieces: Labels, basins: Labels, beta: fl
     level = np.maximum(_HOLDING_FRACTION * usual * (_HOLDING_BETA / max(beta, MIN_DAMPING)) ** 2, least)
     numbered: Callable[..., Labels] = skimage.measure.label
     parts = numbered(np.where(strength < level[basins], basins, 0), connectivity=1)
-    of = np.zeros(parts.max() + 1, np.int32)
-    of[parts] = basins
+    basin_of_part = np.zeros(parts.max() + 1, np.int32)
+    basin_of_part[parts] = basins
     size = np.bincount(parts.ravel())
     small = size < np.maximum(
-        _MIN_PART_AREA, _MIN_PART_OF_START * np.bincount(pieces.ravel(), minlength=len(every))[of]
+        _MIN_PART_AREA, _MIN_PART_OF_START * np.bincount(pieces.ravel(), minlength=len(every))[basin_of_part]
     )
     small[0] = True
     parts[small[parts]] = 0

@@ -1,4 +1,4 @@
-"""The fields that a run feels whose start decides on the edges that it reaches."""
+"""The fields of a run, limited to the edges that its start reaches."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MAX_START_ROOM = 1024.0
 
 
 class LocalFields:
-    """Reach maps and limited fields of an image; threads may share them.
+    """Reach maps of starts in an image, and its fields limited to what they reach; threads may share them.
 
     `field_of` gives the unlimited field of the image for some parameters at a scale.
     """

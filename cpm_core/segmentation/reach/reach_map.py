@@ -1,12 +1,12 @@
 """Reach of a start: the edges of an image reached on free flight, beyond a weak edge, over a junction, or not at all.
 
 - On flight it reaches the edges that bound the object that it lies in or has been drawn around (`bounding`), and all
-  those around the region that holds most of it, where they are unambiguous (`certain`).
+  those around the region that holds most of it, where they are unambiguous (`unambiguous`).
 - Beyond a weak edge a particle coasts as far as friction lets it: ``w2 / beta^2``, the distance in which the speed
   ``w2 / beta`` of free flight is lost.
 - Over junctions a front creeps along every edge that is connected to one already reached. Repulsion drives it against
-  the hold of the edges, ``w1 / (w2 - w1)``, for as many steps as annealing leaves, ``1 / (1 - a)``: `reach` is the
-  distance at the weights and the annealing of the paper.
+  the hold of the edges, ``w1 / (w2 - w1)``, for as many steps as annealing leaves, ``1 / (1 - a)``: the parameter
+  `reach` is the distance at the weights and the annealing of the paper.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ _BOUNDARY_EDGE_DISTANCE = 1.0
 
 
 _WINDOW_FRAME_WIDTH = 4.0
-"""Distance from the end of a window, and twice the smoothing, in which there is a frame of no meaning [px]."""
+"""Distance from the end of a window, and twice the smoothing, in which edges mean nothing [px]."""
 
 _USUAL_PUSH = 1.6 / (1.75 - 1.6)
-"""Push against hold of the paper."""
+"""Ratio of push to hold, ``w1 / (w2 - w1)``, at the weights of the paper."""
 
 _USUAL_ANNEALING = 0.99
 """Annealing of the paper."""
@@ -105,7 +105,7 @@ def creeping_distance(parameters: Parameters) -> float:
 
 
 def is_limited(parameters: Parameters) -> bool:
-    """Return whether the start decides on the edges that are reached at all."""
+    """Return whether it depends on the start which edges are reached."""
     return parameters.reach < UNLIMITED_REACH or parameters.weakest_edge > 0.0
 
 

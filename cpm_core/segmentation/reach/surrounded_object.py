@@ -84,17 +84,17 @@ def find_surrounded_object(values: Array, strength: Array, area: Mask) -> Mask:
     sigma = float(np.clip(_DENOISING_SIGMA * radius, _MIN_DENOISING_SIGMA, _MAX_DENOISING_SIGMA))
     smooth = scipy.ndimage.gaussian_filter(values[box].astype(float), sigma, mode="nearest")
     bins = np.searchsorted(np.quantile(smooth[area[box]], np.arange(1, _GRAY_BINS) / _GRAY_BINS), smooth)
-    thing = _separate_object(bins, depth / radius, max(_JUDGED_EXTENT * radius, _MIN_JUDGED_EXTENT))
-    found[box] = _snap_to_edges(strength[box], area[box], thing, max(_SNAPPING_WIDTH * radius, 1.0))
+    inner = _separate_object(bins, depth / radius, max(_JUDGED_EXTENT * radius, _MIN_JUDGED_EXTENT))
+    found[box] = _snap_to_edges(strength[box], area[box], inner, max(_SNAPPING_WIDTH * radius, 1.0))
     return found
 
 
-def _snap_to_edges(strength: Array, area: Mask, thing: Mask, width: float) -> Mask:
+def _snap_to_edges(strength: Array, area: Mask, inner: Mask, width: float) -> Mask:
     """Move the border of an object to the strongest edges within some width [px]."""
-    core = scipy.ndimage.distance_transform_edt(np.pad(thing, 1))[1:-1, 1:-1] > width
+    core = scipy.ndimage.distance_transform_edt(np.pad(inner, 1))[1:-1, 1:-1] > width
     if not core.any():
-        return thing & area
-    outside = (scipy.ndimage.distance_transform_edt(~thing) > width) | ~area
+        return inner & area
+    outside = (scipy.ndimage.distance_transform_edt(~inner) > width) | ~area
     return flood_from_markers(strength, core + 2 * outside.astype(np.int32)) == 1
 
 
@@ -106,11 +106,11 @@ def flood_from_markers(strength: Array, markers: Labels, basin: Mask | None = No
 
 def _separate_object(bins: Index, depth: Array, extent: float) -> Mask:
     """Separate the object, shape (H, W), in a box of gray levels; `depth` [radii] is 0 outside the area."""
-    thing = depth > _SURROUNDINGS_WIDTH
+    inner = depth > _SURROUNDINGS_WIDTH
     area = depth > 0.0
     for _ in range(_MAX_HISTOGRAM_ROUNDS):
         ratio = np.asarray(
-            np.log(_smoothed_histogram(bins[thing]) / _smoothed_histogram(bins[area & ~thing])), np.float64
+            np.log(_smoothed_histogram(bins[inner]) / _smoothed_histogram(bins[area & ~inner])), np.float64
         )
         ratio = np.round(ratio, _RATIO_DECIMALS)
         likely = (scipy.ndimage.gaussian_filter(ratio[bins], extent, mode="nearest") > 0.0) & (depth > _MIN_LINE_GAP)
@@ -119,10 +119,10 @@ def _separate_object(bins: Index, depth: Array, extent: float) -> Mask:
         weight = np.bincount(parts.ravel(), depth.ravel(), count + 1)
         weight[0] = 0.0
         after = (weight >= _MIN_KEPT_WEIGHT * weight.max())[parts] & filled
-        if not after.any() or (after == thing).all():
+        if not after.any() or (after == inner).all():
             return after
-        thing = after
-    return thing
+        inner = after
+    return inner
 
 
 def _smoothed_histogram(bins: Index) -> Array:

@@ -416,10 +416,10 @@ class ObjectSelection(QObject):
         if self._steps:
             clicks, number = self._stepped_clicks
             stepped = self._get_selector(partition, number), clicks, self._steps
-        question = SelectionRequest(self._get_selector(partition, known.edited), known.clicks, pointed, stepped)
-        if question != self._request:
-            self._request = question
-            self._latest.submit(question.compute_answer, partial(self._on_answer, question), self._clear_steps)
+        request = SelectionRequest(self._get_selector(partition, known.edited), known.clicks, pointed, stepped)
+        if request != self._request:
+            self._request = request
+            self._latest.submit(request.compute_answer, partial(self._on_answer, request), self._clear_steps)
 
     @property
     def _stepped_clicks(self) -> tuple[Clicks, int]:
@@ -429,8 +429,8 @@ class ObjectSelection(QObject):
 
     def _on_answer(self, request: SelectionRequest, answer: SelectionAnswer) -> None:
         proposals, preview, candidate = answer
-        clicks, asked = self._session.document.objects.clicks, self._request
-        if asked is None or request.selector is not asked.selector or request.clicks != clicks:
+        clicks, newest = self._session.document.objects.clicks, self._request
+        if newest is None or request.selector is not newest.selector or request.clicks != clicks:
             return  # the next answer is on its way
         self._update_shown_objects(preview=preview if self._pointed is not None else None)
         before = self.proposals
@@ -442,9 +442,9 @@ class ObjectSelection(QObject):
         self._remark = remark
         if candidate is not None and request.candidate_step is not None:
             self._on_candidate(request.candidate_step, *candidate)
-        do, self._on_answered = self._on_answered, None
-        if do is not None and clicks:
-            do()
+        callback, self._on_answered = self._on_answered, None
+        if callback is not None and clicks:
+            callback()
 
     def _on_candidate(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
         """Select a candidate, and show its number."""

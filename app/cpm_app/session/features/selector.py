@@ -69,18 +69,18 @@ PreparedPartition = tuple[PartitionSource, AnyPartition]
 class PartitionUpdater(QObject):
     """Makes partitions on other threads: from the contours of the run, or without one, from a run from everywhere.
 
-    Until the latter ends, a partition without contours is used. `wanted` returns whether a partition is needed now;
+    Until the latter ends, a partition without contours is used. `is_needed` returns whether a partition is needed now;
     call `update_partition` whenever its answer may have changed.
     """
 
     changed = Signal()
     """`partition` or `preparing` has changed."""
 
-    def __init__(self, session: Session, wanted: Callable[[], bool]) -> None:
+    def __init__(self, session: Session, is_needed: Callable[[], bool]) -> None:
         super().__init__(session)
         self.partition: AnyPartition | None = None
         self._session = session
-        self._is_needed = wanted
+        self._is_needed = is_needed
         self.source: PartitionSource | None = None
         """Source of `partition`."""
         self._asked_for: PartitionSource | None = None
@@ -228,7 +228,7 @@ _MUCH_LARGER = 2.0
 """Ratio of sizes from which two objects do not count as the same."""
 
 _SAMPLED_PIXELS = 100
-"""Approximate number of pixels by which the object of a selection is found."""
+"""Approximate number of pixels of a selection that are compared with objects."""
 
 _MAX_KEPT_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
@@ -247,7 +247,7 @@ class Offer:
 
 
 class Selector:
-    """Selects objects on one partition; in an image, based on the selection without the last click.
+    """Selects objects on one partition and keeps the selections; each click changes the selection of those before it.
 
     Parameters
     ----------
@@ -292,8 +292,8 @@ class Selector:
             else:
                 made = selection_from_object(item, self.partition.shape)
         elif made is None and clicks[-1].step:
-            found, first = self._find_candidates(clicks)
-            made = found[min(max(first + clicks[-1].step, 0), len(found) - 1)]
+            found, default = self._find_candidates(clicks)
+            made = found[min(max(default + clicks[-1].step, 0), len(found) - 1)]
         elif made is None:
             made = self.partition.select(inside, **self._other_arguments(clicks))
         if isinstance(made, VolumeSelection):
@@ -336,10 +336,10 @@ class Selector:
         """Return the clicks of a candidate some steps larger, or smaller below 0, its number from 1, and the count."""
         if self.selection_for(clicks) is None:
             return clicks, 1, 1
-        found, first = self._find_candidates(clicks)
+        found, default = self._find_candidates(clicks)
         last = len(found) - 1
-        place = min(max(min(max(first + clicks[-1].step, 0), last) + by, 0), last)
-        return (*clicks[:-1], replace(clicks[-1], step=place - first)), place + 1, len(found)
+        place = min(max(min(max(default + clicks[-1].step, 0), last) + by, 0), last)
+        return (*clicks[:-1], replace(clicks[-1], step=place - default)), place + 1, len(found)
 
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:

@@ -80,20 +80,20 @@ def runs_to_json(stored: StoredRuns) -> JsonObject:
     """Encode all runs; states, the shown and then the newest, and figures as far as `MAX_STORED_CHARACTERS` allows."""
     if not stored.runs:
         return {}
-    left, states = MAX_STORED_CHARACTERS, []
-    for place in sorted(stored.states, key=lambda place: (place != stored.shown_step, -place[0], -place[1])):
-        state = stored.states[place]
+    remaining, states = MAX_STORED_CHARACTERS, []
+    for at in sorted(stored.states, key=lambda at: (at != stored.shown_step, -at[0], -at[1])):
+        state = stored.states[at]
         plain, size = _encode_state(state) if isinstance(state, State) else ({}, MAX_STORED_CHARACTERS + 1)
-        if size <= left:
-            left -= size
-            states.append({"branch": place[0], "step": place[1], "state": plain})
+        if size <= remaining:
+            remaining -= size
+            states.append({"branch": at[0], "step": at[1], "state": plain})
     runs = [_run_to_json(run) for run in stored.runs]
     for branch in (branch for run in reversed(runs) for branch in run["branches"]):
         size = len(branch["figures"]["data"]) if "figures" in branch else 0
-        if size > left:
+        if size > remaining:
             del branch["figures"]
         else:
-            left -= size
+            remaining -= size
     here = None if stored.shown_step is None else list(stored.shown_step)
     numbers = [to_json(_NumberedContour(number, place)) for number, place in stored.numbers.items()]
     return {"here": here, "runs": runs, "states": states, "numbers": numbers}
@@ -209,9 +209,9 @@ def _read_run(plain: JsonObject, image: ImageReference) -> StoredRun:
     branches: dict[int, StoredBranch] = {}
     for entry in expect_list(plain.get("branches")):
         stored = _read_branch(expect_mapping(entry, "branch"), actions)
-        branch, left = stored.branch, branches.get(stored.branch.parent or 0)
+        branch, parent = stored.branch, branches.get(stored.branch.parent or 0)
         begins = not (branches or branch.parent or branch.first) and branch.scales and branch.scales[0][0] == 0
-        if not (begins if left is None else branch.first <= left.branch.last):
+        if not (begins if parent is None else branch.first <= parent.branch.last):
             raise ValueError(f"branch {branch.identity} leaves no step of its run.")
         branches[branch.identity] = stored
     if not branches:
@@ -235,8 +235,8 @@ def _read_branch(plain: JsonObject, actions: Sequence[RunAction]) -> StoredBranc
         steps += [tuple(actions[one] for one in numbers)] * count
     # every entry but the first is a step, followed by the changes of its state
     stepped = [[index for index, action in enumerate(step) if isinstance(action, StepAction)] for step in steps]
-    whole = stepped[:1] == [[]] and all(places == [0] for places in stepped[1:])
-    if not whole or branch.identity < 1 or branch.first < 0 or any(min(mark) < 0 for mark in branch.scales):
+    valid = stepped[:1] == [[]] and all(places == [0] for places in stepped[1:])
+    if not valid or branch.identity < 1 or branch.first < 0 or any(min(mark) < 0 for mark in branch.scales):
         raise ValueError(f"branch {branch.identity} is not one that a run can have.")
     last = branch.first + len(steps) - 1
     return StoredBranch(replace(branch, name=branch.name[:40], last=last), tuple(steps), figures)

@@ -1,4 +1,4 @@
-"""Runs as stored in a session: how each began, its actions, and a few of its states."""
+"""Runs as stored in a session file: how each began, its actions, and a few of its states."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class TimelineBranch:
     first, last : int
         Step at which it leaves its parent, and the last one recorded.
     scales : tuple of tuple of int
-        First steps and numbers of the scales among its own steps.
+        First step and number of each scale that begins among its own steps.
     run : int
         Number of the run that it belongs to.
     renamed : bool
@@ -60,7 +60,7 @@ class StoredBranch:
 
 @record
 class StoredRun:
-    """A run: its first document, the present sources of its particles, and its branches, parents first."""
+    """A run: its first document, the starts and points its particles come from, and its branches, parents first."""
 
     document: Document
     sources: Counter[Hashable]

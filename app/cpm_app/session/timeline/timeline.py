@@ -66,7 +66,7 @@ class TimelineState:
     steered : bool
         Whether there is more than a single run without interventions.
     run_generation : int
-        Generation of the current run, 0 before there is one.
+        Number by which the window knows the current run, 0 before there is one.
     """
 
     branches: tuple[TimelineBranch, ...] = ()
@@ -82,8 +82,8 @@ class TimelineState:
 class _Branch:
     """A branch with the last node of each step, from the first step of its run; branches share their common beginning.
 
-    `scales` are first steps and numbers of its scales, `figures` has its figures for plots; `steered` is whether its
-    state or its parameters were changed between steps.
+    `scales` are first steps and numbers of its scales, `figures` has its figures for plots; `steered` is whether it
+    leaves another branch, or its state or parameters were changed between steps.
     """
 
     identity: int
@@ -129,7 +129,10 @@ class Timeline:
         self._branches_by_number: dict[int, _Branch] = {}
         self._current_branch = _NO_BRANCH
         self._step = 0
-        self._numbered, self._named = 0, [0, 0]
+        self._numbered = 0
+        """Number of the newest branch."""
+        self._named = [0, 0]
+        """Largest numbers in the names of runs and of branches that leave another one."""
         self._shown_branches: tuple[TimelineBranch, ...] | None = None
         self._dropped_runs: Texts = ()
         self._begun: dict[int, tuple[Document, int]] = {}
@@ -177,7 +180,7 @@ class Timeline:
 
     @property
     def steered(self) -> bool:
-        """Whether the current run was changed between its steps, or left another run."""
+        """Whether the current branch was changed between its steps, or left another branch."""
         return self._current_branch.steered
 
     @property
@@ -191,17 +194,17 @@ class Timeline:
 
     def compute_state(self, branch: int, step: int, is_wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """Return the state of a step, as `go_to` does, without going there."""
-        moment, missing = self._get_branch(branch).node_at(step), []
-        while (state := self._states.get(moment)) is None:
-            missing.append(moment)
-            assert moment.previous is not None
-            moment = moment.previous
-        for moment in reversed(missing):
+        node, missing = self._get_branch(branch).node_at(step), []
+        while (state := self._states.get(node)) is None:
+            missing.append(node)
+            assert node.previous is not None
+            node = node.previous
+        for node in reversed(missing):
             if not is_wanted():
                 return None
-            assert moment.action is not None
-            state = moment.action.apply_to(self.method_of_run(moment.run, moment.action.regions), state)
-            self._states.put(moment, state)
+            assert node.action is not None
+            state = node.action.apply_to(self.method_of_run(node.run, node.action.regions), state)
+            self._states.put(node, state)
         return state
 
     def metrics_until(self, branch: int, step: int) -> RunMetrics:
@@ -237,16 +240,16 @@ class Timeline:
 
         A new branch begins where the action differs from the recorded one; otherwise the run follows the branch.
         """
-        line, moment, at = self._current_branch, self._states.current, state.step
-        assert moment is not None
+        line, node, at = self._current_branch, self._states.current, state.step
+        assert node is not None
         following = (other for other in (line, *self._branches_by_number.values()) if len(other.nodes) > at)
-        same = (one for one in following if one.nodes[at].previous is moment and one.nodes[at].action == action)
+        same = (one for one in following if one.nodes[at].previous is node and one.nodes[at].action == action)
         known = next(same, None)
         if known is None:
             if self._step < line.last:
                 line = self._fork_branch(line)
-                line.nodes.append(moment)
-            line.nodes.append(TimelineNode(line.run, at, moment, action))
+                line.nodes.append(node)
+            line.nodes.append(TimelineNode(line.run, at, node, action))
             line.steered = line.steered or action != line.nodes[1].action
             if state.scale != line.scales[-1][1]:
                 line.scales.append((at, state.scale))
@@ -261,21 +264,21 @@ class Timeline:
         If other steps have followed from it, the change begins a new branch. It also does so if `on_own_branch`, so
         that the state before it can be visited again.
         """
-        line, moment = self._current_branch, self._states.current
-        assert moment is not None
+        line, node = self._current_branch, self._states.current
+        assert node is not None
         others = (other.node_at(self._step) for other in self._branches_by_number.values() if other is not line)
-        if on_own_branch or self._step < line.last or moment in others:
+        if on_own_branch or self._step < line.last or node in others:
             line = self._fork_branch(line)
         else:
             line.nodes.pop()
             line.steered = True
-            if moment.previous is not None:
-                self._states.drop(moment)
-        line.nodes.append(TimelineNode(line.run, self._step, moment, action))
+            if node.previous is not None:
+                self._states.drop(node)
+        line.nodes.append(TimelineNode(line.run, self._step, node, action))
         self.edition += 1
         self._set_current(line, state)
 
-    # Going
+    # Visiting steps
 
     def go_to(self, branch: int, step: int, is_wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """Go to a step, or to the nearest one of its branch, and return its state, exactly as it was.
@@ -327,7 +330,7 @@ class Timeline:
             runs = tuple(self._begun)
             before = self._first_branch(runs[runs.index(line.run) - 1])
             self.go_to(before.identity, before.last)
-        self._states.keep_only(line.run, {moment for other in rest for moment in other.nodes})
+        self._states.keep_only(line.run, {node for other in rest for node in other.nodes})
         if not rest:
             del self._begun[line.run]
         self._mark_changed()
@@ -352,16 +355,16 @@ class Timeline:
                 self._to_stored_branch(line) for line in self._branches_by_number.values() if line.run == run
             )
             runs.append(StoredRun(document, sources.get(generation, document.start_counts), branches))
-        places = {(line.identity, line.last) for line in self._branches_by_number.values()} | (
+        kept_steps = {(line.identity, line.last) for line in self._branches_by_number.values()} | (
             {self.current_step} if self.current_step else set()
         )
-        kept = ((place, self._states.get(self._branches_by_number[place[0]].node_at(place[1]))) for place in places)
-        return StoredRuns(tuple(runs), self.current_step, {place: state for place, state in kept if state is not None})
+        kept = ((at, self._states.get(self._branches_by_number[at[0]].node_at(at[1]))) for at in kept_steps)
+        return StoredRuns(tuple(runs), self.current_step, {at: state for at, state in kept if state is not None})
 
     def _to_stored_branch(self, line: _Branch) -> StoredBranch:
         """Return a branch with its own actions, from the step at which it leaves its parent."""
         branch = self._describe_branch(line)
-        steps = [moment.actions for moment in line.nodes[branch.first :]]
+        steps = [node.actions for node in line.nodes[branch.first :]]
         if branch.parent is not None:
             steps[0] = steps[0][len(self._branches_by_number[branch.parent].node_at(branch.first).actions) :]
         return StoredBranch(branch, tuple(steps), line.figures.rows)
@@ -399,17 +402,17 @@ class Timeline:
             parent = self._get_branch(branch.parent)
             path, scales = parent.nodes[: branch.first + 1], parent.scales_until(branch.first) + scales
         for step, actions in enumerate(stored.steps, branch.first):
-            moment = path[-1] if step > branch.first else path.pop()
+            node = path[-1] if step > branch.first else path.pop()
             for action in actions:
-                moment = TimelineNode(root.run, step, moment, action)
-            path.append(moment)
-        kind, number = branch.parent is not None, branch.name.rpartition(" ")[2]
-        steered = kind or bool(path[0].actions) or any(at.actions != path[1].actions for at in path[1:])
+                node = TimelineNode(root.run, step, node, action)
+            path.append(node)
+        forked, number = branch.parent is not None, branch.name.rpartition(" ")[2]
+        steered = forked or bool(path[0].actions) or any(at.actions != path[1].actions for at in path[1:])
         self._branches_by_number[branch.identity] = _Branch(
             branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, BranchFigures(stored.figures)
         )
         self._numbered = max(self._numbered, branch.identity)
-        self._named[kind] = max(self._named[kind] + 1, int(number) if number.isdecimal() else 0)
+        self._named[forked] = max(self._named[forked] + 1, int(number) if number.isdecimal() else 0)
 
     # Internal
 
@@ -441,11 +444,11 @@ class Timeline:
     def _add_branch(self, path: list[TimelineNode], scales: list[tuple[int, int]], run: int, name: str) -> _Branch:
         """Add a branch; a run is numbered like its first branch."""
         self._numbered += 1
-        branches = run != self._numbered
-        self._named[branches] += 1
-        name = name.format(number=self._named[branches])
+        forked = run != self._numbered
+        self._named[forked] += 1
+        name = name.format(number=self._named[forked])
         line = self._branches_by_number[self._numbered] = _Branch(
-            self._numbered, name, run, path, scales, steered=branches
+            self._numbered, name, run, path, scales, steered=forked
         )
         self._shown_branches = None
         return line
@@ -461,9 +464,9 @@ class Timeline:
         """Make the step of a branch with this state the current one."""
         if line is not self._current_branch:
             self._shown_branches = None
-        moment = line.node_at(state.step)
-        self._current_branch, self._step, self._states.current = line, state.step, moment
-        self._states.put(moment, state)
+        node = line.node_at(state.step)
+        self._current_branch, self._step, self._states.current = line, state.step, node
+        self._states.put(node, state)
         self._evict_runs()
 
     def _mark_changed(self) -> None:

@@ -50,7 +50,7 @@ class TimelineNode:
     @property
     def actions(self) -> tuple[RunAction, ...]:
         """The action that took the step, and those that changed its state afterwards."""
-        return tuple(moment.action for moment in self.nodes_of_step if moment.action is not None)
+        return tuple(node.action for node in self.nodes_of_step if node.action is not None)
 
 
 class StateCache:
@@ -70,35 +70,35 @@ class StateCache:
     def __len__(self) -> int:
         return len(self._states)
 
-    def get(self, moment: TimelineNode) -> MethodState | None:
+    def get(self, node: TimelineNode) -> MethodState | None:
         """Return the state of a node and mark it as recently used; None if it is not kept."""
-        state = self._states.pop(moment, None)
+        state = self._states.pop(node, None)
         if state is not None:
-            self._states[moment] = state
+            self._states[node] = state
         return state
 
-    def put(self, moment: TimelineNode, state: MethodState) -> None:
+    def put(self, node: TimelineNode, state: MethodState) -> None:
         """Keep the state of a node in place of the previous one."""
-        self.drop(moment)
-        self._states[moment] = state
+        self.drop(node)
+        self._states[node] = state
         for values in state.list_arrays():
             self.used += 0 if self._owners[id(values)] else values.nbytes
             self._owners[id(values)] += 1
         self.evict_states()
 
-    def drop(self, *moments: TimelineNode) -> None:
+    def drop(self, *nodes: TimelineNode) -> None:
         """Remove states."""
-        for moment in moments:
-            state = self._states.pop(moment, None)
+        for node in nodes:
+            state = self._states.pop(node, None)
             for values in () if state is None else state.list_arrays():
                 self._owners[id(values)] -= 1
                 if not self._owners[id(values)]:
                     del self._owners[id(values)]
                     self.used -= values.nbytes
 
-    def keep_only(self, run: int, moments: set[TimelineNode]) -> None:
+    def keep_only(self, run: int, nodes: set[TimelineNode]) -> None:
         """Remove the states of a run except for these nodes and the first one; without any nodes, remove all."""
-        self.drop(*(at for at in self._states if at.run == run and at not in moments and (at.previous or not moments)))
+        self.drop(*(one for one in self._states if one.run == run and one not in nodes and (one.previous or not nodes)))
 
     def clear(self) -> None:
         """Remove all states and restore the finest stride."""
@@ -109,13 +109,13 @@ class StateCache:
     def evict_states(self) -> None:
         """Remove states until the others fit into the budget, the least recently used first."""
         while self.used > self.budget:
-            free = [moment for moment in self._states if moment.previous is not None and moment is not self.current]
+            free = [node for node in self._states if node.previous is not None and node is not self.current]
             if not free:
                 return
-            recent = [moment for moment in free if moment.step % self.stride]
+            recent = [node for node in free if node.step % self.stride]
             if recent and _RECENT_SHARE * len(recent) > len(self._states) - len(recent):
                 self.drop(recent[0])
-            elif self.stride > max(moment.step for moment in free):
+            elif self.stride > max(node.step for node in free):
                 self.drop(free[0])
             else:
                 self.stride *= 2
@@ -194,4 +194,4 @@ class EraseAction:
 
 
 RunAction = StepAction | JoinAction | EraseAction
-"""An action on a state of a method with these regions; equal actions lead from a state to equal next ones."""
+"""What changed a state, and the regions then: equal actions on equal states give equal states."""

@@ -35,10 +35,10 @@ class WheelNotchCounter:
 
 
 class ToolDispatcher:
-    """Dispatches the pointer to the tool in use, or to `grip`, which moves the handles of the selected shape."""
+    """Dispatches the pointer to the tool in use, or to `handle_tool`, which moves the handles of the selected shape."""
 
-    def __init__(self, tool: Tool, grip: Tool) -> None:
-        self.tool, self._handle_tool = tool, grip
+    def __init__(self, tool: Tool, handle_tool: Tool) -> None:
+        self.tool, self._handle_tool = tool, handle_tool
         self._pressed_tool: Tool | None = None
 
     @property
@@ -94,8 +94,9 @@ class ToolDispatcher:
     def find_receiver(self, view: ImageView, at: Position) -> Tool:
         """Find the tool that a press here goes to: the handle tool over a handle, otherwise the tool in use."""
         self.tool.current_slice = self._handle_tool.current_slice = view.shown_slice
-        grips = not self.tool.has_draft and self._handle_tool.has_handle_at(view.place_at(at), view.hit_tolerance())
-        return self._handle_tool if grips else self.tool
+        place, reach = view.place_at(at), view.hit_tolerance()
+        over_handle = not self.tool.has_draft and self._handle_tool.has_handle_at(place, reach)
+        return self._handle_tool if over_handle else self.tool
 
     def show_cursor(self, view: ImageView, at: Position) -> None:
         """Show the cursor for a press at a position."""
@@ -171,16 +172,16 @@ class PointerFilter(QObject):
 
     def _on_button_released(self, event: QMouseEvent) -> None:
         """End a gesture or a drag."""
-        hold = self._canvas.dispatcher
-        if event.button() == Qt.MouseButton.LeftButton and hold.is_dragging:
-            hold.release_button()
+        dispatcher = self._canvas.dispatcher
+        if event.button() == Qt.MouseButton.LeftButton and dispatcher.is_dragging:
+            dispatcher.release_button()
             if self._is_double_click:
                 self.double_clicked.emit()
         elif self._drag_origin is not None:
             self._drag_origin = None
-            if self._is_still and event.button() == Qt.MouseButton.RightButton and not hold.is_dragging:
+            if self._is_still and event.button() == Qt.MouseButton.RightButton and not dispatcher.is_dragging:
                 self.menu_wanted.emit(event.globalPosition().toPoint())
-            hold.show_cursor(self._view, self._view.map_to_image(event.position()))
+            dispatcher.show_cursor(self._view, self._view.map_to_image(event.position()))
 
 
 class Canvas(ImageView):
