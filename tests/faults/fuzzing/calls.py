@@ -325,7 +325,7 @@ _SKIPPED = {
     "write_animation",
     "write_figure",
     "Evolution",
-    "Evolved",
+    "RunState",
     "Table",
     "Contour",
 }
@@ -386,7 +386,7 @@ def _sound_for(name: str, key: str) -> tuple[Any, ...]:
 def attempt(call: tuple[str, dict[str, Any]]) -> None:
     """Call a function; fails unless its result is finite, or it says in one sentence what it refuses."""
     name, arguments = call
-    if name in ("segment", "run_method", "follow"):
+    if name in ("segment", "run_method", "follow_pages"):
         arguments = {"max_steps": 3, **arguments}
     try:
         found = FUNCTIONS[name](**arguments)

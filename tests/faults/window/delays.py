@@ -15,6 +15,7 @@ from cpm_app.session.storage.recovery import Journal
 from cpm_app.session.tasks import opening
 from cpm_app.session.worker.reconstruction import Reconstructor
 from cpm_app.session.worker.run import Run
+from cpm_app.views.features import offers
 
 from cpm_core.segmentation.engine import Engine
 
@@ -23,14 +24,14 @@ LENGTHS = (0.0, 0.0, 0.0, 0.0005, 0.002, 0.008)
 
 PLACES: tuple[tuple[Any, str], ...] = (
     (Run, "set_parameters"),
-    (Run, "go"),
-    (Run, "step"),
-    (Reconstructor, "_reconstruct"),
+    (Run, "take_steps"),
+    (Run, "take_step"),
+    (Reconstructor, "_handle_request"),
     (Engine, "result"),
-    (Run, "reconstruction"),
+    (Run, "wait_for_reconstruction"),
     (opening, "prepare_image"),
-    (opening, "guessed_kind"),
-    (Journal, "_put"),
+    (offers, "guess_kind"),
+    (Journal, "_write_journal"),
     (session_file, "save_session"),
 )
 """What is delayed: the work of the engine, the reconstruction, opening, saving and the journal."""
