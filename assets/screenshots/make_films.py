@@ -136,7 +136,7 @@ class Film:
 
     def click_image(self, *position: float, modifier: Qt.KeyboardModifier = NONE) -> None:
         """Click a position of the image, and wait for the answer."""
-        self.click(self.canvas.viewport(), self.canvas.point(position).toPoint(), modifier)
+        self.click(self.canvas.viewport(), self.canvas.map_from_image(position).toPoint(), modifier)
         self.settle()
 
     def drag(self, widget: QWidget, start: QPoint, end: QPoint) -> None:

@@ -126,7 +126,7 @@ def grow(rank: int, growth: Growth, examples: Examples, meeting: Path | None = N
     torch.set_num_threads(1)
     torch.manual_seed(growth.seed)
     chance = Chance(growth.seed * 10 + rank)
-    network = UNet().path_to(memory_format=torch.channels_last)
+    network = UNet().to(memory_format=torch.channels_last)
     mean = copy.deepcopy(network)
     optimizer = torch.optim.AdamW(network.parameters(), lr=FASTEST, weight_decay=1e-3)
     began, step, share, told = time.monotonic(), 0, 0.0, []
@@ -182,7 +182,7 @@ def _answers(network: UNet, views: Sequence[View], prompts: Sequence[Prompt]) ->
     """Logits of the pixels and of the overlaps."""
     maps = np.stack([prompt.maps(seen.values) for seen, prompt in zip(views, prompts, strict=True)])
     with torch.autocast("cpu", torch.bfloat16):
-        logits, overlaps = network(torch.from_numpy(maps).path_to(memory_format=torch.channels_last))
+        logits, overlaps = network(torch.from_numpy(maps).to(memory_format=torch.channels_last))
     return logits.float(), overlaps.float()
 
 

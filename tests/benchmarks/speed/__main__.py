@@ -30,7 +30,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     began = time.perf_counter()
     print(", ".join(f"{name} {value}" for name, value in machine().items()))
     print(f"{'':{_WHAT}}{'ours':>{_TIME}}  {'peer':{_PEER}}{'':>{_TIME}}  ours/peer")
-    for row in measurements(QUICK if arguments.is_quick else UNHURRIED, image):
+    for row in measurements(QUICK if arguments.quick else UNHURRIED, image):
         print(line(row), flush=True)
     print(f"{time.perf_counter() - began:.0f} s in all")
 
