@@ -33,7 +33,7 @@ _JOINING_DISTANCE = 3.0 * ANCHOR_REACH
 _ALREADY_JOINED_DISTANCE = 1.5
 """Distance from a contour within which a piece is already part of it [px]."""
 
-_LEAST_SHARE_FOUND = 0.5
+_MIN_SHARE_FOUND = 0.5
 """Least length of a rediscovered stretch that is removed, as a fraction of the original length."""
 
 _OUTLINE_COVER_DISTANCE = 1.5
@@ -144,7 +144,7 @@ def _remove_stretch(lines: list[PolygonalLine], path: Array, reach: float) -> tu
     found = [(n, k) for n, some in pieces.items() for k, piece in enumerate(some) if piece.follows_path(path, reach)]
     if found and reach > _SEARCH_DISTANCES[0]:  # the contour has moved: others may lie as near
         longest = max(found, key=lambda one: pieces[one[0]][one[1]].length)
-        enough = pieces[longest[0]][longest[1]].length >= _LEAST_SHARE_FOUND * polyline.path_length(path)
+        enough = pieces[longest[0]][longest[1]].length >= _MIN_SHARE_FOUND * polyline.path_length(path)
         found = [longest] if enough else []
     touched = {n for n, _ in found}
     for n in touched:

@@ -114,7 +114,7 @@ _VOXEL_SMOOTHING = 0.8
 _SURFACE_MARGIN = 3
 """Empty voxels added on all sides before a surface is built [voxels]."""
 
-_LEAST_LEVEL_OFFSET = 0.15
+_MIN_LEVEL_OFFSET = 0.15
 """Least difference of a smoothed voxel from the level of the surface, so that it stays on its side."""
 
 _PLANES_PER_PIECE = 16
@@ -255,7 +255,7 @@ def _compute_shell(voxels: Voxels) -> Voxels:
 def _build_surface(body: PackedVoxels) -> Surface:
     inside = np.pad(body.voxels.mask, _SURFACE_MARGIN)
     level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _VOXEL_SMOOTHING) - np.float32(0.5)
-    level = np.where(inside, np.maximum(level, _LEAST_LEVEL_OFFSET), np.minimum(level, -_LEAST_LEVEL_OFFSET))
+    level = np.where(inside, np.maximum(level, _MIN_LEVEL_OFFSET), np.minimum(level, -_MIN_LEVEL_OFFSET))
     # a few planes at a time, so that the window gets its turn; vertices on the planes between occur twice
     ends = pairwise([*range(0, len(level) - 1, _PLANES_PER_PIECE), len(level) - 1])
     inner = [(0, side) for side in level.shape[1:]]

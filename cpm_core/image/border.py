@@ -14,7 +14,7 @@ import scipy
 from cpm_core.numerics.grids import Window, expand_window, relative_window, split_into_tiles
 from cpm_core.numerics.types import Array, Mask
 
-_LEAST_BORDER_STRENGTH = 0.1
+_MIN_BORDER_STRENGTH = 0.1
 """Least strength of the edge of a border, as a fraction of the largest edge strength."""
 
 _ALONG_SIDE_COSINE = 0.94
@@ -23,7 +23,7 @@ _ALONG_SIDE_COSINE = 0.94
 _MAX_BORDER_DEVIATION = 0.02
 """Largest deviation of the edge of a border from a line, as a fraction of the shorter side."""
 
-_LEAST_VISIBLE_SHARE = 0.5
+_MIN_VISIBLE_SHARE = 0.5
 """Fraction of a side along which its edge must be visible."""
 
 _DISTANCE_TILE = 512
@@ -46,7 +46,7 @@ def find_pixels_inside_border(
     reach = int(widest * min(shape))
     if reach < 1:
         return inside
-    faint = _LEAST_BORDER_STRENGTH * strength.max()
+    faint = _MIN_BORDER_STRENGTH * strength.max()
     for axis, along in enumerate(shape):
         for reverse in (False, True):
             side = slice(max(along - reach - 2, 0), along) if reverse else slice(0, reach + 2)
@@ -70,7 +70,7 @@ def _find_border_edge(edge: Array, stray: int) -> int:
     for sign in (-1.0, 1.0):
         on = (ridge & (edge[1:-1] * sign > 0.0)).view(np.uint8)
         near = scipy.ndimage.maximum_filter1d(on, 2 * stray + 1, axis=0, mode="nearest")
-        lines = np.flatnonzero(near.reshape(len(near), -1).mean(axis=1) > _LEAST_VISIBLE_SHARE)
+        lines = np.flatnonzero(near.reshape(len(near), -1).mean(axis=1) > _MIN_VISIBLE_SHARE)
         if len(lines):
             farthest = max(farthest, int(lines[-1]) + 1)
     return farthest

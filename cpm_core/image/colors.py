@@ -32,7 +32,7 @@ COLOR_CHOICES = (LUMINANCE_CHOICE, *_PRIMARY_COLORS, CONTRAST_CHOICE)
 _STAIN_NAMES = ("hematoxylin", "eosin", "dab")
 """Names of the channels of `skimage.color.rgb2hed`."""
 
-_LEAST_LIGHT = 1e-6
+_MIN_LIGHT = 1e-6
 """Least light that `rgb2hed` distinguishes; it measures stains in units of its logarithm."""
 
 
@@ -81,7 +81,7 @@ def extract_channel(luminance: Array, colors: Colors | None, channel: str) -> Ar
         return np.multiply(colors.samples[..., _PRIMARY_COLORS.index(channel)], colors.white / 255.0, dtype=np.float64)
     light = np.empty(colors.samples.shape[:2])
     for row, line in zip(light, colors.samples, strict=True):  # without three more images of eight bytes a sample
-        row[:] = colors.white * _LEAST_LIGHT ** skimage.color.rgb2hed(line)[..., _STAIN_NAMES.index(channel)]
+        row[:] = colors.white * _MIN_LIGHT ** skimage.color.rgb2hed(line)[..., _STAIN_NAMES.index(channel)]
     return light
 
 

@@ -45,13 +45,13 @@ _HALF_SIZE_LENGTH = 8.0
 _REGRESSION_GAIN = 1.5
 """Factor by which the regression must reduce the noise against the edges to be used."""
 
-_LEAST_RESULT_SIGMA = 1.5
+_MIN_RESULT_SIGMA = 1.5
 """Least Gaussian for the edges of the result [px]."""
 
 _EDGE_SLENDERNESS = 0.21
 """Gaussian for the edges of the result, as a fraction of the length of the averages."""
 
-_LEAST_DIRECTION_SIGMA = 0.75
+_MIN_DIRECTION_SIGMA = 0.75
 """Least Gaussian before the directions of edges are computed [px]."""
 
 _DIRECTION_AVERAGING = 0.9
@@ -63,7 +63,7 @@ _PIXEL_SMOOTHING = 0.7
 _REMAINING_STEP = 0.2
 """Height of the steps that may remain of the noise [standard deviations of the noise]."""
 
-_LEAST_REMAINING_STEP = 0.12
+_MIN_REMAINING_STEP = 0.12
 """Least height of these steps, as a fraction of the largest step."""
 
 _MAX_REMAINING_STEP = 0.35
@@ -113,12 +113,12 @@ def remove_noise(values: Array) -> DenoisedImage:
             seen = regression
         image = _smooth_regions(seen.halved, seen.rough, 0.5 * seen.noise, 0.5 * length, _DENOISING_ROUNDS - 1)
         image = _smooth_regions(seen.values, _double_size(image, values.shape), seen.noise, length, 1)
-    width = max(_LEAST_RESULT_SIGMA, _EDGE_SLENDERNESS * length)
+    width = max(_MIN_RESULT_SIGMA, _EDGE_SLENDERNESS * length)
     step = (
         _STEP_PER_SLOPE * width * float(scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
     )
     remaining = _REMAINING_STEP * seen.noise / step if step > 0.0 else 0.0
-    return DenoisedImage(image, width, min(max(remaining, _LEAST_REMAINING_STEP), _MAX_REMAINING_STEP))
+    return DenoisedImage(image, width, min(max(remaining, _MIN_REMAINING_STEP), _MAX_REMAINING_STEP))
 
 
 class _NoiseEstimate(NamedTuple):
@@ -151,7 +151,7 @@ def _smooth_regions(values: Array, image: Array, noise: float, length: float, ro
     surface = scipy.ndimage.gaussian_filter(values, _PIXEL_SMOOTHING, mode="nearest")
     for _ in range(rounds):
         way = edge_directions(
-            image, max(_LEAST_DIRECTION_SIGMA, _EDGE_SLENDERNESS * length), _DIRECTION_AVERAGING * length
+            image, max(_MIN_DIRECTION_SIGMA, _EDGE_SLENDERNESS * length), _DIRECTION_AVERAGING * length
         )
         image = minimize_total_variation(average_along_edges(surface, way, length), _FURTHER_TV_WEIGHT * noise)
     return image
@@ -249,7 +249,7 @@ _LINE_GAUSSIAN_CUTOFF = 3.0
 _COHERENCE_POWER = 5.0
 """Power of the coherence that remains of a weight after one standard deviation along the line."""
 
-_LEAST_LINE_WEIGHT = 0.02
+_MIN_LINE_WEIGHT = 0.02
 """Fraction of a weight below which a line is not followed any further."""
 
 
@@ -318,7 +318,7 @@ def _average_along_lines(values: Array, down: Array, right: Array, trust: Array,
                         to_y, to_x = -to_y, -to_x
                     last_y, last_x = to_y, to_x
                     y, x, left = y + to_y, x + to_x, left * trust[near_y, near_x]
-                    if left < _LEAST_LINE_WEIGHT or y < 0.0 or x < 0.0 or y > rows - 1.0 or x > cols - 1.0:
+                    if left < _MIN_LINE_WEIGHT or y < 0.0 or x < 0.0 or y > rows - 1.0 or x > cols - 1.0:
                         break
                     r, c = min(int(y), rows - 2), min(int(x), cols - 2)
                     v, u = y - r, x - c

@@ -15,11 +15,11 @@ from cpm_core.numerics.types import Array, Mask, Numbers
 NO_DATA_VALUE = float(np.finfo(np.float64).min)
 """Gray level with which a reader marks pixels without data."""
 
-_LEAST_NO_DATA = 9e36
+_MIN_NO_DATA = 9e36
 """Size from which a value that occurs often, far from all others, stands for no data: 9.97e36, 3.4e38, 1.8e308."""
 
 _MAX_LEVEL_WITH_NO_DATA = 1e-6
-"""Largest gray level of an image with such values, as a fraction of `_LEAST_NO_DATA`."""
+"""Largest gray level of an image with such values, as a fraction of `_MIN_NO_DATA`."""
 
 _MAX_SPAN = 1e15
 """Largest span of gray levels, and the inverse of the smallest, that fields of single precision allow."""
@@ -51,7 +51,7 @@ def make_usable(values: Array, ends: tuple[float, float]) -> tuple[Array, tuple[
     """
     notes: list[str] = []
     low, high = ends
-    absent = _find_no_data(values) if max(-low, high) >= _LEAST_NO_DATA else None
+    absent = _find_no_data(values) if max(-low, high) >= _MIN_NO_DATA else None
     if absent is not None:
         values = _fill_no_data(np.where(absent, 0.0, values), ~absent)
         notes.append(no_data_note(int(absent.sum())))
@@ -73,10 +73,10 @@ def no_data_note(count: int) -> str:
 
 def _find_no_data(values: Array) -> Mask | None:
     """Find the pixels without data; None when there are none."""
-    absent = np.abs(values) >= _LEAST_NO_DATA
+    absent = np.abs(values) >= _MIN_NO_DATA
     others = values[~absent]
     kinds = np.unique(values[absent])
-    if len(kinds) != 1 or not others.size or np.abs(others).max() > _MAX_LEVEL_WITH_NO_DATA * _LEAST_NO_DATA:
+    if len(kinds) != 1 or not others.size or np.abs(others).max() > _MAX_LEVEL_WITH_NO_DATA * _MIN_NO_DATA:
         return None
     if np.ptp(others) == 0.0 and kinds[0] != NO_DATA_VALUE:
         return None

@@ -22,7 +22,7 @@ _MAX_EXAMINED_SIDE = 512
 _BLOCK_SIDE = 16
 """Side of the blocks whose brightness and structure are compared [px]."""
 
-_LEAST_BLOCKS = 6
+_MIN_BLOCKS = 6
 """Least number of blocks of an image whose kind is guessed."""
 
 _EXTREME_SHARE = 0.06
@@ -43,7 +43,7 @@ def guess_kind(values: Array) -> ImageKind | None:
     if not high > low:
         low, high = reduced.min(), reduced.max()
     blocks = min(reduced.shape) // _BLOCK_SIDE
-    if blocks * blocks < _LEAST_BLOCKS or not high > low:
+    if blocks * blocks < _MIN_BLOCKS or not high > low:
         return None
     levels = np.clip((reduced - low) / (high - low), 0.0, 1.0)
     smooth = scipy.ndimage.gaussian_filter
@@ -57,7 +57,7 @@ def guess_kind(values: Array) -> ImageKind | None:
     kept = (mean > 0.03) & (mean < 0.97)
     # whether noise or structure grows with the signal, as speckle does
     growth, signal, rough = 0.0, np.log(mean[kept]), np.log(fine[kept] + 1e-3)
-    if len(signal) >= _LEAST_BLOCKS and signal.std() > 0.0 and rough.std() > 0.0:
+    if len(signal) >= _MIN_BLOCKS and signal.std() > 0.0 and rough.std() > 0.0:
         growth = np.corrcoef(signal, rough)[0, 1]
     band = smooth(levels, 2.0) - smooth(levels, 8.0)
     # skewness of structure of some pixels: positive for dark lines or spots, negative for bright ones

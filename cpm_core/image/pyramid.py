@@ -14,7 +14,7 @@ import scipy
 from cpm_core.numerics.grids import run_in_bands, smooth_rows
 from cpm_core.numerics.types import Array, Arrays, Extent
 
-LEAST_COARSEST_SIDE = 8
+MIN_COARSEST_SIDE = 8
 """Least side of the coarsest scale [px]."""
 
 _REDUCTION_SMOOTHING = 1.0
@@ -24,7 +24,7 @@ _REDUCTION_SMOOTHING = 1.0
 def max_scales(shape: Extent) -> int:
     """Return the largest number of scales of an image of this shape."""
     side, scales = min(shape), 1
-    while (side + 1) // 2 >= LEAST_COARSEST_SIDE:
+    while (side + 1) // 2 >= MIN_COARSEST_SIDE:
         side, scales = (side + 1) // 2, scales + 1
     return scales
 

@@ -31,7 +31,7 @@ _CHANCE_QUANTILE = 0.98
 _FAINT_VESSEL_SHARE = 0.5
 """Fraction of that contrast that a vessel exceeds everywhere."""
 
-_LEAST_CHANCE_CONTRAST = 0.02
+_MIN_CHANCE_CONTRAST = 0.02
 """Least such contrast, as a fraction of the largest curvature: without noise, pixels alone make edges uneven."""
 
 _REFLECTED_MARGIN = 5.0
@@ -59,7 +59,7 @@ class LineResponse(NamedTuple):
     def find_pixels_above_chance(self, other: LineResponse) -> Mask:
         """Find the pixels, shape (H, W), of lines with more contrast than lines of the other kind have by chance."""
         level = max(
-            float(np.quantile(other.contrast, _CHANCE_QUANTILE)), _LEAST_CHANCE_CONTRAST * float(self.curvature.max())
+            float(np.quantile(other.contrast, _CHANCE_QUANTILE)), _MIN_CHANCE_CONTRAST * float(self.curvature.max())
         )
         return skimage.filters.apply_hysteresis_threshold(self.contrast, _FAINT_VESSEL_SHARE * level, level)  # type: ignore[no-untyped-call]
 

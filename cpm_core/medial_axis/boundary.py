@@ -27,7 +27,7 @@ _BORDER_DISTANCE = 3.0
 _TANGENT_POINTS = 6
 """Number of last points that give the direction of the continuation."""
 
-_LEAST_OUTWARD = 0.3
+_MIN_OUTWARD = 0.3
 """Least component toward the border of that direction; under it the continuation is perpendicular to the border."""
 
 _LOOSE_NEIGHBORHOOD = 0.67
@@ -36,7 +36,7 @@ _LOOSE_NEIGHBORHOOD = 0.67
 _ON_BORDER_DISTANCE = 0.75
 """Distance from the sides of the image up to which an outline follows its border [px]."""
 
-_LEAST_BOUNDARY_LENGTH = 8.0
+_MIN_BOUNDARY_LENGTH = 8.0
 """Least length of a boundary [px]."""
 
 
@@ -73,7 +73,7 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     of the image, so that an object cut off by the border has no edge there.
     """
     pixels = np.argwhere(scale_field.edge_map >= scale_field.floor).astype(float)
-    shortest = max(parameters.min_length, _LEAST_BOUNDARY_LENGTH)
+    shortest = max(parameters.min_length, _MIN_BOUNDARY_LENGTH)
     dense = replace(parameters, d_min=_BOUNDARY_SPACING, d_max=_BOUNDARY_SPACING, min_length=shortest)
     found, shape, contours = find_contours(pixels, scale_field, dense)[0], scale_field.shape, []
     tree = scipy.spatial.cKDTree(stack_vertices(found))
@@ -176,5 +176,5 @@ def _straight_extension(path: Array, shape: Extent) -> Array:
     outwards[side % 2] = -1.0 if side < 2 else 1.0
     along = end - path[-min(len(path), _TANGENT_POINTS)]
     along = along / max(float(np.linalg.norm(along)), 1e-300)
-    direction = along if along @ outwards >= _LEAST_OUTWARD else outwards
+    direction = along if along @ outwards >= _MIN_OUTWARD else outwards
     return end + direction * np.arange(_BOUNDARY_STRIDE, size.max(), _BOUNDARY_STRIDE)[:, None]

@@ -28,7 +28,7 @@ from cpm_core.parameters.provenance import Provenance
 _CENTERLINE_SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
 
-_LEAST_PROTRUSION = 4.0
+_MIN_PROTRUSION = 4.0
 """Least distance by which the ball around the tip of a branch protrudes from the one at its junction [smallest sides]:
 the constant in the radius of the ball that TEASAR clears around a line (Sato et al. 2000,
 10.1109/PCCGA.2000.883951)."""
@@ -199,7 +199,7 @@ def centerlines(
         reach = pruning * float(depth[tuple(np.rint(points[0]).astype(int))])
         length = polyline.path_length(points * size)
         away = np.linalg.norm((points[-1] - points[0]) * size)
-        salient = away + depth[tuple(tip)] > reach + _LEAST_PROTRUSION * size.min()
+        salient = away + depth[tuple(tip)] > reach + _MIN_PROTRUSION * size.min()
         return bool(length <= reach or (pruning > 0.0 and not salient))
 
     # remove short chains with a free end, until none is left

@@ -163,7 +163,7 @@ def _divide_long_edges(points: Array, edges: Index, sides: Index) -> tuple[Array
     return np.concatenate([points, between]), divided, np.concatenate(parts)
 
 
-_LEAST_BRANCH_LENGTH = 1.0
+_MIN_BRANCH_LENGTH = 1.0
 """Least length of a branch, and of a path between two junctions [px]."""
 
 
@@ -193,8 +193,8 @@ def prune_axis(axis: MedialAxis, pruning: float) -> MedialAxis:
         return covered
 
     graph = Graph(axis.points, trim_tips(axis, is_covered, frozenset(roots.tolist())))
-    graph.drop_spurs(_LEAST_BRANCH_LENGTH)
-    graph.merge_junctions(_LEAST_BRANCH_LENGTH, axis.radius)
+    graph.drop_spurs(_MIN_BRANCH_LENGTH)
+    graph.merge_junctions(_MIN_BRANCH_LENGTH, axis.radius)
     edges = graph.edges()
     return axis.keep_edges(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
 

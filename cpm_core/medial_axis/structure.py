@@ -25,7 +25,7 @@ from cpm_core.parameters import Parameters
 _PIXEL_VARIANCE = 1.0 / 3.0 + 1.0 / 12.0
 """Variance that central differences, and the area of the pixels, add to that of the Gaussian [px²]."""
 
-_LEAST_HALF_WIDTH = 0.05
+_MIN_HALF_WIDTH = 0.05
 """Least half width of lines that are corrected, in widths of the smoothed step."""
 
 _LARGEST_HALF_WIDTH = 6.0
@@ -44,7 +44,7 @@ def correct_half_width(distance: Array, smoothing: float) -> Array:
     at h from the center line lies at d where ``(d - h) / (d + h) = exp(-2 d h / s²)``: for a line of 3 px and the usual
     smoothing of 1 px that is 0.12 px too far out; from 5 px on the difference is negligible. The result is at most d.
     """
-    half = np.geomspace(_LEAST_HALF_WIDTH, _LARGEST_HALF_WIDTH, 400)
+    half = np.geomspace(_MIN_HALF_WIDTH, _LARGEST_HALF_WIDTH, 400)
     low, high = half.copy(), half + 1.5
     for _ in range(40):  # the ridge lies above the root of an increasing function
         middle = 0.5 * (low + high)
@@ -61,7 +61,7 @@ DARK_POLARITY = -1
 LIGHT_POLARITY = 1
 """Polarity of regions lighter than their surroundings."""
 
-_LEAST_GRADIENT_COSINE = 0.3
+_MIN_GRADIENT_COSINE = 0.3
 """Least cosine of the angle between the image gradient at an edge and the direction from the axis to it."""
 
 _COMMON_POLARITY_SHARE = 0.8
@@ -78,7 +78,7 @@ def edge_polarities(axis: MedialAxis, boundary: Boundary) -> NDArray[np.int8]:
     gradient = boundary.normals[axis.sides]
     size = np.linalg.norm(outward, axis=2) * np.linalg.norm(gradient, axis=2)
     rise = np.einsum("msk,msk->ms", outward, gradient) / np.maximum(size, 1e-300)
-    dark, light = (rise > _LEAST_GRADIENT_COSINE).all(axis=1), (rise < -_LEAST_GRADIENT_COSINE).all(axis=1)
+    dark, light = (rise > _MIN_GRADIENT_COSINE).all(axis=1), (rise < -_MIN_GRADIENT_COSINE).all(axis=1)
     return np.where(dark, DARK_POLARITY, np.where(light, LIGHT_POLARITY, 0)).astype(np.int8)
 
 
@@ -142,10 +142,10 @@ _COMPARISON_DISTANCE = 2.5
 _COMPARISON_RADIUS_SHARE = 0.5
 """In narrower parts, the fraction of the largest radius at which gray levels are compared."""
 
-_LEAST_DIFFERENCE = 0.25
+_MIN_DIFFERENCE = 0.25
 """Fraction of an edge's contrast by which an object must differ from the background."""
 
-_LEAST_GRAY_SMOOTHING = 1.0
+_MIN_GRAY_SMOOTHING = 1.0
 """Least smoothing of the compared gray levels [px]."""
 
 
@@ -179,7 +179,7 @@ def find_edges_in_objects(axis: MedialAxis, boundary: Boundary, values: Array, s
     edge = boundary.points[axis.nearest]
     places = edge + share[:, None] * (axis.points - edge)
     border = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
-    smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_GRAY_SMOOTHING), mode="nearest")
+    smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _MIN_GRAY_SMOOTHING), mode="nearest")
     gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
     contrast = (
@@ -194,17 +194,17 @@ def find_edges_in_objects(axis: MedialAxis, boundary: Boundary, values: Array, s
     difference, height = np.zeros(count), np.ones(count)
     difference[seen] = scipy.ndimage.median(away[reliable], part[reliable], every[seen])
     height[seen] = scipy.ndimage.median(contrast[reliable], part[reliable], every[seen])
-    return (difference > _LEAST_DIFFERENCE * height)[part[axis.edges[:, 0]]]
+    return (difference > _MIN_DIFFERENCE * height)[part[axis.edges[:, 0]]]
 
 
 _MAX_RADIUS_CHANGE = 0.5
 """Greatest change of the radius along the axis, per length, between edges that count as opposite: the cosine of the
 angle between the axis and the directions to the two sides."""
 
-_LEAST_STRIP_LENGTH = 3.0
+_MIN_STRIP_LENGTH = 3.0
 """Least length between opposite sure edges, in mean widths of a part of the axis."""
 
-_LEAST_OPPOSITE_SHARE = 0.3
+_MIN_OPPOSITE_SHARE = 0.3
 """Least share of a part of the axis that lies between opposite edges."""
 
 _STRIP_WIDTH_QUANTILE = 0.95
@@ -252,7 +252,7 @@ def select_strips(axis: MedialAxis, boundary: Boundary, width: float, sure: floa
             length * cut.widths,
         )
     )
-    kept = (certain * total >= _LEAST_STRIP_LENGTH * area) & (between >= _LEAST_OPPOSITE_SHARE * total)
+    kept = (certain * total >= _MIN_STRIP_LENGTH * area) & (between >= _MIN_OPPOSITE_SHARE * total)
     return cut.keep_edges(cut.edges[kept[of_part]])
 
 
@@ -288,13 +288,13 @@ _USUAL_WIDTH_SHARE = 0.5
 _STRIP_WIDTH_PER_SIGMA = 15.0
 """Width of strips per sigma of the smoothing that keeps their two edges apart."""
 
-_LEAST_STRIP_SIGMA = 1.0
+_MIN_STRIP_SIGMA = 1.0
 """Least sigma of the smoothing for strips [px]."""
 
 _STRIP_EDGE_FLOOR = 0.5
 """Floor for the edges of strips, as a fraction of the background."""
 
-_LEAST_BACKGROUND = 0.04
+_MIN_BACKGROUND = 0.04
 """Least background, as a fraction of the strongest edge."""
 
 
@@ -345,7 +345,7 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
             return Structure(boundary, usual.smoothing, polarity, 0.0)
         width = _MAX_STRIP_WIDTH * min(usual.shape)
     finest = max(
-        _LEAST_STRIP_SIGMA, (1.0 if parameters.max_width else _USUAL_WIDTH_SHARE) * width / _STRIP_WIDTH_PER_SIGMA
+        _MIN_STRIP_SIGMA, (1.0 if parameters.max_width else _USUAL_WIDTH_SHARE) * width / _STRIP_WIDTH_PER_SIGMA
     )
     if parameters.smoothing == "auto" and usual.smoothing > finest:
         usual = field_of(replace(parameters, smoothing=finest))
@@ -354,7 +354,7 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
         faint = parameters.edge_floor * strongest
         sure = max(parameters.edge_floor, parameters.sure_edge) * strongest
     else:
-        background = max(background_strength(strength[strength > 0.0]), _LEAST_BACKGROUND * strongest)
+        background = max(background_strength(strength[strength > 0.0]), _MIN_BACKGROUND * strongest)
         faint, sure = _STRIP_EDGE_FLOOR * background, parameters.sure_edge * strongest or background
     boundary = find_boundary(replace(usual, floor=faint), replace(parameters, sure_edge=0.0))
     return Structure(boundary, usual.smoothing, polarity, width, sure)

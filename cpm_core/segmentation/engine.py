@@ -33,7 +33,7 @@ from cpm_core.parameters import PARAMETERS, SKELETON_PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 from cpm_core.parameters.provenance import Provenance, select_parameters
-from cpm_core.segmentation.finer_scale import begin_scale, thin_seeds
+from cpm_core.segmentation.finer_scale import drop_explained_seeds, thin_seeds
 from cpm_core.segmentation.outcome import find_state_contours, find_state_surface
 from cpm_core.segmentation.reach.local_fields import LocalFields
 from cpm_core.segmentation.reach.reach_map import ReachMap
@@ -184,7 +184,7 @@ class Engine(ImageFields):
         after = self._law.step(state, field, self.regions, parameters)
         if after.scale == state.scale:
             return after
-        return begin_scale(after, self._field_of(after, parameters))
+        return drop_explained_seeds(after, self._field_of(after, parameters))
 
     def forces(
         self,

@@ -54,8 +54,8 @@ def thin_seeds(state: State) -> State:
     return replace(state, particles=state.particles.select(np.sort(np.unique(place, return_index=True)[1])))
 
 
-def begin_scale(state: State, field: ScaleField) -> State:
-    """Return the first state of a scale, of whose seeds only those stay that are near an edge not explained yet.
+def drop_explained_seeds(state: State, field: ScaleField) -> State:
+    """Keep of the seeds of a scale only those near an edge that no particle explains yet; return its first state.
 
     An edge is explained by a particle of the coarser scale near it where the image rises in about the same direction,
     so that one side of a thin object does not explain the other. It counts as covered for as long as the coarser scale

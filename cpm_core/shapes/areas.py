@@ -14,7 +14,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, frozen
 from cpm_core.shapes.path import ClosedPath, check_number
 
-LEAST_GRID_SPACING = 2.0
+MIN_GRID_SPACING = 2.0
 """Least distance between two particles of a grid [px]."""
 
 LARGEST_GRID_SPACING = 64.0
@@ -23,7 +23,7 @@ LARGEST_GRID_SPACING = 64.0
 MAX_GRID_PARTICLES = 2**23
 """Largest number of particles of a grid; they are counted before memory is taken for them."""
 
-LEAST_THRESHOLD_FRACTION = 0.02
+MIN_THRESHOLD_FRACTION = 0.02
 """Least fraction of a threshold."""
 
 LARGEST_THRESHOLD_FRACTION = 0.98
@@ -44,7 +44,7 @@ class Spaced:
 
     def resized_by(self, amount: float) -> Self:
         """Return the shape with its spacing changed, within the allowed density of particles."""
-        finest = max(LEAST_GRID_SPACING, finest_spacing(self._lengths))
+        finest = max(MIN_GRID_SPACING, finest_spacing(self._lengths))
         spacing = min(max(self.spacing + amount, finest), max(LARGEST_GRID_SPACING, finest))
         return replace(self, spacing=spacing)  # type: ignore[type-var]
 
@@ -61,7 +61,7 @@ class OnStrongEdges:
         """Return the shape with its threshold raised by a number of steps of 0.02."""
         fraction = round(
             min(
-                max(self.fraction + THRESHOLD_FRACTION_STEP * steps, LEAST_THRESHOLD_FRACTION),
+                max(self.fraction + THRESHOLD_FRACTION_STEP * steps, MIN_THRESHOLD_FRACTION),
                 LARGEST_THRESHOLD_FRACTION,
             ),
             6,

@@ -9,7 +9,7 @@ from cpm_core.field.placed_charges import MAX_CHARGE_STRENGTH, PlacedCharge
 from cpm_core.numerics.types import Place, frozen
 from cpm_core.shapes.path import WithoutOutline, check_number
 
-LEAST_CHARGE_STRENGTH = 0.5
+MIN_CHARGE_STRENGTH = 0.5
 """Least absolute strength."""
 
 _CHARGE_STRENGTH_STEP = 0.5
@@ -50,7 +50,7 @@ class Charge(WithoutOutline):
 
     def resized_by(self, by: float) -> Charge:
         """Return the charge with its absolute strength raised by a number of steps of a half."""
-        size = min(max(abs(self.strength) + _CHARGE_STRENGTH_STEP * by, LEAST_CHARGE_STRENGTH), MAX_CHARGE_STRENGTH)
+        size = min(max(abs(self.strength) + _CHARGE_STRENGTH_STEP * by, MIN_CHARGE_STRENGTH), MAX_CHARGE_STRENGTH)
         return Charge(self.position, math.copysign(size, self.strength))
 
     def distance_to(self, position: Place) -> float:

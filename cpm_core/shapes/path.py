@@ -12,14 +12,14 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import MAX_CORNER_HANDLES
 from cpm_core.numerics.types import Array, Line, Place, frozen
 
-LEAST_SIZE = 0.5
+MIN_SIZE = 0.5
 """Least radius, and distance between particles [px]."""
 
 LARGEST_SIZE = 1e5
 """Largest radius, and distance between particles [px]."""
 
 
-def check_number(name: str, value: float, low: float = LEAST_SIZE, high: float = LARGEST_SIZE) -> None:
+def check_number(name: str, value: float, low: float = MIN_SIZE, high: float = LARGEST_SIZE) -> None:
     """Check that a number of a shape lies within its bounds, else raise ValueError."""
     if not low <= value <= high:
         raise ValueError(f"{name} is {value:g} but must be a number from {low:g} to {high:g}.")

@@ -19,10 +19,10 @@ from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, finest_s
 from cpm_core.shapes.ellipse import Round
 from cpm_core.shapes.path import LARGEST_SIZE, WithoutOutline, check_number
 
-LEAST_BOX_SIDE = 1.0
+MIN_BOX_SIDE = 1.0
 """Least side of a box [voxels], and radius of a sphere [sides of the smallest voxel]."""
 
-_LEAST_FACE_SPACING = 2.0
+_MIN_FACE_SPACING = 2.0
 """Least distance between particles on the faces [voxels]."""
 
 _MAX_FACE_PARTICLES = 10_000
@@ -57,7 +57,7 @@ class Cuboid(WithoutOutline):
         low, high = np.sort([self.first, self.last], axis=0).tolist()
         if not all(math.isfinite(end) and abs(end) <= LARGEST_SIZE for end in (*low, *high)):
             raise ValueError(f"the corners of the box are {self.first} and {self.last} but must be in the volume.")
-        if min(map(operator.sub, high, low)) < LEAST_BOX_SIDE - _ON_FACE_DISTANCE:
+        if min(map(operator.sub, high, low)) < MIN_BOX_SIDE - _ON_FACE_DISTANCE:
             raise ValueError(
                 f"the corners of the box are {self.first} and {self.last} but must be a voxel apart along every axis."
             )
@@ -81,7 +81,7 @@ class Cuboid(WithoutOutline):
     def resized_by(self, by: float) -> Self:
         """Return the box with each face moved outward."""
         low, high = np.array(self.first), np.array(self.last)
-        inward = np.minimum(-by, 0.5 * (high - low - LEAST_BOX_SIDE))
+        inward = np.minimum(-by, 0.5 * (high - low - MIN_BOX_SIDE))
         return self._with_corners((low + inward).tolist(), (high - inward).tolist())
 
     def with_handle_at(self, handle: Place, to: Place) -> Self:
@@ -109,7 +109,7 @@ class Cuboid(WithoutOutline):
 
 def _keep_apart(end: float, other: float) -> float:
     """Keep the place of a face at least the smallest side away from the opposite one."""
-    return end if abs(end - other) >= LEAST_BOX_SIDE else other + math.copysign(LEAST_BOX_SIDE, end - other)
+    return end if abs(end - other) >= MIN_BOX_SIDE else other + math.copysign(MIN_BOX_SIDE, end - other)
 
 
 @frozen
@@ -127,7 +127,7 @@ class Box(Cuboid):
         """Distance between particles [voxels]: larger on a large box."""
         down, along, across = map(operator.sub, self.last, self.first)
         area = 2.0 * (down * along + along * across + across * down)
-        return max(_LEAST_FACE_SPACING, math.sqrt(area / _MAX_FACE_PARTICLES))
+        return max(_MIN_FACE_SPACING, math.sqrt(area / _MAX_FACE_PARTICLES))
 
 
 @frozen

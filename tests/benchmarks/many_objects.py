@@ -66,9 +66,9 @@ def judged(contours, truth):
 def main(side=2000, noise=10.0):
     values, truth = scene(side, noise)
     results = []
-    shortcuts = engine.begin_scale, engine.thin_seeds
+    shortcuts = engine.drop_explained_seeds, engine.thin_seeds
     for words, used in (("without", (lambda state, _: state, lambda state: state)), ("with", shortcuts)):
-        engine.begin_scale, engine.thin_seeds = used
+        engine.drop_explained_seeds, engine.thin_seeds = used
         began = time.process_time()
         results.append(segment(values, uniform_grid(values.shape), PRESETS["automatic"]).contours)
         spent = time.process_time() - began

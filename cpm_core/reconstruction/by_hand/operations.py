@@ -31,7 +31,7 @@ _PLACE_DECIMALS = 3
 _END_TOLERANCE = 1e-3
 """Distance from an end of a contour up to which a place on it is that end [px]."""
 
-_LEAST_PULLED_LENGTH = 8.0
+_MIN_PULLED_LENGTH = 8.0
 """Least length of contour that is pulled on both sides of the held place [px]."""
 
 _PULLED_LENGTH = 1.5
@@ -199,7 +199,7 @@ def pull_contour(held: Contact, to: Position, scale_field: ScaleField | None = N
     """
     line = held.line
     far = math.dist(to, held.place)
-    hold = min(max(_LEAST_PULLED_LENGTH, _PULLED_LENGTH * far), 0.4 * line.length)
+    hold = min(max(_MIN_PULLED_LENGTH, _PULLED_LENGTH * far), 0.4 * line.length)
     first, last = held.along - hold, held.along + hold
     if line.closed:
         first, last = first % line.length, first % line.length + 2.0 * hold

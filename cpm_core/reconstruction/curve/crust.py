@@ -16,7 +16,7 @@ from cpm_core.contours.graph import Graph
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Index
 
-_LEAST_TRIANGULATED_POINTS = 4
+_MIN_TRIANGULATED_POINTS = 4
 """Least number of points that have a triangulation with a crust."""
 
 _COTANGENT_OF_ZERO = 1e12
@@ -25,7 +25,7 @@ _COTANGENT_OF_ZERO = 1e12
 
 def find_crust_edges(points: Array) -> Index:
     """Find the edges of the one-step crust of distinct points, shape (N, 2): sorted pairs of indices, shape (E, 2)."""
-    if len(points) < _LEAST_TRIANGULATED_POINTS:
+    if len(points) < _MIN_TRIANGULATED_POINTS:
         return np.zeros((0, 2), np.int64)
     try:
         triangulation = scipy.spatial.Delaunay(points)

@@ -8,7 +8,7 @@ import scipy
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 
-_LEAST_LOOP_LENGTH = 3.0
+_MIN_LOOP_LENGTH = 3.0
 """Least length of the path along a curve, in lengths of the gap, for an end to be joined to its own curve."""
 
 _SIDE_DISTANCE_FACTOR = 1.5
@@ -33,7 +33,7 @@ def link_loose_ends(graph: Graph, scale_field: ScaleField, max_gap: float) -> No
     end = np.repeat(ends, [len(some) for some in near])
     other = used[np.concatenate([np.array(some, np.int64) for some in near])]
     gap = np.linalg.norm(graph.points[end] - graph.points[other], axis=1)
-    open_ = (graph.path_lengths_between(end, other) > _LEAST_LOOP_LENGTH * gap) & (end != other)
+    open_ = (graph.path_lengths_between(end, other) > _MIN_LOOP_LENGTH * gap) & (end != other)
     end, other, gap = end[open_], other[open_], gap[open_]
     a, b = graph.points[end], graph.points[other]
     along = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, _GAP_SAMPLES)[:, None]

@@ -50,7 +50,7 @@ _INCIDENCE_COSINE = 0.82
 _MAX_BRIDGE_DETOUR = 1.6
 """Greatest length of a bridge, in lengths of the gap."""
 
-_LEAST_PATH_AROUND = 3.0
+_MIN_PATH_AROUND = 3.0
 """Least length of the path along a contour between two of its vertices that may be joined, in lengths of the gap."""
 
 _SIDE_COST_FACTOR = 1.5
@@ -164,7 +164,7 @@ def _bridges_between_ends(
     around = graph.path_lengths_between(*pairs.T)
     for (a, b), apart in zip(pairs.tolist(), around.tolist(), strict=True):
         gap = graph.distance_between(a, b)
-        if apart <= _LEAST_PATH_AROUND * gap:
+        if apart <= _MIN_PATH_AROUND * gap:
             continue
         across = (graph.points[b] - graph.points[a]) / max(gap, 1e-300)
         if min(ends[a] @ across, -(ends[b] @ across)) < _END_TURN_COSINE:
@@ -191,7 +191,7 @@ def _bridges_to_sides(
         away = graph.points[near] - place
         distance = np.linalg.norm(away, axis=1)
         ahead = away @ direction >= _SIDE_TURN_COSINE * distance
-        apart = graph.path_lengths_between(np.full(len(near), end), near) > _LEAST_PATH_AROUND * distance
+        apart = graph.path_lengths_between(np.full(len(near), end), near) > _MIN_PATH_AROUND * distance
         near = near[ahead & apart]
         if not len(near):
             continue

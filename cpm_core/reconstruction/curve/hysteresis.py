@@ -21,10 +21,10 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters import Parameters
 
-LEAST_LENGTH_IN_SPACINGS = 4.0
+MIN_LENGTH_IN_SPACINGS = 4.0
 """Least length of a contour, in d_min. A closed one must also enclose the area of a square of side d_min."""
 
-_LEAST_LENGTH_IN_SIGMA = 8.0
+_MIN_LENGTH_IN_SIGMA = 8.0
 """Least length of a contour, in sigma: smaller objects do not survive the smoothing."""
 
 _RATED_VERTICES = 9
@@ -87,7 +87,7 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
 
 def least_contour_length(smoothing: float, parameters: Parameters) -> float:
     """Return the least length of a contour for any `min_length`, after a Gaussian of `smoothing` px [px]."""
-    return max(LEAST_LENGTH_IN_SPACINGS * parameters.d_min, _LEAST_LENGTH_IN_SIGMA * smoothing)
+    return max(MIN_LENGTH_IN_SPACINGS * parameters.d_min, _MIN_LENGTH_IN_SIGMA * smoothing)
 
 
 def select_contours(

@@ -12,7 +12,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.end_linking import link_loose_ends
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps
 from cpm_core.reconstruction.curve.hysteresis import (
-    LEAST_LENGTH_IN_SPACINGS,
+    MIN_LENGTH_IN_SPACINGS,
     drop_unreached,
     drop_weak,
     least_contour_length,
@@ -21,7 +21,7 @@ from cpm_core.reconstruction.curve.hysteresis import (
 from cpm_core.reconstruction.curve.ridge_tracing import trace_ridges
 from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 
-_LEAST_JOINING_REACH = 2.5
+_MIN_JOINING_REACH = 2.5
 """Distance, in d_min, up to which two points may be joined for any insertion range."""
 
 _LONGEST_SPECK = 2.0
@@ -64,7 +64,7 @@ def find_contours(
     points, found = refine_to_ridge(on_edge, scale_field)
     points = points[found & ~scale_field.barrier_map.is_crossed_by(on_edge, points)]
     kept = select_survivors(points, scale_field.strength_at(points), parameters.d_min)
-    reach = max(parameters.d_min + parameters.d_max, _LEAST_JOINING_REACH * parameters.d_min)
+    reach = max(parameters.d_min + parameters.d_max, _MIN_JOINING_REACH * parameters.d_min)
     graph = Graph(*trace_ridges(points[kept], scale_field, parameters.d_min, at_rest))
     if scale_field.reached is not None:
         drop_unreached(graph, scale_field.reached)
@@ -80,7 +80,7 @@ def find_contours(
         graph.drop_spurs(max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length))
     graph.drop_junction_links(least_contour_length(scale_field.smoothing, parameters))
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
-    bridges = bridge_gaps(graph, scale_field, parameters.max_gap, spacing, LEAST_LENGTH_IN_SPACINGS * parameters.d_min)
+    bridges = bridge_gaps(graph, scale_field, parameters.max_gap, spacing, MIN_LENGTH_IN_SPACINGS * parameters.d_min)
     contours = select_contours(
         graph.extract_contours(max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length)),
         scale_field,

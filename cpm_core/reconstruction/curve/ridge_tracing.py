@@ -42,7 +42,7 @@ electric field has one equilibrium for both sides, and one of them stays without
 _LONGEST_DIP = 2.5
 """Greatest length, in d_min, over which the ridge between two points may be under the edge floor."""
 
-_LEAST_SEEDS_PER_THREAD = 300
+_MIN_SEEDS_PER_THREAD = 300
 """Least number of seeds for a thread."""
 
 _FADING_LENGTH = 1.6
@@ -102,7 +102,7 @@ def _place_seeds(points: Array, ridge: Ridge, limits: RidgeSearchLimits) -> Ridg
     run_in_parallel(
         lambda first, last: place_on_ridge(ridge, place, ahead, limits.step, first, last),
         len(place),
-        _LEAST_SEEDS_PER_THREAD,
+        _MIN_SEEDS_PER_THREAD,
     )
     shape = ridge.strength.shape
     np.clip(place, 0.0, np.array(shape) - 1.0, out=place)
@@ -144,7 +144,7 @@ class _RidgeWalks:
                 )
                 own.append((vertices[:added], edges[:joined]))
 
-        run_in_parallel(follow_share, len(seeds), _LEAST_SEEDS_PER_THREAD)
+        run_in_parallel(follow_share, len(seeds), _MIN_SEEDS_PER_THREAD)
         for first in sorted(found):
             for vertices, edges in found[first]:
                 self._vertices.append(vertices)

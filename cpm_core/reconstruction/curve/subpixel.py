@@ -31,7 +31,7 @@ _REFINEMENT_TOLERANCE = 1e-4
 _NO_MOVE = 1e-12
 """Move under which a single point is final [px]."""
 
-_LEAST_POINTS_PER_THREAD = 500
+_MIN_POINTS_PER_THREAD = 500
 """Least number of points for a thread."""
 
 
@@ -62,7 +62,7 @@ def refine_to_ridge(positions: Array, scale_field: ScaleField) -> tuple[Array, M
         run_in_parallel(
             lambda first, last: _step_uphill(ridge, place, move, bend, first, last),
             len(place),
-            _LEAST_POINTS_PER_THREAD,
+            _MIN_POINTS_PER_THREAD,
         )
         if np.abs(move).max(initial=0.0) < _REFINEMENT_TOLERANCE:
             break

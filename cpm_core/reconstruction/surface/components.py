@@ -14,13 +14,13 @@ _NEIGHBOR_RANK = 4
 """Rank of the neighbor whose distance is about that between points, in regular patterns and at random."""
 
 
-_LEAST_COMPONENT_PARTICLES = 12
+_MIN_COMPONENT_PARTICLES = 12
 """Least number of particles of a component that stays."""
 
-_LEAST_PARTICLE_SHARE = 0.003
+_MIN_PARTICLE_SHARE = 0.003
 """Least number of particles of a component that stays, as a share of those of the component with most of them."""
 
-_LEAST_SUPPORTED_SHARE = 0.25
+_MIN_SUPPORTED_SHARE = 0.25
 """Least share of the vertices of a component that have a particle near, for it to stay."""
 
 
@@ -71,8 +71,8 @@ def keep_supported_components(
 
 def has_enough_support(particles: Index, share: Array) -> Mask:
     """Return whether components have enough particles, and share of vertices with one near; all of shape (C,)."""
-    return (particles >= max(_LEAST_COMPONENT_PARTICLES, _LEAST_PARTICLE_SHARE * particles.max(initial=0))) & (
-        share >= _LEAST_SUPPORTED_SHARE
+    return (particles >= max(_MIN_COMPONENT_PARTICLES, _MIN_PARTICLE_SHARE * particles.max(initial=0))) & (
+        share >= _MIN_SUPPORTED_SHARE
     )
 
 

@@ -87,7 +87,7 @@ _SIGN_LINKS = 10
 _MAX_SIGN_LINK = 2.5
 """Largest distance over which the sign of a normal spreads [typical distances]."""
 
-_LEAST_LINK_COST = 1e-6
+_MIN_LINK_COST = 1e-6
 """Least cost of a link: sparse graphs drop links of cost zero."""
 
 
@@ -108,7 +108,7 @@ def estimate_normals(points: Array, apart: float) -> Array:
     other = links.ravel().astype(np.int32)
     close = (distances.ravel() <= _MAX_SIGN_LINK * apart) & (one != other)
     one, other = one[close], other[close]
-    price = 1.0 - np.abs((normals[one] * normals[other]).sum(1)) + _LEAST_LINK_COST
+    price = 1.0 - np.abs((normals[one] * normals[other]).sum(1)) + _MIN_LINK_COST
     graph = scipy.sparse.csr_array((price, (one, other)), shape=(len(points), len(points)))
     part = label_joined_pairs((one, other), len(points))
     forest = scipy.sparse.csgraph.minimum_spanning_tree(graph)
@@ -140,13 +140,13 @@ def find_hollows(points: Array, normals: Array, part: Index) -> Mask:
     return within % 2 == 1
 
 
-_LEAST_SURFACE_POINTS = 4
+_MIN_SURFACE_POINTS = 4
 """Least number of points that span a surface."""
 
-_LEAST_POINTS_FOR_NORMALS = 13
+_MIN_POINTS_FOR_NORMALS = 13
 """Least number of points from which normals are estimated."""
 
-_LEAST_EXTENT = 1e-100
+_MIN_EXTENT = 1e-100
 """Least extent of the points: its cube is still a number."""
 
 _MAX_EXTENT = 1e100
@@ -188,10 +188,10 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
     places = check_rows_of_three("points", points)
     places = np.unique(places, axis=0) if normals is None else places
     extent = float(np.abs(places - places[:1]).max()) if len(places) else 0.0
-    if extent and not _LEAST_EXTENT < extent < _MAX_EXTENT:
+    if extent and not _MIN_EXTENT < extent < _MAX_EXTENT:
         raise ValueError(f"The points spread over {extent:g}: give them in another unit.")
     if (
-        len(places) < _LEAST_SURFACE_POINTS
+        len(places) < _MIN_SURFACE_POINTS
         or not extent
         or np.linalg.matrix_rank((places - places.mean(0)) / extent, tol=1e-9) < 3
     ):
@@ -205,9 +205,9 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
         if not (lengths > 0.0).all():
             raise ValueError("A normal of length zero has no direction: leave its point out.")
         outward = outward / lengths[:, None]
-    elif len(places) < _LEAST_POINTS_FOR_NORMALS:
+    elif len(places) < _MIN_POINTS_FOR_NORMALS:
         raise ValueError(
-            f"{len(places)} different points are too few to estimate normals: give {_LEAST_POINTS_FOR_NORMALS} or "
+            f"{len(places)} different points are too few to estimate normals: give {_MIN_POINTS_FOR_NORMALS} or "
             "more, or their normals."
         )
     else:

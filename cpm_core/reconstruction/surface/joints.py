@@ -36,10 +36,10 @@ MAX_SADDLE_DEPTH = 1.5
 _MAX_DEPTH_WITHOUT_RIDGE = 0.85
 """Largest depth of a saddle where no ridge marks a neck [steps of the slope of the edges around]."""
 
-_LEAST_NECK_CURVATURE = 0.7
+_MIN_NECK_CURVATURE = 0.7
 """Least curvature across a neck, as a share of that along it."""
 
-_LEAST_NECK_STEEPNESS = 0.2
+_MIN_NECK_STEEPNESS = 0.2
 """Least curvature across a neck, as a share of the slope of the edges around [1 / side]."""
 
 _FACING_COSINE = 0.55
@@ -94,7 +94,7 @@ class SaddleSurroundings:
             return False
         curvature = np.mean([self._second_derivatives(voxel) for voxel in path[1:-1]], axis=0)
         _, middle, most = np.linalg.eigvalsh(self.sign * curvature)
-        return bool(-middle >= max(_LEAST_NECK_CURVATURE * most, _LEAST_NECK_STEEPNESS * self.slopes[near].mean()))
+        return bool(-middle >= max(_MIN_NECK_CURVATURE * most, _MIN_NECK_STEEPNESS * self.slopes[near].mean()))
 
     def faces_across(self, path: Index, saddle: Index) -> bool:
         """Return whether edges face each other across a path, shape (K, 3), at its lowest voxel."""
@@ -262,21 +262,21 @@ def find_path_through_saddle(
     return np.concatenate([halves[0][::-1], halves[1][1:]])
 
 
-_LEAST_PARTICLES_ON_PART = 12
+_MIN_PARTICLES_ON_PART = 12
 """Least number of particles on a part at which a thin vessel begins."""
 
 _NORMAL_QUARTILE = 0.6744897501960817
 """Distance from the mean within which half of normal noise lies [standard deviations]."""
 
-_LEAST_VESSEL_CONTRAST = 3.0
+_MIN_VESSEL_CONTRAST = 3.0
 """Least contrast of a thin vessel everywhere along it [standard deviations of the noise]."""
 
-_LEAST_CONTRAST_SHARE = 0.2
+_MIN_CONTRAST_SHARE = 0.2
 """Least contrast of a thin vessel, as a share of the contrast at which the edges of the two parts lie."""
 
 _SHORTEST_VESSEL = 3.5
 """Least length of a thin vessel [widths of a smoothed step]: the blur of two edges farther apart adds up to less than
-`_LEAST_CONTRAST_SHARE`."""
+`_MIN_CONTRAST_SHARE`."""
 
 _LONGEST_VESSEL = 18.0
 """Largest length of a thin vessel [widths of a smoothed step]."""
@@ -290,7 +290,7 @@ _RING_DIRECTIONS = 8
 _PARALLEL_SINE = 1e-3
 """Sine of the angle under which two directions count as parallel."""
 
-_LEAST_FALL_SHARE = 0.5
+_MIN_FALL_SHARE = 0.5
 """Least fall of the gray level in each direction, as a share of the mean fall."""
 
 _AVERAGED_VOXELS = 3
@@ -320,14 +320,14 @@ def bridge_thin_vessels(height: Single, begin: Index, surroundings: SaddleSurrou
     just_inside = surroundings.points - surroundings.normals / surroundings.size
     voxels = np.clip(np.rint(just_inside).astype(np.int64) - low, 0, np.array(inner.shape) - 1)
     part = parts.part_at(voxels)
-    wanted = np.bincount(part[part >= 0], minlength=parts.count) >= _LEAST_PARTICLES_ON_PART
+    wanted = np.bincount(part[part >= 0], minlength=parts.count) >= _MIN_PARTICLES_ON_PART
     gray = surroundings.volume[tuple(slice(a, a + n) for a, n in zip(low, inner.shape, strict=True))]
     gray = gray if surroundings.sign > 0.0 else -gray
     background, noise = _estimate_background(gray, inner <= -HEIGHT_AWAY_FROM_PARTICLES)
     edges = surroundings.sign * interpolate_gray(surroundings.volume, surroundings.points)
     floor = background + max(
-        _LEAST_VESSEL_CONTRAST * noise,
-        _LEAST_CONTRAST_SHARE * (float(np.quantile(edges, _FAINT_EDGE_QUANTILE)) - background),
+        _MIN_VESSEL_CONTRAST * noise,
+        _MIN_CONTRAST_SHARE * (float(np.quantile(edges, _FAINT_EDGE_QUANTILE)) - background),
     )
 
     def is_thread(way: Index, _: Index) -> bool:
@@ -346,8 +346,8 @@ def bridge_thin_vessels(height: Single, begin: Index, surroundings: SaddleSurrou
         contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _AVERAGED_VOXELS)[
             _AVERAGED_VOXELS // 2 : -(_AVERAGED_VOXELS // 2)
         ]
-        least = max(_LEAST_VESSEL_CONTRAST * noise, _LEAST_CONTRAST_SHARE * (edges[near].mean() - background))
-        return bool(contrast.min() >= least and (falls.mean(0) >= _LEAST_FALL_SHARE * falls.mean()).all())
+        least = max(_MIN_VESSEL_CONTRAST * noise, _MIN_CONTRAST_SHARE * (edges[near].mean() - background))
+        return bool(contrast.min() >= least and (falls.mean(0) >= _MIN_FALL_SHARE * falls.mean()).all())
 
     reach = int(np.ceil(_LONGEST_VESSEL * width / 2.0 / surroundings.size.min())) + 2
     ways = find_saddle_paths(gray, gray > floor, parts, wanted, _VESSEL_SADDLES_APART, reach, is_thread)

@@ -16,13 +16,13 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Single, record
 
-_LEAST_PLANES_PER_THREAD = 4
+_MIN_PLANES_PER_THREAD = 4
 """Least number of planes for a thread."""
 
 _GAUSSIAN_CUTOFF = 3.0
 """Widths of the Gaussian beyond which a particle has no influence."""
 
-_LEAST_BAND_RADIUS = 2.0
+_MIN_BAND_RADIUS = 2.0
 """Least half thickness of the band around the particles [voxels]: it holds voxels on both sides of every edge."""
 
 
@@ -74,7 +74,7 @@ def height_over_threshold(
         The height.
     """
     height = np.full(box.shape, np.nan, np.float32)
-    radii = np.maximum(band / size, _LEAST_BAND_RADIUS)
+    radii = np.maximum(band / size, _MIN_BAND_RADIUS)
     reach = max(_GAUSSIAN_CUTOFF * width, float((radii * size).max()))
     places = levels.points - box.begin
     order, begin, cells = _sort_into_cells(places * size, np.array(box.shape) * size, reach)
@@ -87,7 +87,7 @@ def height_over_threshold(
             volume, box.begin, height, points, thresholds, slopes, begin, cells, size, reach, weight, first, last
         )
 
-    run_in_parallel(compute_planes, len(height), _LEAST_PLANES_PER_THREAD)
+    run_in_parallel(compute_planes, len(height), _MIN_PLANES_PER_THREAD)
     return height
 
 

@@ -29,19 +29,19 @@ from cpm_core.reconstruction.surface.local_threshold import LocalThresholds, Vox
 _THRESHOLD_SPREAD = 0.75
 """Width of the Gaussian that spreads the thresholds [distances between particles]."""
 
-_LEAST_THRESHOLD_SPREAD = 1.5
+_MIN_THRESHOLD_SPREAD = 1.5
 """Least width of the Gaussian that spreads the thresholds [smallest sides of a voxel]."""
 
 _BAND_THICKNESS = 1.6
 """Thickness of the band around the particles on each side [distances between particles]."""
 
-_LEAST_BAND_THICKNESS = 3.0
+_MIN_BAND_THICKNESS = 3.0
 """Least thickness of the band around the particles on each side [smallest sides of a voxel]."""
 
 _RIDGE_STEPS = 6
 """Number of steps of particles to the ridge."""
 
-_LEAST_PARTICLES = 4
+_MIN_PARTICLES = 4
 """Least number of particles: fewer span no volume."""
 
 
@@ -62,7 +62,7 @@ def find_surface(
     there are fewer than four particles.
     """
     size = np.array(pitch_of(spacing))
-    if len(points) < _LEAST_PARTICLES:
+    if len(points) < _MIN_PARTICLES:
         return Surface(np.empty(0), np.empty(0, np.int64), spacing, unit)
     levels, normals = find_local_thresholds(volume, edges, points, size, smoothing)
     points = levels.points
@@ -106,7 +106,7 @@ def find_local_thresholds(
 
 def width_and_band(apart: float) -> tuple[float, float]:
     """Return the width of the Gaussian and the thickness of the band, from the typical distance between particles."""
-    return max(_THRESHOLD_SPREAD * apart, _LEAST_THRESHOLD_SPREAD), max(_BAND_THICKNESS * apart, _LEAST_BAND_THICKNESS)
+    return max(_THRESHOLD_SPREAD * apart, _MIN_THRESHOLD_SPREAD), max(_BAND_THICKNESS * apart, _MIN_BAND_THICKNESS)
 
 
 def _decide_inside(height: Single, left_out: Mask | None) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, color_particles, particle_age, particle_speed
 from cpm_app.model.display.lengths import round_up
-from cpm_app.session.timeline.timeline_nodes import BranchFigures
+from cpm_app.session.timeline.timeline_nodes import BranchMetrics
 from cpm_app.views.theme import color_maps
 from hypothesis import given
 from hypothesis import strategies as st
@@ -65,7 +65,7 @@ def test_speeds_of_all_scales_are_in_px_of_the_image():
 
 def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(compiled_loops):
     parameters = Parameters(scales=1)
-    engine, recorder = Engine(disc(), parameters), BranchFigures()
+    engine, recorder = Engine(disc(), parameters), BranchMetrics()
     state = engine.start([(32.0 + 10.0 * np.sin(a), 32.0 + 10.0 * np.cos(a)) for a in np.arange(0.0, 6.2, 0.7)])
     seen: dict[int, int] = {}
     for _ in range(40):

@@ -46,9 +46,12 @@ def test_marks_on_the_canvas_are_seen_on_its_background():
     marks = {
         name: color
         for name, color in vars(theme).items()
-        if name.isupper() and isinstance(color, str) and name not in ("CANVAS", "HALO") and len(color) == 7
+        if name.isupper()
+        and isinstance(color, str)
+        and name not in ("CANVAS_COLOR", "CANVAS_HALO_COLOR")
+        and len(color) == 7
     }
-    assert {"CONTOUR", "PROPOSAL", "JUNCTION", "ATTRACTING"} <= marks.keys()
+    assert {"CONTOUR_COLOR", "PROPOSAL_COLOR", "JUNCTION_COLOR", "ATTRACTING_COLOR"} <= marks.keys()
     assert {name: color for name, color in marks.items() if contrast(color, theme.CANVAS_COLOR) < 3.0} == {}
 
 
@@ -72,8 +75,8 @@ def seen(color, kind):
 @pytest.mark.parametrize("kind", ["protan", "deutan"])
 @pytest.mark.parametrize(
     "pair",
-    [("MOVING", "RESTING"), ("CONTOUR", "PROPOSAL"), ("PROPOSAL", "MOVING"), ("REGION", "BARRIER")],
+    [("moving", "resting"), ("contour", "proposal"), ("proposal", "moving"), ("region", "barrier")],
 )
 def test_colors_of_data_can_be_distinguished_by_color_blind_users(kind, pair):
-    one, other = (seen(getattr(theme, name), kind) for name in pair)
+    one, other = (seen(getattr(theme, f"{name.upper()}_COLOR"), kind) for name in pair)
     assert sum((a - b) ** 2 for a, b in zip(one, other, strict=True)) ** 0.5 > 0.2

@@ -44,7 +44,7 @@ _OBJECTS_OF_AN_IMAGE = 4
 _AROUND = 160
 """Pixels to each side of the middle of an object that are kept of its image."""
 
-_LEAST_AREA, _LEAST_AREAS = 150, {"nuclei": 60}
+_MIN_AREA, _MIN_AREAS = 150, {"nuclei": 60}
 """The smallest objects [px], and those of kinds that are small by nature."""
 
 _MOST_SHARE = 0.5
@@ -100,7 +100,7 @@ def objects_of(path: Path, chance: random.Random) -> Iterator[Example]:
     """A few objects of the image that belongs to a file of labels, with what lies around them."""
     image, labels = labeled(path)
     areas = np.bincount(labels.ravel())
-    least = _LEAST_AREAS.get(path.parent.name, _LEAST_AREA)
+    least = _MIN_AREAS.get(path.parent.name, _MIN_AREA)
     fitting = [label for label in range(1, len(areas)) if least <= areas[label] < _MOST_SHARE * labels.size]
     for label in chance.sample(fitting, min(_OBJECTS_OF_AN_IMAGE, len(fitting))):
         middle = (int(pixels.mean()) for pixels in np.nonzero(labels == label))

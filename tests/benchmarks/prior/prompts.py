@@ -21,7 +21,7 @@ from tests.benchmarks.prior.textures import blurred, noise
 MAPS = 9
 """Input maps of the network."""
 
-_LEAST_VISIBLE, _LEAST_HIT = 12, 4
+_MIN_VISIBLE, _MIN_HIT = 12, 4
 """Pixels of the object that a window must hold, and of where it may be pointed at."""
 
 
@@ -129,7 +129,7 @@ def view(example: Example, chance: Chance) -> View | None:
     hit = visible if hit is None else _warped(hit, matrix)
     area = max(mask.sum() * scale * scale, visible.sum())
     values = _varied(_in_another_light(colors.astype(np.float32), chance), chance)
-    if visible.sum() < _LEAST_VISIBLE or hit.sum() < _LEAST_HIT:
+    if visible.sum() < _MIN_VISIBLE or hit.sum() < _MIN_HIT:
         return None
     return View(values, visible, hit, area, on_click)
 

@@ -121,9 +121,9 @@ def test_a_click_changes_only_what_hangs_together_with_it(scene_partition):
     assert after.mask[30, 38]
 
 
-def test_the_same_place_inside_and_outside_is_what_was_said_last_and_told(scene_partition):
+def test_the_same_place_inside_and_outside_is_what_was_marked_last_and_told(scene_partition):
     chosen = scene_partition.select([(30, 38), (90, 75)], [(30, 38)])
-    assert "The same place" in chosen.remark
+    assert "The same point" in chosen.remark
     assert not chosen.mask[30, 38]
     assert chosen.mask[90, 75]
     again = scene_partition.select(

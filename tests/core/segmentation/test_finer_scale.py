@@ -12,7 +12,7 @@ from cpm_core.model.state import Particles
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation import engine, finer_scale
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.finer_scale import begin_scale
+from cpm_core.segmentation.finer_scale import drop_explained_seeds
 
 from ..scenes import disk
 
@@ -45,7 +45,7 @@ def test_the_same_contours_are_found_with_few_of_the_seeds(monkeypatch):
     values, parameters, seeds = scene(), PRESETS["automatic"], uniform_grid((SIDE, SIDE))
     monkeypatch.setattr(finer_scale, "_MIN_THINNED_PIXELS", 0)  # so that the coarsest scale has fewer, too
     found, few = ended(Engine(values, parameters), seeds, parameters)
-    for name in ("begin_scale", "thin_seeds"):
+    for name in ("drop_explained_seeds", "thin_seeds"):
         monkeypatch.setattr(engine, name, lambda state, field=None: state)
     whole, many = ended(Engine(values, parameters), seeds, parameters)
     assert len(found.contours) == len(whole.contours) >= 20
@@ -65,7 +65,7 @@ def began(coarse, seeds):
     while state.scale:
         state = run.step(state, parameters)
     first = Particles.at_rest(np.concatenate([coarse, state.to_particle_places(seeds)]))
-    return begin_scale(replace(state, particles=first), run.scale_field(parameters))
+    return drop_explained_seeds(replace(state, particles=first), run.scale_field(parameters))
 
 
 def test_one_side_of_a_thin_object_does_not_explain_the_other():

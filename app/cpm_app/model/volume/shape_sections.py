@@ -38,7 +38,7 @@ from cpm_core.shapes import (
     Threshold,
     WithoutOutline,
 )
-from cpm_core.shapes.path import LEAST_SIZE
+from cpm_core.shapes.path import MIN_SIZE
 
 NEAR_SLICE_DISTANCE = 1.0
 """Largest distance of a point that a slice shows, in smallest sides of a voxel."""
@@ -137,10 +137,10 @@ class ChargeSection(WithoutOutline):
     def cut_sphere_around(self, radius: float) -> Array:
         """Return the circle in which the slice cuts a sphere around the charge, shape (K, 2); empty if it does not."""
         cut = math.sqrt(max(radius**2 - self.away**2, 0.0))
-        if cut < LEAST_SIZE:
+        if cut < MIN_SIZE:
             return np.empty((0, 2))
         down, right = self.sides
-        return Ellipse(self.position, (max(cut / right, LEAST_SIZE), max(cut / down, LEAST_SIZE))).outline
+        return Ellipse(self.position, (max(cut / right, MIN_SIZE), max(cut / down, MIN_SIZE))).outline
 
     def distance(self, position: Position) -> float:
         """Return the distance of a position from the charge [px]; infinite where the slice shows only its effect."""
@@ -208,7 +208,7 @@ def cut_sphere(sphere: Sphere, here: Slice) -> Ellipse | None:
 
 def _build_section_circle(sphere: Sphere, here: Slice, radius: float) -> Ellipse:
     down, right = here.drop_axis(sphere.sides)
-    return Ellipse(here.drop_axis(sphere.center), (max(radius / right, LEAST_SIZE), max(radius / down, LEAST_SIZE)))
+    return Ellipse(here.drop_axis(sphere.center), (max(radius / right, MIN_SIZE), max(radius / down, MIN_SIZE)))
 
 
 def _cut_box(box: Cuboid, here: Slice) -> Iterator[Section]:

@@ -52,13 +52,13 @@ def format_confidence(selection: AnySelection) -> str:
 class SelectionRequest:
     """A request for the object of some clicks, and for what the run offers.
 
-    `preview_prompt` also asks for the effect of one more click, at the pointer; `candidate_step` for a candidate that
+    `preview_click` also asks for the effect of one more click, at the pointer; `candidate_step` for a candidate that
     is some steps larger, or smaller below 0. Both come with their selector and the clicks before.
     """
 
     selector: Selector
     clicks: Clicks
-    preview_prompt: tuple[Selector, Clicks, Click] | None
+    preview_click: tuple[Selector, Clicks, Click] | None
     candidate_step: tuple[Selector, Clicks, int] | None
 
     def compute_answer(self) -> SelectionAnswer:
@@ -75,8 +75,8 @@ class SelectionRequest:
                 each.proposed_object if each.selection.has_boundary else None
             )  # cached on this thread, not on the window's
         preview, candidate = None, None
-        if self.preview_prompt is not None:
-            selector, before, click = self.preview_prompt
+        if self.preview_click is not None:
+            selector, before, click = self.preview_click
             after = selector.selection_for((*before, click)) if selector.is_quick((*before, click)) else None
             preview = None if after is None else Preview(after, selector.selection_for(before), click.inside)
         if self.candidate_step is not None:
@@ -207,7 +207,7 @@ class ObjectSelection(QObject):
     def add_click(self, places: tuple[Place, ...], inside: bool = True) -> None:
         """Add a click: positive points of the object, or negative ones."""
         click = Click(places, inside)
-        clicks, number = self._clicks_before(self._find_corrected(click))
+        clicks, number = self._clicks_before(self._number_to_correct(click))
         self._set_clicks(tr("select") if inside else tr("remove from selection"), (*clicks, click), number)
 
     def correct_object(self, number: int) -> None:
@@ -315,7 +315,7 @@ class ObjectSelection(QObject):
 
         self._session.edit(undo_text, accept_and_select)
 
-    def _find_corrected(self, click: Click) -> int:
+    def _number_to_correct(self, click: Click) -> int:
         """Return the number or key of the object or proposal that a click corrects; 0 if it begins a new object.
 
         A negative click corrects the object under it, a positive one the only proposal. While an object is being
@@ -411,7 +411,7 @@ class ObjectSelection(QObject):
         )
         pointed, stepped = None, None
         if self._pointed is not None:
-            clicks, number = self._clicks_before(self._find_corrected(self._pointed))
+            clicks, number = self._clicks_before(self._number_to_correct(self._pointed))
             pointed = self._get_selector(partition, number), clicks, self._pointed
         if self._steps:
             clicks, number = self._stepped_clicks

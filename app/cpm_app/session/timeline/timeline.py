@@ -21,7 +21,7 @@ from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns, TimelineBranch
 from cpm_app.session.timeline.timeline_nodes import (
-    BranchFigures,
+    BranchMetrics,
     BranchStep,
     RunAction,
     StateCache,
@@ -93,7 +93,7 @@ class _Branch:
     scales: list[tuple[int, int]]
     steered: bool = False
     renamed: bool = False
-    figures: BranchFigures = field(default_factory=BranchFigures)
+    figures: BranchMetrics = field(default_factory=BranchMetrics)
 
     @property
     def last(self) -> int:
@@ -409,7 +409,7 @@ class Timeline:
         forked, number = branch.parent is not None, branch.name.rpartition(" ")[2]
         steered = forked or bool(path[0].actions) or any(at.actions != path[1].actions for at in path[1:])
         self._branches_by_number[branch.identity] = _Branch(
-            branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, BranchFigures(stored.figures)
+            branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, BranchMetrics(stored.figures)
         )
         self._numbered = max(self._numbered, branch.identity)
         self._named[forked] = max(self._named[forked] + 1, int(number) if number.isdecimal() else 0)

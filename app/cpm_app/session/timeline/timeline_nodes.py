@@ -121,7 +121,7 @@ class StateCache:
                 self.stride *= 2
 
 
-class BranchFigures:
+class BranchMetrics:
     """Figures of a branch for plots, step by step, each in the order of `FIGURE_NAMES`."""
 
     def __init__(self, rows: Array | None = None) -> None:
@@ -138,10 +138,10 @@ class BranchFigures:
             row = {"step": step, **measures}
             self._values.extend(row.get(name, math.nan) for name in FIGURE_NAMES)
 
-    def copy_until(self, step: int) -> BranchFigures:
+    def copy_until(self, step: int) -> BranchMetrics:
         """Return a copy up to a step."""
         rows = self.rows
-        return BranchFigures(rows[:, rows[0] <= step])
+        return BranchMetrics(rows[:, rows[0] <= step])
 
     def metrics_until(self, step: float = math.inf) -> RunMetrics:
         """Return the metrics up to a step."""

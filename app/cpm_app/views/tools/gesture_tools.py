@@ -15,18 +15,18 @@ from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.tools.tool import CHARGE_GROUP, CIRCLE_GROUP, STROKE_GROUP, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
-from cpm_core.shapes.solids import LEAST_BOX_SIDE
+from cpm_core.shapes.solids import MIN_BOX_SIDE
 
 
 def box_between(one: Position, other: Position, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
     """Return two corners of a box in the volume, centered on the slice and as deep as its shorter side."""
     axis, low, high = here.axis, *np.sort([one, other], axis=0)
-    high = np.maximum(high, low + LEAST_BOX_SIDE)
+    high = np.maximum(high, low + MIN_BOX_SIDE)
     depth = ((high - low) * here.drop_axis(volume.spacing)).min()
-    half = max(0.5 * float(depth) / volume.spacing[axis], LEAST_BOX_SIDE)
+    half = max(0.5 * float(depth) / volume.spacing[axis], MIN_BOX_SIDE)
     begin = max(here.index - half, 0.0)
     # not flat, even in a volume of a single slice
-    end = max(min(here.index + half, volume.shape[axis] - 1.0), begin + LEAST_BOX_SIDE)
+    end = max(min(here.index + half, volume.shape[axis] - 1.0), begin + MIN_BOX_SIDE)
     first, last = ([*here.lift_position(tuple(corner.tolist()))] for corner in (low, high))
     first[axis], last[axis] = begin, end
     return tuple(first), tuple(last)
@@ -86,7 +86,7 @@ class CircleTool(DraggedTool):
     def build_shape(self, begin: Position, at: Position) -> Circle | Sphere:
         """Build the circle, or in a volume the sphere, around `begin` through the pointer."""
         if self.volume is not None:
-            return Sphere.from_voxel_size(begin, LEAST_BOX_SIDE, self.volume.spacing).with_handle_at(begin, at)
+            return Sphere.from_voxel_size(begin, MIN_BOX_SIDE, self.volume.spacing).with_handle_at(begin, at)
         return Circle(begin, max(math.dist(begin, at), SMALLEST_RADIUS))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cpm_app.model.display.lengths import format_short_number
 from cpm_app.model.display.plots import PLOTS, RunMetrics
-from cpm_app.session.timeline.timeline_nodes import BranchFigures
+from cpm_app.session.timeline.timeline_nodes import BranchMetrics
 from cpm_app.views.panels.run import Chart
 
 from cpm_core import Engine, Parameters
@@ -33,7 +33,7 @@ def panel(qtbot):
 
 def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
     parameters = Parameters()
-    engine, recorder = Engine(disc(), parameters), BranchFigures()
+    engine, recorder = Engine(disc(), parameters), BranchMetrics()
     state = engine.start([(32.0, 20.0), (32.0, 44.0), (20.0, 32.0)])
     states = []
     for _ in range(20):
