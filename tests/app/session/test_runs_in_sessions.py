@@ -159,6 +159,25 @@ def test_an_intervention_is_repeated_after_opening(ready, hand, tmp_path) -> Non
     assert not session.status.stale
 
 
+def test_a_session_saved_at_a_step_that_a_branch_shares_is_whole(steered, hand, tmp_path) -> None:
+    session = steered.session
+
+    def save_and_reopen() -> None:
+        shown, before = navigation(steered).current_step, particles(steered)
+        said = reopened(steered, hand, saved(steered, hand, tmp_path / "a.cpm"))
+        assert (said, navigation(steered).current_step) == ([], shown)
+        assert particles(steered) == before
+
+    for branch, step in [(1, 0), (2, 10), (2, 4)]:
+        navigation(steered).go_to(branch, step)
+        hand.wait(lambda: session.idle and session.status.step == step)
+        save_and_reopen()
+    session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))  # begins a branch
+    hand.wait(lambda: session.idle)
+    assert navigation(steered).current_step == (4, 4)
+    save_and_reopen()
+
+
 def test_a_run_that_was_reset_is_on_the_timeline_after_opening(ready, hand, tmp_path) -> None:
     run_to_the_end(ready, hand)
     hand.key(KEY.Key_R)

@@ -358,7 +358,10 @@ class Timeline:
         kept_steps = {(line.identity, line.last) for line in self._branches_by_number.values()} | (
             {self.current_step} if self.current_step else set()
         )
-        kept = ((at, self._states.get(self._branches_by_number[at[0]].node_at(at[1]))) for at in kept_steps)
+        first_steps = {stored.branch.identity: stored.branch.first for run in runs for stored in run.branches}
+        # the states up to the first of a branch follow from those of its parent, or from the beginning of its run
+        own_steps = (at for at in kept_steps if at[1] > first_steps[at[0]])
+        kept = ((at, self._states.get(self._branches_by_number[at[0]].node_at(at[1]))) for at in own_steps)
         return StoredRuns(tuple(runs), self.current_step, {at: state for at, state in kept if state is not None})
 
     def _to_stored_branch(self, line: _Branch) -> StoredBranch:
