@@ -168,9 +168,12 @@ def test_a_session_saved_at_a_step_that_a_branch_shares_is_whole(steered, hand, 
         assert (said, navigation(steered).current_step) == ([], shown)
         assert particles(steered) == before
 
-    for branch, step in [(1, 0), (2, 10), (2, 4)]:
+    def go_to(branch: int, step: int) -> None:
         navigation(steered).go_to(branch, step)
         hand.wait(lambda: session.idle and session.status.step == step)
+
+    for place in [(1, 0), (2, 10), (2, 4)]:
+        go_to(*place)
         save_and_reopen()
     session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))  # begins a branch
     hand.wait(lambda: session.idle)
