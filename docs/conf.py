@@ -37,7 +37,7 @@ html_static_path = ["_static"]
 html_css_files = ["tables.css"]
 html_theme_options = {"navigation_with_keys": True}
 
-pages.create_items(HERE / "_made")
+pages.make(HERE / "_made")
 
 
 def told_as_text(_app: object, _what: str, _name: str, _given: object, _options: object, lines: list[str]) -> None:

@@ -89,7 +89,7 @@ class Particles:
         return type(self)(*map(np.concatenate, zip(vars(self).values(), vars(more).values(), strict=True)))
 
     def __repr__(self) -> str:
-        return format_repr("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
+        return format_repr(type(self).__name__, f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
 
 
 @record
@@ -148,7 +148,7 @@ class State(ABC):
     >>> engine = cpm.Engine(cpm.example("disk"))
     >>> state = engine.step(engine.start(cpm.circle((32, 32), 8)), cpm.Parameters())
     >>> state
-    <State step 1, scale 2, 9 particles>
+    <PlaneState step 1, scale 2, 9 particles>
     >>> state.count, state.position.shape, state.placed.shape, len(state.list_arrays()) > 5
     (9, (9, 2), (0, 3), True)
     >>> bool(np.allclose(state.to_particle_places(state.position), state.particles.position))
@@ -265,5 +265,9 @@ class State(ABC):
     def __repr__(self) -> str:
         particles = format_count(self.count, "particle")
         return format_repr(
-            "State", f"step {self.step}", f"scale {self.scale}", particles, self.stop_reason.partition(":")[0]
+            type(self).__name__,
+            f"step {self.step}",
+            f"scale {self.scale}",
+            particles,
+            self.stop_reason.partition(":")[0],
         )

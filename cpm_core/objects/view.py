@@ -57,7 +57,7 @@ def notebook_view(values: ArrayLike | Image | Result, result: Result | None = No
     Examples
     --------
     >>> cpm.notebook_view(cpm.example("disks"))
-    <View disks, 0 objects>
+    <NotebookView disks, 0 objects>
     """
     found = values if result is None else replace(result, image=as_image(values))  # type: ignore[arg-type]
     if isinstance(found, Result):
@@ -173,7 +173,7 @@ class NotebookView(drawing.Pictured):
         return lines
 
     def __repr__(self) -> str:
-        return format_repr("View", self.partition.image.source, format_count(len(self.objects), "object"))
+        return format_repr("NotebookView", self.partition.image.source, format_count(len(self.objects), "object"))
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self._widget._repr_mimebundle_(**options) if find_spec("anywidget") else {}

@@ -44,7 +44,7 @@ class RunState(drawing.Pictured):
     >>> run = cpm.evolve(cpm.example(), cpm.circle((32, 32), 8))
     >>> first = next(run)
     >>> first
-    <Evolved step 0, scale 2, 25 particles>
+    <RunState step 0, scale 2, 25 particles>
     >>> first.step, first.scale, first.count, first.position.shape
     (0, 2, 25, (25, 2))
     >>> for moment in run:
@@ -115,7 +115,7 @@ class RunState(drawing.Pictured):
 
     def __repr__(self) -> str:
         return format_repr(
-            "Evolved", f"step {self.step}", f"scale {self.scale}", format_count(self.count, "particle"),
+            "RunState", f"step {self.step}", f"scale {self.scale}", format_count(self.count, "particle"),
             self.stop_reason.partition(":")[0],
         )  # fmt: skip
 

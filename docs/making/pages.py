@@ -30,4 +30,4 @@ def make(folder: Path) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
     figures.draw(folder / "figures")
-    notebooks.create_items(ROOT / "docs" / "notebooks", folder / "notebooks", ROOT)
+    notebooks.make(ROOT / "docs" / "notebooks", folder / "notebooks", ROOT)

@@ -62,7 +62,7 @@ def test_no_kernel_is_left_to_compile_for_a_large_image(monkeypatch):
     warm_up()
     before = compiled()
     for module in (scale_field, scale_space, local_fields):
-        monkeypatch.setattr(module, "LARGE", 1000)
+        monkeypatch.setattr(module, "LARGE_IMAGE_PIXELS", 1000)
     monkeypatch.setattr(scale_field, "_FIELD_TILE_SIDE", 20)
     parameters = Parameters(scales=1)
     for seeds in (circle((32.0, 32.0), 7.0), np.argwhere(np.ones((16, 16))) * 4.0):

@@ -136,12 +136,12 @@ def export(window: MainWindow, keys: Keys, path: Path) -> None:
     keys.wait(dialog.isActiveWindow)
     keys.go_to(dialog.list)
     for _ in range(40):
-        if not any(file.suffix == path.suffix for file in dialog.files):
+        if not any(file.suffix == path.suffix for file in dialog.checked_files):
             keys.press(KEY.Key_Down, KEY.Key_Space)
     keys.go_to(dialog.base)
     keys.press(KEY.Key_A, held=CONTROL)
     keys.type(path.stem)
-    keys.go_to(dialog._place)
+    keys.go_to(dialog._folder_button)
     named = []
 
     def name_the_file() -> None:
@@ -163,7 +163,7 @@ def export(window: MainWindow, keys: Keys, path: Path) -> None:
     assert named == [QFileDialog.DialogCode.Accepted]
     dialog.activateWindow()  # as a window manager does when a dialog closes
     keys.wait(dialog.isActiveWindow)
-    path = next(file.path for file in dialog.files if file.suffix == path.suffix)
+    path = next(file.path for file in dialog.checked_files if file.suffix == path.suffix)
     keys.press(KEY.Key_E, held=ALT)
     keys.wait(path.exists)
     assert json.loads(path.read_text())["features"]

@@ -9,7 +9,7 @@ import pytest
 import cpm_core as cpm
 
 WIDEST = 120
-ABSTRACT = {"ContourState", "Method"}
+ABSTRACT = {"ContourState", "Method", "State"}
 """Interfaces, of which there are no objects."""
 
 

@@ -33,7 +33,7 @@ def raising(error: Exception):
 
 BROKEN = [
     (Engine, "result", ValueError("the crust has no triangles")),
-    (ContourTracker, "track", RuntimeError("tracking")),
+    (ContourTracker, "track_contours", RuntimeError("tracking")),
     (reconstruction, "apply_hand_edits", ValueError("the edit by hand meets nothing")),
     (Engine, "result", MemoryError()),
 ]

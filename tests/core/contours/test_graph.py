@@ -71,7 +71,7 @@ class Linked:
     def ties(self):
         return [p for p in self.ways() if p[0] != p[-1] and min(len(self.near[p[0]]), len(self.near[p[-1]])) > 2]
 
-    def drop_ties(self, longest):
+    def drop_junction_links(self, longest):
         for path in sorted(self.ties(), key=self.length):
             if min(len(self.near[path[0]]), len(self.near[path[-1]])) > 2 and self.length(path) < longest:
                 self.drop(path)
@@ -151,7 +151,7 @@ def test_branches_and_neighbors_are_those_of_the_edges(made):
         )
 
 
-@pytest.mark.parametrize("operation", ["drop_spurs", "drop_specks", "drop_ties", "merge_junctions"])
+@pytest.mark.parametrize("operation", ["drop_spurs", "drop_specks", "drop_junction_links", "merge_junctions"])
 @settings(max_examples=40, deadline=None)
 @given(made=drawings(), longest=st.floats(0.0, 25.0))
 def test_simplifying_by_paths_equals_simplifying_by_edges(operation, made, longest):

@@ -49,12 +49,12 @@ def calls(monkeypatch):
         monkeypatch.setattr(module, name, counting)
 
     count(scale_space_module, "build_scale_field")
-    for name in ("pyramid", "prepared", "automatic_smoothing", "toned", "vesselness"):
+    for name in ("build_pyramid", "prepare_for_edges", "automatic_smoothing", "apply_gamma", "compute_vesselness"):
         count(scale_space_module, name)
     count(scale_space_module, "build_barrier_map")
-    for name in ("convolved_field", "inside_border"):
+    for name in ("convolved_field", "find_pixels_inside_border"):
         count(scale_field_module, name)
-    count(scale_space_module, "slopes_of")
+    count(scale_space_module, "gradient_provider")
     return counted
 
 

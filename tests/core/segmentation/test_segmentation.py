@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from cpm_core import Engine, Parameters, circle, segment, uniform_grid
+from cpm_core import Engine, Parameters, Particles, circle, segment, uniform_grid
 
 from ..scenes import blob, disk, mirrored, outline_distance, ring, square, turned, u_shape
 
@@ -204,7 +204,7 @@ def test_no_particle_is_left_where_there_is_no_edge():
         before, state = state, engine.step(state, Parameters())
     assert state.converged
     assert np.abs(scene.distance(state.position)).max() < 2.0
-    left = before.particles.append(np.array([(50.0, 41.0)]), before.next_identity)
+    left = before.particles.append(Particles.at_rest(np.array([(50.0, 41.0)]), before.next_identity))
     left.distance[-1] = np.hypot(50.0, 41.0)
     last = engine.step(dataclasses.replace(before, particles=left), Parameters())
     assert last.converged

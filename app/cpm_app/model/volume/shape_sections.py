@@ -142,7 +142,7 @@ class ChargeSection(WithoutOutline):
         down, right = self.sides
         return Ellipse(self.position, (max(cut / right, MIN_SIZE), max(cut / down, MIN_SIZE))).outline
 
-    def distance(self, position: Position) -> float:
+    def distance_to(self, position: Position) -> float:
         """Return the distance of a position from the charge [px]; infinite where the slice shows only its effect."""
         return math.dist(self.position, position) if self.in_slice else math.inf
 

@@ -85,7 +85,7 @@ def test_what_is_unfolded_is_remembered(qtbot, workspace, window, hand) -> None:
     assert run.plot.isVisible()
     again = make_window(workspace, Preferences())
     qtbot.addWidget(again)
-    assert again.panels["run"].unfolded == ["plots"]
+    assert again.panels["run"].unfolded_sections == ["plots"]
     again.close()
 
 

@@ -70,7 +70,8 @@ def test_the_program_writes_numbers_in_the_language_that_is_chosen() -> None:
         "from cpm_app.model.text.language import use_language; use_language('de')\n"
         "from cpm_app.views.application import make_application; application = make_application()\n"
         "from PySide6.QtCore import QLocale; print(QLocale().toString(1.5))\n"
-        "from cpm_app.model.display.lengths import measured; print(measured(12345.6, (1.0, 1.0), None))"
+        "from cpm_app.model.display.lengths import format_measured_length\n"
+        "print(format_measured_length(12345.6, (1.0, 1.0), None))"
     )
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert said.split("\n")[:2] == ["1,5", "12.345,6 px"]
