@@ -70,7 +70,13 @@ class SplitTool(Tool):
         at = self._at
         if at is not None and self._find_contact(at) is not None and self._find_object(at) is None:
             return tr("Click to cut the contour here.")
-        return self.tip
+        return self._usage
+
+    @property
+    def _usage(self) -> str:
+        """Sentence on how to split here; in a volume only clicks do."""
+        by_clicks = tr("Click one half of an object, then the other: it is split at the neck between them.")
+        return self.tip if self.volume is None else by_clicks
 
     def on_press(self, at: Place, reach: float) -> None:
         """Begin a click or a line."""
@@ -136,7 +142,7 @@ class SplitTool(Tool):
             self._editing.cut_contour(contact)
         else:
             self._session.messages.show(
-                tr("There is no object here. {advice}", advice=self.tip), category=EDITING_CATEGORY
+                tr("There is no object here. {advice}", advice=self._usage), category=EDITING_CATEGORY
             )
 
     def _split_along(self, path: list[Place]) -> None:
