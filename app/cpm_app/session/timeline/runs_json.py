@@ -268,7 +268,8 @@ def _read_state(
     run, stored = branches[number_of]
     if not stored.branch.first < step <= stored.branch.last:
         raise ValueError(f"there is no step {step} of branch {number_of}.")
-    state = state_from_json(plain.get("state"), image.shape, run.document.parameters.scales)
+    spacing = (run.document.image or image).spacing
+    state = state_from_json(plain.get("state"), image.shape, run.document.parameters.scales, spacing)
     taken = stored.steps[step - stored.branch.first][0]
     if state.step != step or not isinstance(taken, StepAction):
         raise ValueError(f"the state of step {step} is that of step {state.step}.")

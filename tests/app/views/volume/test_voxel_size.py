@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.offers import PixelSizeFeature
@@ -87,3 +88,20 @@ def test_a_session_keeps_the_size_and_another_program_reads_it(volume, hand, tmp
     dialog = volume.get_feature(PixelSizeFeature).dialog
     hand.qtbot.mouseClick(dialog.reset_button, Qt.MouseButton.LeftButton)
     assert size(volume) == ((1.0, 1.0, 1.0), None)
+
+
+def test_a_run_on_voxels_that_are_no_cubes_is_there_again_after_opening(volume, hand, tmp_path, volume_file) -> None:
+    choose(volume, hand, (0.2, 1.0, 1.0), "mm")
+    hand.drag((13.5, 15.5), (13.5, 19.5))
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle)
+    found = volume.session.scene.snapshot.position
+    volume.get_feature(OpenSaveFeature).document_file.save_and_wait(tmp_path / "ball.cpm")
+    open_file(volume, hand, volume_file)
+    said: list[str] = []
+    volume.session.messages.shown.connect(lambda text, _: said.append(text))
+    volume.open_image(str(tmp_path / "ball.cpm"))
+    hand.wait(lambda: volume.session.image.unit == "mm" and volume.session.idle)
+    assert not [text for text in said if "damaged" in text]
+    np.testing.assert_array_equal(volume.session.scene.snapshot.position, found)
