@@ -122,7 +122,7 @@ def _describe_result(result: Result | Centerlines, source: Path) -> tuple[JsonDi
         return facts, f"{source.name}: {describe_contour_count(result)}"
     vertices, faces = len(result.surface.vertices), len(result.surface.faces)
     facts |= {"vertices": vertices, "faces": faces}
-    return facts, f"{source.name}: a surface of {format_count(faces, 'triangle')}, with {vertices} corners"
+    return facts, f"{source.name}: a surface of {format_count(faces, 'triangle')}, with {vertices:,} corners"
 
 
 def _load_session_result(source: Path, arguments: argparse.Namespace) -> tuple[Result, str]:

@@ -284,7 +284,7 @@ def _describe_surface(result: Result, seconds: float) -> tuple[JsonDict, list[st
         "volume": round(surface.volume, 3) if surface is not None and surface.closed else None,
         "area": round(surface.area, 3) if surface is not None else None,
     }
-    lines = [f"{result.source}: a surface of {format_count(faces, 'triangle')}, with {vertices} corners"]
+    lines = [f"{result.source}: a surface of {format_count(faces, 'triangle')}, with {vertices:,} corners"]
     lines += _describe_run(result, seconds)
     if result.image is not None:
         facts |= collect_geometry_facts(result.image)
