@@ -40,7 +40,7 @@ def notebook_view(values: ArrayLike | Image | Result, result: Result | None = No
     Parameters
     ----------
     values : array_like, or Image, or Result
-        An image or a volume, or what was found in one.
+        An image of shape (H, W), a volume of shape (P, H, W), or what was found in one.
     result : Result, optional
         What was found in the image, if `values` is the image itself.
 

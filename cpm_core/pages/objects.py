@@ -253,6 +253,7 @@ def _find_sought_objects(sought: Sequence[_SoughtObject], page: Partition, check
     found: list[Selection] = []
 
     def find_certain_near(mask: Mask) -> list[Mask]:
+        """Return the unambiguous objects whose box meets that of a mask, each of its shape (H, W)."""
         low, high = true_bounds(mask)
         return [one for one, first, last in certain if (first <= high).all() and (last >= low).all()]
 

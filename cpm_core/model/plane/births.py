@@ -500,6 +500,7 @@ def _insert_apart(cells: PlaneCells, offers: _Offers, d_min: float, position: Ar
 def replace_particles(particles: Particles, stay: Index, births: PlaneBirths, first_identity: int) -> Particles:
     """Return the particles with the indices `stay`, in this order, and the new ones, numbered from `first_identity`.
 
+    `stay` has the shape (K,).
     New ones have the mean velocity and force history of their two parents.
     """
     before = particles.position, particles.velocity, particles.force, particles.distance, particles.identity

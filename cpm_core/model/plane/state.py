@@ -75,7 +75,7 @@ class PlaneState(State):
 
     @classmethod
     def from_seeds(cls, seeds: Array, image: Image, scales: int, regions: AnyRegions | None) -> Self:
-        """Return the state before the coarsest scale; see `State.from_seeds`."""
+        """Return the state before the coarsest scale, from seeds of shape (N, 2) [px]; see `State.from_seeds`."""
         none = Particles.at_rest(seeds[:0])
         return cls(none, seeds, image.shape, scales, regions=regions, coverage=no_coverage(()))
 

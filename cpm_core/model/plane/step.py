@@ -204,7 +204,10 @@ _FADED_INTERVAL = 4
 def move_particles(
     state: PlaneState, idle: Index, scale_field: ScaleField, parameters: Parameters
 ) -> tuple[PlaneState, MovedParticles]:
-    """Move the particles of a state and drop those that leave the image; also return how they moved."""
+    """Move the particles of a state and drop those that leave the image; also return how they moved.
+
+    `idle`, shape (N,), counts the steps since cells near each particle were newly covered.
+    """
     particles, step = state.particles, state.step_of_scale
     mesh = current_mesh_force(state, idle, scale_field, parameters)
     moved = move_in_plane(particles, idle, mesh, scale_field, parameters)

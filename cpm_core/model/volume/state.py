@@ -90,7 +90,7 @@ class VolumeState(State):
 
     @classmethod
     def from_seeds(cls, seeds: Array, image: Image, scales: int, regions: AnyRegions | None) -> Self:
-        """Return the state before the coarsest scale; see `State.from_seeds`."""
+        """Return the state before the coarsest scale, from seeds of shape (N, 3) [voxels]; see `State.from_seeds`."""
         none, pitch = VolumeParticles.at_rest(seeds[:0]), pitch_of(image.spacing)
         return cls(none, seeds, image.shape, scales, regions=regions, pitch=pitch, coverage=no_surface_coverage())
 

@@ -70,6 +70,7 @@ def evolve_front(inside: Mask, curvature: Array, pressure: Array, velocity: Arra
     time = min(_MAX_FRONT_STEP / max(fastest, 1e-9), _MAX_CURVATURE_STEP / max(most_curved, 1e-9))
 
     def iterate_functions() -> Iterator[Array]:
+        """Yield the function after each step, shape (H, W) [px]."""
         phi = np.clip(signed_region_distance(inside), -MAX_FRONT_DISTANCE, MAX_FRONT_DISTANCE)
         for step in itertools.count(1):
             yield phi

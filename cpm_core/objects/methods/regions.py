@@ -55,6 +55,7 @@ def evolve_chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> 
     gray = unit_gray(image)
 
     def iterate_functions() -> Iterator[Array]:
+        """Yield the function after each step, shape (H, W)."""
         # the signed distance in units of the depth of the start: the farther from 0, the less a pixel is moved
         distance = signed_region_distance(start.mask(image.shape))
         phi = np.clip(distance / max(float(distance.max()), 1.0), -1.0, 1.0)

@@ -45,7 +45,7 @@ def rank_crop_sizes(point: Array, sampler: VolumeSampler, network: Network) -> l
 def crop_closely(
     crop: Crop3D, probabilities: Sequence[Single], point: Array, sampler: VolumeSampler, network: Network
 ) -> tuple[Crop3D, list[Single]]:
-    """Crop closely around the answers in the slices of a crop through a point, and predict again."""
+    """Crop closely around the answers in the slices of a crop through a point, shape (3,), and predict again."""
     closer = _crop_around_slices(crop, probabilities, point)
     lines = crop.axes_to_crop_steps(closer.axis_positions)
     previous = []
