@@ -160,8 +160,8 @@ def test_a_charge_is_seen_where_it_acts_and_held_where_it_lies() -> None:
     (here,), (near,) = cut_shape(charge, Slice(0, 20)), cut_shape(charge, Slice(0, 26))
     assert here.in_slice
     assert not near.in_slice
-    assert here.distance((30.0, 40.0)) == 0.0
-    assert near.distance((30.0, 40.0)) == np.inf
+    assert here.distance_to((30.0, 40.0)) == 0.0
+    assert near.distance_to((30.0, 40.0)) == np.inf
     assert np.hypot(*(near.cut_sphere_around(16.0) - (30, 40)).T) == pytest.approx(np.sqrt(16.0**2 - 6.0**2))
     assert cut_shape(charge, Slice(0, 40)) == ()
     (flat,) = cut_shape(charge, Slice(1, 30), (2.0, 1.0, 1.0))
