@@ -149,6 +149,26 @@ def test_the_preferred_language_is_in_use_before_the_window_is_loaded(qapp, monk
     language.use_language("en")
 
 
+WHAT_THE_START_LOADS = """
+import sys
+from cpm_app import __main__ as start
+from cpm_app.model.text import language
+
+translated = []
+language.tr = lambda message, **_: translated.append(message) or message
+language.use_language = lambda *_: print(translated)
+start.explain_no_window = lambda: "no window"
+sys.exit(start.main([]))
+"""
+
+
+def test_no_sentence_is_translated_before_the_language_is_known(tmp_path) -> None:
+    environment = os.environ | {"XDG_CONFIG_HOME": str(tmp_path)}
+    command = [sys.executable, "-c", WHAT_THE_START_LOADS]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=environment)
+    assert (done.returncode, done.stdout.strip()) == (EXIT_CANNOT_OPEN, "[]"), done.stderr
+
+
 @pytest.mark.parametrize(
     ("environment", "of_the_system", "used"),
     [

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
-from cpm_app.model.preferences.table import Preference
 from cpm_core.numerics.types import Callback
+
+if TYPE_CHECKING:  # its sentences are translated while it is imported, and the language is read from here
+    from cpm_app.model.preferences.table import Preference
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 PreferenceValue = TypeVar("PreferenceValue")
