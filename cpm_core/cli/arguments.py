@@ -74,7 +74,10 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
     },
     "--page": {"metavar": "N", "help": "plane, page or frame of a file that holds several, from 1"},
     "--time": {"metavar": "N", "help": "point in time of a file that holds several, from 1"},
-    "--channel": {"metavar": "N", "help": CHANNEL_HELP},
+    "--channel": {
+        "metavar": "N",
+        "help": f"channel of a color image by its name, such as green. {CHANNEL_HELP}",
+    },
     "--series": {
         "metavar": "N|NAME",
         "help": "series of a TIFF or of a folder of DICOM files, or array of an archive",

@@ -366,7 +366,7 @@ def to_bytes(
         result = result.lines
     if isinstance(result, Centerlines):
         if not file_format.lines:
-            raise ValueError(f'A file with the suffix "{suffix}" contains no center lines in a volume: choose .swc.')
+            raise ValueError(f'A file with the suffix "{suffix}" cannot contain center lines in a volume: choose .swc.')
     elif file_format.lines:
         raise ValueError(f"{result.source} has no center lines in a volume, which {suffix} is for: find its skeleton.")
     elif isinstance(result, Result) and result.surface is not None and not file_format.volume:
