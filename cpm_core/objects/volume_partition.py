@@ -221,10 +221,8 @@ class VolumePartition:
         for places, adds in ((within, True), (beyond, False)):
             for place in places:
                 if (body.interpolate_logit(place * size) > 0.0) != adds:
-                    before, body = (
-                        body,
-                        self._predictor.correct_body(body, place * size, adds, within * size, beyond * size),
-                    )
+                    before = body
+                    body = self._predictor.correct_body(before, place * size, adds, within * size, beyond * size)
                     if voxels is not None:
                         voxels = self._repaint_voxels(voxels, before, body, place, adds)
         if voxels is not None:

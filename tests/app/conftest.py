@@ -20,6 +20,7 @@ from cpm_app.views.features import files
 from cpm_app.views.window import dialogs
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QPoint, QSettings, Qt
+from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QApplication, QDialog
 from pytestqt.qtbot import QtBot
 
@@ -79,6 +80,11 @@ class Hand:
     def at(self, row: float, col: float) -> QPoint:
         """Point of the canvas over a position of the image."""
         return self.canvas.map_from_image((row, col)).toPoint()
+
+    def color_at(self, row: float, col: float) -> tuple[int, int, int]:
+        """Color of the canvas over a position of the image."""
+        color = QColor(self.canvas.grab().toImage().pixel(self.at(row, col)))
+        return color.red(), color.green(), color.blue()
 
     def press(self, row: float, col: float) -> None:
         """Left button down."""

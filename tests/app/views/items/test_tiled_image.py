@@ -10,7 +10,7 @@ from cpm_app.views.items.tiled_image import TiledImage, visible_part
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QRectF
-from PySide6.QtGui import QColor, QImage, QPainter
+from PySide6.QtGui import QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from cpm_core import Image
@@ -126,29 +126,23 @@ def colored(window, hand, tmp_path):
     return window
 
 
-def color_at(hand, row: float, col: float) -> tuple[int, int, int]:
-    """Color of the canvas over a position of the image."""
-    color = QColor(hand.canvas.grab().toImage().pixel(hand.at(row, col)))
-    return color.red(), color.green(), color.blue()
-
-
 def test_a_color_image_is_shown_in_its_colors(colored, hand):
-    assert color_at(hand, 10.0, 20.0) == (200, 40, 40)
-    assert color_at(hand, 10.0, 60.0) == (40, 60, 200)
+    assert hand.color_at(10.0, 20.0) == (200, 40, 40)
+    assert hand.color_at(10.0, 60.0) == (40, 60, 200)
 
 
 def test_levels_brighten_the_colors_and_keep_them_apart(colored, hand):
     layer = hand.canvas.layers["image"]
     layer.set_window(0.0, 204.0)
-    assert color_at(hand, 10.0, 20.0) == (250, 50, 50)
-    assert color_at(hand, 10.0, 60.0) == (50, 75, 250)
+    assert hand.color_at(10.0, 20.0) == (250, 50, 50)
+    assert hand.color_at(10.0, 60.0) == (50, 75, 250)
     layer.set_option("range", "0")
-    assert color_at(hand, 10.0, 60.0) == (40, 60, 200)
+    assert hand.color_at(10.0, 60.0) == (40, 60, 200)
 
 
 def test_a_gray_image_after_a_colored_one_has_no_colors(colored, hand, image_file):
     hand.canvas.layers["image"].set_window(0.0, 204.0)
     colored.session.open_file(image_file)
     hand.wait(lambda: colored.session.document.image.name == image_file.name and colored.session.idle)
-    red, green, blue = color_at(hand, 32.0, 32.0)
+    red, green, blue = hand.color_at(32.0, 32.0)
     assert red == green == blue > 250

@@ -7,7 +7,6 @@ import PIL.Image
 import pytest
 from cpm_app.views.features.files import OpenSaveFeature
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QColor
 
 pytestmark = pytest.mark.shared_window
 
@@ -23,12 +22,6 @@ def colored(window, hand, tmp_path):
     window.session.open_file(tmp_path / "colored.png")
     hand.wait(lambda: window.session.document.image.name == "colored.png" and window.session.idle)
     return window
-
-
-def color_at(hand, row: float, col: float) -> tuple[int, int, int]:
-    """Color of the canvas over a position of the image."""
-    color = QColor(hand.canvas.grab().toImage().pixel(hand.at(row, col)))
-    return color.red(), color.green(), color.blue()
 
 
 def test_a_channel_is_taken_with_the_keys_and_undone(colored, hand) -> None:
@@ -56,13 +49,13 @@ def test_a_session_brings_back_the_channel(colored, hand, image_file, tmp_path) 
 
 def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand) -> None:
     layer, panel = hand.canvas.layers["image"], colored.panels["run"].parameters
-    assert color_at(hand, 30.0, 20.0) == (220, 60, 60)
+    assert hand.color_at(30.0, 20.0) == (220, 60, 60)
     layer.set_option("shown", "channel")
     panel.set_parameter("channel", "red")
-    hand.wait(lambda: color_at(hand, 30.0, 20.0)[1] > 200)
-    red, green, blue = color_at(hand, 30.0, 60.0)
+    hand.wait(lambda: hand.color_at(30.0, 20.0)[1] > 200)
+    red, green, blue = hand.color_at(30.0, 60.0)
     assert red == green == blue < 100
     panel.set_parameter("channel", "blue")
-    hand.wait(lambda: color_at(hand, 30.0, 60.0)[1] > 200)
+    hand.wait(lambda: hand.color_at(30.0, 60.0)[1] > 200)
     layer.set_option("shown", "colors")
-    assert color_at(hand, 30.0, 20.0) == (220, 60, 60)
+    assert hand.color_at(30.0, 20.0) == (220, 60, 60)
